@@ -19,7 +19,7 @@ use exponential::{LEAST_RATE, exponentials, series_orders};
 use increment::Increment;
 use nalgebra::DMatrix;
 use std::sync::OnceLock;
-use watched::{Heads, watch_table};
+use watched::{Heads, Orders, watch_table};
 
 /// Derivatives of a functional that are looked at where a mode begins. With rate times length at most 2 the first Taylor
 /// coefficient left out is under 2²⁶/26! < 2e-19 of the largest coordinate.
@@ -87,16 +87,16 @@ impl Table {
         let stiff = |buffers: &Buffers| kept > 0 && rate > STIFF * rate_bound(&buffers.rest, one);
         let increment = buffers.filter(stiff).map(|buffers| Increment::new(&a, buffers, length));
         let transitions = exponentials(&a, rate, length, &ends).iter().map(Blocks::of).collect();
-        let interval = exponentials(&a, rate, step, &[1.0]).remove(0);
-        let spread = exponentials(&a.abs(), rate, step, &[1.0]).remove(0);
+        let orders: [usize; INTERVALS] = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
+        let of_rows = Orders { sub_step: orders[INTERVALS - 1], interval: orders[0] };
+        let abs = a.abs();
         let watched: Vec<WatchTable> = watched
             .into_iter()
             .map(|(watch, row)| {
-                watch_table(watch, row, (&a, &sizes), (step, increment.is_some()), &interval, &spread)
+                watch_table(watch, row, [&a, &abs, &sizes], (step, increment.is_some()), &of_rows)
             })
             .collect();
         let heads = Heads::of(&watched, a.len());
-        let orders = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
         let kept = if a.len() <= DENSE { one / 2..one } else { 0..0 };
         let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
         let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));

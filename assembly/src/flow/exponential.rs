@@ -42,10 +42,12 @@ pub(super) fn series_orders(x: f64) -> usize {
 pub fn rate_bound(a: &DMatrix<f64>, one: usize) -> f64 {
     let size = a.nrows();
     let mut w = vec![1.0f64; size];
+    let (rows, columns) = (SparseMatrix::of(a), SparseMatrix::of(&a.transpose()));
+    let others = |i: usize| move |term: &&(usize, f64)| term.0 < one && term.0 != i;
     for _ in 0..BALANCE_TURNS {
         for i in 0..one {
-            let row: f64 = (0..one).filter(|&j| j != i).map(|j| a[(i, j)].abs() * w[j]).sum();
-            let column: f64 = (0..one).filter(|&j| j != i).map(|j| a[(j, i)].abs() / w[j]).sum();
+            let row: f64 = rows.row(i).iter().filter(others(i)).map(|&(j, x)| x.abs() * w[j]).sum();
+            let column: f64 = columns.row(i).iter().filter(others(i)).map(|&(j, x)| x.abs() / w[j]).sum();
             // The weight that makes row/w and column·w equal, kept within what doubles can carry.
             if row > 0.0 && column > 0.0 {
                 w[i] = (row / column).sqrt().clamp(1e-100, 1e100);

@@ -4,7 +4,6 @@ use super::{INTERVALS, LOCAL};
 use crate::kernel::{Sparse, SparseMatrix, combine};
 use crate::mode::Watch;
 use crate::system::{Functional, Row};
-use nalgebra::DMatrix;
 
 /// Covers the rounding of a bound.
 const BOUND_MARGIN: f64 = 1.0 + 1e-9;
@@ -117,41 +116,75 @@ pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64,
     columns
 }
 
-/// The table of a functional; `interval` and `spread` are exp(A h) and exp(|A| h) for an interval h = `step`. Its bend is bounded by the state or,
-/// with `is_stiff`, by the state's second derivative.
+/// Values and second derivatives of a power series at 0, 1, …, [`INTERVALS`].
+#[inline(always)]
+fn at_interval_ends(c: impl Fn(usize) -> f64, orders: usize) -> ([f64; INTERVALS + 1], [f64; INTERVALS + 1]) {
+    let (mut values, mut seconds) = ([0.0; INTERVALS + 1], [0.0; INTERVALS + 1]);
+    for k in (0..orders).rev() {
+        let c = c(k);
+        values.iter_mut().enumerate().for_each(|(i, sum)| *sum = *sum * i as f64 + c);
+        if let Some(before) = k.checked_sub(2) {
+            let c = c * (k * (before + 1)) as f64;
+            seconds.iter_mut().enumerate().for_each(|(i, sum)| *sum = *sum * i as f64 + c);
+        }
+    }
+    (values, seconds)
+}
+
+/// How far the series of a table go.
+pub(super) struct Orders {
+    /// Over a sub-step.
+    pub(super) sub_step: usize,
+    /// Over an interval.
+    pub(super) interval: usize,
+}
+
+/// The table of a functional over intervals of length `step`, from A, its entries' sizes |A|, and the sizes of the terms of its entries. Its bend is
+/// bounded by the state or, with `is_stiff`, by the state's second derivative. Rows are multiplied by A's entries that are not zero: a mode that
+/// is met for the first time costs little more than its events.
 pub(super) fn watch_table(
     watch: Watch,
     row: Row,
-    (a, sizes): (&SparseMatrix, &SparseMatrix),
+    [a, abs, sizes]: [&SparseMatrix; 3],
     (step, is_stiff): (f64, bool),
-    interval: &DMatrix<f64>,
-    spread: &DMatrix<f64>,
+    orders: &Orders,
 ) -> WatchTable {
     let size = row.len();
-    let after = |row: &Row, factor: f64| {
-        let mut next = Row::zeros(size);
-        a.after_row(row.as_slice(), factor, next.as_mut_slice());
+    let after = |row: &[f64], factor: f64| {
+        let mut next = vec![0.0; size];
+        a.after_row(row, factor, &mut next);
         next
     };
-    let local = taylor(a, row.as_slice(), 1.0, step);
-    let mut samples = vec![[0.0; INTERVALS]; size];
-    let mut sample = row.clone();
-    // The second derivative at each interval's start, then its bound within: |r exp(At)| <= |r| exp(|A| t) entry by entry.
-    let mut peak = Row::zeros(size);
-    for k in 0..INTERVALS {
-        let second = if is_stiff { sample.clone() } else { after(&after(&sample, 1.0), 1.0) };
-        peak = peak.zip_map(&second.abs(), f64::max);
-        sample = interval.tr_mul(&sample);
-        samples.iter_mut().zip(sample.iter()).for_each(|(column, x)| column[k] = *x);
+    let mut series = vec![row.as_slice().to_vec()];
+    for k in 1..=orders.sub_step.max(LOCAL - 1) {
+        series.push(after(&series[k - 1], step / k as f64));
     }
-    let curvature = (spread.tr_mul(&peak) * BOUND_MARGIN).as_slice().to_vec();
+    let local = (0..size).map(|j| std::array::from_fn(|k| series[k][j])).collect();
+    let (mut samples, mut peak) = (Vec::with_capacity(size), Vec::with_capacity(size));
+    for j in 0..size {
+        let (values, seconds) = at_interval_ends(|k| series[k][j], series.len());
+        samples.push(std::array::from_fn(|i| values[i + 1]));
+        // At each interval's start the second derivative, or what it is the row of.
+        let starts = if is_stiff { &values } else { &seconds };
+        let largest = starts[..INTERVALS].iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
+        peak.push(if is_stiff { largest } else { largest / (step * step) });
+    }
+    // Its bound within an interval: |r exp(At)| <= |r| exp(|A| t) entry by entry.
+    let mut curvature = peak.clone();
+    let mut next = vec![0.0; size];
+    for k in 1..=orders.interval {
+        abs.after_row(&peak, step / k as f64, &mut next);
+        curvature.iter_mut().zip(&next).for_each(|(sum, x)| *sum += x);
+        std::mem::swap(&mut peak, &mut next);
+    }
+    curvature.iter_mut().for_each(|bound| *bound *= BOUND_MARGIN);
     let mut slope_sizes = vec![0.0; size];
     sizes.after_row(row.abs().as_slice(), 1.0, &mut slope_sizes);
-    let first = after(&row, 1.0);
+    let first = after(row.as_slice(), 1.0);
     WatchTable {
         watch,
-        slope: Sparse::of(first.as_slice()),
-        bow: Sparse::of(after(&first, 1.0).as_slice()),
+        slope: Sparse::of(&first),
+        bow: Sparse::of(&after(&first, 1.0)),
         slope_sizes: Sparse::of(&slope_sizes),
         row: Functional::of(row),
         curvature,
