@@ -40,7 +40,8 @@ fn every_vibro_command_of_the_pages_works() {
                 continue;
             }
             let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
-            let output = vibro.args(arguments.split_whitespace()).current_dir(&folder).output().expect("vibro runs");
+            let output =
+                vibro.args(arguments.split_whitespace()).current_dir(&folder).output().expect("vibro runs");
             let said = String::from_utf8_lossy(&output.stderr);
             assert!(output.status.success(), "{}: {line}: {said}", page.display());
         }

@@ -12,6 +12,9 @@ const REMAINDER: f64 = 1e-19;
 
 /// exp(A u t) at several parts u of a time.
 pub(super) fn exponentials(a: &SparseMatrix, rate: f64, t: f64, parts: &[f64]) -> Vec<DMatrix<f64>> {
+    if parts.is_empty() {
+        return Vec::new();
+    }
     // Transposed until the end.
     let mut term = DMatrix::identity(a.len(), a.len());
     let mut sums = vec![term.clone(); parts.len()];

@@ -116,19 +116,32 @@ pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64,
     columns
 }
 
-/// Values and second derivatives of a power series at 0, 1, …, [`INTERVALS`].
+/// The interval ends in intervals.
+const ENDS: [f64; INTERVALS] = {
+    let mut ends = [0.0; INTERVALS];
+    let mut i = 0;
+    while i < INTERVALS {
+        ends[i] = (i + 1) as f64;
+        i += 1;
+    }
+    ends
+};
+
+/// Values and second derivatives of a power series at the interval ends.
 #[inline(always)]
-fn at_interval_ends(c: impl Fn(usize) -> f64, orders: usize) -> ([f64; INTERVALS + 1], [f64; INTERVALS + 1]) {
-    let (mut values, mut seconds) = ([0.0; INTERVALS + 1], [0.0; INTERVALS + 1]);
-    for k in (0..orders).rev() {
-        let c = c(k);
-        values.iter_mut().enumerate().for_each(|(i, sum)| *sum = *sum * i as f64 + c);
-        if let Some(before) = k.checked_sub(2) {
-            let c = c * (k * (before + 1)) as f64;
-            seconds.iter_mut().enumerate().for_each(|(i, sum)| *sum = *sum * i as f64 + c);
+fn at_interval_ends(c: impl Fn(usize) -> f64, orders: usize) -> [[f64; INTERVALS]; 2] {
+    let (mut values, mut seconds) = ([0.0; INTERVALS], [0.0; INTERVALS]);
+    for k in (2..orders).rev() {
+        let (c, second) = (c(k), c(k) * (k * (k - 1)) as f64);
+        for i in 0..INTERVALS {
+            values[i] = values[i] * ENDS[i] + c;
+            seconds[i] = seconds[i] * ENDS[i] + second;
         }
     }
-    (values, seconds)
+    for i in 0..INTERVALS {
+        values[i] = (values[i] * ENDS[i] + c(1)) * ENDS[i] + c(0);
+    }
+    [values, seconds]
 }
 
 /// How far the series of a table go.
@@ -162,12 +175,13 @@ pub(super) fn watch_table(
     let local = (0..size).map(|j| std::array::from_fn(|k| series[k][j])).collect();
     let (mut samples, mut peak) = (Vec::with_capacity(size), Vec::with_capacity(size));
     for j in 0..size {
-        let (values, seconds) = at_interval_ends(|k| series[k][j], series.len());
-        samples.push(std::array::from_fn(|i| values[i + 1]));
-        // At each interval's start the second derivative, or what it is the row of.
-        let starts = if is_stiff { &values } else { &seconds };
-        let largest = starts[..INTERVALS].iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
-        peak.push(if is_stiff { largest } else { largest / (step * step) });
+        let [values, seconds] = at_interval_ends(|k| series[k][j], series.len());
+        samples.push(values);
+        // The largest size at the intervals' starts of the second derivative, or of what it is the row of.
+        let (ends, first, unit) =
+            if is_stiff { (&values, series[0][j], 1.0) } else { (&seconds, 2.0 * series[2][j], step * step) };
+        let largest = ends[..INTERVALS - 1].iter().fold(first.abs(), |largest, x| largest.max(x.abs()));
+        peak.push(largest / unit);
     }
     // Its bound within an interval: |r exp(At)| <= |r| exp(|A| t) entry by entry.
     let mut curvature = peak.clone();
