@@ -7,6 +7,7 @@ import random
 import re
 from typing import Callable, Dict, List, Sequence, Set, Tuple
 
+import pytest
 from equations import ROOT
 from mpmath import matrix, mp, mpf
 
@@ -341,3 +342,52 @@ def test_law_21_variations_over_an_impact_by_differences() -> None:
         left = met - outgoing * later
         expected = matrix([left[0] + left[1] * (end - t), left[1]])
         assert close((plus - minus) / (2 * step), expected), direction
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_law_22_a_row_after_any_time_bounds_the_second_derivative(seed: int) -> None:
+    r, count, h = random.Random(seed), 16, mpf(1) / 64
+    a, row, z = rows(r, 5, 5), vector(r, 5), vector(r, 5)
+    later = [row.T * mp.expm(a * h * k) for k in range(count + 1)]
+    reaches = [max(abs(behind[j]) for behind in later) for j in range(5)]
+
+    def bound(x: matrix) -> mpf:
+        return mp.fsum(reach * abs(y) for reach, y in zip(reaches, x))
+
+    second = a * a * z
+    # A difference of the second order leaves out h²/12 of the fourth derivative somewhere between; between the samples the reaches are a
+    # little larger.
+    left_out = h**2 / 12 * bound(a * a * second) * mpf("1.5")
+    for k in range(1, count):
+        before, now, after = ((later[i] * z)[0] for i in (k - 1, k, k + 1))
+        by_difference = (before - 2 * now + after) / h**2
+        assert abs(by_difference - (later[k] * second)[0]) < left_out
+        assert abs(by_difference) < bound(second) + left_out
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_law_23_the_flow_over_twice_a_length(seed: int) -> None:
+    r, length = random.Random(seed), mpf(1) / 2
+    a, z = rows(r, 4, 4), vector(r, 4)
+
+    def integral(time: mpf) -> matrix:
+        """The block of exp of ((A, 1), (0, 0)) that is the integral of exp(A s)."""
+        whole = mp.zeros(8, 8)
+        whole[:4, :4], whole[:4, 4:] = a * time, mp.eye(4) * time
+        return mp.expm(whole)[:4, 4:]
+
+    def change(time: mpf) -> matrix:
+        return mp.expm(a * time) - mp.eye(4)
+
+    j, d = integral(length), change(length)
+    assert close(2 * j + d * j, integral(2 * length))
+    assert close(2 * d + d * d, change(2 * length))
+    assert close(z + j * (a * z), mp.expm(a * length) * z)
+
+
+def test_law_24_powers_in_as_many_rows_as_coordinates() -> None:
+    r = random.Random(24)
+    left, right, z = rows(r, 9, 3), rows(r, 9, 3), vector(r, 3)
+    q, triangle = mp.qr(left, mode="skinny")
+    assert (triangle.rows, triangle.cols) == (3, 3)
+    assert abs(dot(left * z, right * z) - dot(triangle * z, q.T * right * z)) < ROUNDING * mp.norm(left) * mp.norm(right)
