@@ -3,9 +3,8 @@
 use super::cycle::{Cycle, Functional};
 use super::flights;
 use super::obstacle::Obstacle;
-use super::settled::REPETITION;
 use super::system::System;
-use super::word::OrbitWord;
+use super::word::{OrbitWord, REPETITION};
 use nalgebra::{Complex, Matrix6};
 use std::f64::consts::TAU;
 use vibro_analysis::Error;

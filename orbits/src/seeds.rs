@@ -3,10 +3,11 @@
 
 use super::family::Family;
 use super::orbit::{Orbit, canonical, newton};
-use super::settled::{self, REPETITION};
+use super::settled;
 use super::system::System;
 use super::tree::TreeOptions;
 use super::word::OrbitWord;
+use super::word::REPETITION;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibro_analysis::Error;

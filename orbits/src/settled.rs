@@ -2,7 +2,7 @@
 
 use super::orbit::{Orbit, newton};
 use super::system::System;
-use super::word::OrbitWord;
+use super::word::{OrbitWord, REPETITION};
 use vibro_analysis::stroboscopic::{StroboscopicState, dimensionless};
 use vibro_analysis::{Error, Result};
 use vibro_impact::simulator::{Contact, Event, Simulator, State};
@@ -15,9 +15,6 @@ const RETURN: f64 = 2e-3;
 
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
 const MOVE: f64 = 0.05;
-
-/// Phases that repeat to this are those of a repeated or symmetric orbit.
-pub(super) const REPETITION: f64 = 1e-8;
 
 /// A simulator of a machine with its loads from a state on at time 0.
 pub(super) fn simulator(system: &System, state: &State) -> Result<Simulator> {

@@ -7,8 +7,7 @@ use super::family::{Contacts, Family};
 use super::grazing::{self, Touch, Touching};
 use super::obstacle::Obstacle;
 use super::orbit::{Orbit, canonical, repeated_phases, unfolded_phases};
-use super::settled::REPETITION;
-use super::word::OrbitWord;
+use super::word::{OrbitWord, REPETITION};
 use nalgebra::{Complex, DVector};
 
 /// First step from an orbit, and from a point where branches meet.

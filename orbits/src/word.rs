@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::{Error, Result};
 
+/// Phases that repeat to this are those of a repeated or symmetric orbit.
+pub(super) const REPETITION: f64 = 1e-8;
+
 /// Most letters and half periods of a word that is read: equations of more impacts need a memory of their square.
 pub(super) const MOST_LETTERS: usize = 1024;
 const MOST_HALF_PERIODS: u32 = 1 << 16;

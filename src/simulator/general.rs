@@ -1,7 +1,6 @@
 //! Sub-steps of any kind (short ones, rest, motion under loads): prove that no event falls in one and pass over it, or go
 //! to the first event. The sub-step of plain flight has its own faster way in `flight`.
 
-use super::step::MAX_REACH;
 use super::{Contact, Simulator};
 use crate::events::first_crossing;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
@@ -17,6 +16,10 @@ const START_ROUNDING: f64 = 1e-9;
 /// A step shorter than this part of an interval moves the state by a sum of its own, so that the roundings of many of them do not add up
 /// (docs/numerics.md, section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
+
+/// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
+/// steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
+pub(super) const MAX_REACH: f64 = 4.0;
 
 /// A point on a series at which an event or the step's end lies.
 pub(super) struct SeriesPoint<'a, const N: usize> {

@@ -1,6 +1,6 @@
 //! An advance: sub-step after sub-step, each to its end or to its first event, whose law is applied.
 
-use super::general::SHORT;
+use super::general::{MAX_REACH, SHORT};
 use super::{AdvanceOutcome, Contact, DueEvent, Event, ModeTables, Pause, Simulator};
 use crate::error::{Error, Result};
 use crate::flow::INTERVALS;
@@ -20,9 +20,6 @@ const WORK_BASE: u64 = 1_000_000;
 /// The further sub-steps that it may take for each sub-step length by which the motion progresses. An ordinary motion, with an impact
 /// or two in that time, takes 1 to 3, so that it never comes near the limit however long the advance is.
 const WORK_PER_SUBSTEP: f64 = 32.0;
-/// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
-/// steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
-pub(super) const MAX_REACH: f64 = 4.0;
 
 /// What an advance carries from sub-step to sub-step; the state in one cache line.
 #[repr(C, align(64))]

@@ -10,9 +10,9 @@ use crate::free;
 use crate::grazing::Touch;
 use crate::obstacle::Obstacle;
 use crate::orbit::{canonical, eigenvalues, newton, same_phases};
-use crate::settled::REPETITION;
 use crate::switching::Contact;
 use crate::word::OrbitWord;
+use crate::word::REPETITION;
 use nalgebra::{Complex, DVector};
 use vibro_analysis::{Error, Result as Outcome};
 
