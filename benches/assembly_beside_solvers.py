@@ -127,7 +127,7 @@ class Cvode:
             found = self.solver.solve([t, end], z)
             t, z = found.t[-1], found.y[-1].copy()
             if found.t_events is not None:
-                count += len(found.t_events)
+                count += len(np.unique(found.t_events))  # one may be reported more than once
             if self.chain.rigid and found.t_events is not None:
                 t, z = found.t_events[-1], found.y_events[-1]
                 for stop in np.flatnonzero(found.i_events[-1]):
@@ -229,10 +229,13 @@ def main():
             found[i] = way.run(end)
             least[i] = min(least[i], time.process_time() - begin)
     print(f"{bodies} bodies, {bodies // 2} {'rigid' if chain.rigid else 'compliant'} clearances, {end:g} s\n")
-    print("| way | ms of processor time | times this engine's | contacts | reached, s | from this engine, largest |\n|---|---|---|---|---|---|")
+    print("| way | ms of processor time | times this engine's | contacts | reached, s | from this engine, m or m/s | beyond a gap, m |")
+    print("|---|---|---|---|---|---|---|")
     for way, work, (count, reached, state) in zip(ways, least, found):
         away = f"{np.abs(state - found[0][2]).max():.0e}" if reached >= end else "-"
-        print(f"| {way.name} | {1e3 * work:.1f} | {work / least[0]:.0f} | {count} | {reached:.2f} | {away} |")
+        beyond = max(0.0, *(state[b] - state[a] - GAP for a, b in chain.stops))
+        ratio = f"{work / least[0]:.2g} | {count} | {reached:.2f} | {away} | {beyond:.0e}"
+        print(f"| {way.name} | {1e3 * work:.1f} | {ratio} |")
 
 
 if __name__ == "__main__":
