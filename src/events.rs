@@ -338,11 +338,32 @@ pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations
     }
 }
 
-/// The first passage of p from below zero to above by more than the rounding of its sign, `4 N² ε Σ|c_k|` as for [`first_crossing`]: where
-/// it passes zero, and where it is that much above. Whoever seeks one passage after another, now of p and now of -p, goes on from the
-/// second place: from a zero that is rounding itself the next one would be found at the same place, and so on without end.
+/// Visits the turns of a quantity with the rate p in [lo, hi] ⊂ [-1, 1], one after another: where p passes zero by more than the rounding of its
+/// sign. `rising` says whether the quantity rises at `lo`, and afterwards whether it rises at `hi`; `visit` is told the place and whether it rose
+/// before.
+///
+/// After each turn the search goes on from where p is certainly beyond zero: from a zero that is rounding itself the next one would be found at
+/// the same place, and so on without end.
 #[inline(always)]
-pub fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f64, f64)> {
+pub fn turns<const N: usize>(
+    p: &[f64; N],
+    (mut lo, hi): (f64, f64),
+    rising: &mut bool,
+    mut visit: impl FnMut(f64, bool),
+) {
+    // A polynomial has no more zeros than its degree.
+    for _ in 0..N {
+        let sought = if *rising { p.map(|c| -c) } else { *p };
+        let Some((u, turned)) = certain_crossing(&sought, lo, hi) else { break };
+        visit(u, *rising);
+        (*rising, lo) = (!*rising, turned);
+    }
+}
+
+/// The first passage of p from below zero to above by more than the rounding of its sign, `4 N² ε Σ|c_k|` as for [`first_crossing`]: where
+/// it passes zero, and where it is that much above.
+#[inline(always)]
+fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f64, f64)> {
     let sizes: f64 = c.iter().map(|x| x.abs()).sum();
     let mut lower = *c;
     lower[0] -= (4 * N * N) as f64 * f64::EPSILON * sizes;

@@ -1,7 +1,7 @@
 //! What is read off a settled motion: amplitudes, root mean squares, impacts, powers, class, exponent.
 //!
 //! All of it comes from one pass over the smooth pieces of the motion, along which the flow's series are known: extrema lie at
-//! the ends of a piece or where a rate passes zero, which [`certain_crossing`](vibro_impact::events::certain_crossing) proves;
+//! the ends of a piece or where a rate passes zero, which [`turns`](vibro_impact::events::turns) proves;
 //! squares are integrated by a Gauss rule
 //! whose error is under round-off. Losses at impacts and the work of the drive are the simulator's accounts, the losses in a
 //! damper its coefficient times the mean square of its rate.

@@ -52,6 +52,9 @@ fn closed_form_turns_of_a_rate_that_begins_with_rounding() {
             matches!(turns[..], [start, end] if start.abs() < NOISE && end < 1.0 && zero(end).abs() < NOISE),
             "{turns:?}"
         );
+        let (mut rises, mut visited) = (false, Vec::new());
+        super::turns(&c, (0.0, 1.0), &mut rises, |u, rose| visited.push((u, rose)));
+        assert_eq!((visited, rises), (vec![(turns[0], false), (turns[1], true)], rising));
     }
 }
 

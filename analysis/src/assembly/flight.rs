@@ -12,7 +12,7 @@ use vibro_assembly::flow::{ORDERS, rate_bound};
 use vibro_assembly::mode::{Mode, Watch};
 use vibro_assembly::motion::{Event, Outcome};
 use vibro_assembly::system::{Row, System};
-use vibro_impact::events::certain_crossing;
+use vibro_impact::events::turns;
 
 /// The bound of A times the length of a stretch: a series to [`ORDERS`] terms leaves out less than 2²⁶/26! of the state.
 const RADIUS: f64 = 2.0;
@@ -106,14 +106,7 @@ pub fn monotone_pieces(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64)) {
     if spread > 0.0 {
         let slope: [f64; ORDERS] =
             std::array::from_fn(|k| if k + 1 < ORDERS { (k + 1) as f64 * q[k + 1] } else { 0.0 });
-        let (mut rising, mut from) = (slope[0] > 0.0, 0.0);
-        // The slope has no more zeros than its degree.
-        for _ in 0..ORDERS {
-            let sought = if rising { slope.map(|c| -c) } else { slope };
-            let Some((u, turned)) = certain_crossing(&sought, from, 1.0) else { break };
-            visit(value(u));
-            (rising, from) = (!rising, turned);
-        }
+        turns(&slope, (0.0, 1.0), &mut (slope[0] > 0.0), |u, _| visit(value(u)));
     }
     visit(value(1.0));
 }

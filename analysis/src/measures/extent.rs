@@ -1,7 +1,7 @@
 //! Extrema and mean square of one coordinate along the series of the flow.
 
 use super::Coordinate;
-use vibro_impact::events::certain_crossing;
+use vibro_impact::events::turns;
 use vibro_impact::flow::{PIECE, Series, weighted_sum};
 use vibro_impact::numerics::simd::value;
 
@@ -72,13 +72,6 @@ impl Extent {
         }
         let slope: [f64; PIECE] =
             std::array::from_fn(|k| if k + 1 < PIECE { (k + 1) as f64 * q[k + 1] } else { 0.0 });
-        let (mut rising, mut from) = (slope[0] > 0.0, 0.0);
-        // The slope has no more zeros than its degree.
-        for _ in 0..PIECE {
-            let sought = if rising { slope.map(|c| -c) } else { slope };
-            let Some((u, turned)) = certain_crossing(&sought, from, 1.0) else { break };
-            self.meet(value(&q, u));
-            (rising, from) = (!rising, turned);
-        }
+        turns(&slope, (0.0, 1.0), &mut (slope[0] > 0.0), |u, _| self.meet(value(&q, u)));
     }
 }

@@ -1,13 +1,13 @@
 //! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples of it.
 //!
 //! q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from above to below zero: at a root
-//! within a sub-step, which [`certain_crossing`] finds with the same proof as the simulator's events, or at an impact that reverses the
+//! within a sub-step, which [`turns`] finds with the same proof as the simulator's events, or at an impact that reverses the
 //! rate. A maximum that lasts, of w while the block rests at the upper stop, counts once, where it ends.
 //!
 //! Over a sub-step of flight 16 values of the rate and a bound on its second derivative leave few intervals to be searched, as they
 //! do for the gap.
 
-use crate::events::certain_crossing;
+use crate::events::turns;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, expand_along, weighted_sum};
 use crate::model::{Augmented, BOX, BOX_RATE, Forces, Model, SmoothMode};
 use crate::numerics::simd::{product, value, weigh};
@@ -135,7 +135,7 @@ impl MaximumFinder {
     fn search_series<const N: usize>(
         &mut self,
         series: &Series<N>,
-        (mut from, to): (f64, f64),
+        ends: (f64, f64),
         (time, radius): (f64, f64),
         found: &mut dyn FnMut(Maximum),
     ) {
@@ -143,17 +143,16 @@ impl MaximumFinder {
             std::array::from_fn(|k| weighted_sum(&self.weights, &series.states[k], BOX_RATE));
         let spread: f64 = rate[1..].iter().map(|c| c.abs()).sum();
         let steady = rate[0].abs() > spread && (rate[0] > 0.0) == self.rising;
-        // Each turn is a root of the rate, of which there are fewer than its terms.
-        for _ in 0..if steady { 0 } else { N } {
-            let sought = if self.rising { rate.map(|c| -c) } else { rate };
-            let Some((u, turned)) = certain_crossing(&sought, from, to) else { break };
-            if self.rising {
-                let q: [f64; N] =
-                    std::array::from_fn(|k| weighted_sum(&self.weights, &series.states[k], BOX));
+        if steady {
+            return;
+        }
+        let Self { weights, rising, .. } = self;
+        turns(&rate, ends, rising, |u, is_maximum| {
+            if is_maximum {
+                let q: [f64; N] = std::array::from_fn(|k| weighted_sum(weights, &series.states[k], BOX));
                 found(Maximum { time: time + u * radius, value: value(&q, u), corner: false });
             }
-            (self.rising, from) = (!self.rising, turned);
-        }
+        });
     }
 
     /// Looks at an impact after which the state is `after`.
