@@ -5,7 +5,8 @@
 //! are no mirror images.
 
 use super::error::Result;
-use super::free_motion::limit_keeps_clear;
+use super::free_limit::{is_damped, limit_keeps_clear};
+pub use super::largest_exponent::ZERO_EXPONENT;
 use super::largest_exponent::{ExponentSign, LargestExponent};
 use super::lyapunov::Spectrum;
 use super::statistics::{Blocks, Likeness, Statistics};
@@ -23,9 +24,6 @@ pub const LONGEST: u32 = 32;
 pub const RETURN: f64 = 1e-5;
 /// States of one attractor that were reached in different ways agree to this; those of two attractors differ by more.
 pub(crate) const SAME: f64 = 1e-3;
-/// An exponent (per unit of the dimensionless time τ) above this counts as positive and one below its negative as negative:
-/// over 1500 periods those that are zero stay within a few 1e-4.
-pub const ZERO_EXPONENT: f64 = 1e-3;
 
 /// One drive period of an observed motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -292,12 +290,6 @@ impl StroboscopicRecord {
 /// The order of some impacts, as a number, with one more at its end.
 pub(crate) fn appended(pattern: u64, upper: bool) -> u64 {
     pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper))
-}
-
-/// Whether a motion without impacts comes to a limit of the drive's period: its flow is linear, and every part of it is damped, for
-/// which the block needs the coupling. It is one limit for all starts where springs hold the box and the secondary oscillator.
-pub(crate) fn is_damped(p: &Parameters) -> bool {
-    [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0)
 }
 
 /// The least n for which, over the last four times n drive periods, states return after n periods and the order of impacts

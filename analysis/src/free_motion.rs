@@ -4,6 +4,7 @@
 //! vibration; block and secondary oscillator come to rest in the middle.
 
 use super::attractor::{OBSERVED, StroboscopicRecord};
+use super::free_limit::forced;
 use super::stroboscopic::Units;
 use nalgebra::{Complex, SMatrix, SVector};
 use vibro_impact::flow::{Column, Series, WHOLE, substep};
@@ -38,23 +39,6 @@ pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
     let block = twice_block * (1.0 / p.coupling_stiffness + 1.0 / p.secondary_stiffness);
     // Not so either where a spring is missing: the bound is infinite or no number then.
     forced.norm() + (twice_box / p.box_stiffness).sqrt() + block.sqrt() < (1.0 - MARGIN) * p.stop_gap
-}
-
-/// The forced vibration of the box alone.
-fn forced(p: &Parameters) -> Complex<f64> {
-    let omega = p.drive_frequency;
-    p.drive_amplitude / Complex::new(p.box_stiffness - p.box_mass * omega * omega, p.box_damping * omega)
-}
-
-/// Whether the motion without impacts to which dampers lead keeps clear of the stops (docs/theory.md (100)). Where it does not, every motion
-/// comes back to a stop, however long it has met none.
-pub(crate) fn limit_keeps_clear(p: &Parameters) -> bool {
-    let [box_load, block_load, secondary_load] = p.constant_loads;
-    let way = |load: f64, stiffness: f64| if load == 0.0 { 0.0 } else { load / stiffness };
-    let middle = way(block_load + secondary_load, p.secondary_stiffness)
-        + way(block_load, p.coupling_stiffness)
-        - way(box_load, p.box_stiffness);
-    forced(p).norm() + middle.abs() < p.stop_gap
 }
 
 /// The states of a free flight every half drive period.

@@ -6,12 +6,15 @@
 //! The time that is counted is not fixed: it ends when the class is decided. Growth is summed over blocks of drive periods, whose
 //! scatter gives the standard error of their mean. docs/studies.md, "The largest exponent of many motions", states the rule.
 
-use super::attractor::ZERO_EXPONENT;
 use super::variation::SingleVariation;
 use serde::{Deserialize, Serialize};
 use vibro_impact::Parameters;
 use vibro_impact::model::{Augmented, COORDINATES, Model, SmoothMode};
 use vibro_impact::simulator::Event;
+
+/// An exponent (per unit of the dimensionless time τ) above this counts as positive and one below its negative as negative:
+/// over 1500 periods those that are zero stay within a few 1e-4.
+pub const ZERO_EXPONENT: f64 = 1e-3;
 
 /// Drive periods in a block.
 pub(crate) const BLOCK: u32 = 8;

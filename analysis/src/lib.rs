@@ -57,6 +57,7 @@ pub mod basin;
 pub mod bifurcation;
 pub mod design_sweep;
 mod error;
+mod free_limit;
 mod free_motion;
 pub mod isoperiodic;
 mod largest_exponent;

@@ -5,8 +5,9 @@
 //! transient has an end, and so has a slow approach. What is undecided at the limit is *not settled*, and no attractor.
 //! docs/studies.md, "When a verdict is decided", has the reasons.
 
-use super::attractor::{Attractor, MotionClass, OBSERVED, StroboscopicRecord, is_damped};
+use super::attractor::{Attractor, MotionClass, OBSERVED, StroboscopicRecord};
 use super::error::Result;
+use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
 use super::largest_exponent::LargestExponent;
 use super::statistics::{Blocks, Likeness};

@@ -1,8 +1,9 @@
 //! What a thread does with the motions in its lanes, from stage to stage.
 
 use super::{LargestExponent, Outcome, Program, Start};
-use crate::attractor::{Attractor, OBSERVED, StroboscopicRecord, is_damped};
+use crate::attractor::{Attractor, OBSERVED, StroboscopicRecord};
 use crate::error::Result;
+use crate::free_limit::is_damped;
 use crate::free_motion;
 use crate::largest_exponent::{ALIGN, BLOCK, Tangent};
 use crate::settling::{Confirmation, ImpactRepetition};

@@ -1,0 +1,27 @@
+//! The motion without impacts to which dampers lead: whether there is one, and whether the stops are in its way.
+
+use nalgebra::Complex;
+use vibro_impact::Parameters;
+
+/// Whether a motion without impacts comes to a limit of the drive's period: its flow is linear, and every part of it is damped, for
+/// which the block needs the coupling. It is one limit for all starts where springs hold the box and the secondary oscillator.
+pub(crate) fn is_damped(p: &Parameters) -> bool {
+    [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0)
+}
+
+/// The forced vibration of the box alone.
+pub(crate) fn forced(p: &Parameters) -> Complex<f64> {
+    let omega = p.drive_frequency;
+    p.drive_amplitude / Complex::new(p.box_stiffness - p.box_mass * omega * omega, p.box_damping * omega)
+}
+
+/// Whether the motion without impacts to which dampers lead keeps clear of the stops (docs/theory.md (100)). Where it does not, every motion
+/// comes back to a stop, however long it has met none.
+pub(crate) fn limit_keeps_clear(p: &Parameters) -> bool {
+    let [box_load, block_load, secondary_load] = p.constant_loads;
+    let way = |load: f64, stiffness: f64| if load == 0.0 { 0.0 } else { load / stiffness };
+    let middle = way(block_load + secondary_load, p.secondary_stiffness)
+        + way(block_load, p.coupling_stiffness)
+        - way(box_load, p.box_stiffness);
+    forced(p).norm() + middle.abs() < p.stop_gap
+}
