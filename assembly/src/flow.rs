@@ -7,7 +7,7 @@ mod ladder;
 mod watched;
 
 pub use exponential::rate_bound;
-pub use ladder::{RUNGS, Rung};
+pub use ladder::{Ladder, RUNGS, Rung};
 pub(crate) use watched::taylor;
 pub use watched::{Group, Head, WatchTable, head_of};
 
@@ -18,8 +18,7 @@ use crate::system::Row;
 use exponential::{LEAST_RATE, exponentials, series_orders};
 use increment::Increment;
 use nalgebra::DMatrix;
-use std::sync::OnceLock;
-use watched::{Heads, Orders, watch_table};
+use watched::{Heads, watch_table};
 
 /// Derivatives of a functional that are looked at where a mode begins. With rate times length at most 2 the first Taylor
 /// coefficient left out is under 2²⁶/26! < 2e-19 of the largest coordinate.
@@ -61,7 +60,7 @@ pub struct Table {
     /// What a sub-step adds where a stiff buffer is pressed.
     increment: Option<Increment>,
     /// Longer sub-steps, each twice the one before, made when they are first needed.
-    ladder: Vec<OnceLock<Rung>>,
+    ladder: Ladder<Rung>,
     /// Orders of a power series from the sub-step's start into each interval.
     orders: [usize; INTERVALS],
     /// What is watched.
@@ -88,20 +87,16 @@ impl Table {
         let increment = buffers.filter(stiff).map(|buffers| Increment::new(&a, buffers, length));
         let transitions = exponentials(&a, rate, length, &ends).iter().map(Blocks::of).collect();
         let orders: [usize; INTERVALS] = std::array::from_fn(|i| series_orders(rate * step * (i + 1) as f64));
-        let of_rows = Orders { sub_step: orders[INTERVALS - 1], interval: orders[0] };
         let abs = a.abs();
         let watched: Vec<WatchTable> = watched
             .into_iter()
-            .map(|(watch, row)| {
-                watch_table(watch, row, [&a, &abs, &sizes], (step, increment.is_some()), &of_rows)
-            })
+            .map(|(watch, row)| watch_table(watch, row, [&a, &abs, &sizes], (step, increment.is_some())))
             .collect();
         let heads = Heads::of(&watched, a.len());
         let kept = if a.len() <= DENSE { one / 2..one } else { 0..0 };
         let velocities = kept.flat_map(|j| taylor(&a, a.row_of(j).as_slice(), step, step));
         let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
         let velocities = velocities.collect();
-        let ladder = vec![(); RUNGS].into_iter().map(|()| OnceLock::new()).collect();
         Self {
             velocities,
             a,
@@ -111,7 +106,7 @@ impl Table {
             length,
             transitions,
             increment,
-            ladder,
+            ladder: Ladder::default(),
             orders,
             watched,
             heads,
@@ -122,10 +117,15 @@ impl Table {
 
     /// The flow over 2^`k` sub-steps.
     pub fn rung(&self, k: usize) -> &Rung {
-        self.ladder[k].get_or_init(|| match k.checked_sub(1) {
+        self.ladder.at(k).get_or_init(|| match k.checked_sub(1) {
             Some(below) => self.rung(below).doubled(self),
             None => Rung::first(self),
         })
+    }
+
+    /// Length of 2^`k` sub-steps, s.
+    pub fn long_length(&self, k: usize) -> f64 {
+        self.length * 2f64.powi(k as i32)
     }
 
     /// z' at a state.
@@ -140,7 +140,7 @@ impl Table {
     pub fn carry(&self, z: &mut [f64], mut time: f64) {
         let (mut rates, mut end) = (vec![0.0; z.len()], vec![0.0; z.len()]);
         for k in (1..RUNGS).rev() {
-            while time >= self.length * 2f64.powi(k as i32) {
+            while time >= self.long_length(k) {
                 let rung = self.rung(k);
                 self.rates(z, &mut rates);
                 rung.at_end(z, &rates, &mut end);
@@ -172,8 +172,7 @@ impl Table {
     pub fn heads_at(&self, z: &[f64], [rates, second]: [&mut Vec<f64>; 2], to: &mut Vec<Group>) {
         let mut sizes = z;
         if let Some(increment) = &self.increment {
-            rates.resize(z.len(), 0.0);
-            second.resize(z.len(), 0.0);
+            [&mut *rates, second].into_iter().for_each(|memory| memory.resize(z.len(), 0.0));
             increment.rates(z, rates);
             increment.rates(rates, second);
             sizes = second;
@@ -303,7 +302,7 @@ impl Table {
             + self.velocities.len() * WITHIN
             + self.watched.len() * size * (INTERVALS + LOCAL + 5)
             + self.increment.as_ref().map_or(0, Increment::numbers)
-            + self.ladder.iter().filter_map(OnceLock::get).map(Rung::numbers).sum::<usize>()
+            + self.ladder.made().map(Rung::numbers).sum::<usize>()
             + self.lambda.len() * (size + self.lambda.len())
     }
 }

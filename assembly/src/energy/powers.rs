@@ -3,11 +3,10 @@
 use super::long::Work;
 use super::{AtNodes, NODES};
 use crate::description::StopLaw;
-use crate::flow::{RUNGS, Table, taylor};
+use crate::flow::{Ladder, Table, taylor};
 use crate::kernel::{Sparse, combine};
 use crate::mode::{Mode, StopState};
 use crate::system::{Row, System};
-use std::sync::OnceLock;
 
 /// Taylor coefficients of a functional over a sub-step. With rate times length at most 2 the first one left out is under
 /// 2²⁴/24! < 3e-17 of the largest coordinate.
@@ -72,7 +71,7 @@ pub struct Powers {
     columns: Vec<[f64; TERMS]>,
     all: Vec<Power>,
     /// The same over long sub-steps, by the rung of the ladder; made when they are first needed.
-    long: Vec<OnceLock<Vec<Work>>>,
+    long: Ladder<Vec<Work>>,
 }
 
 impl Powers {
@@ -89,7 +88,6 @@ impl Powers {
                 powers.rows.iter().flat_map(|row| taylor(&table.a, &row.dense(size), 1.0, table.length));
             powers.columns = columns.collect();
         }
-        powers.long = vec![OnceLock::new(); RUNGS];
         powers
     }
 
@@ -101,7 +99,7 @@ impl Powers {
     }
 
     fn works(&self, k: usize, table: &Table) -> &[Work] {
-        self.long[k].get_or_init(|| match k.checked_sub(1) {
+        self.long.at(k).get_or_init(|| match k.checked_sub(1) {
             Some(below) => {
                 let rung = table.rung(below);
                 self.works(below, table).iter().map(|work| work.doubled(rung)).collect()
@@ -203,8 +201,7 @@ impl Powers {
 
     /// Numbers that they hold.
     pub fn numbers(&self) -> usize {
-        let works = self.long.iter().filter_map(OnceLock::get).flatten();
-        self.columns.len() * TERMS + works.map(Work::numbers).sum::<usize>()
+        self.columns.len() * TERMS + self.long.made().flatten().map(Work::numbers).sum::<usize>()
     }
 
     /// The mean of each power over a flight, with its account; `values` is memory.

@@ -3,14 +3,36 @@
 //! (docs/assembly-law.md (A22), (A23)).
 
 use super::exponential::{exponentials, series_orders};
+use super::watched::BOUND_MARGIN;
 use super::{INTERVALS, RADIUS, Table};
 use crate::kernel::Blocks;
 use nalgebra::DMatrix;
+use std::sync::OnceLock;
 
 /// Lengths of up to 2⁴⁷ sub-steps.
 pub const RUNGS: usize = 48;
-/// Covers the rounding of a bound.
-const BOUND_MARGIN: f64 = 1.0 + 1e-9;
+
+/// What is made for each of these lengths when it is first needed. Most modes need none, so that the ladder itself is made with its first rung.
+#[derive(Clone, Debug)]
+pub struct Ladder<T>(OnceLock<Vec<OnceLock<T>>>);
+
+impl<T> Default for Ladder<T> {
+    fn default() -> Self {
+        Self(OnceLock::new())
+    }
+}
+
+impl<T> Ladder<T> {
+    /// That of 2^`k` sub-steps.
+    pub fn at(&self, k: usize) -> &OnceLock<T> {
+        &self.0.get_or_init(|| (0..RUNGS).map(|_| OnceLock::new()).collect())[k]
+    }
+
+    /// Those that are made.
+    pub fn made(&self) -> impl Iterator<Item = &T> {
+        self.0.get().into_iter().flatten().filter_map(OnceLock::get)
+    }
+}
 
 /// The flow over a length of so many sub-steps.
 #[derive(Debug)]

@@ -43,7 +43,7 @@ fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scrat
     let watched = table.watched.iter().zip(&hybrid.departing).enumerate();
     let own = watched.filter(|(_, (_, order))| **order != ORDERS);
     let stays_below = |value: f64, slope: f64, bend: f64, t: f64| value + t * (slope + 0.5 * bend * t) < 0.0;
-    let longest = (1..RUNGS).take_while(|k| table.length * 2f64.powi(*k as i32) < remaining).last()?;
+    let longest = (1..RUNGS).take_while(|k| table.long_length(*k) < remaining).last()?;
     // The bends of the present instant, which are no bounds, tell at once which lengths are too long.
     let mut k = longest;
     for (_, (w, order)) in own.clone() {
@@ -51,7 +51,7 @@ fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scrat
         if *order > 0 || value >= 0.0 {
             return None;
         }
-        while !stays_below(value, slope, bend, table.length * 2f64.powi(k as i32)) {
+        while !stays_below(value, slope, bend, table.long_length(k)) {
             k = k.checked_sub(1).filter(|k| *k > 0)?;
         }
     }

@@ -107,7 +107,7 @@ struct Scratch {
     /// The interval, while a sub-step is made.
     interval: Option<usize>,
     series: Series,
-    /// z' and z'' where a long sub-step begins.
+    /// z' and z'' where a long sub-step begins, or one in which a stiff buffer presses; else memory.
     rates: Vec<f64>,
     second: Vec<f64>,
     /// Derivatives of a functional.

@@ -46,6 +46,11 @@ pub(super) struct Passage {
     pub(super) place: usize,
 }
 
+/// Whether a functional leaves zero so late that it is searched in one piece.
+fn is_late(order: usize) -> bool {
+    (LATE..ORDERS).contains(&order)
+}
+
 /// A sub-step's start in a mode.
 pub(super) struct Flight<'a> {
     pub(super) table: &'a Table,
@@ -78,8 +83,7 @@ impl Flight<'_> {
     #[inline(always)]
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
-        let late = |order: usize| (LATE..ORDERS).contains(&order);
-        let has_late = self.hybrid.departing.iter().copied().any(late);
+        let has_late = self.hybrid.departing.iter().copied().any(is_late);
         let late = if has_late { self.late_passage(span, &mut scratch.series) } else { None };
         let Scratch { heads, near, start, interval: begun, series, .. } = scratch;
         let start = start.as_mut_slice();
@@ -116,13 +120,12 @@ impl Flight<'_> {
     #[inline(never)]
     fn late_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
         let table = self.table;
-        let late = |order: usize| (LATE..ORDERS).contains(&order);
         let last = Point::end(span, table).interval;
         let z = self.hybrid.z.as_slice();
         series.expand(table, z, span, table.orders_to(last));
         let mut first: Option<(f64, usize)> = None;
         for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
-            if late(order) {
+            if is_late(order) {
                 let mut c = [0.0; ORDERS];
                 let coefficients = series.terms().chunks_exact(z.len()).skip(order).map(|z| w.row.at(z));
                 c.iter_mut().zip(coefficients).for_each(|(c, x)| *c = x);

@@ -9,8 +9,6 @@ use std::sync::{Arc, OnceLock};
 
 /// Bytes of the tables that are kept; beyond, all are dropped and those in use are made again.
 const KEPT: usize = 128 << 20;
-/// Calls for room after which all is counted anew: meanwhile tables may have grown by what is made when it is first needed.
-const RECOUNT: usize = 64;
 
 /// A mode that was met.
 #[derive(Clone, Debug)]
@@ -43,15 +41,11 @@ pub(super) struct Tables {
     places: HashMap<Mode, usize>,
     /// Bytes that are kept.
     pub(super) most: usize,
-    /// Bytes that the first so many took when they were counted, and calls for room until all are counted again.
-    held: usize,
-    counted: usize,
-    until_recount: usize,
 }
 
 impl Default for Tables {
     fn default() -> Self {
-        Self { met: Vec::new(), places: HashMap::new(), most: KEPT, held: 0, counted: 0, until_recount: 0 }
+        Self { met: Vec::new(), places: HashMap::new(), most: KEPT }
     }
 }
 
@@ -69,17 +63,10 @@ impl Tables {
     /// Forgets all where there are too many, so that places that were found before count no more; tells whether it did. Whoever puts a
     /// mode in force asks for it before, so that beyond what is kept there are only the tables of one event.
     pub(super) fn make_room(&mut self) -> bool {
-        if self.until_recount == 0 {
-            (self.held, self.counted, self.until_recount) = (0, 0, RECOUNT);
-        }
-        self.until_recount -= 1;
-        self.held += self.met[self.counted..].iter().map(Met::bytes).sum::<usize>();
-        self.counted = self.met.len();
-        let full = self.held > self.most;
+        let full = self.bytes() > self.most;
         if full {
             self.met.clear();
             self.places.clear();
-            (self.held, self.counted) = (0, 0);
         }
         full
     }
