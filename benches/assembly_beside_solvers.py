@@ -110,7 +110,7 @@ class Cvode:
     def __init__(self, chain):
         rate, roots = functions(chain)
 
-        def events(t, z, values):
+        def events(t, z, values):  # what numba compiles takes no attributes
             roots(t, z, values)
 
         count = len(chain.stops)
@@ -126,9 +126,10 @@ class Cvode:
         while t < end and time.process_time() - begin < PATIENCE:
             found = self.solver.solve([t, end], z)
             t, z = found.t[-1], found.y[-1].copy()
-            if found.t_events is not None:
-                count += len(np.unique(found.t_events))  # one may be reported more than once
-            if self.chain.rigid and found.t_events is not None:
+            if found.t_events is None:
+                continue
+            count += len(np.unique(found.t_events))  # one may be reported more than once
+            if self.chain.rigid:
                 t, z = found.t_events[-1], found.y_events[-1]
                 for stop in np.flatnonzero(found.i_events[-1]):
                     z = self.chain.after_contact(z, stop)
@@ -210,14 +211,14 @@ class Heyoka:
         self.solver.time, self.count, begin = 0.0, 0, time.process_time()
         self.solver.state[:], self.solver.pars[:] = 0.0, 0.0
         self.solver.reset_cooldowns()
-        late = lambda solver: time.process_time() - begin < PATIENCE
-        self.solver.propagate_until(end, callback=late)
+        self.solver.propagate_until(end, callback=lambda solver: time.process_time() - begin < PATIENCE)
         return self.count, self.solver.time, self.solver.state.copy()
 
 
 def main():
     words = [word for word in sys.argv[1:] if word != "rigid"]
-    bodies, end = int((words + ["20"])[0]), float((words + ["20", "10"])[1]) if len(words) > 1 else 10.0
+    words += ["20", "10"][len(words) :]
+    bodies, end = int(words[0]), float(words[1])
     chain = Chain(bodies, "rigid" in sys.argv)
     ways = [way(chain) for way in (Engine, Heyoka, Cvode, SciPy)]
     for way in ways:

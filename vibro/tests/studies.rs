@@ -383,7 +383,17 @@ fn errors_of_long_studies_name_what_is_allowed() {
     }
 }
 
-/// On any threads each study of it gives the same bytes: see above.
+#[test]
+#[ignore = "makes the report twice: cargo test -p vibro --test studies -- --ignored"]
+fn invariant_the_report_is_the_same_on_any_threads() {
+    let [one, two] = ["1", "2"].map(|threads| {
+        let out = folder(&format!("report-{threads}"));
+        drawn(&out, &["reproduce", "--quick", "--threads", threads]);
+        out
+    });
+    assert_same(&one, &two);
+}
+
 #[test]
 fn the_report_is_whole() {
     let one = folder("report");
