@@ -81,14 +81,34 @@ pub struct SparseMatrix {
 }
 
 impl SparseMatrix {
-    /// Of a matrix.
+    /// Of a square matrix.
     pub fn of(matrix: &DMatrix<f64>) -> Self {
         let (mut rows, mut entries) = (vec![0], Vec::new());
-        for i in 0..matrix.nrows() {
-            entries.extend((0..matrix.ncols()).map(|j| (j, matrix[(i, j)])).filter(|&(_, x)| x != 0.0));
+        for column in matrix.as_slice().chunks_exact(matrix.nrows().max(1)) {
+            entries.extend(column.iter().copied().enumerate().filter(|&(_, x)| x != 0.0));
             rows.push(entries.len());
         }
+        Self { rows, entries }.transpose()
+    }
+
+    /// Rows and columns exchanged.
+    pub fn transpose(&self) -> Self {
+        let mut rows = vec![0; self.len() + 1];
+        self.entries.iter().for_each(|&(j, _)| rows[j + 1] += 1);
+        (0..self.len()).for_each(|j| rows[j + 1] += rows[j]);
+        let (mut next, mut entries) = (rows.clone(), vec![(0, 0.0); self.entries.len()]);
+        for i in 0..self.len() {
+            for &(j, x) in self.row(i) {
+                entries[next[j]] = (i, x);
+                next[j] += 1;
+            }
+        }
         Self { rows, entries }
+    }
+
+    /// An entry.
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        self.row(i).iter().find(|term| term.0 == j).map_or(0.0, |term| term.1)
     }
 
     /// The entries of a row with their places.
@@ -119,11 +139,11 @@ impl SparseMatrix {
         self.entries.len()
     }
 
-    /// `to` = `factor` × matrix × `from`.
+    /// `to` = `factor` × matrix × `from`, but for the first rows.
     #[inline(always)]
-    pub fn times(&self, from: &[f64], factor: f64, to: &mut [f64]) {
+    pub fn rows_times_to(&self, first: usize, from: &[f64], factor: f64, to: &mut [f64]) {
         for (i, y) in to.iter_mut().enumerate() {
-            let sum: f64 = self.row(i).iter().map(|&(j, x)| x * from[j]).sum();
+            let sum: f64 = self.row(first + i).iter().map(|&(j, x)| x * from[j]).sum();
             *y = factor * sum;
         }
     }

@@ -172,6 +172,15 @@ proptest! {
         let places: Vec<usize> = all(&d).into_iter().rev().collect();
         agree(&d, &one, &path(motion(other), &places).0)?;
     }
+
+    #[test]
+    fn invariant_bodies_that_touch_nothing(d in assembly()) {
+        // Machines of few coordinates have tables of their sub-steps, those of many go by the series of each state.
+        let mut other = d.clone();
+        other.bodies.extend((0..10).map(|i| body(&format!("idle{i}"), 1.0, 0.0, 0.0)));
+        let (one, _) = path(motion(d.clone()), &all(&d));
+        agree(&d, &one, &path(motion(other), &all(&d)).0)?;
+    }
 }
 
 /// A ball under gravity on a floor, from one metre.

@@ -87,7 +87,7 @@ fn closed_form_a_stiff_buffer_puts_the_same_force_to_both_bodies() {
     // Two bodies that loads press together on a stiff and strongly damped buffer, 1 m from the origin: for a fifth of a second, some 2e4 sub-steps of
     // which each puts 1e8 N/m times 1 m to each body. No other force acts, so that the center of their masses moves evenly.
     let (masses, v, end) = ([0.49, 0.65], 0.67, 0.2);
-    let d = Description {
+    let pair = Description {
         bodies: vec![body("a", masses[0], 1.0, v), body("b", masses[1], 1.0, v)],
         stops: vec![compliant("buffer", &[(0, 1.0), (1, -1.0)], 0.0, 1.3e8, 6e4, DampingLimit::NoPull)],
         loads: vec![
@@ -96,13 +96,19 @@ fn closed_form_a_stiff_buffer_puts_the_same_force_to_both_bodies() {
         ],
         ..Description::default()
     };
-    let mut motion = motion(d);
-    motion.advance_to(end).unwrap();
-    let mean =
-        |k: usize| (masses[0] * motion.body(0)[k] + masses[1] * motion.body(1)[k]) / (masses[0] + masses[1]);
-    let exact = [1.0 + v * end, v];
-    for (k, exact) in exact.into_iter().enumerate().rev() {
-        assert!((mean(k) - exact).abs() < MANY_STEPS[k], "{k}: {:e}", mean(k) - exact);
+    // Alone by tables, and among bodies that touch nothing by the series of each state.
+    for others in [0, 10] {
+        let mut d = pair.clone();
+        d.bodies.extend((0..others).map(|i| body(&format!("idle{i}"), 1.0, 0.0, 0.0)));
+        let mut motion = motion(d);
+        motion.advance_to(end).unwrap();
+        let mean = |k: usize| {
+            (masses[0] * motion.body(0)[k] + masses[1] * motion.body(1)[k]) / (masses[0] + masses[1])
+        };
+        let exact = [1.0 + v * end, v];
+        for (k, exact) in exact.into_iter().enumerate().rev() {
+            assert!((mean(k) - exact).abs() < MANY_STEPS[k], "{others}, {k}: {:e}", mean(k) - exact);
+        }
+        assert!((motion.stop(0)[2] - 10.0).abs() < 1e-6, "{others}: {:?}", motion.stop(0));
     }
-    assert!((motion.stop(0)[2] - 10.0).abs() < 1e-6, "{:?}", motion.stop(0));
 }

@@ -8,7 +8,7 @@ use nalgebra::DVector;
 use std::collections::HashMap;
 use std::sync::Arc;
 use vibro_assembly::Motion;
-use vibro_assembly::flow::{ORDERS, rate_bound};
+use vibro_assembly::flow::{ORDERS, SparseMatrix, rate_bound};
 use vibro_assembly::mode::{Mode, Watch};
 use vibro_assembly::motion::{Event, Outcome};
 use vibro_assembly::system::{Row, System};
@@ -38,7 +38,7 @@ impl Flow {
     fn new(system: &System, mode: &Mode) -> Self {
         let linear = system.linear(mode);
         let rows = linear.a.row_iter().map(|row| row.iter().copied().collect()).collect();
-        let rate = rate_bound(&linear.a, system.signals.one);
+        let rate = rate_bound(&SparseMatrix::of(&linear.a), system.signals.one);
         Self { mode: mode.clone(), a: rows, rate, lambda: linear.lambda, watched: linear.watched }
     }
 

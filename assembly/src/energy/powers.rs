@@ -3,7 +3,7 @@
 use super::long::Work;
 use super::{AtNodes, NODES};
 use crate::description::StopLaw;
-use crate::flow::{Ladder, Table, taylor};
+use crate::flow::{Ladder, Series, Table, taylor};
 use crate::kernel::{Sparse, combine};
 use crate::mode::{Mode, StopState};
 use crate::system::{Row, System};
@@ -11,14 +11,12 @@ use crate::system::{Row, System};
 /// Taylor coefficients of a functional over a sub-step. With rate times length at most 2 the first one left out is under
 /// 2²⁴/24! < 3e-17 of the largest coordinate.
 const TERMS: usize = 24;
-/// Orders of a flight's power series, at most.
-const MOST_ORDERS: usize = 40;
 
 /// Powers of the nodes' places, by order.
-const POWERS: [AtNodes; MOST_ORDERS] = {
-    let mut powers = [[1.0; NODES.len()]; MOST_ORDERS];
+const POWERS: [AtNodes; TERMS] = {
+    let mut powers = [[1.0; NODES.len()]; TERMS];
     let mut k = 1;
-    while k < MOST_ORDERS {
+    while k < TERMS {
         let mut i = 0;
         while i < NODES.len() {
             powers[k][i] = powers[k - 1][i] * NODES[i].0;
@@ -48,8 +46,8 @@ pub enum Account {
 pub enum Samples<'a> {
     /// The state where it begins, and its part of the sub-step: where coefficients [are kept](Powers::are_dense).
     Start(&'a [f64], f64),
-    /// The coefficients of the state's power series in the part that has passed, one after another, of so many coordinates.
-    Series(&'a [f64], usize),
+    /// The state's power series over a sub-step, and the flight's part of it.
+    Series(&'a Series, f64),
     /// The states at the nodes, likewise.
     States(&'a [f64], usize),
 }
@@ -210,24 +208,21 @@ impl Powers {
         values.resize(self.rows.len(), [0.0; NODES.len()]);
         match *samples {
             Samples::Start(z, part) => {
-                let mut parts = [1.0; TERMS];
-                for k in 1..TERMS {
-                    parts[k] = parts[k / 2] * parts[(k - 1) / 2] * part;
-                }
+                let parts = powers_of(part);
                 for (value, columns) in values.iter_mut().zip(self.columns.chunks_exact(z.len())) {
                     let mut c = combine(columns, z);
                     c.iter_mut().zip(&parts).for_each(|(c, part)| *c *= part);
                     *value = at_nodes(&c);
                 }
             }
-            Samples::Series(terms, size) => {
+            Samples::Series(series, part) => {
+                let parts = powers_of(part);
                 for (value, row) in values.iter_mut().zip(&self.rows) {
-                    let mut c = [0.0; MOST_ORDERS];
-                    let orders = terms.len() / size;
-                    for (c, z) in c.iter_mut().zip(terms.chunks_exact(size)) {
-                        *c = row.dot(z);
+                    let mut c = [0.0; TERMS];
+                    for ((c, term), part) in c.iter_mut().zip(series.terms()).zip(&parts) {
+                        *c = part * row.dot(term);
                     }
-                    *value = at_nodes(&c[..orders]);
+                    *value = at_nodes(&c);
                 }
             }
             Samples::States(states, size) => {
@@ -247,9 +242,19 @@ impl Powers {
     }
 }
 
+/// The powers of a part of a sub-step, by order.
+#[inline(always)]
+fn powers_of(part: f64) -> [f64; TERMS] {
+    let mut parts = [1.0; TERMS];
+    for k in 1..TERMS {
+        parts[k] = parts[k / 2] * parts[(k - 1) / 2] * part;
+    }
+    parts
+}
+
 /// A power series at the nodes.
 #[inline(always)]
-fn at_nodes(coefficients: &[f64]) -> AtNodes {
+fn at_nodes(coefficients: &[f64; TERMS]) -> AtNodes {
     let mut sum = [0.0; NODES.len()];
     for (c, powers) in coefficients.iter().zip(&POWERS) {
         for (sum, power) in sum.iter_mut().zip(powers) {

@@ -42,14 +42,14 @@ pub(super) fn series_orders(x: f64) -> usize {
 
 /// A bound of the norm of A: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j / w_i. The weights of the machine's
 /// coordinates balance rows and columns; those of signals are so small that they add at most a quarter.
-pub fn rate_bound(a: &DMatrix<f64>, one: usize) -> f64 {
-    let size = a.nrows();
+pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
+    let size = a.len();
     let mut w = vec![1.0f64; size];
-    let (rows, columns) = (SparseMatrix::of(a), SparseMatrix::of(&a.transpose()));
+    let columns = a.transpose();
     let others = |i: usize| move |term: &&(usize, f64)| term.0 < one && term.0 != i;
     for _ in 0..BALANCE_TURNS {
         for i in 0..one {
-            let row: f64 = rows.row(i).iter().filter(others(i)).map(|&(j, x)| x.abs() * w[j]).sum();
+            let row: f64 = a.row(i).iter().filter(others(i)).map(|&(j, x)| x.abs() * w[j]).sum();
             let column: f64 = columns.row(i).iter().filter(others(i)).map(|&(j, x)| x.abs() / w[j]).sum();
             // The weight that makes row/w and column·w equal, kept within what doubles can carry.
             if row > 0.0 && column > 0.0 {
@@ -60,19 +60,21 @@ pub fn rate_bound(a: &DMatrix<f64>, one: usize) -> f64 {
         }
     }
     // A coordinate that acts on nothing is as large as it needs to be, one that nothing acts on as small.
-    let row_sum =
-        |w: &[f64], i: usize, to: usize| (0..to).map(|j| a[(i, j)].abs() * w[j]).sum::<f64>() / w[i];
+    let row_sum = |w: &[f64], i: usize, to: usize| {
+        a.row(i).iter().filter(|term| term.0 < to).map(|&(j, x)| x.abs() * w[j]).sum::<f64>() / w[i]
+    };
     let own = (0..one).map(|i| row_sum(&w, i, one)).fold(LEAST_RATE, f64::max);
-    let signals = (one..size).flat_map(|i| (one..i).map(move |j| (i, j)));
     // Frequencies stand between a cosine and its sine, in both directions.
-    let omega = signals.map(|(i, j)| a[(i, j)].abs().min(a[(j, i)].abs())).fold(0.0, f64::max);
+    let omega = (one..size)
+        .flat_map(|i| a.row(i).iter().map(move |&(j, x)| (i, j, x)))
+        .filter(|&(i, j, _)| one <= j && j < i)
+        .map(|(i, j, x)| x.abs().min(a.entry(j, i).abs()))
+        .fold(0.0, f64::max);
     let rate = own.max(omega);
     let share = 0.25 * rate / (size - one) as f64;
     let limit = |w: &[f64], j: usize| {
-        (0..one)
-            .filter(|&i| a[(i, j)] != 0.0)
-            .map(|i| share * w[i] / a[(i, j)].abs())
-            .fold(f64::INFINITY, f64::min)
+        let terms = columns.row(j).iter().filter(|term| term.0 < one);
+        terms.map(|&(i, x)| share * w[i] / x.abs()).fold(f64::INFINITY, f64::min)
     };
     let mut signal = vec![f64::INFINITY; size];
     for (j, most) in signal.iter_mut().enumerate().skip(one) {
@@ -80,15 +82,13 @@ pub fn rate_bound(a: &DMatrix<f64>, one: usize) -> f64 {
     }
     // What feeds another signal is no larger than the rate times that one: derivatives of pieces; cosine and sine are equal.
     for j in one..size {
-        for i in one..size {
-            if i != j && a[(i, j)] != 0.0 {
-                let mutual = a[(j, i)] != 0.0;
-                let most = if mutual { signal[i].min(signal[j]) } else { rate * signal[i] / a[(i, j)].abs() };
-                if mutual {
-                    signal[i] = signal[i].min(most);
-                }
-                signal[j] = signal[j].min(most);
+        for &(i, x) in columns.row(j).iter().filter(|term| term.0 >= one && term.0 != j) {
+            let mutual = a.entry(j, i) != 0.0;
+            let most = if mutual { signal[i].min(signal[j]) } else { rate * signal[i] / x.abs() };
+            if mutual {
+                signal[i] = signal[i].min(most);
             }
+            signal[j] = signal[j].min(most);
         }
     }
     for j in one..size {

@@ -17,10 +17,20 @@ pub struct WatchTable {
     pub row: Functional,
     /// Its time derivative.
     pub slope: Sparse,
-    /// Its second time derivative.
-    pub bow: Sparse,
-    /// The sizes of the terms that its time derivative is the sum of.
-    pub slope_sizes: Sparse,
+}
+
+impl WatchTable {
+    /// Of a functional of a mode, from A.
+    pub(super) fn new(watch: Watch, row: Row, a: &SparseMatrix) -> Self {
+        let mut slope = vec![0.0; row.len()];
+        a.after_row(row.as_slice(), 1.0, &mut slope);
+        Self { watch, slope: Sparse::of(&slope), row: Functional::of(row) }
+    }
+}
+
+/// What is kept of a watched functional over a sub-step.
+#[derive(Clone, Debug)]
+pub(super) struct WatchColumns {
     /// |functional''| is at most the sum of this times the sizes of the coordinates, or of their second derivatives where stiff buffers press,
     /// throughout the sub-step.
     curvature: Vec<f64>,
@@ -30,16 +40,16 @@ pub struct WatchTable {
     local: Vec<[f64; LOCAL]>,
 }
 
-impl WatchTable {
+impl WatchColumns {
     /// Its values at the interval ends.
     #[inline(always)]
-    pub fn samples(&self, z: &[f64]) -> [f64; INTERVALS] {
+    pub(super) fn samples(&self, z: &[f64]) -> [f64; INTERVALS] {
         combine(&self.samples, z)
     }
 
     /// Its Taylor coefficients about a point, in units of an interval.
     #[inline(always)]
-    pub fn local(&self, z: &[f64]) -> [f64; LOCAL] {
+    pub(super) fn local(&self, z: &[f64]) -> [f64; LOCAL] {
         combine(&self.local, z)
     }
 }
@@ -70,22 +80,34 @@ pub fn head_of(groups: &[Group], place: usize) -> Head {
     Head { value, slope, bend }
 }
 
+/// Puts the head of the functional at a place to those of the places before.
+pub(super) fn put_head(groups: &mut Vec<Group>, place: usize, head: Head) {
+    if place.is_multiple_of(GROUP) {
+        groups.push(Group::default());
+    }
+    let Group(sums) = &mut groups[place / GROUP];
+    for (sums, value) in sums.iter_mut().zip([head.value, head.slope, head.bend]) {
+        sums[place % GROUP] = value;
+    }
+}
+
 /// What the heads of some functionals are found from: by coordinate the values of all, their slopes, and the bounds of their bends.
 #[derive(Clone, Debug)]
 pub(super) struct Heads(Vec<[[f64; GROUP]; 3]>);
 
 impl Heads {
     /// Of functionals of so many coordinates, in groups.
-    pub(super) fn of(watched: &[WatchTable], size: usize) -> Vec<Self> {
-        let columns = |group: &[WatchTable], j: usize| {
+    pub(super) fn of(watched: &[WatchTable], columns: &[WatchColumns], size: usize) -> Vec<Self> {
+        let column = |(group, kept): (&[WatchTable], &[WatchColumns]), j: usize| {
             let mut column = [[0.0; GROUP]; 3];
-            for (k, w) in group.iter().enumerate() {
-                (column[0][k], column[2][k]) = (w.row[j], w.curvature[j]);
+            for (k, (w, kept)) in group.iter().zip(kept).enumerate() {
+                (column[0][k], column[2][k]) = (w.row[j], kept.curvature[j]);
                 column[1][k] = w.slope.terms().iter().find(|term| term.0 == j).map_or(0.0, |term| term.1);
             }
             column
         };
-        watched.chunks(GROUP).map(|group| Self((0..size).map(|j| columns(group, j)).collect())).collect()
+        let groups = watched.chunks(GROUP).zip(columns.chunks(GROUP));
+        groups.map(|group| Self((0..size).map(|j| column(group, j)).collect())).collect()
     }
 
     /// The heads at a state, with the vector of whose sizes the bounds are made.
@@ -118,7 +140,7 @@ pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64,
 
 /// Taylor coefficients of a functional over a sub-step: with rate times length 2 the first one left out is under 2²⁸/28! < 1e-21 of the largest
 /// coordinate, and that of the second derivative under 2e-19.
-const WHOLE: usize = 28;
+pub(super) const WHOLE: usize = 28;
 
 /// Values and second derivatives of a power series at 1, 2, …, [`INTERVALS`].
 #[inline(always)]
@@ -137,16 +159,15 @@ fn at_interval_ends(c: &[f64; WHOLE]) -> [[f64; INTERVALS]; 2] {
     [values, seconds]
 }
 
-/// The table of a functional over intervals of length `step`, from A, its entries' sizes |A|, and the sizes of the terms of its entries. Its bend is
-/// bounded by the state or, with `is_stiff`, by the state's second derivative. Only entries of A that are not zero are multiplied.
-pub(super) fn watch_table(
-    watch: Watch,
-    row: Row,
-    [a, abs, sizes]: [&SparseMatrix; 3],
+/// The columns of a functional over intervals of length `step`, from A and its entries' sizes |A|. Its bend is bounded by the state or, with
+/// `is_stiff`, by the state's second derivative. Only entries of A that are not zero are multiplied.
+pub(super) fn watch_columns(
+    row: &[f64],
+    [a, abs]: [&SparseMatrix; 2],
     (step, is_stiff): (f64, bool),
-) -> WatchTable {
+) -> WatchColumns {
     let size = row.len();
-    let columns: Vec<[f64; WHOLE]> = taylor(a, row.as_slice(), 1.0, step);
+    let columns: Vec<[f64; WHOLE]> = taylor(a, row, 1.0, step);
     let local = columns.iter().map(|c| std::array::from_fn(|k| c[k])).collect();
     let (mut samples, mut peak) = (Vec::with_capacity(size), Vec::with_capacity(size));
     for c in &columns {
@@ -167,22 +188,5 @@ pub(super) fn watch_table(
         std::mem::swap(&mut peak, &mut next);
     }
     curvature.iter_mut().for_each(|bound| *bound *= BOUND_MARGIN);
-    let after = |row: &[f64]| {
-        let mut next = vec![0.0; size];
-        a.after_row(row, 1.0, &mut next);
-        next
-    };
-    let mut slope_sizes = vec![0.0; size];
-    sizes.after_row(row.abs().as_slice(), 1.0, &mut slope_sizes);
-    let first = after(row.as_slice());
-    WatchTable {
-        watch,
-        slope: Sparse::of(&first),
-        bow: Sparse::of(&after(&first)),
-        slope_sizes: Sparse::of(&slope_sizes),
-        row: Functional::of(row),
-        curvature,
-        samples,
-        local,
-    }
+    WatchColumns { curvature, samples, local }
 }

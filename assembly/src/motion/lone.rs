@@ -182,9 +182,10 @@ impl Motion {
         let (stop, z) = (&self.assembly.system.stops[i], self.hybrid.z.as_slice());
         let rebound = -stop.elongation.rate.at(z);
         let scale = stop.excess.size(self.hybrid.sizes.0.as_slice());
-        let own = self.tables.at(self.place).table.watched.iter().find(|own| own.watch == Watch::Meets(i));
+        let table = self.table();
+        let own = table.watched.iter().find(|own| own.watch == Watch::Meets(i));
         own.is_some_and(|own| {
-            let a = own.bow.dot(z);
+            let a = table.bow(own, z);
             a > 0.0 && contact::is_low(rebound, a, least * scale)
         })
     }

@@ -47,7 +47,7 @@ fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scrat
     // The bends of the present instant, which are no bounds, tell at once which lengths are too long.
     let mut k = longest;
     for (_, (w, order)) in own.clone() {
-        let (value, slope, bend) = (w.row.at(z), w.slope.dot(z), w.bow.dot(z).abs());
+        let (value, slope, bend) = (w.row.at(z), w.slope.dot(z), w.slope.dot(rates).abs());
         if *order > 0 || value >= 0.0 {
             return None;
         }

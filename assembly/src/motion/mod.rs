@@ -20,7 +20,7 @@ pub use varied::{Crossing, keep};
 
 use crate::assembly::Assembly;
 use crate::error::Error;
-use crate::flow::{Group, Rows, Series, Table};
+use crate::flow::{Ahead, Group, Rows, Table};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
@@ -106,7 +106,7 @@ struct Scratch {
     start: DVector<f64>,
     /// The interval, while a sub-step is made.
     interval: Option<usize>,
-    series: Series,
+    ahead: Ahead,
     /// z' and z'' where a long sub-step begins, or one in which a stiff buffer presses; else memory.
     rates: Vec<f64>,
     second: Vec<f64>,

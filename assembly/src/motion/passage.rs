@@ -1,7 +1,7 @@
 //! The way to the first event within a sub-step: samples and bounds prove that there is none, or name the intervals to search.
 
 use super::{Hybrid, Scratch};
-use crate::flow::{Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, WatchTable, head_of};
+use crate::flow::{Ahead, Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, head_of};
 use crate::mode::Watch;
 use vibro_impact::events::{crossing_after_start, first_crossing};
 
@@ -84,25 +84,28 @@ impl Flight<'_> {
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
         let has_late = self.hybrid.departing.iter().copied().any(is_late);
-        let late = if has_late { self.late_passage(span, &mut scratch.series) } else { None };
-        let Scratch { heads, near, start, interval: begun, series, .. } = scratch;
+        let late = if has_late { self.late_passage(span, scratch.ahead.memory()) } else { None };
+        let Scratch { heads, near, start, interval: begun, ahead, .. } = scratch;
         let start = start.as_mut_slice();
         near.clear();
         let mut any = 0;
-        for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
-            let intervals = near_intervals(w, order, z, &head_of(heads, place), table.interval());
+        for (place, &order) in self.hybrid.departing.iter().enumerate() {
+            let samples = || table.samples(place, z, ahead);
+            let intervals = near_intervals(order, &head_of(heads, place), table.interval(), samples);
             any |= intervals;
             near.push(intervals);
         }
         let end = Point::end(span, table);
         for interval in (0..=end.interval).filter(|i| any & (1 << i) != 0) {
-            table.at_interval_start(interval, z, series, start);
+            table.at_interval_start(interval, z, ahead, start);
+            table.begin_interval(start, ahead);
             *begun = Some(interval);
             let from = &start[..];
             let length = if interval == end.interval { end.dt } else { table.interval() };
             // A root early in the interval is found anew in a shorter one, of which the coefficients' rounding is smaller.
             let (mut found, mut length, mut again) = (None, length, true);
-            while again && let Some((dt, place)) = self.passage_within(near, from, interval, length) {
+            while again && let Some((dt, place)) = self.passage_within(near, from, ahead, (interval, length))
+            {
                 again = interval == 0 && found.is_none() && dt > 0.0 && dt < 0.25 * length;
                 found = Some((dt, place));
                 length = 2.0 * dt;
@@ -127,7 +130,7 @@ impl Flight<'_> {
         for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
             if is_late(order) {
                 let mut c = [0.0; ORDERS];
-                let coefficients = series.terms().chunks_exact(z.len()).skip(order).map(|z| w.row.at(z));
+                let coefficients = series.terms().skip(order).map(|z| w.row.at(z));
                 c.iter_mut().zip(coefficients).for_each(|(c, x)| *c = x);
                 c[0] = c[0].min(-f64::MIN_POSITIVE);
                 let hi = first.map_or(1.0, |(u, _)| u);
@@ -144,16 +147,14 @@ impl Flight<'_> {
         &self,
         near: &[u8],
         from: &[f64],
-        interval: usize,
-        length: f64,
+        ahead: &Ahead,
+        (interval, length): (usize, f64),
     ) -> Option<(f64, usize)> {
         let mut first: Option<(f64, usize)> = None;
         let ratio = length / self.table.interval();
-        for (place, w) in
-            self.table.watched.iter().enumerate().filter(|(place, _)| near[*place] & (1 << interval) != 0)
-        {
+        for (place, _) in near.iter().enumerate().filter(|(_, near)| **near & (1 << interval) != 0) {
             let order = if interval == 0 { self.hybrid.departing[place] } else { 0 };
-            let mut c = w.local(from);
+            let mut c = self.table.local(place, from, ahead);
             let mut scale = 1.0;
             for ck in &mut c {
                 *ck *= scale;
@@ -183,7 +184,7 @@ impl Flight<'_> {
 /// Between two samples a distance h apart it lies within M h²/8 of their chord, where M bounds its second derivative. With
 /// `order` it leaves zero at the start.
 #[inline(always)]
-fn near_intervals(w: &WatchTable, order: usize, z: &[f64], head: &Head, step: f64) -> u8 {
+fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -> [f64; INTERVALS]) -> u8 {
     if order >= LATE {
         return 0; // zero throughout, or searched in one piece
     }
@@ -199,7 +200,7 @@ fn near_intervals(w: &WatchTable, order: usize, z: &[f64], head: &Head, step: f6
     // From zero it goes down throughout the first interval if the slope outweighs what the second derivative adds.
     let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
     let mut ends = 0;
-    for (k, sample) in w.samples(z).into_iter().enumerate() {
+    for (k, sample) in samples().into_iter().enumerate() {
         ends |= u8::from(sample >= -margin) << k;
     }
     // An interval is near where one of its ends is.

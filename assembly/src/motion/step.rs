@@ -173,36 +173,37 @@ impl Motion {
         let table = &*met.table;
         let remaining = goal.minus(hybrid.time).value();
         scratch.interval = None;
-        let Scratch { rates, second, heads, .. } = scratch;
-        table.heads_at(hybrid.z.as_slice(), [rates, second], heads);
+        let Scratch { rates, second, heads, ahead, .. } = scratch;
+        let most = table.length.min(remaining);
+        table.look_ahead(hybrid.z.as_slice(), most, [rates, second], ahead, heads);
         let flight = Flight { table, hybrid };
-        let span = flight.within_reach(table.length.min(remaining), &scratch.heads);
+        let span = flight.within_reach(most, &scratch.heads);
         let passage = flight.first_passage(span, scratch);
         let whole = span == table.length && passage.is_none();
         let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
         if hybrid.energy.are_kept() {
-            let (powers, Scratch { series, values, .. }) = (met.powers(&assembly.system), &mut *scratch);
-            let z = hybrid.z.as_slice();
+            let (powers, Scratch { ahead, values, .. }) = (met.powers(&assembly.system), &mut *scratch);
+            let part = dt / table.length;
             let samples = if powers.are_dense() {
-                Samples::Start(z, dt / table.length)
+                Samples::Start(hybrid.z.as_slice(), part)
             } else {
-                series.expand(table, z, dt, table.orders_to(end.interval));
-                Samples::Series(series.terms(), z.len())
+                Samples::Series(&ahead.series, part)
             };
             hybrid.energy.add(powers, dt, &samples, values);
         }
-        let Scratch { start, interval, series, rates, .. } = scratch;
+        let Scratch { start, interval, ahead, rates, .. } = scratch;
         let z = hybrid.z.as_mut_slice();
         if whole {
-            table.at_end(z, rates, series, start.as_mut_slice());
+            table.at_end(z, rates, ahead, start.as_mut_slice());
             std::mem::swap(&mut hybrid.z, start);
         } else {
             let start = start.as_mut_slice();
             if *interval != Some(end.interval) {
-                table.at_interval_start(end.interval, z, series, start);
+                table.at_interval_start(end.interval, z, ahead, start);
+                table.begin_interval(start, ahead);
             }
-            table.within(start, end.dt, at_knot, series, z);
+            table.within(start, end.dt, at_knot, ahead, z);
         }
         let reaches = passage.is_none() && span >= remaining;
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };

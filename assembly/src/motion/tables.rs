@@ -41,11 +41,13 @@ pub(super) struct Tables {
     places: HashMap<Mode, usize>,
     /// Bytes that are kept.
     pub(super) most: usize,
+    /// Number of modes from which on bytes are counted again: all are looked at, so that not each new mode is worth it.
+    recount: usize,
 }
 
 impl Default for Tables {
     fn default() -> Self {
-        Self { met: Vec::new(), places: HashMap::new(), most: KEPT }
+        Self { met: Vec::new(), places: HashMap::new(), most: KEPT, recount: 0 }
     }
 }
 
@@ -63,10 +65,16 @@ impl Tables {
     /// Forgets all where there are too many, so that places that were found before count no more; tells whether it did. Whoever puts a
     /// mode in force asks for it before, so that beyond what is kept there are only the tables of one event.
     pub(super) fn make_room(&mut self) -> bool {
+        let count = self.met.len();
+        if count < self.recount {
+            return false;
+        }
+        self.recount = count + count / 32 + 1;
         let full = self.bytes() > self.most;
         if full {
             self.met.clear();
             self.places.clear();
+            self.recount = 0;
         }
         full
     }

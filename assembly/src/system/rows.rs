@@ -29,6 +29,12 @@ impl Functional {
         self.terms.dot(z)
     }
 
+    /// Its terms that are not zero, with their places.
+    #[inline(always)]
+    pub fn terms(&self) -> &[(usize, f64)] {
+        self.terms.terms()
+    }
+
     /// The sum of its terms' sizes, for a vector of sizes.
     #[inline(always)]
     pub fn size(&self, sizes: &[f64]) -> f64 {

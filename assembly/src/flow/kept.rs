@@ -1,0 +1,113 @@
+//! What is kept of a sub-step in a mode of a machine of few coordinates: matrices and columns that act on its state.
+
+use super::exponential::exponentials;
+use super::watched::{Heads, WatchColumns, taylor, watch_columns};
+use super::{Group, INTERVALS, LOCAL, Table, WatchTable, apart};
+use crate::kernel::{Blocks, combine};
+
+/// Taylor coefficients of the velocities within an interval, behind the constant ones: the first one left out is under
+/// 0.25¹³/13! < 3e-18 of the largest coordinate.
+const WITHIN: usize = 12;
+
+/// What is kept of a sub-step in a mode.
+#[derive(Debug)]
+pub(super) struct Kept {
+    /// z at the interval ends from z at the sub-step's start.
+    transitions: Vec<Blocks>,
+    /// The Taylor coefficients of the velocities from order 1 on, in units of an interval: one velocity after another, each by coordinate.
+    velocities: Vec<[f64; WITHIN]>,
+    /// ∫ exp(A s) ds over a sub-step, where a stiff buffer presses.
+    integral: Option<Blocks>,
+    /// By watched functional.
+    watched: Vec<WatchColumns>,
+    heads: Vec<Heads>,
+}
+
+impl Kept {
+    /// Of a mode.
+    pub(super) fn of(table: &Table) -> Self {
+        let (a, one, step) = (&table.a, table.one, table.interval());
+        let ends: [f64; INTERVALS] = std::array::from_fn(|i| (i + 1) as f64 / INTERVALS as f64);
+        let abs = a.abs();
+        let columns =
+            |w: &WatchTable| watch_columns(w.row.as_slice(), [a, &abs], (step, table.apart.is_some()));
+        let watched: Vec<WatchColumns> = table.watched.iter().map(columns).collect();
+        let velocities = (one / 2..one).flat_map(|j| taylor(a, a.row_of(j).as_slice(), step, step));
+        let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
+        Self {
+            transitions: exponentials(a, table.rate, table.length, &ends).iter().map(Blocks::of).collect(),
+            velocities: velocities.collect(),
+            heads: Heads::of(&table.watched, &watched, a.len()),
+            watched,
+            integral: table.apart.as_ref().map(|_| apart::integral(a, table.length)),
+        }
+    }
+
+    /// Numbers that it holds, of so many coordinates.
+    pub(super) fn numbers(&self, size: usize) -> usize {
+        self.transitions.len() * size * size
+            + self.velocities.len() * WITHIN
+            + self.watched.len() * size * (INTERVALS + LOCAL + 1)
+            + self.integral.as_ref().map_or(0, |_| size * size)
+    }
+
+    /// Writes where the watched functionals stand at a state, with the vector of whose sizes the bounds of their bends are made.
+    #[inline(always)]
+    pub(super) fn heads_at(&self, z: &[f64], sizes: &[f64], to: &mut Vec<Group>) {
+        to.resize(self.heads.len(), Default::default());
+        for (to, group) in to.iter_mut().zip(&self.heads) {
+            *to = group.at(z, sizes);
+        }
+    }
+
+    /// The columns of the watched functional at a place.
+    #[inline(always)]
+    pub(super) fn watched(&self, place: usize) -> &WatchColumns {
+        &self.watched[place]
+    }
+
+    /// The state at the end of a sub-step from that at its start and, where a stiff buffer presses, its rates.
+    #[inline(always)]
+    pub(super) fn at_end(&self, z: &[f64], rates: &[f64], to: &mut [f64]) {
+        match &self.integral {
+            Some(integral) => apart::at_end(integral, z, rates, to),
+            None => self.at_interval_end(INTERVALS - 1, z, to),
+        }
+    }
+
+    /// The state at the end of interval `i` from that at the sub-step's start.
+    #[inline(always)]
+    pub(super) fn at_interval_end(&self, i: usize, z: &[f64], to: &mut [f64]) {
+        self.transitions[i].times(z, to);
+    }
+
+    /// Coordinates and velocities at a time within an interval of length `step` from the state at its start.
+    #[inline(always)]
+    pub(super) fn within(&self, z: &[f64], dt: f64, step: f64, to: &mut [f64]) {
+        let u = dt / step;
+        let mut powers = [u; WITHIN];
+        for k in 1..WITHIN {
+            powers[k] = powers[(k - 1) / 2] * powers[k / 2];
+        }
+        let integrals: [f64; WITHIN] = std::array::from_fn(|k| powers[k] / (k + 2) as f64);
+        let machine = self.velocities.len() / z.len();
+        let (q, v) = z.split_at(machine);
+        let (to_q, to_v) = to.split_at_mut(machine);
+        for (j, columns) in self.velocities.chunks_exact(z.len()).enumerate() {
+            let c = combine(columns, z);
+            // The larger terms last.
+            to_q[j] = q[j] + (v[j] + product(&c, &integrals)) * dt;
+            to_v[j] = v[j] + product(&c, &powers);
+        }
+    }
+}
+
+/// The sum of the products of two series' terms, added up in pairs.
+#[inline(always)]
+fn product(a: &[f64; WITHIN], b: &[f64; WITHIN]) -> f64 {
+    let mut sums = [0.0; WITHIN / 3];
+    for (a, b) in a.chunks_exact(WITHIN / 3).zip(b.chunks_exact(WITHIN / 3)).rev() {
+        sums.iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += a * b);
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
+}
