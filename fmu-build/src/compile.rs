@@ -91,6 +91,20 @@ pub enum Product {
 
 pub use vibro_pack::archive::PROGRAM;
 
+/// What the crate iana-time-zone calls in Apple's framework, as a linker reads it.
+const CORE_FOUNDATION: &[u8] = b"--- !tapi-tbd
+tbd-version: 4
+targets: [ x86_64-macos, arm64-macos ]
+install-name: '/System/Library/Frameworks/CoreFoundation.framework/Versions/A/CoreFoundation'
+current-version: 1
+compatibility-version: 150
+exports:
+  - targets: [ x86_64-macos, arm64-macos ]
+    symbols: [ _CFRelease, _CFStringGetBytes, _CFStringGetCStringPtr, _CFStringGetLength, _CFTimeZoneCopySystem,
+               _CFTimeZoneGetName, _CFTimeZoneResetSystem ]
+...
+";
+
 impl Product {
     /// The package that it is made of.
     pub fn package(self) -> &'static str {
@@ -165,6 +179,9 @@ impl Compiler {
         if target.contains("windows") && self.product != Product::CommandLine {
             zigbuild.args(["--", "-C"]).arg(format!("link-arg={}", self.definitions()?.display()));
         }
+        if target.contains("apple") && self.product == Product::CommandLine {
+            zigbuild.args(["--", "-C"]).arg(format!("link-arg=-F{}", self.frameworks()?.display()));
+        }
         made(&mut zigbuild, self.product)
     }
 
@@ -197,6 +214,17 @@ impl Compiler {
         let text = std::iter::once("EXPORTS\n".to_owned()).chain(names).collect::<String>();
         crate::archive::write_file(&file, text.as_bytes())?;
         Ok(file)
+    }
+
+    /// A folder for the linker with what it needs to know of Apple's frameworks: for tables' time stamps chrono asks one for the time zone. Zig has
+    /// lists of the system's libraries alone, and Apple's own kit is for Macs.
+    fn frameworks(&self) -> Result<PathBuf> {
+        let folder = self.target.join("frameworks");
+        crate::archive::write_file(
+            &folder.join("CoreFoundation.framework/CoreFoundation.tbd"),
+            CORE_FOUNDATION,
+        )?;
+        Ok(folder)
     }
 
     /// A folder for the linker in which the name of GCC's shared run-time library stands for the static one: unwinding
