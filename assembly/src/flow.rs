@@ -15,7 +15,6 @@ pub use ladder::{Ladder, RUNGS, Rung};
 pub(crate) use watched::taylor;
 pub use watched::{Group, Head, WatchTable, head_of};
 
-use crate::kernel::Blocks;
 use crate::law::ZERO;
 use crate::mode::Linear;
 use crate::system::Row;
@@ -47,8 +46,6 @@ pub struct Table {
     pub a: SparseMatrix,
     /// The sizes of the terms of A's entries.
     sizes: SparseMatrix,
-    /// The rows of the velocities of it.
-    forces: Blocks,
     /// Coordinates and velocities of the machine, before the signals.
     one: usize,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
@@ -74,17 +71,14 @@ pub struct Table {
 impl Table {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { a, terms, lambda, triangle, watched, buffers } = linear;
-        let forces = Blocks::of(&terms.rows(one / 2, one - one / 2).into_owned());
-        let (a, sizes) = (SparseMatrix::of(&a), SparseMatrix::of(&terms));
+        let Linear { a, terms: sizes, lambda, triangle, watched, buffers } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
         // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
         let is_small = a.len() <= DENSE;
         let apart = buffers.and_then(|buffers| {
-            let rest = SparseMatrix::of(&buffers.rest);
-            let is_stiff = !is_small || rate > STIFF * rate_bound(&rest, one);
-            is_stiff.then(|| Apart::of(rest, buffers))
+            let is_stiff = !is_small || rate > STIFF * rate_bound(&buffers.rest, one);
+            is_stiff.then(|| Apart::of(buffers))
         });
         let orders = std::array::from_fn(|i| series_orders(RADIUS * (i + 1) as f64 / INTERVALS as f64));
         let watched = watched.into_iter().map(|(watch, row)| WatchTable::new(watch, row, &a));
@@ -92,7 +86,6 @@ impl Table {
         let mut table = Self {
             a,
             sizes,
-            forces,
             one,
             rate,
             length,
@@ -309,18 +302,13 @@ impl Table {
     /// the coordinates' sizes. Forces that balance leave of a velocity the rounding of this size.
     #[inline(always)]
     pub fn flown(&self, sizes: &[f64], time: f64, to: &mut [f64]) {
-        self.forces.times(sizes, to);
-        let time = time.min(self.length);
-        for to in to {
-            *to *= time;
-        }
+        self.sizes.rows_times_to(self.one / 2, sizes, time.min(self.length), to);
     }
 
     /// Numbers that the table holds.
     pub fn numbers(&self) -> usize {
         let size = self.a.len();
         2 * (self.a.entries() + self.sizes.entries())
-            + size * size / 2
             + self.watched.len() * size
             + self.kept.as_ref().map_or(0, |kept| kept.numbers(size))
             + self.apart.as_ref().map_or(0, Apart::numbers)

@@ -80,15 +80,18 @@ pub struct SparseMatrix {
     entries: Vec<(usize, f64)>,
 }
 
+/// Of no rows.
+impl Default for SparseMatrix {
+    fn default() -> Self {
+        Self { rows: vec![0], entries: Vec::new() }
+    }
+}
+
 impl SparseMatrix {
-    /// Of a square matrix.
-    pub fn of(matrix: &DMatrix<f64>) -> Self {
-        let (mut rows, mut entries) = (vec![0], Vec::new());
-        for column in matrix.as_slice().chunks_exact(matrix.nrows().max(1)) {
-            entries.extend(column.iter().copied().enumerate().filter(|&(_, x)| x != 0.0));
-            rows.push(entries.len());
-        }
-        Self { rows, entries }.transpose()
+    /// Adds a row by its entries, of which zeros are left out.
+    pub fn push_row(&mut self, row: impl Iterator<Item = (usize, f64)>) {
+        self.entries.extend(row.filter(|&(_, x)| x != 0.0));
+        self.rows.push(self.entries.len());
     }
 
     /// Rows and columns exchanged.

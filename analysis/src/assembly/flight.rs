@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use vibro_assembly::Motion;
 use vibro_assembly::flow::{ORDERS, SparseMatrix, rate_bound};
-use vibro_assembly::mode::{Mode, Watch};
+use vibro_assembly::mode::{Linear, Mode, Watch};
 use vibro_assembly::motion::{Event, Outcome};
 use vibro_assembly::system::{Row, System};
 use vibro_impact::events::turns;
@@ -24,8 +24,8 @@ const REMAINDER: f64 = 1e-19;
 pub struct Flow {
     /// The mode.
     pub mode: Mode,
-    /// A, row by row.
-    a: Vec<Vec<f64>>,
+    /// A.
+    a: SparseMatrix,
     /// A bound of its norm, 1/s.
     rate: f64,
     /// The forces of the mode's independent contacts.
@@ -36,24 +36,21 @@ pub struct Flow {
 
 impl Flow {
     fn new(system: &System, mode: &Mode) -> Self {
-        let linear = system.linear(mode);
-        let rows = linear.a.row_iter().map(|row| row.iter().copied().collect()).collect();
-        let rate = rate_bound(&SparseMatrix::of(&linear.a), system.signals.one);
-        Self { mode: mode.clone(), a: rows, rate, lambda: linear.lambda, watched: linear.watched }
+        let Linear { a, lambda, watched, .. } = system.linear(mode);
+        let rate = rate_bound(&a, system.signals.one);
+        Self { mode: mode.clone(), a, rate, lambda, watched }
     }
 
     /// z' at a state.
     pub fn derivative(&self, z: &[f64]) -> Vec<f64> {
-        self.a.iter().map(|row| dot(row, z)).collect()
+        self.a.rows_times(0..z.len(), z).as_slice().to_vec()
     }
 
     /// The row of a functional's rate: r A.
     pub fn rate_of(&self, row: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; row.len()];
-        for (weight, line) in row.iter().zip(&self.a).filter(|(weight, _)| **weight != 0.0) {
-            sum.iter_mut().zip(line).for_each(|(s, x)| *s += weight * x);
-        }
-        sum
+        let mut rate = vec![0.0; row.len()];
+        self.a.after_row(row, 1.0, &mut rate);
+        rate
     }
 
     /// The terms of the power series of the states over a time `span` in its part from 0 to 1, at most [`ORDERS`].

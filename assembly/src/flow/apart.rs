@@ -23,8 +23,8 @@ pub(super) struct Apart {
 
 impl Apart {
     /// Of a mode in which buffers press.
-    pub(super) fn of(rest: SparseMatrix, buffers: Buffers) -> Self {
-        let forces = buffers.forces.into_iter().map(|(force, by)| (force, Sparse::of(by.as_slice())));
+    pub(super) fn of(Buffers { rest, forces }: Buffers) -> Self {
+        let forces = forces.into_iter().map(|(force, by)| (force, Sparse::of(by.as_slice())));
         Self { rest, forces: forces.collect() }
     }
 

@@ -1,6 +1,7 @@
 //! The linear system of a mode, z' = A z, with the functionals that end it (docs/assembly-law.md (A5)).
 
 use super::{Contact, FrictionState, Mode, StopState, Watch};
+use crate::kernel::SparseMatrix;
 use crate::law::ZERO;
 use crate::law::box_qp::triangle;
 use crate::system::{Functional, Row, System};
@@ -10,9 +11,9 @@ use nalgebra::{DMatrix, DVector};
 #[derive(Clone, Debug)]
 pub struct Linear {
     /// z' = A z.
-    pub a: DMatrix<f64>,
+    pub a: SparseMatrix,
     /// By entry of A the sizes of the terms that it is the sum of: what a closed stop cancels leaves rounding of these.
-    pub terms: DMatrix<f64>,
+    pub terms: SparseMatrix,
     /// The forces of the basis, by its order.
     pub lambda: Vec<Row>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
@@ -27,7 +28,7 @@ pub struct Linear {
 #[derive(Clone, Debug)]
 pub struct Buffers {
     /// A without them.
-    pub rest: DMatrix<f64>,
+    pub rest: SparseMatrix,
     /// The forces, and what a unit of each takes from z'.
     pub forces: Vec<(Functional, Row)>,
 }
@@ -62,25 +63,34 @@ impl System {
             acceleration_terms += mobility.abs() * demand.abs();
             acceleration -= mobility * &demand;
         }
-        let mut a = DMatrix::zeros(size, size);
-        for k in 0..n {
-            a[(k, n + k)] = 1.0;
+        let buffers = if m == 0 { self.buffers(mode) } else { None };
+        Linear {
+            a: self.matrix(&acceleration),
+            terms: self.matrix(&acceleration_terms).abs(),
+            watched: self.watched(mode, &lambda),
+            lambda,
+            triangle: r,
+            buffers,
         }
-        a.view_mut((n, 0), (n, size)).copy_from(&acceleration);
-        for j in self.signals.one..size {
-            let mut unit = Row::zeros(size);
-            unit[j] = 1.0;
-            a.row_mut(j).copy_from(&self.signals.derivative(&unit).transpose());
-        }
-        let mut terms = a.abs();
-        terms.view_mut((n, 0), (n, size)).copy_from(&acceleration_terms);
-        let watched = self.watched(mode, &lambda);
-        let buffers = if m == 0 { self.buffers(mode, &a) } else { None };
-        Linear { a, terms, lambda, triangle: r, watched, buffers }
     }
 
-    /// The compliant stops that press in a mode without contacts, whose system's matrix is `a`.
-    fn buffers(&self, mode: &Mode, a: &DMatrix<f64>) -> Option<Buffers> {
+    /// The matrix of a mode with these accelerations.
+    fn matrix(&self, acceleration: &DMatrix<f64>) -> SparseMatrix {
+        let (n, size) = (self.coordinates, self.signals.size);
+        let mut a = SparseMatrix::default();
+        (0..n).for_each(|k| a.push_row(std::iter::once((n + k, 1.0))));
+        (0..n).for_each(|k| a.push_row((0..size).map(|j| (j, acceleration[(k, j)]))));
+        let mut unit = Row::zeros(size);
+        for j in self.signals.one..size {
+            unit[j] = 1.0;
+            a.push_row(self.signals.derivative(&unit).iter().copied().enumerate());
+            unit[j] = 0.0;
+        }
+        a
+    }
+
+    /// The compliant stops that press in a mode without contacts.
+    fn buffers(&self, mode: &Mode) -> Option<Buffers> {
         let (n, size) = (self.coordinates, self.signals.size);
         let mut left = mode.stops.clone();
         let mut forces = Vec::new();
@@ -94,9 +104,8 @@ impl System {
         if forces.is_empty() {
             return None;
         }
-        let mut rest = a.clone();
-        rest.view_mut((n, 0), (n, size)).copy_from(&self.free_acceleration(&left, &mode.frictions));
-        Some(Buffers { rest, forces })
+        let rest = self.free_acceleration(&left, &mode.frictions);
+        Some(Buffers { rest: self.matrix(&rest), forces })
     }
 
     /// The functionals that end a mode.
