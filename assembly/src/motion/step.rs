@@ -9,8 +9,8 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Sub-steps in one call, and for each sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
-/// Sub-steps in one call, however short they are: some seconds for a few bodies.
-pub(super) const MOST_WORK: u64 = 20_000_000;
+/// Sub-steps in one call, however short they are: some seconds for a few bodies. Under a fuzzer, whose code is many times slower, fewer.
+pub(super) const MOST_WORK: u64 = if cfg!(fuzzing) { 200_000 } else { 20_000_000 };
 /// Whole sub-steps that carry the signals along with the state, before they are found anew from the clock: of so many the rounding is that
 /// of one.
 const RENEW: u32 = 16;
