@@ -301,16 +301,22 @@ pub struct DriveWork {
 
 impl DriveWork {
     /// None where the steady state is so large that the differences would lose more than three digits: near resonance with
-    /// hardly any damping.
+    /// hardly any damping, or under a drive so strong and slow that a flight is a small part of the forced vibration (docs/theory.md (96)).
     fn new(amplitude: f64, model: &Model) -> Option<Self> {
         /// Least impedance, in units of the sum of its parts.
         const LEAST: f64 = 1e-3;
-        let Model { k1, c1, omega, .. } = *model;
+        /// Largest steady state, in gaps: the values are of the size of F10 times it, and the work in a flight of F10 times the gap.
+        const LARGEST: f64 = 100.0;
+        let Model { k1, c1, omega, gap, drive, .. } = *model;
         let (stiff, inert) = (k1 / omega, omega);
         let reactance = inert - stiff;
         let square = c1 * c1 + reactance * reactance;
         let parts = c1 + stiff + inert;
-        let usable = square.sqrt() >= LEAST * parts && square.is_finite() && square >= f64::MIN_POSITIVE;
+        let impedance = square.sqrt();
+        let usable = impedance >= LEAST * parts
+            && drive.abs() <= LARGEST * gap * omega * impedance
+            && square.is_finite()
+            && square >= f64::MIN_POSITIVE;
         usable.then(|| {
             let (q1, p1) = (-amplitude * c1 / square, -amplitude * reactance / square);
             Self {

@@ -126,6 +126,29 @@ fn invariant_energy_balance_in_short_steps() {
     }
 }
 
+/// A box that is pushed through its gap before the drive has turned: its forced vibration is a million gaps wide.
+#[test]
+fn invariant_energy_balance_under_a_strong_and_slow_drive() {
+    /// Of the energy that passed through, or of what the drive does over the gap (docs/guarantees.md).
+    const BOUND: f64 = 1e-12;
+    let soft = Parameters {
+        box_stiffness: 1e-3,
+        drive_frequency: 1e-3,
+        drive_amplitude: 1e3,
+        drive_phase: 0.7,
+        ..basic(1.5, 0.75)
+    };
+    let mut simulator = Simulator::new(&soft, &start(), 0.0).unwrap();
+    let first = simulator.energy_accounts().mechanical;
+    for n in 1..=40 {
+        simulator.advance_to(0.05 * f64::from(n)).unwrap();
+        let l = simulator.energy_accounts();
+        let error = l.mechanical - first - l.input + l.damped + l.impact;
+        let passed = first.max(l.mechanical).max(l.input).max(soft.drive_amplitude * soft.stop_gap);
+        assert!(error.abs() < BOUND * passed, "{n}: {error:e} of {passed}");
+    }
+}
+
 #[test]
 fn second_method_drive_work_in_closed_form_and_by_quadrature() {
     /// Rounding over 300 periods. Loads of no size have their work, and with it the drive's, found by quadrature.

@@ -134,17 +134,14 @@ impl MotionClass {
     }
 
     /// The class of an attractor, with its spectrum in units of ω10 where there is one.
-    pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>) -> Self {
+    pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>, p: &Parameters) -> Self {
+        let zero = ZERO_EXPONENT * (p.drive_frequency / p.box_frequency()).min(1.0);
         match (attractor.period, spectrum.map(|s| (s.exponents[0], s.exponents[1], s.deviation))) {
             (Some(n), _) => Self::Periodic(n),
             (None, None) => Self::NotSettled,
-            (None, Some((first, _, deviation))) if (first - ZERO_EXPONENT).abs() < deviation => {
-                Self::NotSettled
-            }
-            (None, Some((first, ..))) if first > ZERO_EXPONENT => Self::Chaotic,
-            (None, Some((_, second, _))) if second > -ZERO_EXPONENT && !attractor.approaching => {
-                Self::QuasiPeriodic
-            }
+            (None, Some((first, _, deviation))) if (first - zero).abs() < deviation => Self::NotSettled,
+            (None, Some((first, ..))) if first > zero => Self::Chaotic,
+            (None, Some((_, second, _))) if second > -zero && !attractor.approaching => Self::QuasiPeriodic,
             _ => Self::Settling,
         }
     }

@@ -198,7 +198,8 @@ pub fn count(request: &Request) -> usize {
 ///
 /// # Errors
 /// [`Error::Form`] for two axes of one coordinate, for a range that is empty or not finite and for no cells;
-/// [`Error::TooMany`] for a plane that does not fit into memory; what the simulator refuses, starts outside the stops apart.
+/// [`Error::TooMany`] for a plane that does not fit into memory; [`Error::TooManyAttractors`] for more than can be numbered; what the
+/// simulator refuses, starts outside the stops apart.
 pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Basin>> {
     let Request { x, y, .. } = request;
     if x.coordinate == y.coordinate {
@@ -217,7 +218,7 @@ pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Ba
     let part = |workspace: &mut Workspace, part| cells(p, request, rows(request, part), workspace);
     let Some(parts) = task.complete_with(count(request), part)? else { return Ok(None) };
     let mut found = Basin::default();
-    parts.iter().for_each(|part| found.append(part));
+    parts.iter().try_for_each(|part| found.append(part))?;
     Ok(Some(found))
 }
 
@@ -234,7 +235,13 @@ fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut 
         Ok(motion) => {
             // Chaos beside motions with a period is often a long transient, so that it is an attractor's only at the limit.
             let open = motion.wanders() && !last;
-            let destination = if open { None } else { found.destination(motion) };
+            let destination = match if open { Ok(None) } else { found.destination(motion) } {
+                Ok(destination) => destination,
+                Err(too_many) => {
+                    refused = Err(too_many);
+                    return true;
+                }
+            };
             if let Some(destination) = destination {
                 found.cells[number] = destination;
             } else if last && motion.wanders() && motion.stationary {
@@ -256,12 +263,12 @@ fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut 
 
 impl Basin {
     /// Where a motion ends: on an attractor that is known, or on a new one. `None` where that is not decided.
-    fn destination(&mut self, motion: &Followed) -> Option<Destination> {
+    fn destination(&mut self, motion: &Followed) -> Result<Option<Destination>> {
         if motion.attractor.period.is_none() && !motion.wanders() {
-            return None;
+            return Ok(None);
         }
         let found = BasinAttractor { attractor: motion.attractor.clone(), class: motion.class };
-        match self.known(&found) {
+        Ok(match self.known(&found) {
             Known::As(destination) => {
                 let known = match destination {
                     Destination::Attractor(number) | Destination::Mirror(number) => Some(number),
@@ -275,19 +282,23 @@ impl Basin {
             Known::Undecided => None,
             // One motion's means become an attractor's when they are known well enough.
             Known::Not if found.attractor.period.is_none() && !motion.stationary => None,
-            Known::Not => Some(self.add(found)),
-        }
+            Known::Not => Some(self.add(found)?),
+        })
     }
 
-    fn add(&mut self, found: BasinAttractor) -> Destination {
+    fn add(&mut self, found: BasinAttractor) -> Result<Destination> {
+        let Ok(number) = u16::try_from(self.attractors.len()) else {
+            return Err(Error::TooManyAttractors { most: self.attractors.len() });
+        };
         self.attractors.push(found);
-        Destination::Attractor((self.attractors.len() - 1) as u16)
+        Ok(Destination::Attractor(number))
     }
 
     /// Whether an attractor is among the known ones.
     fn known(&self, found: &BasinAttractor) -> Known {
         let mut undecided = false;
-        for (known, number) in self.attractors.iter().zip(0..) {
+        // The numbers of all that can be added.
+        for (known, number) in self.attractors.iter().zip(0..=u16::MAX) {
             match known.attractor.relation(&found.attractor) {
                 Relation::Same => return Known::As(Destination::Attractor(number)),
                 Relation::Mirror => return Known::As(Destination::Mirror(number)),
@@ -319,7 +330,10 @@ impl Basin {
     }
 
     /// Adds the cells of further rows, whose attractors have numbers of their own.
-    fn append(&mut self, rows: &Self) {
+    ///
+    /// # Errors
+    /// [`Error::TooManyAttractors`].
+    fn append(&mut self, rows: &Self) -> Result<()> {
         let mut known = Vec::with_capacity(rows.attractors.len());
         for found in &rows.attractors {
             known.push(match self.known(found) {
@@ -332,7 +346,7 @@ impl Basin {
                     destination
                 }
                 Known::Undecided => Destination::Undecided,
-                Known::Not => self.add(found.clone()),
+                Known::Not => self.add(found.clone())?,
             });
         }
         let cell = |cell: &Destination| match *cell {
@@ -341,6 +355,7 @@ impl Basin {
             other => other,
         };
         self.cells.extend(rows.cells.iter().map(cell));
+        Ok(())
     }
 }
 

@@ -254,7 +254,7 @@ fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Res
     };
     let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;
     let class = match &spectrum {
-        Some(spectrum) => MotionClass::of(&attractor, Some(spectrum)),
+        Some(spectrum) => MotionClass::of(&attractor, Some(spectrum), p),
         None => MotionClass::by_largest(&attractor, exponent.as_ref(), p),
     };
     Ok(Some(SweepPoint { value, maxima, attractor, class, spectrum }))

@@ -77,6 +77,15 @@ pub enum Error {
         /// The most to each side of a square, where it is a plane.
         side: Option<usize>,
     },
+    /// The starts of a plane lead to more attractors than can be numbered.
+    #[error(
+        "the starts lead to more than {most} attractors, the most that are numbered: where nothing holds or damps a body each start may \
+         have one of its own; take fewer cells"
+    )]
+    TooManyAttractors {
+        /// The most.
+        most: usize,
+    },
     /// No periodic orbit with an impact word was found.
     #[error("no orbit with the word {word}, closing {closing}, period {period}T: {reason}")]
     NoOrbit {

@@ -12,9 +12,14 @@ use vibro_impact::Parameters;
 use vibro_impact::model::{Augmented, COORDINATES, Model, SmoothMode};
 use vibro_impact::simulator::Event;
 
-/// An exponent (per unit of the dimensionless time τ) above this counts as positive and one below its negative as negative:
-/// over 1500 periods those that are zero stay within a few 1e-4.
+/// An exponent above this counts as positive and one below its negative as negative, per unit of the dimensionless time τ or, where the drive is
+/// slower than the box by itself, of the time in which the drive turns by 1 rad: over 1500 periods those that are zero stay within a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
+
+/// The threshold of a machine's exponents, 1/s. With a drive hundreds of times slower than the box, chaos has exponents under 1e-3 ω10.
+pub(crate) fn zero_exponent(p: &Parameters) -> f64 {
+    ZERO_EXPONENT * p.box_frequency().min(p.drive_frequency)
+}
 
 /// Drive periods in a block.
 pub(crate) const BLOCK: u32 = 8;
@@ -47,7 +52,7 @@ pub enum ExponentSign {
     Positive,
     /// Negative for certain.
     Negative,
-    /// Between the thresholds, ± [`ZERO_EXPONENT`](crate::attractor::ZERO_EXPONENT) ω10, after so long that one beyond them would
+    /// Between the thresholds, ± [`ZERO_EXPONENT`](crate::attractor::ZERO_EXPONENT) times ω10 or ω1, after so long that one beyond them would
     /// have made the variation grow or shrink by e²⁰.
     Zero,
     /// Not known.
@@ -57,7 +62,7 @@ pub enum ExponentSign {
 impl LargestExponent {
     /// What is known of the sign.
     pub fn sign(&self, p: &Parameters) -> ExponentSign {
-        self.sign_beyond(ZERO_EXPONENT * p.box_frequency(), p.period())
+        self.sign_beyond(zero_exponent(p), p.period())
     }
 
     /// The same for a threshold in 1/s and a period in s.
@@ -260,7 +265,7 @@ impl Tangent {
 
     /// Whether the exponent's sign is decided, or it has been counted over `most` periods.
     pub(crate) fn is_decided(&self, most: u32) -> bool {
-        self.growth.is_decided(self.block, ZERO_EXPONENT * self.parameters.box_frequency(), most)
+        self.growth.is_decided(self.block, zero_exponent(&self.parameters), most)
     }
 }
 

@@ -161,9 +161,13 @@ pub fn convergence_while(
 /// The spectrum with its running values in units of ω10, i.e. per unit of the dimensionless time τ; the threshold too.
 ///
 /// # Errors
-/// As [`spectrum`].
+/// As [`spectrum`]; [`Error::Undefined`] without a spring between box and ground, since ω10 is zero.
 pub fn dimensionless(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<Convergence> {
     let rate = simulator.parameters().box_frequency();
+    if rate == 0.0 {
+        let needed_by = "exponents in units of omega10";
+        return Err(Error::Undefined { name: "box.k", value: 0.0, needed_by, allowed: "box.k > 0" }.into());
+    }
     let options = SpectrumOptions { threshold: options.threshold * rate, ..*options };
     let mut found = convergence(simulator, &options)?;
     for exponents in found.running.iter_mut().chain([&mut found.spectrum.exponents]) {

@@ -100,8 +100,10 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
         class = Some(verdict(&start, 0)?.class);
     }
     if wants(Measure::Exponent) {
-        let found = lyapunov::dimensionless(simulator, &SpectrumOptions::default())?.spectrum;
-        exponent = Some(found.exponents[0] * p.box_frequency());
+        // In 1/s throughout: without a spring between box and ground ω10 is no unit.
+        let options = SpectrumOptions::default();
+        let options = SpectrumOptions { threshold: options.threshold * p.box_frequency(), ..options };
+        exponent = Some(lyapunov::spectrum(simulator, &options)?.exponents[0]);
     }
     let number = |measure: &Measure| match measure {
         Measure::Class => None,

@@ -63,14 +63,15 @@ fn second_method_points_of_a_plane_one_by_one() {
         let impacts = motion.impacts != [0.0; 2];
         let periodic = matches!(motion.class, MotionClass::Periodic(_));
         assert_eq!(motion.exponent.is_some(), impacts && !periodic, "point {i}: {motion:?}");
+        let threshold = 1e-3 * p.box_frequency().min(p.drive_frequency);
         // What is not settled at the limit has an exponent whose sign is undecided then.
         if motion.class == MotionClass::NotSettled {
             open += 1;
-            let undecided = motion.exponent.is_some_and(|[e, error]| e.abs() - 1e-3 <= 6.0 * error);
+            let undecided = motion.exponent.is_some_and(|[e, error]| e.abs() - threshold <= 6.0 * error);
             assert!(undecided, "point {i}: {motion:?}");
         }
         // Chaos is told by an exponent that is positive for certain alone.
-        let positive = motion.exponent.is_some_and(|[e, error]| e - 6.0 * error > 1e-3);
+        let positive = motion.exponent.is_some_and(|[e, error]| e - 6.0 * error > threshold);
         assert_eq!(motion.class == MotionClass::Chaotic, positive, "point {i}: {motion:?}");
     }
     assert!(open <= 2, "{open} of {} not settled", plane.points.len());

@@ -38,7 +38,7 @@ fn invariant_the_stable_symmetric_motion_is_its_own_mirror_image() {
     let found = observe(&mut simulator).unwrap();
     assert_eq!((found.period, found.impacts, found.rests), (Some(1), [1.0, 1.0], false));
     assert!(found.is_symmetric() && !found.approaching);
-    assert_eq!(MotionClass::of(&found, None), MotionClass::Periodic(1));
+    assert_eq!(MotionClass::of(&found, None, &p), MotionClass::Periodic(1));
 }
 
 #[test]
@@ -80,6 +80,7 @@ fn closed_form_motions_without_impacts_have_one_limit() {
 
 #[test]
 fn closed_form_classes_by_exponents() {
+    let p = Groups::basic().to_parameters(Scales::default()).unwrap();
     let attractor = |approaching| Attractor {
         period: None,
         approaching,
@@ -98,13 +99,17 @@ fn closed_form_classes_by_exponents() {
         impacts: 3000,
         rests: false,
     };
-    let class =
-        |approaching, first, second| MotionClass::of(&attractor(approaching), Some(&spectrum(first, second)));
+    let class = |approaching, first, second| {
+        MotionClass::of(&attractor(approaching), Some(&spectrum(first, second)), &p)
+    };
     assert_eq!(class(false, 0.05, 0.0), MotionClass::Chaotic);
     assert_eq!(class(false, 0.95e-3, 0.0), MotionClass::QuasiPeriodic);
     assert_eq!(class(true, 0.0, 0.0), MotionClass::Settling);
     assert_eq!(class(false, 0.0, -0.1), MotionClass::Settling);
-    assert_eq!(MotionClass::of(&attractor(false), None), MotionClass::NotSettled);
+    assert_eq!(MotionClass::of(&attractor(false), None, &p), MotionClass::NotSettled);
+    // In units of a box's frequency that is a thousand times the drive's.
+    let stiff = Parameters { box_stiffness: 1e6 * p.box_stiffness, ..p };
+    assert_eq!(MotionClass::of(&attractor(false), Some(&spectrum(2e-4, 0.0)), &stiff), MotionClass::Chaotic);
 }
 
 /// A weight on the block that is larger than all that the drive makes holds it at the lower stop: no impact, but no freedom either.

@@ -25,9 +25,9 @@ fn axes_without_width_or_cells_are_refused() {
     }
 }
 
-#[test]
-fn invariant_rows_put_together_are_the_whole() {
-    let motion = |x: f64| Followed {
+/// A motion of period one through this state.
+fn motion(x: f64) -> Followed {
+    Followed {
         class: MotionClass::Periodic(1),
         attractor: Attractor {
             period: Some(1),
@@ -42,19 +42,39 @@ fn invariant_rows_put_together_are_the_whole() {
         exponent: None,
         periods: 0,
         stationary: false,
-    };
+    }
+}
+
+#[test]
+fn more_attractors_than_numbers_are_refused() {
+    let found = |x: f64| BasinAttractor { attractor: motion(x).attractor, class: MotionClass::Periodic(1) };
+    let mut full = Basin::default();
+    for k in 0..=u16::MAX {
+        assert_eq!(full.add(found(f64::from(k))).unwrap(), Destination::Attractor(k));
+    }
+    assert_eq!(full.destination(&motion(-7.0)).unwrap(), Some(Destination::Mirror(7)));
+    let another = motion(0.5);
+    let mut one = Basin::default();
+    one.add(found(0.5)).unwrap();
+    for refused in [full.destination(&another).unwrap_err(), full.append(&one).unwrap_err()] {
+        assert!(refused.to_string().contains("65536 attractors"), "{refused}");
+    }
+}
+
+#[test]
+fn invariant_rows_put_together_are_the_whole() {
     let cells = [0.1, 0.2, -0.1, 0.3, -0.2, 0.1, -0.3, 0.3];
     let whole = |cells: &[f64]| {
         let mut found = Basin::default();
         for x in cells {
-            let cell = found.destination(&motion(*x)).unwrap();
+            let cell = found.destination(&motion(*x)).unwrap().unwrap();
             found.cells.push(cell);
         }
         found
     };
     for cut in 0..=cells.len() {
         let mut found = whole(&cells[..cut]);
-        found.append(&whole(&cells[cut..]));
+        found.append(&whole(&cells[cut..])).unwrap();
         assert_eq!(found, whole(&cells), "cut at {cut}");
     }
 }

@@ -218,3 +218,18 @@ fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
         }
     }
 }
+
+/// Without a spring between box and ground ω10 is zero and no unit of an exponent. The motion is periodic, so that the largest one is the drive
+/// phase's, which is zero.
+#[test]
+fn closed_form_the_exponent_of_a_machine_without_the_boxs_spring() {
+    /// What the direction lacks of the phase's when counting begins, shared out over a thousand periods, 1/s.
+    const TURNED: f64 = 1e-7;
+    let p = Parameters { box_stiffness: 0.0, drive_amplitude: 1.0, ..Parameters::default() };
+    let start = State { x: [0.0, 0.5, 0.0], v: [0.0, 0.6, 0.0] };
+    let mut simulator = settled_simulator(&p, &start, 400.0).unwrap();
+    let [exponent] = found(&mut simulator, &["exponent".into()], 6)[..] else { panic!("one number") };
+    assert!(exponent.abs() < TURNED, "{exponent}");
+    let refused = lyapunov::dimensionless(&mut simulator, &SpectrumOptions::default()).unwrap_err();
+    assert!(refused.to_string().contains("box.k = 0"), "{refused}");
+}

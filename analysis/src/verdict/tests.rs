@@ -153,3 +153,22 @@ fn second_method_impacts_that_come_in_bursts_have_not_ended() {
         assert_eq!(verdict(&start, 2000).unwrap().class, class, "{p:?}");
     }
 }
+
+/// A box on a spring so stiff that it follows the drive: its frequency is 300 times the drive's, and chaos of the block in it has exponents under
+/// a thousandth of that.
+#[test]
+fn invariant_chaos_is_chaos_in_a_box_far_faster_than_the_drive() {
+    let basic = Parameters::default();
+    let fast = 300.0 * basic.drive_frequency;
+    let p = Parameters {
+        box_stiffness: fast * fast,
+        box_damping: 0.2 * fast,
+        drive_amplitude: 1.8 * fast * fast,
+        ..basic
+    };
+    let start = Start { parameters: p, state: dimensional(&p, &[0.0, 0.5, 0.0, 0.0, 0.6 / fast, 0.0]) };
+    let found = verdict(&start, 50).unwrap();
+    assert_eq!(found.class, MotionClass::Chaotic);
+    let exponent = found.exponent.unwrap();
+    assert!(exponent.value < 1e-3 * fast && exponent.value > 6.0 * exponent.error, "{exponent:?}");
+}
