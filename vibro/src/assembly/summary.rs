@@ -137,7 +137,8 @@ fn equilibrium(assembly: &Assembly) -> String {
 fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     let system = assembly.system();
     let size = 2 * system.coordinates;
-    let a: DMatrix<f64> = system.linear(motion.mode()).a.view((0, 0), (size, size)).into_owned();
+    let linear = system.linear(motion.mode());
+    let a = DMatrix::from_fn(size, size, |i, j| linear.a.entry(i, j));
     let values: Vec<(f64, f64)> = a.complex_eigenvalues().iter().map(|c| (c.re, c.im)).collect();
     let largest = values.iter().map(|(re, im)| re.hypot(*im)).fold(f64::MIN_POSITIVE, f64::max);
     let mut oscillations: Vec<(f64, f64)> =
