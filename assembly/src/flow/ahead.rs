@@ -45,7 +45,7 @@ impl Series {
     }
 }
 
-/// What lies ahead of a state.
+/// What lies ahead of a state. Its functions stay functions: put into a sub-step's code they slow the machines that keep tables, by a twentieth.
 #[derive(Clone, Debug, Default)]
 pub struct Ahead {
     /// The states within a sub-step.
@@ -58,6 +58,7 @@ pub struct Ahead {
 
 impl Ahead {
     /// Finds it for a state, as far as `orders` of the series reach, with the heads of all watched functionals.
+    #[inline(never)]
     pub(super) fn find(&mut self, table: &Table, z: &[f64], orders: usize, heads: &mut Vec<Group>) {
         let Self { series, ways, .. } = self;
         series.expand(table, z, table.length, orders);
@@ -76,6 +77,7 @@ impl Ahead {
     }
 
     /// The values of the watched functional at a place at the interval ends.
+    #[inline(never)]
     pub(super) fn samples(&self, place: usize) -> [f64; INTERVALS] {
         let mut values = [0.0; INTERVALS];
         for c in self.ways[place].iter().rev() {
@@ -87,11 +89,13 @@ impl Ahead {
     }
 
     /// Goes on to an interval, at whose start the state is `from`.
+    #[inline(never)]
     pub(super) fn begin_interval(&mut self, table: &Table, from: &[f64]) {
         self.interval.expand(table, from, table.interval(), LOCAL - 1);
     }
 
     /// The Taylor coefficients of the watched functional at a place about this interval's start, in units of an interval.
+    #[inline(never)]
     pub(super) fn local(&self, table: &Table, place: usize) -> [f64; LOCAL] {
         let mut c = [0.0; LOCAL];
         let row = &table.watched[place].row;
@@ -100,6 +104,7 @@ impl Ahead {
     }
 
     /// The state at a part of this interval.
+    #[inline(never)]
     pub(super) fn within(&self, part: f64, to: &mut [f64]) {
         self.interval.at(part, to);
     }
