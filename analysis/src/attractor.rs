@@ -7,7 +7,7 @@
 use super::error::Result;
 use super::free_limit::{is_damped, limit_keeps_clear};
 pub use super::largest_exponent::ZERO_EXPONENT;
-use super::largest_exponent::{ExponentSign, LargestExponent};
+use super::largest_exponent::{ExponentSign, LargestExponent, zero_exponent};
 use super::lyapunov::Spectrum;
 use super::statistics::{Blocks, Likeness, Statistics};
 use super::stroboscopic::{StroboscopicState, dimensionless};
@@ -135,7 +135,7 @@ impl MotionClass {
 
     /// The class of an attractor, with its spectrum in units of ω10 where there is one.
     pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>, p: &Parameters) -> Self {
-        let zero = ZERO_EXPONENT * (p.drive_frequency / p.box_frequency()).min(1.0);
+        let zero = zero_exponent(p) / p.box_frequency();
         match (attractor.period, spectrum.map(|s| (s.exponents[0], s.exponents[1], s.deviation))) {
             (Some(n), _) => Self::Periodic(n),
             (None, None) => Self::NotSettled,

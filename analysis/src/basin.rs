@@ -231,37 +231,38 @@ fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut 
     let following = Following { discard: request.discard, ..Following::default() };
     let mut found = Basin { cells: vec![Destination::NotSettled; starts.len()], ..Basin::default() };
     let mut refused = Ok(());
-    follow(workspace, &starts, &following, &mut |number, motion, last| match motion {
-        Ok(motion) => {
-            // Chaos beside motions with a period is often a long transient, so that it is an attractor's only at the limit.
-            let open = motion.wanders() && !last;
-            let destination = match if open { Ok(None) } else { found.destination(motion) } {
-                Ok(destination) => destination,
-                Err(too_many) => {
-                    refused = Err(too_many);
-                    return true;
-                }
-            };
-            if let Some(destination) = destination {
-                found.cells[number] = destination;
-            } else if last && motion.wanders() && motion.stationary {
-                found.cells[number] = Destination::Undecided;
+    follow(workspace, &starts, &following, &mut |number, motion, last| {
+        let decided = match motion {
+            Ok(motion) => found.decide(number, motion, last),
+            Err(Error::Model(vibro_impact::Error::Penetration { .. })) => {
+                found.cells[number] = Destination::Outside;
+                Ok(true)
             }
-            destination.is_some()
-        }
-        Err(Error::Model(vibro_impact::Error::Penetration { .. })) => {
-            found.cells[number] = Destination::Outside;
+            Err(other) => Err(other),
+        };
+        decided.unwrap_or_else(|error| {
+            refused = Err(error);
             true
-        }
-        Err(other) => {
-            refused = Err(other);
-            true
-        }
+        })
     });
     refused.map(|()| found.in_order_of_cells())
 }
 
 impl Basin {
+    /// Puts down where the motion of a cell ends; tells whether that is decided, which chaos and what is not known well enough are only at
+    /// the `last` look.
+    fn decide(&mut self, number: usize, motion: &Followed, last: bool) -> Result<bool> {
+        // Chaos beside motions with a period is often a long transient, so that it is an attractor's only at the limit.
+        let open = motion.wanders() && !last;
+        let destination = if open { None } else { self.destination(motion)? };
+        if let Some(destination) = destination {
+            self.cells[number] = destination;
+        } else if last && motion.wanders() && motion.stationary {
+            self.cells[number] = Destination::Undecided;
+        }
+        Ok(destination.is_some())
+    }
+
     /// Where a motion ends: on an attractor that is known, or on a new one. `None` where that is not decided.
     fn destination(&mut self, motion: &Followed) -> Result<Option<Destination>> {
         if motion.attractor.period.is_none() && !motion.wanders() {
