@@ -1,9 +1,9 @@
 //! What lies ahead of a state where a mode keeps no tables of its sub-step, as in machines of many coordinates: of many contacts a mode is
-//! seldom met twice, and the power series of the actual state costs no more than products with tables. It also bounds the motion more
+//! seldom met twice, and the power series of the actual state costs little more than products with tables. It also bounds the motion more
 //! closely than what holds for every state.
 
 use super::watched::{BOUND_MARGIN, WHOLE, put_head};
-use super::{Group, Head, INTERVALS, LOCAL, Table};
+use super::{ENDS, Group, Head, INTERVALS, LOCAL, Table};
 
 /// The states within a span as a power series in the part of it that has passed; its memory is used again.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +23,7 @@ impl Series {
         for k in 1..=orders {
             let (before, after) = self.terms.split_at_mut(k * size);
             let (before, factor) = (&before[(k - 1) * size..], dt / k as f64);
+            // The rates of the coordinates, which are the first half of the machine's own, are the velocities.
             let (lengths, others) = after[..size].split_at_mut(own / 2);
             lengths.iter_mut().zip(&before[own / 2..]).for_each(|(q, v)| *q = factor * v);
             table.rows_times_to(own / 2, before, factor, others);
@@ -45,7 +46,8 @@ impl Series {
     }
 }
 
-/// What lies ahead of a state. Its functions stay functions: put into a sub-step's code they slow the machines that keep tables, by a twentieth.
+/// What lies ahead of a state. What computes here stays a function: put into a sub-step's code it slows the machines that keep tables, by a
+/// twentieth.
 #[derive(Clone, Debug, Default)]
 pub struct Ahead {
     /// The states within a sub-step.
@@ -69,9 +71,12 @@ impl Ahead {
             way.iter_mut().zip(series.terms()).for_each(|(c, term)| *c = w.row.at(term));
             // Within the sub-step no term of the second derivative is larger than at its end.
             let bend: f64 = way.iter().zip(BEND).map(|(c, factor)| factor * c.abs()).sum();
-            let length = table.length;
-            let bend = bend * BOUND_MARGIN / (length * length);
-            put_head(heads, place, Head { value: way[0], slope: way[1] / length, bend });
+            let head = Head {
+                value: way[0],
+                slope: way[1] / table.length,
+                bend: bend * BOUND_MARGIN / (table.length * table.length),
+            };
+            put_head(heads, place, head);
             ways.push(way);
         }
     }
@@ -89,7 +94,6 @@ impl Ahead {
     }
 
     /// Goes on to an interval, at whose start the state is `from`.
-    #[inline(never)]
     pub(super) fn begin_interval(&mut self, table: &Table, from: &[f64]) {
         self.interval.expand(table, from, table.interval(), LOCAL - 1);
     }
@@ -104,7 +108,6 @@ impl Ahead {
     }
 
     /// The state at a part of this interval.
-    #[inline(never)]
     pub(super) fn within(&self, part: f64, to: &mut [f64]) {
         self.interval.at(part, to);
     }
@@ -114,17 +117,6 @@ impl Ahead {
         &mut self.interval
     }
 }
-
-/// Parts of a sub-step at its intervals' ends.
-const ENDS: [f64; INTERVALS] = {
-    let mut ends = [0.0; INTERVALS];
-    let mut i = 0;
-    while i < INTERVALS {
-        ends[i] = (i + 1) as f64 / INTERVALS as f64;
-        i += 1;
-    }
-    ends
-};
 
 /// What the coefficients of a series are multiplied by in its second derivative.
 const BEND: [f64; WHOLE] = {

@@ -1,16 +1,12 @@
-//! The forces of stiff buffers apart from the rest of A, and what a sub-step adds to the state: z(h) - z = ∫ exp(A s) ds · z'.
+//! The forces of buffers apart from the rest of A.
 //!
 //! A buffer's force acts on two bodies with opposite signs. The entries of exp(A h) that say so are rounded each by itself, and with coordinates
 //! that are far greater than the buffer's deflection this is a force from nowhere, the same in each of thousands of sub-steps. Found
-//! first and then put to both bodies, the force has opposite signs to its last bit, and what the integral is multiplied by is of the size of
-//! what changes.
+//! first and then put to both bodies, the force has opposite signs to its last bit.
 
-use super::RADIUS;
-use super::exponential::series_orders;
-use crate::kernel::{Blocks, Sparse, SparseMatrix};
+use crate::kernel::{Sparse, SparseMatrix};
 use crate::mode::Buffers;
 use crate::system::Functional;
-use nalgebra::DMatrix;
 
 /// A = rest - Σ by ⊗ force.
 #[derive(Clone, Debug)]
@@ -42,26 +38,5 @@ impl Apart {
     pub(super) fn numbers(&self) -> usize {
         let by = self.forces.iter().map(|(force, by)| force.len() + force.terms().len() + by.terms().len());
         2 * self.rest.entries() + 2 * by.sum::<usize>()
-    }
-}
-
-/// ∫ exp(A s) ds over a sub-step.
-pub(super) fn integral(a: &SparseMatrix, length: f64) -> Blocks {
-    // Transposed until the end.
-    let mut term = DMatrix::identity(a.len(), a.len()) * length;
-    let mut sum = term.clone();
-    for k in 1..=series_orders(RADIUS) {
-        term = a.times_rows(&term, length / (k + 1) as f64);
-        sum += &term;
-    }
-    Blocks::of(&sum.transpose())
-}
-
-/// The state at the end of a sub-step, from that at its start, its rates and this integral.
-#[inline(always)]
-pub(super) fn at_end(integral: &Blocks, z: &[f64], rates: &[f64], to: &mut [f64]) {
-    integral.times(rates, to);
-    for (to, z) in to.iter_mut().zip(z) {
-        *to += z;
     }
 }

@@ -29,6 +29,18 @@ pub(super) fn exponentials(a: &SparseMatrix, rate: f64, t: f64, parts: &[f64]) -
     sums.iter().map(DMatrix::transpose).collect()
 }
 
+/// ∫ exp(A s) ds from 0 to t.
+pub(super) fn integral(a: &SparseMatrix, rate: f64, t: f64) -> DMatrix<f64> {
+    // Transposed until the end.
+    let mut term = DMatrix::identity(a.len(), a.len()) * t;
+    let mut sum = term.clone();
+    for k in 1..=series_orders(rate * t) {
+        term = a.times_rows(&term, t / (k + 1) as f64);
+        sum += &term;
+    }
+    sum.transpose()
+}
+
 /// Orders of a series of radius x, so that what is left out is under [`REMAINDER`].
 pub(super) fn series_orders(x: f64) -> usize {
     let (mut k, mut term) = (0, 1.0);

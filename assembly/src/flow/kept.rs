@@ -1,8 +1,8 @@
 //! What is kept of a sub-step in a mode of a machine of few coordinates: matrices and columns that act on its state.
 
-use super::exponential::exponentials;
+use super::exponential::{exponentials, integral};
 use super::watched::{Heads, WatchColumns, taylor, watch_columns};
-use super::{Group, INTERVALS, LOCAL, Table, WatchTable, apart};
+use super::{ENDS, Group, INTERVALS, LOCAL, Table, WatchTable};
 use crate::kernel::{Blocks, combine};
 
 /// Taylor coefficients of the velocities within an interval, behind the constant ones: the first one left out is under
@@ -16,7 +16,7 @@ pub(super) struct Kept {
     transitions: Vec<Blocks>,
     /// The Taylor coefficients of the velocities from order 1 on, in units of an interval: one velocity after another, each by coordinate.
     velocities: Vec<[f64; WITHIN]>,
-    /// ∫ exp(A s) ds over a sub-step, where a stiff buffer presses.
+    /// ∫ exp(A s) ds over a sub-step, where a stiff buffer presses: z(h) - z is this times z', of the size of what changes.
     integral: Option<Blocks>,
     /// By watched functional.
     watched: Vec<WatchColumns>,
@@ -27,7 +27,6 @@ impl Kept {
     /// Of a mode.
     pub(super) fn of(table: &Table) -> Self {
         let (a, one, step) = (&table.a, table.one, table.interval());
-        let ends: [f64; INTERVALS] = std::array::from_fn(|i| (i + 1) as f64 / INTERVALS as f64);
         let abs = a.abs();
         let columns =
             |w: &WatchTable| watch_columns(w.row.as_slice(), [a, &abs], (step, table.apart.is_some()));
@@ -35,11 +34,11 @@ impl Kept {
         let velocities = (one / 2..one).flat_map(|j| taylor(a, a.row_of(j).as_slice(), step, step));
         let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
         Self {
-            transitions: exponentials(a, table.rate, table.length, &ends).iter().map(Blocks::of).collect(),
+            transitions: exponentials(a, table.rate, table.length, &ENDS).iter().map(Blocks::of).collect(),
             velocities: velocities.collect(),
             heads: Heads::of(&table.watched, &watched, a.len()),
             watched,
-            integral: table.apart.as_ref().map(|_| apart::integral(a, table.length)),
+            integral: table.apart.as_ref().map(|_| Blocks::of(&integral(a, table.rate, table.length))),
         }
     }
 
@@ -70,7 +69,10 @@ impl Kept {
     #[inline(always)]
     pub(super) fn at_end(&self, z: &[f64], rates: &[f64], to: &mut [f64]) {
         match &self.integral {
-            Some(integral) => apart::at_end(integral, z, rates, to),
+            Some(integral) => {
+                integral.times(rates, to);
+                to.iter_mut().zip(z).for_each(|(to, z)| *to += z);
+            }
             None => self.at_interval_end(INTERVALS - 1, z, to),
         }
     }

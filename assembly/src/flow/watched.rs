@@ -1,4 +1,4 @@
-//! A watched functional over a sub-step: samples, a bound between them, and Taylor coefficients, as columns that act on the state.
+//! A watched functional of a mode; and over a sub-step samples, a bound between them, and Taylor coefficients, as columns that act on the state.
 
 use super::{INTERVALS, LOCAL};
 use crate::kernel::{Sparse, SparseMatrix, combine};
@@ -8,7 +8,7 @@ use crate::system::{Functional, Row};
 /// Covers the rounding of a bound.
 pub(super) const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 
-/// A watched functional over a sub-step.
+/// A watched functional of a mode.
 #[derive(Clone, Debug)]
 pub struct WatchTable {
     /// What it tells.

@@ -29,7 +29,7 @@ impl Point {
         if span == table.length {
             return Self { interval: INTERVALS - 1, dt: step };
         }
-        let interval = ((span / step).ceil() as usize).clamp(1, INTERVALS) - 1;
+        let interval = table.interval_of(span);
         Self { interval, dt: span - interval as f64 * step }
     }
 
