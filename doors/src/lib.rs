@@ -7,6 +7,8 @@
 //!                      │    └───▶ messages   statuses, log categories and messages, alike in both
 //!                      │          ffi/       checked pointers, panics caught, handles looked up
 //!                      ▼
+//!                  instance       the component, its saved states, its log categories, alike in both
+//!                      ▼
 //!                  Component      what a type must be able to do: one trait, whose defaults refuse by name
 //!                      ▲
 //!                  tabular        a component from a table of variables and what moves them
@@ -93,6 +95,7 @@ pub mod ffi;
 pub mod fmi2;
 pub mod fmi3;
 pub mod identifier;
+pub mod instance;
 pub mod instantiation;
 pub mod life;
 pub mod log;

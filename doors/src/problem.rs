@@ -13,6 +13,29 @@ pub trait Refusal: std::error::Error + From<Problem> + 'static {
     }
 }
 
+/// Why a call was refused, by whichever version it came.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refused<P: Refusal> {
+    /// The component refuses.
+    #[error(transparent)]
+    Component(P),
+    /// An argument that cannot be, or a panic.
+    #[error(transparent)]
+    Fault(Fault),
+}
+
+impl<P: Refusal> From<P> for Refused<P> {
+    fn from(problem: P) -> Self {
+        Self::Component(problem)
+    }
+}
+
+impl<P: Refusal> From<Fault> for Refused<P> {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(fault)
+    }
+}
+
 /// Why a call was refused; the component is then as it was. Each text names the thing, its value and what is allowed. A component
 /// that has nothing of its own to say can take this as its type of refusals.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

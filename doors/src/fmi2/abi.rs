@@ -148,7 +148,7 @@ pub unsafe fn instantiate<C: Component>(
         let resources = resources.map(|resources| resources.to_string_lossy());
         let files = (&*guid.to_string_lossy(), resources.as_deref());
         let instance = Instance::<C>::new(&name.to_string_lossy(), kind, files, logging_on != 0)?;
-        instance.tell(&mut host);
+        instance.tell("fmi2Instantiate", &mut host);
         Ok(instance)
     });
     match outcome.map_err(Problem::from).flatten() {
@@ -197,6 +197,8 @@ macro_rules! __functions_of_fmi2 {
         ) -> $crate::fmi2::types::FmiStatus {
             let body = |$instance: &mut $crate::fmi2::instance::Instance<$component>,
                 $host: &mut $crate::fmi2::abi::Host| -> $crate::fmi2::problem::Outcome<$component> {
+                #[allow(unused_imports)]
+                use $crate::component::Component;
                 $(#[allow(unused_mut, unused_variables)]
                 let mut $argument = $crate::__checked!($instance $kind $argument $($count)?);)*
                 Ok($body?)
@@ -269,12 +271,12 @@ macro_rules! export_fmi2 {
             "2.1.6":
             fmi2SetupExperiment, SetupExperiment(flag toleranceDefined: $crate::fmi2::types::FmiBoolean, value tolerance: f64, value startTime: f64,
                 flag stopTimeDefined: $crate::fmi2::types::FmiBoolean, value stopTime: f64)
-                |instance, _| instance.setup_experiment(
+                |instance, _| Component::set_experiment(&mut instance.component,
                     toleranceDefined.then_some(tolerance), startTime, stopTimeDefined.then_some(stopTime));
             fmi2EnterInitializationMode, EnterInitializationMode() |instance, _| instance.enter_initialization_mode();
             fmi2ExitInitializationMode, ExitInitializationMode() |instance, host| instance.exit_initialization_mode(host);
-            fmi2Terminate, Terminate() |instance, _| instance.terminate();
-            fmi2Reset, Reset() |instance, _| instance.reset();
+            fmi2Terminate, Terminate() |instance, _| Ok::<(), $crate::ffi::Fault>(Component::terminate(&mut instance.component));
+            fmi2Reset, Reset() |instance, _| Ok::<(), $crate::ffi::Fault>(Component::reset(&mut instance.component));
 
             "2.1.7":
             fmi2GetReal, GetReal(array vr: u32[nvr], value nvr: usize, out value: f64[nvr])
@@ -318,44 +320,44 @@ macro_rules! export_fmi2 {
                 array vUnknown_ref: u32[nUnknown], value nUnknown: usize,
                 array vKnown_ref: u32[nKnown], value nKnown: usize,
                 array dvKnown: f64[nKnown], out dvUnknown: f64[nUnknown])
-                |instance, _| instance.directional_derivative(
+                |instance, _| Component::directional_derivative(&mut instance.component,
                     vUnknown_ref, vKnown_ref, dvKnown, |i, x| dvUnknown.put(i, x));
 
             "3.2.2":
-            fmi2EnterEventMode, EnterEventMode() |instance, _| instance.enter_event_mode();
+            fmi2EnterEventMode, EnterEventMode() |instance, _| Component::enter_event(&mut instance.component);
             fmi2NewDiscreteStates, NewDiscreteStates(out eventInfo: $crate::fmi2::types::FmiEventInfo[1])
                 |instance, host| eventInfo.give(instance.new_discrete_states(host));
-            fmi2EnterContinuousTimeMode, EnterContinuousTimeMode() |instance, _| instance.enter_continuous_time_mode();
+            fmi2EnterContinuousTimeMode, EnterContinuousTimeMode() |instance, _| Ok::<(), $crate::ffi::Fault>(Component::enter_continuous(&mut instance.component));
             fmi2CompletedIntegratorStep, CompletedIntegratorStep(flag noSetFMUStatePriorToCurrentPoint: $crate::fmi2::types::FmiBoolean,
                 out enterEventMode: $crate::fmi2::types::FmiBoolean[1], out terminateSimulation: $crate::fmi2::types::FmiBoolean[1])
                 |instance, _| {
-                    enterEventMode.give(instance.completed_integrator_step().map(Into::into))?;
+                    enterEventMode.give(Component::complete_integrator_step(&mut instance.component).map(Into::into))?;
                     terminateSimulation.put(0, 0);
                     Ok::<(), $crate::ffi::Fault>(())
                 };
 
             "3.2.1":
-            fmi2SetTime, SetTime(value time: f64) |instance, _| instance.set_time(time);
+            fmi2SetTime, SetTime(value time: f64) |instance, _| Component::set_time(&mut instance.component, time);
             fmi2SetContinuousStates, SetContinuousStates(states x: f64[nx], value nx: usize)
-                |instance, _| instance.set_continuous_states(x);
+                |instance, _| Component::set_continuous_states(&mut instance.component, x);
 
             "3.2.2":
             fmi2GetDerivatives, GetDerivatives(out derivatives: f64[nx], value nx: usize)
-                |instance, _| derivatives.copy(instance.derivatives()?.as_ref(), "nx");
+                |instance, _| derivatives.copy(Component::state_derivatives(&instance.component)?.as_ref(), "nx");
             fmi2GetEventIndicators, GetEventIndicators(out eventIndicators: f64[ni], value ni: usize)
-                |instance, _| eventIndicators.copy(instance.event_indicators()?.as_ref(), "ni");
+                |instance, _| eventIndicators.copy(Component::event_indicators(&instance.component)?.as_ref(), "ni");
             fmi2GetContinuousStates, GetContinuousStates(out x: f64[nx], value nx: usize)
-                |instance, _| x.copy(instance.continuous_states()?.as_ref(), "nx");
+                |instance, _| x.copy(Component::continuous_states(&instance.component)?.as_ref(), "nx");
             fmi2GetNominalsOfContinuousStates, GetNominalsOfContinuousStates(out x_nominal: f64[nx], value nx: usize)
-                |instance, _| x_nominal.copy(instance.nominals().as_ref(), "nx");
+                |instance, _| x_nominal.copy(Component::nominals(&instance.component).as_ref(), "nx");
 
             "4.2.1":
             fmi2SetRealInputDerivatives, SetRealInputDerivatives(
                 array vr: u32[nvr], value nvr: usize, array order: $crate::libc::c_int[nvr], array value: f64[nvr])
-                |instance, _| instance.set_real_input_derivatives(vr, order, value);
+                |instance, _| Component::set_input_derivatives(&mut instance.component, vr, order, value);
             fmi2GetRealOutputDerivatives, GetRealOutputDerivatives(
                 array vr: u32[nvr], value nvr: usize, array order: $crate::libc::c_int[nvr], out value: f64[nvr])
-                |instance, _| instance.real_output_derivatives(vr, order, |i, x| value.put(i, x));
+                |instance, _| Component::output_derivatives(&mut instance.component, vr, order, |i, x| value.put(i, x));
 
             "4.2.2":
             /// Whether the host may come back to an earlier time makes no difference here: nothing

@@ -6,7 +6,7 @@ use crate::events::EarlyEnd;
 use crate::ffi::Fault;
 use crate::life::Interface;
 use crate::messages::Status;
-use crate::problem::Refusal;
+use crate::problem::{Refusal, Refused};
 
 /// Outcome of a call on a component `C`.
 pub type Outcome<C, T = ()> = Result<T, Problem<<C as Component>::Problem>>;
@@ -28,12 +28,9 @@ pub enum Problem<P: Refusal> {
         /// What the component says of steps that end early.
         early: EarlyEnd,
     },
-    /// The component refuses.
+    /// What any version refuses.
     #[error(transparent)]
-    Component(P),
-    /// An argument that cannot be, or a panic.
-    #[error(transparent)]
-    Fault(Fault),
+    Refused(#[from] Refused<P>),
     /// Something must be done first, or is never possible.
     #[error("{what}")]
     Sequence {
@@ -58,13 +55,13 @@ pub enum Problem<P: Refusal> {
 
 impl<P: Refusal> From<P> for Problem<P> {
     fn from(problem: P) -> Self {
-        Self::Component(problem)
+        Self::Refused(problem.into())
     }
 }
 
 impl<P: Refusal> From<Fault> for Problem<P> {
     fn from(fault: Fault) -> Self {
-        Self::Fault(fault)
+        Self::Refused(fault.into())
     }
 }
 
@@ -83,7 +80,7 @@ impl<P: Refusal> Problem<P> {
     pub fn status(&self) -> Status {
         match self {
             Self::Stopped { .. } | Self::StatusNotAvailable { .. } => Status::Discard,
-            Self::Fault(Fault::Panic { .. }) => Status::Fatal,
+            Self::Refused(Refused::Fault(Fault::Panic { .. })) => Status::Fatal,
             _ => Status::Error,
         }
     }

@@ -188,6 +188,8 @@ macro_rules! __functions_of_fmi3 {
         ) -> $crate::fmi3::types::FmiStatus {
             let body = |$instance: &mut $crate::fmi3::instance::Instance<$component>,
                 $host: &mut $crate::fmi3::abi::Host| -> $crate::fmi3::problem::Outcome<$component> {
+                #[allow(unused_imports)]
+                use $crate::component::Component;
                 $(#[allow(unused_mut, unused_variables)]
                 let mut $argument = $crate::__checked!($instance $kind $argument $($count)?);)*
                 Ok($body?)

@@ -6,14 +6,14 @@ use super::states::{Function, Stage};
 use super::types::{DiscreteStates, StepEnd};
 use crate::component::Component;
 use crate::events::Advance;
-use crate::ffi::Fault;
-use crate::ffi::handles::Handles;
 use crate::ffi::pointers::check_count;
+use crate::instance;
 use crate::instantiation::{Instantiation, Version};
 use crate::life::{EventHandling, Interface, Phase};
 use crate::log::Categories;
-use crate::messages::{self, Logger, Sink, Status};
+use crate::messages::{Sink, Status};
 use crate::values::{Base, Bases};
+use std::ops::{Deref, DerefMut};
 
 /// Variables of the type `Float64` (FMI 3.0.2, 2.4.7).
 pub const FLOAT64: Bases = Bases::new("Float64", &[Base::Real]);
@@ -49,10 +49,7 @@ pub struct Update {
 /// One instance.
 #[derive(Debug)]
 pub struct Instance<C: Component> {
-    /// What it is an instance of.
-    pub component: C,
-    enabled: Categories,
-    states: Handles<C::State>,
+    pub(super) common: instance::Instance<C>,
     /// The inputs that the host intends to set inside a step.
     pub(super) required: Vec<u32>,
     /// What it may do now, while its callback runs.
@@ -60,6 +57,20 @@ pub struct Instance<C: Component> {
     pub update: Option<Update>,
     /// The function whose error has terminated it, if one has.
     failed: Option<Function>,
+}
+
+impl<C: Component> Deref for Instance<C> {
+    type Target = instance::Instance<C>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.common
+    }
+}
+
+impl<C: Component> DerefMut for Instance<C> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.common
+    }
 }
 
 impl<C: Component> Instance<C> {
@@ -74,52 +85,14 @@ impl<C: Component> Instance<C> {
         handling: EventHandling,
         enabled: Categories,
     ) -> Outcome<C, Self> {
-        if name.trim().is_empty() {
-            return Err(Fault::Text {
-                argument: "instanceName",
-                value: name.to_owned(),
-                allowed: "text with at least one character that is no white space".to_owned(),
-            }
-            .into());
-        }
         let version = Version::Fmi3;
         let request = Instantiation { version, interface, handling, name, token, resources };
         Ok(Self {
-            component: C::instantiate(&request)?,
-            enabled,
-            states: Handles::default(),
+            common: instance::Instance::new(&request, enabled)?,
             required: Vec::new(),
             update: None,
             failed: None,
         })
-    }
-
-    /// Lets the component tell what is worth knowing about the way in which `function` has made it.
-    pub fn tell(&self, function: &'static str, sink: &mut dyn Sink) {
-        let mut log = Logger { sink, enabled: self.enabled, function };
-        self.component.tell_at_instantiation(&mut log);
-    }
-
-    /// More elements than this in one call are taken for a mistake.
-    #[inline]
-    pub fn max_count(&self) -> usize {
-        C::MAX_COUNT
-    }
-
-    /// Number of continuous states.
-    #[inline]
-    pub fn number_of_states(&self) -> usize {
-        self.component.number_of_continuous_states()
-    }
-
-    /// Number of event indicators.
-    pub fn number_of_event_indicators(&self) -> usize {
-        self.component.number_of_event_indicators()
-    }
-
-    /// Which log categories are enabled.
-    pub fn enabled(&self) -> Categories {
-        self.enabled
     }
 
     /// Where it is in the standard's state machine.
@@ -158,10 +131,6 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    pub(super) fn log<'a>(&self, sink: &'a mut dyn Sink, function: Function) -> Logger<'a> {
-        Logger { sink, enabled: self.enabled, function: function.name() }
-    }
-
     /// `fmi3Terminate` (FMI 3.0.2, 2.3.4).
     ///
     /// # Errors
@@ -178,25 +147,6 @@ impl<C: Component> Instance<C> {
     /// None.
     pub fn reset(&mut self) -> Outcome<C> {
         self.component.reset();
-        Ok(())
-    }
-
-    /// `fmi3SetDebugLogging` (FMI 3.0.2, 2.3.1); no names means all categories.
-    ///
-    /// # Errors
-    /// [`Fault::Text`] for an unknown category; nothing has changed then.
-    pub fn set_debug_logging<S: AsRef<str>>(
-        &mut self,
-        on: bool,
-        categories: impl IntoIterator<Item = Outcome<C, S>>,
-    ) -> Outcome<C> {
-        let (mut enabled, mut any) = (self.enabled, false);
-        for name in categories {
-            any = true;
-            enabled = messages::with_category(enabled, name?.as_ref(), on)?;
-        }
-        let all = if on { Categories::ALL } else { Categories::NONE };
-        self.enabled = if any { enabled } else { all };
         Ok(())
     }
 
@@ -220,7 +170,7 @@ impl<C: Component> Instance<C> {
     /// # Errors
     /// As [`exit_initialization`](Component::exit_initialization).
     pub fn exit_initialization_mode(&mut self, sink: &mut dyn Sink) -> Outcome<C> {
-        let mut log = self.log(sink, Function::ExitInitializationMode);
+        let mut log = self.log(sink, Function::ExitInitializationMode.name());
         Ok(self.component.exit_initialization(&mut log)?)
     }
 
@@ -308,7 +258,7 @@ impl<C: Component> Instance<C> {
     /// # Errors
     /// As [`handle_events`](Component::handle_events).
     pub fn update_discrete_states(&mut self, sink: &mut dyn Sink) -> Outcome<C, DiscreteStates> {
-        let mut log = self.log(sink, Function::UpdateDiscreteStates);
+        let mut log = self.log(sink, Function::UpdateDiscreteStates.name());
         let changed = self.component.handle_events(&mut log)?;
         Ok(DiscreteStates { changed, next_event_time: self.next_event_time() })
     }
@@ -326,7 +276,7 @@ impl<C: Component> Instance<C> {
     /// # Errors
     /// As [`leave_event`](Component::leave_event).
     pub fn leave_event_mode(&mut self, function: Function, sink: &mut dyn Sink) -> Outcome<C> {
-        let mut log = self.log(sink, function);
+        let mut log = self.log(sink, function.name());
         Ok(self.component.leave_event(&mut log)?)
     }
 
@@ -336,52 +286,8 @@ impl<C: Component> Instance<C> {
     /// As [`advance`](Component::advance).
     #[inline]
     pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome<C, StepEnd> {
-        let mut log = self.log(sink, Function::DoStep);
+        let mut log = self.log(sink, Function::DoStep.name());
         let Advance { time, event, early } = self.component.advance(point, size, &mut log)?;
         Ok(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
-    }
-
-    /// `fmi3GetFMUState` (FMI 3.0.2, 2.2.6.4): saves into the place of `handle`, or a new one where that is zero.
-    ///
-    /// # Errors
-    /// For a handle that is neither zero nor this instance's.
-    pub fn save(&mut self, handle: usize) -> Outcome<C, usize> {
-        if handle == 0 {
-            return Ok(self.states.keep(self.component.save()?, 0)?);
-        }
-        self.component.save_into(self.states.get_mut(handle)?)?;
-        Ok(handle)
-    }
-
-    /// `fmi3SetFMUState` (FMI 3.0.2, 2.2.6.4).
-    ///
-    /// # Errors
-    /// For a handle that is not this instance's, and as [`restore`](Component::restore).
-    pub fn restore(&mut self, handle: usize) -> Outcome<C> {
-        Ok(self.component.restore(self.states.get(handle)?)?)
-    }
-
-    /// `fmi3FreeFMUState` (FMI 3.0.2, 2.2.6.4).
-    ///
-    /// # Errors
-    /// For a handle that is not this instance's.
-    pub fn free(&mut self, handle: usize) -> Outcome<C> {
-        Ok(self.states.free(handle)?)
-    }
-
-    /// `fmi3SerializeFMUState` (FMI 3.0.2, 2.2.6.4).
-    ///
-    /// # Errors
-    /// For a handle that is not this instance's.
-    pub fn serialized(&self, handle: usize) -> Outcome<C, Vec<u8>> {
-        Ok(self.component.serialize(self.states.get(handle)?)?)
-    }
-
-    /// `fmi3DeserializeFMUState` (FMI 3.0.2, 2.2.6.4): into the place of `handle` where that is this instance's, else a new one.
-    ///
-    /// # Errors
-    /// As [`deserialize`](Component::deserialize).
-    pub fn deserialize(&mut self, serialized: &[u8], handle: usize) -> Outcome<C, usize> {
-        Ok(self.states.keep_new(self.component.deserialize(serialized)?, handle)?)
     }
 }

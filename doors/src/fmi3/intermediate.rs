@@ -65,7 +65,7 @@ impl<C: Component> Instance<C> {
         sink: &mut dyn Sink,
     ) -> Outcome<C> {
         for &reference in references {
-            let variable = self.component.variable(reference)?;
+            let variable = self.common.component.variable(reference)?;
             if variable.continuous_input
                 && has_callback
                 && C::INTERMEDIATE_UPDATE
@@ -162,7 +162,7 @@ impl<C: Component> Instance<C> {
     /// Takes the required inputs as they are set for their values from the `n`th on.
     fn read_inputs(&mut self, progress: &mut Progress<C>, n: usize) -> Outcome<C> {
         let inputs = &mut progress.inputs;
-        Ok(self.component.get(FLOAT64, &self.required, |i, value| inputs[i][n..].fill(value))?)
+        Ok(self.common.component.get(FLOAT64, &self.required, |i, value| inputs[i][n..].fill(value))?)
     }
 
     /// Goes on after the callback, with the time at which the host wants the step to end, if it does.
@@ -195,13 +195,13 @@ impl<C: Component> Instance<C> {
                     return Ok(self.ask_inputs(progress, n + 1));
                 }
                 for (input, values) in self.required.iter().zip(&progress.inputs) {
-                    self.component.interpolate_input(*input, *values, progress.span);
+                    self.common.component.interpolate_input(*input, *values, progress.span);
                 }
                 self.start(progress, sink)
             }
             Asked::Event => {
-                let ends =
-                    self.component.pass_event(&mut progress.pieces, &mut self.log(sink, Function::DoStep));
+                let mut log = self.log(sink, Function::DoStep.name());
+                let ends = self.component.pass_event(&mut progress.pieces, &mut log);
                 let here = progress.until.is_some_and(|until| until <= self.component.time());
                 if ends || here { Ok(self.end_step(progress)) } else { self.go_on(progress, sink) }
             }
@@ -231,7 +231,7 @@ impl<C: Component> Instance<C> {
 
     /// To the next event or the end.
     fn go_on(&mut self, progress: &mut Progress<C>, sink: &mut dyn Sink) -> Outcome<C, Turn> {
-        let mut log = self.log(sink, Function::DoStep);
+        let mut log = self.log(sink, Function::DoStep.name());
         let piece = self.component.next_piece(&mut progress.pieces, progress.until, &mut log)?;
         let event = piece == Piece::Event;
         if event && self.component.ends_before_event(&progress.pieces) || !event && progress.until.is_some() {
@@ -244,7 +244,7 @@ impl<C: Component> Instance<C> {
     fn end_step(&mut self, progress: &Progress<C>) -> Turn {
         let Advance { time, event, early } = self.component.end_pieces(&progress.pieces);
         for (input, values) in self.required.iter().zip(&progress.inputs).filter(|_| !early) {
-            self.component.hold_input(*input, values[3]);
+            self.common.component.hold_input(*input, values[3]);
         }
         Turn::Done(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
     }

@@ -7,59 +7,6 @@ use crate::ffi::pointers::check_count;
 use crate::values::Dependency;
 
 impl<C: Component> Instance<C> {
-    /// `fmi3CompletedIntegratorStep` (FMI 3.0.2, 3.2.1): whether the host must enter Event Mode.
-    ///
-    /// # Errors
-    /// As [`complete_integrator_step`](Component::complete_integrator_step).
-    pub fn completed_integrator_step(&mut self) -> Outcome<C, bool> {
-        Ok(self.component.complete_integrator_step()?)
-    }
-
-    /// `fmi3SetTime` (FMI 3.0.2, 3.2.1).
-    ///
-    /// # Errors
-    /// As [`set_time`](Component::set_time).
-    pub fn set_time(&mut self, time: f64) -> Outcome<C> {
-        Ok(self.component.set_time(time)?)
-    }
-
-    /// `fmi3SetContinuousStates` (FMI 3.0.2, 3.2.1).
-    ///
-    /// # Errors
-    /// As [`set_continuous_states`](Component::set_continuous_states).
-    pub fn set_continuous_states(&mut self, states: &[f64]) -> Outcome<C> {
-        Ok(self.component.set_continuous_states(states)?)
-    }
-
-    /// `fmi3GetContinuousStates` (FMI 3.0.2, 3.2.1).
-    ///
-    /// # Errors
-    /// As [`continuous_states`](Component::continuous_states).
-    pub fn continuous_states(&self) -> Outcome<C, impl AsRef<[f64]>> {
-        Ok(self.component.continuous_states()?)
-    }
-
-    /// `fmi3GetContinuousStateDerivatives` (FMI 3.0.2, 3.2.1).
-    ///
-    /// # Errors
-    /// As [`state_derivatives`](Component::state_derivatives).
-    pub fn derivatives(&self) -> Outcome<C, impl AsRef<[f64]>> {
-        Ok(self.component.state_derivatives()?)
-    }
-
-    /// `fmi3GetEventIndicators` (FMI 3.0.2, 3.2.1).
-    ///
-    /// # Errors
-    /// As [`event_indicators`](Component::event_indicators).
-    pub fn event_indicators(&self) -> Outcome<C, impl AsRef<[f64]>> {
-        Ok(self.component.event_indicators()?)
-    }
-
-    /// `fmi3GetNominalsOfContinuousStates` (FMI 3.0.2, 3.2.1).
-    pub fn nominals(&self) -> impl AsRef<[f64]> {
-        self.component.nominals()
-    }
-
     /// `fmi3GetDirectionalDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and sensitivity.
     ///
     /// # Errors

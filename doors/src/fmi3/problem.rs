@@ -5,7 +5,7 @@ use crate::component::Component;
 use crate::ffi::Fault;
 use crate::life::Interface;
 use crate::messages::Status;
-use crate::problem::Refusal;
+use crate::problem::{Refusal, Refused};
 
 /// Outcome of a call on a component `C`.
 pub type Outcome<C, T = ()> = Result<T, Problem<<C as Component>::Problem>>;
@@ -25,12 +25,9 @@ pub enum Problem<P: Refusal> {
         /// The function whose error has led there, if one has.
         failed: Option<Function>,
     },
-    /// The component refuses.
+    /// What any version refuses.
     #[error(transparent)]
-    Component(P),
-    /// An argument that cannot be, or a panic.
-    #[error(transparent)]
-    Fault(Fault),
+    Refused(#[from] Refused<P>),
     /// Something must be done first, or is never possible.
     #[error("{what}")]
     Sequence {
@@ -49,13 +46,13 @@ pub enum Problem<P: Refusal> {
 
 impl<P: Refusal> From<P> for Problem<P> {
     fn from(problem: P) -> Self {
-        Self::Component(problem)
+        Self::Refused(problem.into())
     }
 }
 
 impl<P: Refusal> From<Fault> for Problem<P> {
     fn from(fault: Fault) -> Self {
-        Self::Fault(fault)
+        Self::Refused(fault.into())
     }
 }
 
@@ -77,8 +74,12 @@ impl<P: Refusal> Problem<P> {
     /// the host may go on with another value (FMI 3.0.2, 2.2.3); everything else is a mistake in the call.
     pub fn status(&self, function: Function) -> Status {
         match self {
-            Self::Fault(Fault::Panic { .. }) => Status::Fatal,
-            Self::Component(problem) if problem.is_of_a_value() && function.takes_values() => Status::Discard,
+            Self::Refused(Refused::Fault(Fault::Panic { .. })) => Status::Fatal,
+            Self::Refused(Refused::Component(problem))
+                if problem.is_of_a_value() && function.takes_values() =>
+            {
+                Status::Discard
+            }
             _ => Status::Error,
         }
     }

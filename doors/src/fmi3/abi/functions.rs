@@ -78,29 +78,29 @@ macro_rules! export_fmi3 {
             fmi3CompletedIntegratorStep, CompletedIntegratorStep(flag noSetFMUStatePriorToCurrentPoint: $crate::fmi3::types::FmiBoolean,
                 out enterEventMode: $crate::fmi3::types::FmiBoolean[1], out terminateSimulation: $crate::fmi3::types::FmiBoolean[1])
                 |instance, _| {
-                    enterEventMode.give(instance.completed_integrator_step().map(Into::into))?;
+                    enterEventMode.give(Component::complete_integrator_step(&mut instance.component).map(Into::into))?;
                     terminateSimulation.put(0, 0);
                     instance.never()
                 };
-            fmi3SetTime, SetTime(value time: f64) |instance, _| instance.set_time(time);
+            fmi3SetTime, SetTime(value time: f64) |instance, _| Component::set_time(&mut instance.component, time);
             fmi3SetContinuousStates, SetContinuousStates(states continuousStates: f64[nContinuousStates],
                 value nContinuousStates: usize)
-                |instance, _| instance.set_continuous_states(continuousStates);
+                |instance, _| Component::set_continuous_states(&mut instance.component, continuousStates);
             fmi3GetContinuousStateDerivatives, GetContinuousStateDerivatives(out derivatives: f64[nContinuousStates],
                 value nContinuousStates: usize)
-                |instance, _| derivatives.copy(instance.derivatives()?.as_ref(), "nContinuousStates");
+                |instance, _| derivatives.copy(Component::state_derivatives(&instance.component)?.as_ref(), "nContinuousStates");
             fmi3GetEventIndicators, GetEventIndicators(out eventIndicators: f64[nEventIndicators],
                 value nEventIndicators: usize)
-                |instance, _| eventIndicators.copy(instance.event_indicators()?.as_ref(), "nEventIndicators");
+                |instance, _| eventIndicators.copy(Component::event_indicators(&instance.component)?.as_ref(), "nEventIndicators");
             fmi3GetContinuousStates, GetContinuousStates(out continuousStates: f64[nContinuousStates],
                 value nContinuousStates: usize)
-                |instance, _| continuousStates.copy(instance.continuous_states()?.as_ref(), "nContinuousStates");
+                |instance, _| continuousStates.copy(Component::continuous_states(&instance.component)?.as_ref(), "nContinuousStates");
             fmi3GetNominalsOfContinuousStates, GetNominalsOfContinuousStates(out nominals: f64[nContinuousStates],
                 value nContinuousStates: usize)
-                |instance, _| nominals.copy(instance.nominals().as_ref(), "nContinuousStates");
+                |instance, _| nominals.copy(Component::nominals(&instance.component).as_ref(), "nContinuousStates");
             fmi3GetNumberOfEventIndicators, GetNumberOfEventIndicators(out nEventIndicators: usize[1])
                 |instance, _| {
-                    nEventIndicators.put(0, instance.number_of_event_indicators());
+                    nEventIndicators.put(0, Component::number_of_event_indicators(&instance.component));
                     instance.never()
                 };
             fmi3GetNumberOfContinuousStates, GetNumberOfContinuousStates(out nContinuousStates: usize[1])

@@ -1,0 +1,130 @@
+//! What an instance is by both versions: the component, its saved states, and the log categories that the host has enabled.
+
+use crate::component::Component;
+use crate::ffi::Fault;
+use crate::ffi::handles::Handles;
+use crate::instantiation::Instantiation;
+use crate::log::Categories;
+use crate::messages::{Logger, Sink, with_category};
+use crate::problem::Refused;
+
+/// An instance of the component `C`, as far as FMI 2.0 and 3.0 agree. What they agree on wholly is here or the component's own; the
+/// doors add which call is allowed when, and what it means where they differ.
+#[derive(Debug)]
+pub struct Instance<C: Component> {
+    /// What it is an instance of.
+    pub component: C,
+    enabled: Categories,
+    states: Handles<C::State>,
+}
+
+impl<C: Component> Instance<C> {
+    /// A new one, for `fmi2Instantiate` and `fmi3Instantiate…` (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1).
+    ///
+    /// # Errors
+    /// When the name is blank, or the component refuses.
+    pub fn new(request: &Instantiation<'_>, enabled: Categories) -> Result<Self, Refused<C::Problem>> {
+        if request.name.trim().is_empty() {
+            return Err(Fault::Text {
+                argument: "instanceName",
+                value: request.name.to_owned(),
+                allowed: "text with at least one character that is no white space".to_owned(),
+            }
+            .into());
+        }
+        Ok(Self { component: C::instantiate(request)?, enabled, states: Handles::default() })
+    }
+
+    /// Lets the component tell what is worth knowing about the way in which `function` has made it.
+    pub fn tell(&self, function: &'static str, sink: &mut dyn Sink) {
+        self.component.tell_at_instantiation(&mut self.log(sink, function));
+    }
+
+    /// More elements than this in one call are taken for a mistake.
+    #[inline]
+    pub fn max_count(&self) -> usize {
+        C::MAX_COUNT
+    }
+
+    /// Number of continuous states.
+    #[inline]
+    pub fn number_of_states(&self) -> usize {
+        self.component.number_of_continuous_states()
+    }
+
+    /// Which log categories are enabled.
+    pub fn enabled(&self) -> Categories {
+        self.enabled
+    }
+
+    /// The log of one call of the function of that C name.
+    #[inline]
+    pub fn log<'a>(&self, sink: &'a mut dyn Sink, function: &'static str) -> Logger<'a> {
+        Logger { sink, enabled: self.enabled, function }
+    }
+
+    /// `fmi2SetDebugLogging` and `fmi3SetDebugLogging` (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1); no names means all categories.
+    ///
+    /// # Errors
+    /// [`Fault::Text`] for an unknown category, and what reading a name gives; nothing has changed then.
+    pub fn set_debug_logging<S: AsRef<str>>(
+        &mut self,
+        on: bool,
+        categories: impl IntoIterator<Item = Result<S, Fault>>,
+    ) -> Result<(), Fault> {
+        let (mut enabled, mut any) = (self.enabled, false);
+        for name in categories {
+            any = true;
+            enabled = with_category(enabled, name?.as_ref(), on)?;
+        }
+        let all = if on { Categories::ALL } else { Categories::NONE };
+        self.enabled = if any { enabled } else { all };
+        Ok(())
+    }
+
+    /// `fmi2GetFMUstate` and `fmi3GetFMUState` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.6.4): saves into the place of `handle`, or a new one
+    /// where that is zero.
+    ///
+    /// # Errors
+    /// For a handle that is neither zero nor this instance's.
+    pub fn save(&mut self, handle: usize) -> Result<usize, Refused<C::Problem>> {
+        if handle == 0 {
+            return Ok(self.states.keep(self.component.save()?, 0)?);
+        }
+        self.component.save_into(self.states.get_mut(handle)?)?;
+        Ok(handle)
+    }
+
+    /// `fmi2SetFMUstate` and `fmi3SetFMUState`.
+    ///
+    /// # Errors
+    /// For a handle that is not this instance's, and as [`restore`](Component::restore).
+    pub fn restore(&mut self, handle: usize) -> Result<(), Refused<C::Problem>> {
+        Ok(self.component.restore(self.states.get(handle)?)?)
+    }
+
+    /// `fmi2FreeFMUstate` and `fmi3FreeFMUState`.
+    ///
+    /// # Errors
+    /// For a handle that is not this instance's.
+    pub fn free(&mut self, handle: usize) -> Result<(), Fault> {
+        self.states.free(handle)
+    }
+
+    /// `fmi2SerializeFMUstate` and `fmi3SerializeFMUState`.
+    ///
+    /// # Errors
+    /// For a handle that is not this instance's.
+    pub fn serialized(&self, handle: usize) -> Result<Vec<u8>, Refused<C::Problem>> {
+        Ok(self.component.serialize(self.states.get(handle)?)?)
+    }
+
+    /// `fmi2DeSerializeFMUstate` and `fmi3DeserializeFMUState`: into the place of `handle` where that is this instance's, else a new
+    /// one.
+    ///
+    /// # Errors
+    /// As [`deserialize`](Component::deserialize).
+    pub fn deserialize(&mut self, serialized: &[u8], handle: usize) -> Result<usize, Refused<C::Problem>> {
+        Ok(self.states.keep_new(self.component.deserialize(serialized)?, handle)?)
+    }
+}
