@@ -6,10 +6,10 @@ use vibro_assembly_fmi::{FILE, Plan, Quantity, Role};
 use vibro_figures::canvas;
 use vibro_sketch::Sketch;
 
-/// How the page looks: narrow enough to read, tables that do not break out of it.
-const STYLE: &str = "body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
-    table{border-collapse:collapse}td,th{text-align:left;padding:.15rem .8rem .15rem 0;border-bottom:1px solid #ddd}\
-    figure{margin:0;overflow-x:auto}svg{max-width:100%;height:auto}code{white-space:nowrap}";
+/// How the page looks: narrow enough to read, tables that do not break out of it, dark where the reader's other pages are, but for the sketch.
+const STYLE: &str = ":root{color-scheme:light dark}body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
+    table{border-collapse:collapse;display:block;overflow-x:auto}td,th{text-align:left;padding:.15rem .8rem .15rem 0;border-bottom:1px solid #8884}\
+    figure{margin:0;overflow-x:auto}svg{max-width:100%;height:auto;background:#fff}code{white-space:nowrap}";
 
 /// The least part of its own width at which a sketch is shown: its names have nine pixels then. On a narrower page it is moved sideways.
 const LEAST: f64 = 0.7;
