@@ -4,6 +4,7 @@ use super::branch::{Branch, Point};
 use super::family::Family;
 use super::grower::SAME_PLACE;
 use super::orbit::{Orbit, canonical, newton, same_phases};
+use super::settled::first_phase;
 use super::system::System;
 use super::tree::Tree;
 use super::word::REPETITION;
@@ -138,7 +139,7 @@ fn distance(orbit: &Orbit, states: &[StroboscopicState]) -> Option<f64> {
         return None;
     }
     let strobe = |shift: f64, sign: f64| -> Vec<StroboscopicState> {
-        let phase = |k: usize| p.drive_phase + TAU * k as f64 + shift;
+        let phase = |k: usize| first_phase(p) + TAU * k as f64 + shift;
         (0..period).map(|k| dimensionless(p, &orbit.state(phase(k))).map(|x| sign * x)).collect()
     };
     let image = orbit.system().is_symmetric().then(|| strobe(PI, -1.0));

@@ -294,7 +294,7 @@ impl Course {
         let end = (self.ends.len() + 1) as f64 * p.period();
         simulator.advance_observed(end, &mut |event| match *event {
             Event::Impact { time, side, .. } => {
-                self.phases.push(p.drive_phase + p.drive_frequency * time);
+                self.phases.push(settled::first_phase(p) + p.drive_frequency * time);
                 self.letters.push(side);
             }
             _ => rests = true,

@@ -3,8 +3,10 @@
 use super::orbit::{Orbit, newton};
 use super::system::System;
 use super::word::{OrbitWord, REPETITION};
+use std::f64::consts::TAU;
 use vibro_analysis::stroboscopic::{StroboscopicState, dimensionless};
 use vibro_analysis::{Error, Result};
+use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Event, Simulator, State};
 
 /// The longest period that is looked for, in drive periods.
@@ -15,6 +17,12 @@ const RETURN: f64 = 2e-3;
 
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
 const MOVE: f64 = 0.05;
+
+/// The phase of the drive at time 0, rad, without the turns by which a large one would leave the phases of impacts few digits.
+pub(super) fn first_phase(p: &Parameters) -> f64 {
+    let phase = p.drive_phase;
+    if phase.abs() <= TAU { phase } else { phase.sin().atan2(phase.cos()) }
+}
 
 /// A simulator of a machine with its loads from a state on at time 0.
 pub(super) fn simulator(system: &System, state: &State) -> Result<Simulator> {
@@ -43,14 +51,14 @@ pub fn settle(system: &System, start: &State, periods: u32) -> Result<State> {
 pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
     let p = system.parameters();
     let mut simulator = simulator(system, state)?;
-    let start = dimensionless(p, &simulator.state());
+    let (start, first) = (dimensionless(p, &simulator.state()), first_phase(p));
     let (mut phases, mut letters) = (Vec::new(), Vec::new());
     // A block that a load holds at a stop throughout has no event.
     let mut rests = simulator.contact() != Contact::Flight;
     for q in 1..=LONGEST {
         simulator.advance_observed(f64::from(q) * p.period(), &mut |event| match *event {
             Event::Impact { time, side, .. } => {
-                phases.push(p.drive_phase + p.drive_frequency * time);
+                phases.push(first + p.drive_frequency * time);
                 letters.push(side);
             }
             _ => rests = true,

@@ -197,8 +197,18 @@ impl System {
     pub(super) fn neutral_parameter(&self) -> (&'static str, f64, &'static str) {
         let p = &self.parameters;
         let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";
-        if p.box_stiffness == 0.0 {
-            ("box.k", 0.0, "a value > 0, since a box without a spring has no place of its own")
+        // A spring so soft, in parts of m ω1², returns a body by no more than rounding.
+        let soft = |k: f64, m: f64| k <= 1e-12 * m * p.drive_frequency * p.drive_frequency;
+        if soft(p.box_stiffness, p.box_mass) {
+            (
+                "box.k",
+                p.box_stiffness,
+                "a larger value, since a box that no spring holds has no place of its own",
+            )
+        } else if soft(p.secondary_stiffness, p.secondary_mass) {
+            let held =
+                "a larger value, since a secondary oscillator that no spring holds has no place of its own";
+            ("secondary.k", p.secondary_stiffness, held)
         } else if p.box_damping == 0.0 {
             ("box.c", 0.0, damped)
         } else if p.secondary_damping == 0.0 {

@@ -11,6 +11,9 @@ pub(super) const REPETITION: f64 = 1e-8;
 pub(super) const MOST_LETTERS: usize = 1024;
 const MOST_HALF_PERIODS: u32 = 1 << 16;
 
+/// How a word without letters is shown.
+const EMPTY: &str = "-";
+
 /// The order of impacts of a periodic orbit with the way it closes (docs/theory.md, section 14).
 ///
 /// The orbit repeats itself after [`half_periods`](Self::half_periods) half drive periods: unchanged where
@@ -44,7 +47,7 @@ pub(super) struct Turn {
 }
 
 impl OrbitWord {
-    /// A word of the letters U (upper stop) and L (lower stop); it may be empty.
+    /// A word of the letters U (upper stop) and L (lower stop), or `-` for the empty one, as it is shown.
     ///
     /// # Errors
     /// [`Error::Form`] for other letters, more than 1024 letters or 65,536 half periods, a closing sign that is not ±1, and a
@@ -56,7 +59,8 @@ impl OrbitWord {
             'L' | 'l' => Some(-1),
             _ => None,
         };
-        let letters: Option<Vec<i8>> = text.trim().chars().map(letter).collect();
+        let shown = text.trim();
+        let letters: Option<Vec<i8>> = if shown == EMPTY { "" } else { shown }.chars().map(letter).collect();
         let form = |expected| Error::Form { text: text.into(), expected };
         let letters = letters.ok_or_else(|| form("a word of the letters U and L, e.g. ULL"))?;
         if letters.len() > MOST_LETTERS || half_periods > MOST_HALF_PERIODS {
@@ -258,7 +262,7 @@ impl std::fmt::Display for OrbitWord {
     /// The letters, U for the upper stop and L for the lower; `-` for the empty word.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.letters.is_empty() {
-            return f.write_str("-");
+            return f.write_str(EMPTY);
         }
         self.letters.iter().try_for_each(|s| f.write_str(if *s > 0 { "U" } else { "L" }))
     }
@@ -281,6 +285,14 @@ mod tests {
             let word = OrbitWord::new(text, closing, half).unwrap();
             assert_eq!(word.canonical().to_string(), canonical, "{text}");
             assert_eq!(word.canonical(), word.canonical().canonical());
+        }
+    }
+
+    #[test]
+    fn invariant_a_word_is_read_as_it_is_shown() {
+        for (text, closing, half) in [("U", -1, 1), ("ULL", 1, 2), ("", 1, 2), ("", -1, 1)] {
+            let word = OrbitWord::new(text, closing, half).unwrap();
+            assert_eq!(OrbitWord::new(&word.to_string(), closing, half).unwrap(), word, "{text}");
         }
     }
 

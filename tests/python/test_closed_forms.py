@@ -131,3 +131,12 @@ def test_many_starts_of_one_machine_and_one_by_one(machine):
         np.testing.assert_allclose(machine.simulate(start, periods=10, per_period=1).s[-1], s, rtol=0, atol=1e-9)
     again = vi.simulate_many([machine] * 9, ends.states, periods=1)
     assert again.s.shape == (9, 3) and (again.t == machine.period).all()
+
+
+def test_the_orbit_without_impacts_is_the_swing_of_the_box():
+    machine = vi.Machine.from_groups(f10=0.3)
+    orbit = machine.orbit(start={"x2": 0.0})
+    assert (orbit.word, orbit.stable, len(orbit.phases)) == ("-", True, 0)
+    assert orbit.maxima("x1")[0] == pytest.approx(machine.measure(["amplitude.without_block"])["amplitude.without_block"], rel=1e-12)
+    np.testing.assert_allclose(machine.simulate(list(orbit.start), periods=1).end, orbit.start, atol=1e-12)
+    assert [label for label, _ in orbit.follow("f10", 0.1, 4.0).special] == ["EP", "GR"]

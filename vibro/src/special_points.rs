@@ -189,9 +189,7 @@ impl Row<'_> {
         let period: Option<u32> = self.cell("period")?.parse().ok();
         let half = period.and_then(|period| if closing < 0 { Some(period) } else { period.checked_mul(2) });
         let half = half.ok_or_else(|| self.wrong(format!("row {}: no period", self.number)))?;
-        let text = self.cell("word")?;
-        // The empty word is written as a dash.
-        let word = OrbitWord::new(if text == "-" { "" } else { text }, closing, half)?;
+        let word = OrbitWord::new(self.cell("word")?, closing, half)?;
         let values = [self.number(self.cell("value")?)?, held];
         Ok(Some(SpecialPoint { row: self.number, along, start: LocusStart { label, word, phases, values } }))
     }

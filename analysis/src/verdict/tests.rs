@@ -5,7 +5,7 @@ use crate::basin::{Basin, InitialValueRange, Request, basin};
 use crate::motion::settled_simulator;
 use crate::parts::Task;
 use crate::stroboscopic::{dimensional, moving_block};
-use vibro_impact::Parameters;
+use vibro_impact::{Parameters, State};
 
 fn set(assignments: &[&str]) -> ParameterSet {
     let mut set = ParameterSet::basic();
@@ -49,6 +49,25 @@ fn second_method_chaos_from_many_starts_is_one_attractor_whatever_is_discarded()
         one(&found(&damper(), 8, discard), 0.03);
     }
     one(&found(&set(&["f10=3.6"]), 8, 300), 0.0);
+}
+
+/// A spring between box and ground that is next to none moves nothing, nor does it change the verdict, though its ω10 makes speeds of
+/// 10⁷ to 10¹⁵ units of L ω10 of those that the motion has.
+#[test]
+fn invariant_a_spring_of_next_to_no_stiffness_leaves_the_class() {
+    for (amplitude, restitution, periods) in [(0.5, 0.75, 1), (2.0, 0.75, 2), (0.2, 0.2, 3)] {
+        for stiffness in [1e-12, 1e-16, 1e-20, 1e-30] {
+            let parameters = Parameters {
+                box_stiffness: stiffness,
+                drive_amplitude: amplitude,
+                stop_restitution: restitution,
+                ..Parameters::default()
+            };
+            let state = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
+            let class = verdict(&Start { parameters, state }, 2000).unwrap().class;
+            assert_eq!(class, MotionClass::Periodic(periods), "{amplitude} {restitution} {stiffness}");
+        }
+    }
 }
 
 /// The default machine at f10 = 2.9 has a chaotic attractor with two impacts at one stop and one at the other; its mirror image is another.

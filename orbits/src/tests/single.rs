@@ -72,6 +72,33 @@ fn closed_form_of_the_motion_without_impacts() {
     assert!((product.re - (-std::f64::consts::PI * divergence).exp()).abs() < CLOSED_FORM);
 }
 
+/// Whole turns of the drive's phase at time 0 are none: the settled orbit is found beside many of them too.
+#[test]
+fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
+    /// A phase of 1e9 is known to so many rad.
+    const KNOWN: f64 = 1e-6;
+    const MANY: f64 = 1e9;
+    let settled = |drive_phase: f64| {
+        let p = Parameters { drive_phase, ..parameters(2.0) };
+        let system = System::new(&p).unwrap();
+        let start = vibro_analysis::stroboscopic::moving_block(&p);
+        crate::orbit_of(&system, &crate::settle(&system, &start, 500).unwrap()).unwrap()
+    };
+    let (turned, same) = (settled(MANY), settled(MANY.sin().atan2(MANY.cos())));
+    assert!(turned.is_same(&same, KNOWN), "{:?} {:?}", turned.phases(), same.phases());
+}
+
+/// Where nothing holds a body, the motion of the others does not say where it is: the error names the spring that is missing.
+#[test]
+fn a_body_that_no_spring_holds_is_named() {
+    for (field, stiffness) in [("box.k", 1e-18), ("secondary.k", 0.0)] {
+        let mut p = parameters(2.0);
+        *(if field == "box.k" { &mut p.box_stiffness } else { &mut p.secondary_stiffness }) = stiffness;
+        let error = Orbit::find(&System::new(&p).unwrap(), &word("UL", 1, 2), &[1.0, 4.1]).unwrap_err();
+        assert!(error.to_string().starts_with(&format!("{field} = {stiffness}")), "{error}");
+    }
+}
+
 #[test]
 fn second_method_jacobian_by_differences() {
     /// Central differences with this step are good to its square.

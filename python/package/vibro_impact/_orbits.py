@@ -39,7 +39,7 @@ class Orbit(Result):
     machine: Machine
     "Whose orbit it is."
     word: str
-    "The stops in order, letters U and L: the shortest word of the orbit, which may be shorter than the one that was asked for."
+    "The stops in order, letters U and L, - without impacts: the shortest word of the orbit, which may be shorter than the one that was asked for."
     symmetric: bool
     "Whether the word is half of a symmetric orbit, whose second half is the mirror image of the first."
     period: int

@@ -8,10 +8,12 @@ use vibro_impact::simulator::{Contact, Event};
 /// this cannot be told from resting, so there a chatter run ends.
 const CONTACT: f64 = 1e-9;
 /// After an event the block is put this far inside the stop, in gaps, so that no event indicator restarts at zero,
-/// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of displacements up to thousands of gaps.
-/// Where a box has gone farther, an event that rounding hides from the host is found when its step is accepted
-/// ([`missed_event`](Continuous::missed_event)).
+/// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of displacements up to a thousand gaps.
 const SHIFT: f64 = 1e-12;
+/// Where the bodies have gone farther, it is so many units in the last place of their displacements, since w is their difference.
+const SHIFT_UNITS: f64 = 4.0;
+/// And a block is at a stop within so many of these shifts.
+const CONTACT_SHIFTS: f64 = 2.0;
 
 impl Continuous {
     /// The laws at an event: impact, rest or release, as far as the present point calls for one; reports them and returns
@@ -21,8 +23,7 @@ impl Continuous {
         match self.data.contact {
             Contact::Flight => {
                 let w = before.x[1] - before.x[0];
-                let gap = self.model.gap;
-                if gap - w.abs() <= CONTACT * gap {
+                if self.model.gap - w.abs() <= self.contact_width() {
                     self.touch(w.signum(), report);
                 }
             }
@@ -52,18 +53,25 @@ impl Continuous {
         }
         let rebound = -side * z[RELATIVE_RATE];
         let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).1;
-        // Height of the bounce: rebound²/(2 pressing). An elastic block bounces for ever.
-        let low = rebound * rebound <= 2.0 * pressing * CONTACT * self.model.gap;
-        if pressing > 0.0 && low && (rebound == 0.0 || self.model.restitution < 1.0) {
+        // Height of the bounce: rebound²/(2 pressing). Dampers bring that of an elastic block down too.
+        if pressing > 0.0 && rebound * rebound <= 2.0 * pressing * self.contact_width() {
             self.data.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
             self.data.lost += self.model.merge(&mut z);
             self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
             report(&Event::Rest { time, side: stop });
         }
-        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[RELATIVE_RATE]);
         let resting = self.data.contact != Contact::Flight;
+        if pressing > 0.0 && !resting {
+            // On its way to where it is put the block loses speed: else low bounces would grow by the shift, each of them.
+            let slower = (rebound * rebound - 2.0 * pressing * self.shift()).max(0.0).sqrt();
+            let change = side * (rebound - slower);
+            z[RELATIVE_RATE] += change;
+            z[BOX_RATE] -= self.model.block_share * change;
+            self.data.record.box_impulse -= self.model.reduced_mass * change;
+        }
+        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[RELATIVE_RATE]);
         if resting {
-            self.bring_closer(self.excess(side, 1.0));
+            self.bring_closer(self.excess(side, self.model.gap));
             self.data.state.v[1] = self.data.state.v[0];
         } else {
             self.keep_off(side);
@@ -72,16 +80,27 @@ impl Continuous {
 
     /// Puts the block a little off stop `side`; further inside it stays where it is.
     fn keep_off(&mut self, side: f64) {
-        let excess = self.excess(side, 1.0 - SHIFT);
+        let excess = self.excess(side, self.model.gap - self.shift());
         if side * excess > 0.0 {
             self.bring_closer(excess);
         }
     }
 
-    /// By how much box and block are farther apart than `share` gaps on `side`, with the sign of w.
-    fn excess(&self, side: f64, share: f64) -> f64 {
+    /// How far inside a stop the block is put, m.
+    fn shift(&self) -> f64 {
+        let [x1, x2, _] = self.data.state.x;
+        (SHIFT * self.model.gap).max(SHIFT_UNITS * f64::EPSILON * x1.abs().max(x2.abs()))
+    }
+
+    /// How near to a stop a block is at it, m.
+    fn contact_width(&self) -> f64 {
+        (CONTACT * self.model.gap).max(CONTACT_SHIFTS * self.shift())
+    }
+
+    /// By how much box and block are farther apart than `reach` on `side`, with the sign of w.
+    fn excess(&self, side: f64, reach: f64) -> f64 {
         let x = &self.data.state.x;
-        (x[1] - x[0]) - side * share * self.model.gap
+        (x[1] - x[0]) - side * reach
     }
 
     /// Brings box and block closer by a part of w, their centre of mass held.

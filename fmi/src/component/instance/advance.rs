@@ -2,7 +2,7 @@
 
 use super::events::Changes;
 use super::last_step::LastStep;
-use super::step::{describe, log_left_out, rounding, take_back};
+use super::step::{describe, lateness, log_left_out, rounding, take_back};
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::event_state::Discrete;
@@ -197,11 +197,10 @@ pub(super) fn advance(
 /// Goes on to an event that lies past a step's end by rounding alone and stands before it; without one nothing happens. A
 /// host that comes to the time of an event it was told must find it there.
 pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Error> {
-    let late = rounding(end);
-    if is_clear(simulator, late) {
+    if is_clear(simulator, rounding(end)) {
         return Ok(false);
     }
-    let before = simulator.snapshot();
+    let (before, late) = (simulator.snapshot(), lateness(simulator, end));
     if advance(simulator, DoubleDouble::sum(end, late), Pause::BeforeEvent, None)? {
         return Ok(true);
     }

@@ -4,6 +4,7 @@ use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::log::{Category, Log};
 use fmi_doors::{StepOutcome, StepReason};
 use vibro_impact::error::Error;
+use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Loads, Pause, Simulator, Snapshot};
@@ -127,11 +128,26 @@ pub(super) fn rounding(end: f64) -> f64 {
     UNITS * f64::EPSILON * end.abs()
 }
 
+/// How far past a step's end an event still is at its end, s. To the rounding of times comes that of w, which moves the time of an
+/// impact by as much over the speed (docs/numerics.md, section 2, *The root*): a slow block that is a few units in the last place
+/// before a stop at the time that a master was told is at it.
+pub(super) fn lateness(simulator: &Simulator, end: f64) -> f64 {
+    const UNITS: f64 = 4.0; // of the last place of w
+    /// At most so long, in parts of the fastest time constant: the slower bounces are the last of a chatter run. Also in parts of a
+    /// master's time, of which it is a tenth of what own time may be off ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).
+    const LONGEST: f64 = 1e-10;
+    let (parameters, (_, rate)) = (simulator.parameters(), simulator.relative_motion());
+    let fastest = Model::new(parameters).map_or(f64::INFINITY, |model| model.rate);
+    let longest = LONGEST * end.abs().max(1.0).min(1.0 / fastest);
+    rounding(end) + (UNITS * f64::EPSILON * parameters.stop_gap / rate.abs()).min(longest)
+}
+
 /// Takes an impact that lies past a step's end by rounding alone. A master that comes to the time of an impact it was
 /// told must have it behind itself: else its next step would end where it began, and it could not get on.
 fn impact_at(simulator: &mut Simulator, end: f64, report: EventObserver<'_, '_>) -> Result<(), Error> {
     let before = simulator.snapshot();
-    match simulator.advance_until(DoubleDouble::sum(end, rounding(end)), Pause::AfterImpact, report)? {
+    let late = lateness(simulator, end);
+    match simulator.advance_until(DoubleDouble::sum(end, late), Pause::AfterImpact, report)? {
         AdvanceOutcome::Impact => Ok(()),
         AdvanceOutcome::End | AdvanceOutcome::EventDue => simulator.restore(&before),
     }

@@ -146,6 +146,22 @@ fn a_master_gets_from_impact_to_impact() {
     }
 }
 
+/// A slow impact is found no better than w is rounded. It too is behind a step that ends at the time that was told.
+#[test]
+fn a_slow_impact_is_behind_the_step_that_ends_at_its_announced_time() {
+    for k in 0..40 {
+        let mut fmu = instance();
+        let depth = 10.0_f64.powf(-0.1 * f64::from(k)); // of the block before the stop against which it is pressed
+        for (name, value) in [("stopAtImpact", 1.0), ("block.s", 1.0 - depth), ("block.f", 0.02)] {
+            set(&mut fmu, name, value).unwrap();
+        }
+        let mut fmu = initialize(fmu);
+        let announced = get(&mut fmu, "impacts.nextTime");
+        step(&mut fmu, 0.0, announced).unwrap();
+        assert_eq!(get(&mut fmu, "impacts.upper"), 1.0, "{depth}: announced for {announced}");
+    }
+}
+
 /// A step is taken back by restoring the state before it. Where that state is refused the failure is reported with its cause.
 #[test]
 fn a_step_that_cannot_be_taken_back_is_reported() {
