@@ -42,16 +42,19 @@ def accelerations(p: Parameters, z: State) -> List[Any]:
 def series(p: Parameters, z: State) -> List[List[Any]]:
     """Taylor coefficients of x1, x2, x3 about a state."""
     x = [[z[i], z[i + 3]] for i in range(3)]
-    w, sine, cosine = p["omega_1"], mpmath.sin(z[6]), mpmath.cos(z[6])
-    force = p["F_10"] / p["m_1"]
+    sine, cosine = mpmath.sin(z[6]), mpmath.cos(z[6])
+    turns = [sine, cosine, -sine, -cosine]
+    k_1, c_1 = p["k_1"] / p["m_1"], p["c_1"] / p["m_1"]
+    k_3, c_3 = p["k_3"] / p["m_3"], p["c_3"] / p["m_3"]
+    k_2, k_23 = p["k_23"] / p["m_2"], p["k_23"] / p["m_3"]
+    drive = p["F_10"] / p["m_1"]
     for k in range(TERMS):
-        drive = [sine, cosine, -sine, -cosine][k % 4] * w**k / mpmath.factorial(k) * force
         stretch = x[1][k] - x[2][k]
         both = (k + 1) * (k + 2)
-        n = [a[k + 1] * (k + 1) for a in x]
-        x[0].append((drive - p["c_1"] / p["m_1"] * n[0] - p["k_1"] / p["m_1"] * x[0][k]) / both)
-        x[1].append(-p["k_23"] / p["m_2"] * stretch / both)
-        x[2].append((p["k_23"] * stretch - p["k_3"] * x[2][k] - p["c_3"] * n[2]) / p["m_3"] / both)
+        x[0].append((drive * turns[k % 4] - c_1 * (k + 1) * x[0][k + 1] - k_1 * x[0][k]) / both)
+        x[1].append(-k_2 * stretch / both)
+        x[2].append((k_23 * stretch - k_3 * x[2][k] - c_3 * (k + 1) * x[2][k + 1]) / both)
+        drive = drive * p["omega_1"] / (k + 1)
     return x
 
 
