@@ -236,6 +236,16 @@ impl ClosedForm {
         Ok(due)
     }
 
+    /// Goes on to an impact that is later than now by no more than `late` (s), which is then due; without one nothing happens.
+    pub(crate) fn meet(&mut self, late: f64) -> bool {
+        let next = self.halves(self.data.time).0 + 1.0;
+        let due = self.halves(self.data.time.plus(late)).0 >= next;
+        if due {
+            (self.data.time, self.data.limit) = (self.impact_time(next), Limit::Before);
+        }
+        due
+    }
+
     /// Whether it stands before an impact.
     pub(crate) fn is_due(&self) -> bool {
         self.data.limit == Limit::Before

@@ -1,6 +1,7 @@
 //! Event mode and early return.
 
 use super::host::*;
+use vibro_fmi::fmi3::abi::*;
 use vibro_impact::simulator::Event;
 use vibro_impact::{Parameters, Simulator, State};
 
@@ -346,6 +347,32 @@ fn steps_that_end_on_the_announced_time_meet_the_event() {
     plain.step(0.0, time);
     assert!(met > 10);
     assert_eq!(fmu.get("impacts.upper"), plain.get("impacts.upper"));
+}
+
+/// The same of a steady state that begins late, where announced times are rounded more than the drive's phase.
+#[test]
+fn steps_that_end_on_the_announced_time_meet_the_impacts_of_a_closed_form() {
+    const BEGIN: f64 = 1e4;
+    for frequency in 0..20 {
+        let fmu = Fmu::new(TF);
+        for (name, value) in [("mode", 3.0), ("drive.frequency", 1.0 + 0.003 * f64::from(frequency))] {
+            assert_eq!(fmu.set(name, value), OK);
+        }
+        // SAFETY: a live instance. What is not defined is not read.
+        unsafe {
+            assert_eq!(fmi3EnterInitializationMode(fmu.c, 0, f64::NAN, BEGIN, 0, -1.0), OK);
+            assert_eq!(fmi3ExitInitializationMode(fmu.c), OK);
+        }
+        let (mut time, mut next) = (BEGIN, fmu.update().next);
+        fmu.enter_step_mode();
+        for _ in 0..20 {
+            let announced = next.expect("one impact follows the other");
+            let end = fmu.step(time, announced - time);
+            assert!(end.event && !end.early, "{frequency}: announced for {announced}, not met");
+            (time, next) = (end.time, fmu.handle_event().next);
+            assert!((fmu.get("impacts.lastTime") - announced).abs() <= 8.0 * f64::EPSILON * announced);
+        }
+    }
 }
 
 /// A slow impact is found no better than w is rounded, which is more than the rounding of its time. It too is met by the step that ends

@@ -233,7 +233,10 @@ fn play(
             }
         };
         let (_, left_out) = form.advance(point, size, false, Some(&mut count))?;
-        return Ok(Stand { early: false, event: at_event == AtEvent::Latch && events > 0, side, left_out });
+        let latch = at_event == AtEvent::Latch;
+        let due = latch && form.meet(rounding(point + size));
+        let side = if due { 0 } else { side }; // one that is due comes last
+        return Ok(Stand { early: false, event: due || latch && events > 0, side, left_out });
     }
     let due = form.advance_before_event(point, size, rounding(point + size))?;
     let early = due && point + size - form.time() > rounding(point + size);
