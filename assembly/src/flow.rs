@@ -4,6 +4,7 @@
 
 mod ahead;
 mod apart;
+mod exact;
 mod exponential;
 mod kept;
 mod ladder;
@@ -29,8 +30,8 @@ use nalgebra::DMatrix;
 pub const ORDERS: usize = 26;
 /// Rate times the length of a sub-step.
 const RADIUS: f64 = 2.0;
-/// A buffer is stiff where it makes the rate so many times that of the mode without it.
-const STIFF: f64 = 30.0;
+/// Springs and buffers are stiff where they make the rate so many times what it is without them.
+pub(crate) const STIFF: f64 = 30.0;
 /// Intervals of a sub-step, at whose ends functionals are sampled.
 pub const INTERVALS: usize = 8;
 /// Taylor coefficients of a functional over an interval: with a radius of a quarter the first one left out is under
@@ -55,7 +56,7 @@ pub struct Table {
     pub rate: f64,
     /// Length of a sub-step, s.
     pub length: f64,
-    /// The forces of buffers that press, where they are found apart.
+    /// The forces of stiff springs and of buffers that press, where they are found apart.
     apart: Option<Apart>,
     /// Tables of a sub-step, of machines of few coordinates.
     kept: Option<Kept>,
@@ -74,14 +75,14 @@ pub struct Table {
 impl Table {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { a, terms: sizes, lambda, triangle, watched, buffers } = linear;
+        let Linear { a, terms: sizes, lambda, triangle, watched, elastic } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
         // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
         let is_small = a.len() <= DENSE;
-        let apart = buffers.and_then(|buffers| {
-            let is_stiff = !is_small || rate > STIFF * rate_bound(&buffers.rest, one);
-            is_stiff.then(|| Apart::of(buffers))
+        let apart = elastic.and_then(|elastic| {
+            let is_stiff = !is_small || elastic.are_stiff || rate > STIFF * rate_bound(&elastic.rest, one);
+            is_stiff.then(|| Apart::of(elastic))
         });
         let orders = ENDS.map(|end| series_orders(RADIUS * end));
         let watched = watched.into_iter().map(|(watch, row)| WatchTable::new(watch, row, &a));
@@ -165,9 +166,9 @@ impl Table {
         self.orders[last]
     }
 
-    /// Looks ahead by a time within a sub-step: writes where the watched functionals stand; where a stiff buffer presses also z' and z''.
+    /// Looks ahead by a time within a sub-step: writes where the watched functionals stand; where forces are found apart also z' and z''.
     ///
-    /// Its force is a small difference of large terms: what the state's coordinates bound is far too much. z'' has that difference in it.
+    /// Such a force is a small difference of large terms: what the state's coordinates bound is far too much. z'' has that difference in it.
     #[inline(always)]
     pub fn look_ahead(
         &self,
@@ -207,9 +208,9 @@ impl Table {
 
     /// The state at the end of a sub-step from that at its start, and from what [looking ahead](Self::look_ahead) has left.
     #[inline(always)]
-    pub fn at_end(&self, z: &[f64], rates: &[f64], ahead: &Ahead, to: &mut [f64]) {
+    pub fn at_end(&self, z: &[f64], derivatives: [&[f64]; 2], ahead: &Ahead, to: &mut [f64]) {
         match &self.kept {
-            Some(kept) => kept.at_end(z, rates, to),
+            Some(kept) => kept.at_end(z, derivatives, self.length, to),
             None => ahead.series.at(1.0, to),
         }
     }

@@ -16,6 +16,10 @@ const TWO_WAYS: f64 = 1e-10;
 /// Of a loss, what the fast motion's decay at 500/s in 1e9 rad/s makes of its mean, and what 1e9 rounded sub-steps make of that.
 const LOST: f64 = 1e-7;
 
+/// Of place and speed of the middle of two bodies 1 m from the origin: roundings of each place, 1e-16, and of the buffer's 100 m/s2 times a sub-step, in
+/// each of 2e4 sub-steps.
+const MIDDLE: [f64; 2] = [1e-12, 1e-11];
+
 /// Two bodies of mass 1 on springs to the ground, with a spring between them.
 fn pair(soft: f64, stiff: f64, damping: f64, start: (f64, f64)) -> Description {
     Description {
@@ -56,6 +60,66 @@ fn closed_form_two_undamped_oscillators_far_apart_in_frequency() {
         let after = motion.kinetic_and_stored();
         let change = after.0 + after.1 - kinetic - stored;
         assert!(change.abs() <= ROUNDING * stored, "{stiff:e}: {change:e} of {stored:e}");
+    }
+}
+
+/// What ties the pair of [`tied`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Tie {
+    /// A spring with this damping; both bodies start alike, or with this much of a speed against one another.
+    Spring(f64, f64),
+    /// A buffer on which loads press them.
+    Buffer,
+}
+
+/// Two bodies of mass 1, each on 1 N/m, tied by 1e9 N/m; the middle between them moves as cos t. Beside them a body on a spring as stiff as the tie,
+/// one on a closed stop, and `idle` ones.
+fn tied(tie: Tie, idle: usize) -> Description {
+    let stiff = 1e9;
+    let speed = if let Tie::Spring(_, speed) = tie { speed } else { 0.0 };
+    let mut d = Description {
+        bodies: vec![
+            body("left", 1.0, 1.0, speed),
+            body("right", 1.0, 1.0, -speed),
+            body("beside", 1.0, 0.0, 0.0),
+            body("lies", 1.0, 0.0, 0.0),
+        ],
+        springs: vec![
+            spring(&[(0, 1.0)], 1.0, 0.0),
+            spring(&[(1, 1.0)], 1.0, 0.0),
+            spring(&[(2, 1.0)], stiff, 1e3),
+        ],
+        stops: vec![rigid("floor", &[(3, 1.0)], 0.0, 0.5)],
+        loads: vec![Load { name: "weight".into(), body: 3, force: constant(10.0) }],
+        ..Description::default()
+    };
+    match tie {
+        Tie::Spring(damping, _) => d.springs.push(spring(&[(0, -1.0), (1, 1.0)], stiff, damping)),
+        Tie::Buffer => {
+            d.stops.push(compliant("tie", &[(0, 1.0), (1, -1.0)], 0.0, stiff, 1e3, DampingLimit::NoPull));
+            let load = |name: &str, body, force| Load { name: name.into(), body, force: constant(force) };
+            d.loads.extend([load("right", 0, 100.0), load("left", 1, -100.0)]);
+        }
+    }
+    d.bodies.extend((0..idle).map(|i| body(&format!("idle{i}"), 1.0, 0.0, 0.0)));
+    d
+}
+
+#[test]
+fn closed_form_what_a_stiff_spring_ties_moves_as_a_whole() {
+    // Forces of 1e9 N/m times the coordinates, rounded for each body by itself, would move the middle by 1e-7. Where the tie's motion has decayed long
+    // sub-steps carry it, where it goes on some 2e4 short ones a second do, as the stop may be opened by any of them.
+    for tie in [Tie::Spring(1e3, 0.0), Tie::Spring(0.0, 1e-3), Tie::Buffer] {
+        for idle in [0, 10] {
+            let mut motion = motion(tied(tie, idle));
+            motion.advance_to(1.0).unwrap();
+            let [left, right] = [0, 1].map(|i| motion.body(i));
+            for (k, exact) in [1f64.cos(), -1f64.sin()].into_iter().enumerate() {
+                let off = 0.5 * (left[k] + right[k]) - exact;
+                assert!(off.abs() < MIDDLE[k], "{tie:?}, {idle} idle, {k}: {off:e}");
+            }
+            assert!((motion.stop(0)[2] - 10.0).abs() < ROUNDING * 100.0, "{tie:?}: {:?}", motion.stop(0));
+        }
     }
 }
 
