@@ -50,6 +50,8 @@ pub struct Table {
     pub a: SparseMatrix,
     /// The sizes of the terms of A's entries.
     sizes: SparseMatrix,
+    /// The sizes of what contacts leave of the velocities, where there are such.
+    loose: Option<SparseMatrix>,
     /// Coordinates and velocities of the machine, before the signals.
     one: usize,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
@@ -75,7 +77,7 @@ pub struct Table {
 impl Table {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { a, terms: sizes, lambda, triangle, watched, elastic } = linear;
+        let Linear { a, terms: sizes, lambda, triangle, watched, elastic, loose } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
         // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
@@ -90,6 +92,7 @@ impl Table {
         let mut table = Self {
             a,
             sizes,
+            loose,
             one,
             rate,
             length,
@@ -307,16 +310,24 @@ impl Table {
     }
 
     /// The sizes of what a flight of a time, of which at most a sub-step counts, has added to the velocities: Σ |A| |z| times this time, from
-    /// the coordinates' sizes. Forces that balance leave of a velocity the rounding of this size.
+    /// the coordinates' sizes. Forces that balance leave of a velocity the rounding of this size, but for what contacts keep at zero. `all` is memory.
     #[inline(always)]
-    pub fn flown(&self, sizes: &[f64], time: f64, to: &mut [f64]) {
-        self.sizes.rows_times_to(self.one / 2, sizes, time.min(self.length), to);
+    pub fn flown(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
+        let time = time.min(self.length);
+        match &self.loose {
+            None => self.sizes.rows_times_to(self.one / 2, sizes, time, to),
+            Some(loose) => {
+                all.resize(to.len(), 0.0);
+                self.sizes.rows_times_to(self.one / 2, sizes, time, all);
+                loose.rows_times_to(0, all, 1.0, to);
+            }
+        }
     }
 
     /// Numbers that the table holds.
     pub fn numbers(&self) -> usize {
         let size = self.a.len();
-        2 * (self.a.entries() + self.sizes.entries())
+        2 * (self.a.entries() + self.sizes.entries() + self.loose.as_ref().map_or(0, SparseMatrix::entries))
             + self.watched.len() * size
             + self.kept.as_ref().map_or(0, |kept| kept.numbers(size))
             + self.apart.as_ref().map_or(0, Apart::numbers)

@@ -5,6 +5,7 @@ mod common;
 use common::*;
 use std::f64::consts::TAU;
 use vibro_assembly::description::*;
+use vibro_assembly::motion::EventKind;
 use vibro_assembly::{Error, Motion};
 
 /// Some tens of roundings of a state of order one, over some hundred radians.
@@ -120,6 +121,61 @@ fn closed_form_what_a_stiff_spring_ties_moves_as_a_whole() {
             }
             assert!((motion.stop(0)[2] - 10.0).abs() < ROUNDING * 100.0, "{tie:?}: {:?}", motion.stop(0));
         }
+    }
+}
+
+/// A load that rises evenly.
+fn ramp(body: usize, from: f64, rise: f64) -> Load {
+    let table = Some(Record { knots: vec![(0.0, from), (1.0, from + rise)], cubic: false });
+    Load { name: "ramp".into(), body, force: Signal { table, ..Signal::default() } }
+}
+
+/// Motions that hold a body against a stiff spring or buffer, with the only event and its time.
+fn held() -> [(Description, EventKind, f64); 3] {
+    // Friction of 1 N, and 11.2 N + 10 N/s on a buffer pressed with 1.4e8 N/m times 80 nm.
+    let buffer = compliant("buffer", &[(0, 1.0)], 0.05, 1.4e8, 3e4, DampingLimit::NoPull);
+    let sticks = Description {
+        bodies: vec![body("held", 0.3, 0.05000008, 0.0)],
+        stops: vec![buffer],
+        frictions: vec![friction(&[(0, 1.0)], 1.0)],
+        loads: vec![ramp(0, 11.2, 10.0)],
+        ..Description::default()
+    };
+    // A spring of 1e8 N/m presses with 10 N, and a load of 20 N/s draws away: directly, or by a body that friction of 4 N holds.
+    let mut pressed = Description {
+        bodies: vec![body("pressed", 1.0, 1.0, 0.0)],
+        springs: vec![Spring { preload: -1e8 - 10.0, ..spring(&[(0, 1.0)], 1e8, 1e3) }],
+        stops: vec![rigid("stop", &[(0, 1.0)], 1.0, 0.5)],
+        loads: vec![ramp(0, 0.0, -20.0)],
+        ..Description::default()
+    };
+    let alone = pressed.clone();
+    pressed.bodies.push(body("other", 2.0, 1.0, 0.0));
+    pressed.springs = vec![Spring { preload: 10.0, ..spring(&[(0, -1.0), (1, 1.0)], 1e8, 1e3) }];
+    pressed.frictions = vec![friction(&[(1, 1.0)], 14.0)];
+    pressed.loads = vec![ramp(1, 0.0, -20.0)];
+    let slip = |direction, force| EventKind::Slip { friction: 0, direction, force };
+    [
+        (sticks, slip(1.0, 1.0), 0.1),
+        (alone, EventKind::Open { stop: 0 }, 0.5),
+        (pressed, slip(-1.0, -14.0), 0.2),
+    ]
+}
+
+#[test]
+fn closed_form_what_holds_a_body_on_a_stiff_spring_lets_go() {
+    // While it is held nothing moves, however great the forces are that the contact balances. Doubles know 1.4e8 N/m times 0.05 m to 1e-9 N, which at
+    // 10 N/s is 1e-10 s.
+    for (machine, kind, time) in held() {
+        let mut motion = motion(machine);
+        let start = motion.state().clone();
+        let mut first = None;
+        motion.advance_before_event(0.9, &mut |_| {}).unwrap();
+        let moved = (motion.state() - start).rows(0, motion.assembly().system().signals.one).amax();
+        assert_eq!(moved, 0.0, "{kind:?}");
+        motion.apply_event(&mut |e| first = Some(e.clone())).unwrap();
+        let first = first.unwrap();
+        assert!(first.kind == kind && (first.time - time).abs() < 1e-9, "{first:?}, not {kind:?} at {time}");
     }
 }
 

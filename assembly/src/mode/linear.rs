@@ -22,6 +22,8 @@ pub struct Linear {
     pub watched: Vec<(Watch, Row)>,
     /// The elastic forces that may be found apart.
     pub elastic: Option<Elastic>,
+    /// Where there are contacts, the sizes of what they leave of the velocities: of the projection past them.
+    pub loose: Option<SparseMatrix>,
 }
 
 /// The forces of stiff springs and of compliant stops apart from the rest of a mode's system: A = rest - Σ by ⊗ force.
@@ -44,6 +46,8 @@ struct Held<'a> {
     triangle: DMatrix<f64>,
     /// M⁻¹ w of each.
     mobility: DMatrix<f64>,
+    /// What they leave of velocities and accelerations, 1 - M⁻¹ W G⁻¹ Wᵀ; what is rounding is zero.
+    loose: DMatrix<f64>,
 }
 
 impl<'a> Held<'a> {
@@ -51,9 +55,45 @@ impl<'a> Held<'a> {
         let elongations: Vec<_> = basis.iter().map(|&contact| system.elongation_of(contact)).collect();
         let columns = system.columns(basis);
         let triangle = triangle(&columns);
-        let mut directions = DMatrix::zeros(system.coordinates, basis.len());
+        let n = system.coordinates;
+        if basis.is_empty() {
+            let [mobility, loose] = [0, 0].map(|_| DMatrix::zeros(0, 0));
+            return Self { elongations, columns, triangle, mobility, loose };
+        }
+        let mut directions = DMatrix::zeros(n, basis.len());
         elongations.iter().enumerate().for_each(|(k, e)| directions.set_column(k, &e.w));
-        Self { elongations, triangle, columns, mobility: system.inertia.solve(&directions) }
+        let mobility = system.inertia.solve(&directions);
+        let mut shares = directions.transpose();
+        triangle.tr_solve_upper_triangular_mut(&mut shares);
+        triangle.solve_upper_triangular_mut(&mut shares);
+        let one = DMatrix::identity(n, n);
+        let sizes = &one + mobility.abs() * shares.abs();
+        let left = one - &mobility * shares;
+        let loose = left.zip_map(&sizes, |x, size| if x.abs() <= ZERO * size { 0.0 } else { x });
+        Self { elongations, columns, triangle, mobility, loose }
+    }
+
+    /// The sizes of what they leave of velocities.
+    fn loose_sizes(&self) -> SparseMatrix {
+        let mut sizes = SparseMatrix::default();
+        for row in self.loose.row_iter() {
+            sizes.push_row(row.iter().map(|x| x.abs()).enumerate());
+        }
+        sizes
+    }
+
+    /// Takes what the contacts' forces do from accelerations. Coordinates that they hold altogether move as prescribed bodies make them, with no rounding
+    /// of the forces that cancel.
+    fn hold(&self, system: &System, acceleration: &mut DMatrix<f64>, demand: &DMatrix<f64>) {
+        *acceleration -= &self.mobility * demand;
+        let held = |k: &usize| self.loose.row(*k).iter().all(|x| *x == 0.0);
+        let held: Vec<usize> = (0..system.coordinates).filter(held).collect();
+        if !held.is_empty() {
+            let prescribed = self.demand(system, &DMatrix::zeros(system.coordinates, system.signals.size));
+            for k in held {
+                acceleration.set_row(k, &-(self.mobility.row(k) * &prescribed));
+            }
+        }
     }
 
     /// The contacts' forces, a row each, under accelerations without them.
@@ -72,13 +112,7 @@ impl<'a> Held<'a> {
 
     /// What a unit of an element's force takes from the velocities' rates: M⁻¹ w and what the contacts do against it.
     fn moved(&self, e: &Elongation) -> DVector<f64> {
-        if self.elongations.is_empty() {
-            return e.mobility.clone();
-        }
-        let mut shares = self.columns.tr_mul(&e.column);
-        self.triangle.tr_solve_upper_triangular_mut(&mut shares);
-        self.triangle.solve_upper_triangular_mut(&mut shares);
-        &e.mobility - &self.mobility * shares
+        if self.elongations.is_empty() { e.mobility.clone() } else { &self.loose * &e.mobility }
     }
 }
 
@@ -92,7 +126,7 @@ impl System {
         if !mode.basis.is_empty() {
             let demand = held.demand(self, &acceleration);
             terms += held.mobility.abs() * demand.abs();
-            acceleration -= &held.mobility * &demand;
+            held.hold(self, &mut acceleration, &demand);
             lambda.extend(demand.row_iter().map(|row| row.transpose()));
         }
         Linear {
@@ -101,6 +135,7 @@ impl System {
             watched: self.watched(mode, &lambda),
             lambda,
             elastic: self.elastic(mode, &held),
+            loose: (!mode.basis.is_empty()).then(|| held.loose_sizes()),
             triangle: held.triangle,
         }
     }
@@ -144,7 +179,8 @@ impl System {
         }
         let mut rest = self.accelerations(self.soft_forces(), &left, &mode.frictions);
         if !mode.basis.is_empty() {
-            rest -= &held.mobility * held.demand(self, &rest);
+            let demand = held.demand(self, &rest);
+            held.hold(self, &mut rest, &demand);
         }
         let are_stiff = !self.stiff_springs.is_empty() || !self.stiff_ties(&pressed).is_empty();
         Some(Elastic { rest: self.matrix(&rest), forces, are_stiff })
