@@ -257,6 +257,28 @@ fn closed_form_grazing_by_a_part_of_the_gap() {
 }
 
 #[test]
+fn closed_form_what_only_touches_is_no_event() {
+    // Released from its stop without speed an oscillator comes back to it each turn and turns there. A rounding of the place, 1e-16, would be met with
+    // 1e-8 m/s. Beside it friction whose level 1 + sin comes to zero once a second, on a body that it does not stop.
+    for k in 1..20 {
+        let (stiffness, mass, from) =
+            (17.3 * f64::from(k), 0.37 * f64::from(k % 7 + 1), 0.061 * f64::from(k));
+        let level = Signal { constant: 1.0, ..sine(1.0, 1.0, 0.0) };
+        let mut motion = motion(Description {
+            bodies: vec![body("turns", mass, from, 0.0), body("slides", 10.0, 0.0, 100.0)],
+            springs: vec![spring(&[(0, 1.0)], stiffness, 0.0)],
+            stops: vec![rigid("stop", &[(0, 1.0)], from, 0.5)],
+            frictions: vec![Friction { force: level, ..friction(&[(1, 1.0)], 0.0) }],
+            ..Description::default()
+        });
+        let all = events(&mut motion, 3.0);
+        assert!(all.is_empty(), "{k}: {all:?}");
+        let exact = from * (3.0 * (stiffness / mass).sqrt()).cos();
+        assert!((motion.body(0)[0] - exact).abs() < 1e-13 * from, "{k}: {:e}", motion.body(0)[0] - exact);
+    }
+}
+
+#[test]
 fn closed_form_corners_met_at_one_instant() {
     // Three stops at one time, each as if it were alone; and two between which a body is caught.
     let alone = path(motion(oscillators(&[0.5])), &[0]).0;
