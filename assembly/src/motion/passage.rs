@@ -190,7 +190,8 @@ impl Flight<'_> {
             return false;
         }
         c[0] -= self.hybrid.sizes.zero_of(&w.row);
-        crossing_after_start(&c, 1.0, &mut 0).is_none()
+        // Where it is beyond at the end, as mostly, it has passed.
+        c.iter().sum::<f64>() < 0.0 && crossing_after_start(&c, 1.0, &mut 0).is_none()
     }
 }
 
