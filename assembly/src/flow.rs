@@ -4,6 +4,7 @@
 
 mod ahead;
 mod apart;
+mod exact;
 mod exponential;
 mod kept;
 mod ladder;
@@ -29,8 +30,8 @@ use nalgebra::DMatrix;
 pub const ORDERS: usize = 26;
 /// Rate times the length of a sub-step.
 const RADIUS: f64 = 2.0;
-/// A buffer is stiff where it makes the rate so many times that of the mode without it.
-const STIFF: f64 = 30.0;
+/// Springs and buffers are stiff where they make the rate so many times what it is without them.
+pub(crate) const STIFF: f64 = 30.0;
 /// Intervals of a sub-step, at whose ends functionals are sampled.
 pub const INTERVALS: usize = 8;
 /// Taylor coefficients of a functional over an interval: with a radius of a quarter the first one left out is under
@@ -49,13 +50,15 @@ pub struct Table {
     pub a: SparseMatrix,
     /// The sizes of the terms of A's entries.
     sizes: SparseMatrix,
+    /// The sizes of what contacts leave of the velocities, where there are such.
+    loose: Option<SparseMatrix>,
     /// Coordinates and velocities of the machine, before the signals.
     one: usize,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
     pub rate: f64,
     /// Length of a sub-step, s.
     pub length: f64,
-    /// The forces of buffers that press, where they are found apart.
+    /// The forces of stiff springs and of buffers that press, where they are found apart.
     apart: Option<Apart>,
     /// Tables of a sub-step, of machines of few coordinates.
     kept: Option<Kept>,
@@ -74,14 +77,14 @@ pub struct Table {
 impl Table {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { a, terms: sizes, lambda, triangle, watched, buffers } = linear;
+        let Linear { a, terms: sizes, lambda, triangle, watched, elastic, loose } = linear;
         let rate = rate_bound(&a, one).max(LEAST_RATE);
         let length = RADIUS / rate;
         // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
         let is_small = a.len() <= DENSE;
-        let apart = buffers.and_then(|buffers| {
-            let is_stiff = !is_small || rate > STIFF * rate_bound(&buffers.rest, one);
-            is_stiff.then(|| Apart::of(buffers))
+        let apart = elastic.and_then(|elastic| {
+            let is_stiff = !is_small || elastic.are_stiff || rate > STIFF * rate_bound(&elastic.rest, one);
+            is_stiff.then(|| Apart::of(elastic))
         });
         let orders = ENDS.map(|end| series_orders(RADIUS * end));
         let watched = watched.into_iter().map(|(watch, row)| WatchTable::new(watch, row, &a));
@@ -89,6 +92,7 @@ impl Table {
         let mut table = Self {
             a,
             sizes,
+            loose,
             one,
             rate,
             length,
@@ -165,9 +169,9 @@ impl Table {
         self.orders[last]
     }
 
-    /// Looks ahead by a time within a sub-step: writes where the watched functionals stand; where a stiff buffer presses also z' and z''.
+    /// Looks ahead by a time within a sub-step: writes where the watched functionals stand; where forces are found apart also z' and z''.
     ///
-    /// Its force is a small difference of large terms: what the state's coordinates bound is far too much. z'' has that difference in it.
+    /// Such a force is a small difference of large terms: what the state's coordinates bound is far too much. z'' has that difference in it.
     #[inline(always)]
     pub fn look_ahead(
         &self,
@@ -207,9 +211,9 @@ impl Table {
 
     /// The state at the end of a sub-step from that at its start, and from what [looking ahead](Self::look_ahead) has left.
     #[inline(always)]
-    pub fn at_end(&self, z: &[f64], rates: &[f64], ahead: &Ahead, to: &mut [f64]) {
+    pub fn at_end(&self, z: &[f64], derivatives: [&[f64]; 2], ahead: &Ahead, to: &mut [f64]) {
         match &self.kept {
-            Some(kept) => kept.at_end(z, rates, to),
+            Some(kept) => kept.at_end(z, derivatives, self.length, to),
             None => ahead.series.at(1.0, to),
         }
     }
@@ -306,16 +310,24 @@ impl Table {
     }
 
     /// The sizes of what a flight of a time, of which at most a sub-step counts, has added to the velocities: Σ |A| |z| times this time, from
-    /// the coordinates' sizes. Forces that balance leave of a velocity the rounding of this size.
+    /// the coordinates' sizes. Forces that balance leave of a velocity the rounding of this size, but for what contacts keep at zero. `all` is memory.
     #[inline(always)]
-    pub fn flown(&self, sizes: &[f64], time: f64, to: &mut [f64]) {
-        self.sizes.rows_times_to(self.one / 2, sizes, time.min(self.length), to);
+    pub fn flown(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
+        let time = time.min(self.length);
+        match &self.loose {
+            None => self.sizes.rows_times_to(self.one / 2, sizes, time, to),
+            Some(loose) => {
+                all.resize(to.len(), 0.0);
+                self.sizes.rows_times_to(self.one / 2, sizes, time, all);
+                loose.rows_times_to(0, all, 1.0, to);
+            }
+        }
     }
 
     /// Numbers that the table holds.
     pub fn numbers(&self) -> usize {
         let size = self.a.len();
-        2 * (self.a.entries() + self.sizes.entries())
+        2 * (self.a.entries() + self.sizes.entries() + self.loose.as_ref().map_or(0, SparseMatrix::entries))
             + self.watched.len() * size
             + self.kept.as_ref().map_or(0, |kept| kept.numbers(size))
             + self.apart.as_ref().map_or(0, Apart::numbers)

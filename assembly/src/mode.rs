@@ -4,7 +4,7 @@
 mod linear;
 pub mod states;
 
-pub use linear::{Buffers, Linear};
+pub use linear::{Elastic, Linear};
 pub use states::{FrictionState, StopState};
 
 use crate::law::box_qp::independent;
@@ -159,7 +159,17 @@ impl System {
 
     /// M⁻¹ times the forces that the state determines in given states: accelerations without contact forces.
     pub fn free_acceleration(&self, stops: &[StopState], frictions: &[FrictionState]) -> DMatrix<f64> {
-        let mut forces = self.forces.clone();
+        self.accelerations(&self.forces, stops, frictions)
+    }
+
+    /// M⁻¹ times some forces that always act and those that the state determines in given states.
+    fn accelerations(
+        &self,
+        always: &DMatrix<f64>,
+        stops: &[StopState],
+        frictions: &[FrictionState],
+    ) -> DMatrix<f64> {
+        let mut forces = always.clone();
         for (i, &state) in stops.iter().enumerate() {
             if let Some(force) = self.stop_force(i, state) {
                 add_outer(&mut forces, &self.stops[i].elongation.w, &force);

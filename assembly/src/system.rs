@@ -2,6 +2,7 @@
 //! augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to (A4)).
 
 mod rows;
+mod stiff;
 
 pub use rows::{BodyRows, Elongation, FrictionRows, Functional, Row, SpringRows, StopRows};
 
@@ -30,6 +31,10 @@ pub struct System {
     pub(crate) is_diagonal: bool,
     /// The forces on the coordinates that always act: M a = forces · z + …
     pub forces: DMatrix<f64>,
+    /// Springs so stiff that their forces are found apart, by their places.
+    pub(crate) stiff_springs: Vec<usize>,
+    /// The forces that always act but for those of stiff springs, where there are such.
+    soft: Option<DMatrix<f64>>,
     /// All bodies.
     pub bodies: Vec<BodyRows>,
     /// Springs.
@@ -155,6 +160,8 @@ impl System {
             coordinates: n,
             bodies_of: reduction.kept,
             forces: DMatrix::zeros(n, signals.size),
+            stiff_springs: Vec::new(),
+            soft: None,
             signals,
             inertia,
             is_diagonal: mass == DMatrix::from_diagonal(&mass.diagonal()),
@@ -230,9 +237,23 @@ impl System {
         }
     }
 
-    /// Weight, loads, springs, and what prescribed bodies do through links.
+    /// The forces that always act but for those of stiff springs.
+    pub(crate) fn soft_forces(&self) -> &DMatrix<f64> {
+        self.soft.as_ref().unwrap_or(&self.forces)
+    }
+
+    /// Sets the forces that always act, and tells stiff springs from the others.
     fn add_forces(&mut self) {
-        let mut forces = std::mem::replace(&mut self.forces, DMatrix::zeros(0, 0));
+        self.forces = self.forces_without(&[]);
+        self.stiff_springs = self.stiff_ties(&[]);
+        if !self.stiff_springs.is_empty() {
+            self.soft = Some(self.forces_without(&self.stiff_springs));
+        }
+    }
+
+    /// Weight, loads, springs but for some, and what prescribed bodies do through links.
+    fn forces_without(&self, left_out: &[usize]) -> DMatrix<f64> {
+        let mut forces = DMatrix::zeros(self.coordinates, self.signals.size);
         for ((body, &inertia), &weight) in self.bodies.iter().zip(&self.inertias).zip(&self.weights) {
             if inertia > 0.0 {
                 forces.ger(1.0, &body.weights, &self.constant(weight), 1.0);
@@ -242,10 +263,11 @@ impl System {
         for (&body, row) in self.load_bodies.iter().zip(&self.loads) {
             forces.ger(1.0, &self.bodies[body].weights, row, 1.0);
         }
-        for spring in &self.springs {
+        for (_, spring) in self.springs.iter().enumerate().filter(|(i, _)| left_out.binary_search(i).is_err())
+        {
             forces.ger(-1.0, &spring.elongation.w, &spring.force, 1.0);
         }
-        self.forces = forces;
+        forces
     }
 }
 

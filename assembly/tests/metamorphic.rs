@@ -74,15 +74,25 @@ fn on_grid(time: f64) -> f64 {
     (time * 1048576.0).round() / 1048576.0
 }
 
+/// The same machine off by [`OFF`]: all speeds alike, every second one, or all gaps of rigid stops. The first leaves what two bodies do to each other, and
+/// only the last tells that a stop is just touched, where no speed is of help.
+fn off(d: &Description) -> [Description; 3] {
+    let [mut all, mut second, mut gaps] = [0, 1, 2].map(|_| d.clone());
+    free(&mut all).for_each(|b| b.v += OFF);
+    free(&mut second).step_by(2).for_each(|b| b.v += OFF);
+    gaps.stops.iter_mut().filter(|s| matches!(s.law, StopLaw::Rigid { .. })).for_each(|s| s.gap += OFF);
+    [all, second, gaps]
+}
+
 /// Whether two paths agree within what the motion makes of errors.
 fn agree(d: &Description, one: &Path, other: &Path) -> Result<(), TestCaseError> {
-    let mut off = d.clone();
-    free(&mut off).for_each(|b| b.v += OFF);
-    let (moved, _) = path(motion(off), &all(d));
+    let moved = off(d).map(|off| path(motion(off), &all(d)).0);
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
     let (mut magnified, mut size) = (1.0f64, 1.0f64);
-    for (k, ((a, b), c)) in one.iter().zip(other).zip(&moved).enumerate() {
-        magnified = magnified.max(distance(a, c) / OFF);
+    for (k, (a, b)) in one.iter().zip(other).enumerate() {
+        for c in moved.iter().filter_map(|path| path.get(k)) {
+            magnified = magnified.max(distance(a, c) / OFF);
+        }
         if magnified > DECIDED {
             break;
         }
@@ -93,9 +103,19 @@ fn agree(d: &Description, one: &Path, other: &Path) -> Result<(), TestCaseError>
     Ok(())
 }
 
+/// Always the same machines, but where `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more and for others.
+fn config() -> ProptestConfig {
+    let asked = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    let is_set = |name: &str| std::env::var_os(name).is_some();
+    ProptestConfig {
+        cases: if is_set("PROPTEST_CASES") { asked.cases } else { 60 },
+        rng_seed: if is_set("PROPTEST_RNG_SEED") { asked.rng_seed } else { RngSeed::Fixed(1) },
+        ..asked
+    }
+}
+
 proptest! {
-    // The same machines in each run: of five seeds in sixty one machine grazes so closely that its impact is another at another time.
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
+    #![proptest_config(config())]
 
     #[test]
     fn invariant_a_mirror_image_changes_no_bit(d in assembly()) {
@@ -233,6 +253,28 @@ fn closed_form_grazing_by_a_part_of_the_gap() {
             let near = 1e-15 / (2.0 * depth).sqrt();
             assert!(found.iter().all(|t| (t - gap.asin()).abs() < 4.0 * near), "{depth:e} {found:?}");
         }
+    }
+}
+
+#[test]
+fn closed_form_what_only_touches_is_no_event() {
+    // Released from its stop without speed an oscillator comes back to it each turn and turns there. A rounding of the place, 1e-16, would be met with
+    // 1e-8 m/s. Beside it friction whose level 1 + sin comes to zero once a second, on a body that it does not stop.
+    for k in 1..20 {
+        let (stiffness, mass, from) =
+            (17.3 * f64::from(k), 0.37 * f64::from(k % 7 + 1), 0.061 * f64::from(k));
+        let level = Signal { constant: 1.0, ..sine(1.0, 1.0, 0.0) };
+        let mut motion = motion(Description {
+            bodies: vec![body("turns", mass, from, 0.0), body("slides", 10.0, 0.0, 100.0)],
+            springs: vec![spring(&[(0, 1.0)], stiffness, 0.0)],
+            stops: vec![rigid("stop", &[(0, 1.0)], from, 0.5)],
+            frictions: vec![Friction { force: level, ..friction(&[(1, 1.0)], 0.0) }],
+            ..Description::default()
+        });
+        let all = events(&mut motion, 3.0);
+        assert!(all.is_empty(), "{k}: {all:?}");
+        let exact = from * (3.0 * (stiffness / mass).sqrt()).cos();
+        assert!((motion.body(0)[0] - exact).abs() < 1e-13 * from, "{k}: {:e}", motion.body(0)[0] - exact);
     }
 }
 

@@ -5,6 +5,7 @@ mod common;
 use common::*;
 use std::f64::consts::TAU;
 use vibro_assembly::description::*;
+use vibro_assembly::motion::EventKind;
 use vibro_assembly::{Error, Motion};
 
 /// Some tens of roundings of a state of order one, over some hundred radians.
@@ -15,6 +16,10 @@ const TWO_WAYS: f64 = 1e-10;
 
 /// Of a loss, what the fast motion's decay at 500/s in 1e9 rad/s makes of its mean, and what 1e9 rounded sub-steps make of that.
 const LOST: f64 = 1e-7;
+
+/// Of place and speed of the middle of two bodies 1 m from the origin: roundings of each place, 1e-16, and of the buffer's 100 m/s2 times a sub-step, in
+/// each of 2e4 sub-steps.
+const MIDDLE: [f64; 2] = [1e-12, 1e-11];
 
 /// Two bodies of mass 1 on springs to the ground, with a spring between them.
 fn pair(soft: f64, stiff: f64, damping: f64, start: (f64, f64)) -> Description {
@@ -56,6 +61,121 @@ fn closed_form_two_undamped_oscillators_far_apart_in_frequency() {
         let after = motion.kinetic_and_stored();
         let change = after.0 + after.1 - kinetic - stored;
         assert!(change.abs() <= ROUNDING * stored, "{stiff:e}: {change:e} of {stored:e}");
+    }
+}
+
+/// What ties the pair of [`tied`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Tie {
+    /// A spring with this damping; both bodies start alike, or with this much of a speed against one another.
+    Spring(f64, f64),
+    /// A buffer on which loads press them.
+    Buffer,
+}
+
+/// Two bodies of mass 1, each on 1 N/m, tied by 1e9 N/m; the middle between them moves as cos t. Beside them a body on a spring as stiff as the tie,
+/// one on a closed stop, and `idle` ones.
+fn tied(tie: Tie, idle: usize) -> Description {
+    let stiff = 1e9;
+    let speed = if let Tie::Spring(_, speed) = tie { speed } else { 0.0 };
+    let mut d = Description {
+        bodies: vec![
+            body("left", 1.0, 1.0, speed),
+            body("right", 1.0, 1.0, -speed),
+            body("beside", 1.0, 0.0, 0.0),
+            body("lies", 1.0, 0.0, 0.0),
+        ],
+        springs: vec![
+            spring(&[(0, 1.0)], 1.0, 0.0),
+            spring(&[(1, 1.0)], 1.0, 0.0),
+            spring(&[(2, 1.0)], stiff, 1e3),
+        ],
+        stops: vec![rigid("floor", &[(3, 1.0)], 0.0, 0.5)],
+        loads: vec![Load { name: "weight".into(), body: 3, force: constant(10.0) }],
+        ..Description::default()
+    };
+    match tie {
+        Tie::Spring(damping, _) => d.springs.push(spring(&[(0, -1.0), (1, 1.0)], stiff, damping)),
+        Tie::Buffer => {
+            d.stops.push(compliant("tie", &[(0, 1.0), (1, -1.0)], 0.0, stiff, 1e3, DampingLimit::NoPull));
+            let load = |name: &str, body, force| Load { name: name.into(), body, force: constant(force) };
+            d.loads.extend([load("right", 0, 100.0), load("left", 1, -100.0)]);
+        }
+    }
+    d.bodies.extend((0..idle).map(|i| body(&format!("idle{i}"), 1.0, 0.0, 0.0)));
+    d
+}
+
+#[test]
+fn closed_form_what_a_stiff_spring_ties_moves_as_a_whole() {
+    // Forces of 1e9 N/m times the coordinates, rounded for each body by itself, would move the middle by 1e-7. Where the tie's motion has decayed long
+    // sub-steps carry it, where it goes on some 2e4 short ones a second do, as the stop may be opened by any of them.
+    for tie in [Tie::Spring(1e3, 0.0), Tie::Spring(0.0, 1e-3), Tie::Buffer] {
+        for idle in [0, 10] {
+            let mut motion = motion(tied(tie, idle));
+            motion.advance_to(1.0).unwrap();
+            let [left, right] = [0, 1].map(|i| motion.body(i));
+            for (k, exact) in [1f64.cos(), -1f64.sin()].into_iter().enumerate() {
+                let off = 0.5 * (left[k] + right[k]) - exact;
+                assert!(off.abs() < MIDDLE[k], "{tie:?}, {idle} idle, {k}: {off:e}");
+            }
+            assert!((motion.stop(0)[2] - 10.0).abs() < ROUNDING * 100.0, "{tie:?}: {:?}", motion.stop(0));
+        }
+    }
+}
+
+/// A load that rises evenly.
+fn ramp(body: usize, from: f64, rise: f64) -> Load {
+    let table = Some(Record { knots: vec![(0.0, from), (1.0, from + rise)], cubic: false });
+    Load { name: "ramp".into(), body, force: Signal { table, ..Signal::default() } }
+}
+
+/// Motions that hold a body against a stiff spring or buffer, with the only event and its time.
+fn held() -> [(Description, EventKind, f64); 3] {
+    // Friction of 1 N, and 11.2 N + 10 N/s on a buffer pressed with 1.4e8 N/m times 80 nm.
+    let buffer = compliant("buffer", &[(0, 1.0)], 0.05, 1.4e8, 3e4, DampingLimit::NoPull);
+    let sticks = Description {
+        bodies: vec![body("held", 0.3, 0.05000008, 0.0)],
+        stops: vec![buffer],
+        frictions: vec![friction(&[(0, 1.0)], 1.0)],
+        loads: vec![ramp(0, 11.2, 10.0)],
+        ..Description::default()
+    };
+    // A spring of 1e8 N/m presses with 10 N, and a load of 20 N/s draws away: directly, or by a body that friction of 4 N holds.
+    let mut pressed = Description {
+        bodies: vec![body("pressed", 1.0, 1.0, 0.0)],
+        springs: vec![Spring { preload: -1e8 - 10.0, ..spring(&[(0, 1.0)], 1e8, 1e3) }],
+        stops: vec![rigid("stop", &[(0, 1.0)], 1.0, 0.5)],
+        loads: vec![ramp(0, 0.0, -20.0)],
+        ..Description::default()
+    };
+    let alone = pressed.clone();
+    pressed.bodies.push(body("other", 2.0, 1.0, 0.0));
+    pressed.springs = vec![Spring { preload: 10.0, ..spring(&[(0, -1.0), (1, 1.0)], 1e8, 1e3) }];
+    pressed.frictions = vec![friction(&[(1, 1.0)], 14.0)];
+    pressed.loads = vec![ramp(1, 0.0, -20.0)];
+    let slip = |direction, force| EventKind::Slip { friction: 0, direction, force };
+    [
+        (sticks, slip(1.0, 1.0), 0.1),
+        (alone, EventKind::Open { stop: 0 }, 0.5),
+        (pressed, slip(-1.0, -14.0), 0.2),
+    ]
+}
+
+#[test]
+fn closed_form_what_holds_a_body_on_a_stiff_spring_lets_go() {
+    // While it is held nothing moves, however great the forces are that the contact balances. Doubles know 1.4e8 N/m times 0.05 m to 1e-9 N, which at
+    // 10 N/s is 1e-10 s.
+    for (machine, kind, time) in held() {
+        let mut motion = motion(machine);
+        let start = motion.state().clone();
+        let mut first = None;
+        motion.advance_before_event(0.9, &mut |_| {}).unwrap();
+        let moved = (motion.state() - start).rows(0, motion.assembly().system().signals.one).amax();
+        assert_eq!(moved, 0.0, "{kind:?}");
+        motion.apply_event(&mut |e| first = Some(e.clone())).unwrap();
+        let first = first.unwrap();
+        assert!(first.kind == kind && (first.time - time).abs() < 1e-9, "{first:?}, not {kind:?} at {time}");
     }
 }
 

@@ -1,30 +1,32 @@
-//! The forces of buffers apart from the rest of A.
+//! The forces of stiff springs and of buffers apart from the rest of A.
 //!
-//! A buffer's force acts on two bodies with opposite signs. The entries of exp(A h) that say so are rounded each by itself, and with coordinates
-//! that are far greater than the buffer's deflection this is a force from nowhere, the same in each of thousands of sub-steps. Found
+//! Such a force acts on two bodies with opposite signs. The entries of exp(A h) that say so are rounded each by itself, and with coordinates
+//! that are far greater than its elongation this is a force from nowhere, the same in each of thousands of sub-steps. Found
 //! first and then put to both bodies, the force has opposite signs to its last bit.
 
 use crate::kernel::{Sparse, SparseMatrix};
-use crate::mode::Buffers;
+use crate::mode::Elastic;
 use crate::system::Functional;
+use nalgebra::DMatrix;
+use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// A = rest - Σ by ⊗ force.
 #[derive(Clone, Debug)]
 pub(super) struct Apart {
-    /// A without the buffers.
+    /// A without them.
     rest: SparseMatrix,
-    /// The buffers' forces, and what a unit of each takes from z'.
+    /// The forces, and what a unit of each takes from z'.
     forces: Vec<(Functional, Sparse)>,
 }
 
 impl Apart {
-    /// Of a mode in which buffers press.
-    pub(super) fn of(Buffers { rest, forces }: Buffers) -> Self {
+    /// Of a mode's elastic forces.
+    pub(super) fn of(Elastic { rest, forces, .. }: Elastic) -> Self {
         let forces = forces.into_iter().map(|(force, by)| (force, Sparse::of(by.as_slice())));
         Self { rest, forces: forces.collect() }
     }
 
-    /// `to` = `factor` × A `z` but for the first rows, the buffers' forces found first.
+    /// `to` = `factor` × A `z` but for the first rows, the forces found first.
     #[inline(always)]
     pub(super) fn rows_times_to(&self, first: usize, z: &[f64], factor: f64, to: &mut [f64]) {
         self.rest.rows_times_to(first, z, factor, to);
@@ -32,6 +34,21 @@ impl Apart {
             let force = factor * force.at(z);
             by.terms().iter().for_each(|&(k, x)| to[k - first] -= force * x);
         }
+    }
+
+    /// A by double-doubles.
+    pub(super) fn matrix(&self, size: usize) -> DMatrix<DoubleDouble> {
+        let mut a = DMatrix::from_element(size, size, DoubleDouble::default());
+        for i in 0..size {
+            self.rest.row(i).iter().for_each(|&(j, x)| a[(i, j)] = x.into());
+        }
+        for (force, by) in &self.forces {
+            for &(i, x) in by.terms() {
+                let part = DoubleDouble::new(-x);
+                force.terms().iter().for_each(|&(j, f)| a[(i, j)] = a[(i, j)] + part.times(f.into()));
+            }
+        }
+        a
     }
 
     /// Numbers that it holds.

@@ -29,13 +29,13 @@ pub(super) fn exponentials(a: &SparseMatrix, rate: f64, t: f64, parts: &[f64]) -
     sums.iter().map(DMatrix::transpose).collect()
 }
 
-/// ∫ exp(A s) ds from 0 to t.
-pub(super) fn integral(a: &SparseMatrix, rate: f64, t: f64) -> DMatrix<f64> {
+/// ∫ (t - s) exp(A s) ds from 0 to t.
+pub(super) fn second_integral(a: &SparseMatrix, rate: f64, t: f64) -> DMatrix<f64> {
     // Transposed until the end.
-    let mut term = DMatrix::identity(a.len(), a.len()) * t;
+    let mut term = DMatrix::identity(a.len(), a.len()) * (0.5 * t * t);
     let mut sum = term.clone();
     for k in 1..=series_orders(rate * t) {
-        term = a.times_rows(&term, t / (k + 1) as f64);
+        term = a.times_rows(&term, t / (k + 2) as f64);
         sum += &term;
     }
     sum.transpose()

@@ -1,6 +1,6 @@
 //! What is kept of a sub-step in a mode of a machine of few coordinates: matrices and columns that act on its state.
 
-use super::exponential::{exponentials, integral};
+use super::exponential::{exponentials, second_integral};
 use super::watched::{Heads, WatchColumns, taylor, watch_columns};
 use super::{ENDS, Group, INTERVALS, LOCAL, Table, WatchTable};
 use crate::kernel::{Blocks, combine};
@@ -16,7 +16,7 @@ pub(super) struct Kept {
     transitions: Vec<Blocks>,
     /// The Taylor coefficients of the velocities from order 1 on, in units of an interval: one velocity after another, each by coordinate.
     velocities: Vec<[f64; WITHIN]>,
-    /// ∫ exp(A s) ds over a sub-step, where a stiff buffer presses: z(h) - z is this times z', of the size of what changes.
+    /// ∫ (h - s) exp(A s) ds over a sub-step h, where forces are found apart: z(h) - z is h z' and this times z''.
     integral: Option<Blocks>,
     /// By watched functional.
     watched: Vec<WatchColumns>,
@@ -38,7 +38,7 @@ impl Kept {
             velocities: velocities.collect(),
             heads: Heads::of(&table.watched, &watched, a.len()),
             watched,
-            integral: table.apart.as_ref().map(|_| Blocks::of(&integral(a, table.rate, table.length))),
+            integral: table.apart.as_ref().map(|_| Blocks::of(&second_integral(a, table.rate, table.length))),
         }
     }
 
@@ -65,13 +65,13 @@ impl Kept {
         &self.watched[place]
     }
 
-    /// The state at the end of a sub-step from that at its start and, where a stiff buffer presses, its rates.
+    /// The state at the end of a sub-step of a length from that at its start and, where forces are found apart, its first two derivatives.
     #[inline(always)]
-    pub(super) fn at_end(&self, z: &[f64], rates: &[f64], to: &mut [f64]) {
+    pub(super) fn at_end(&self, z: &[f64], [rates, second]: [&[f64]; 2], length: f64, to: &mut [f64]) {
         match &self.integral {
             Some(integral) => {
-                integral.times(rates, to);
-                to.iter_mut().zip(z).for_each(|(to, z)| *to += z);
+                integral.times(second, to);
+                to.iter_mut().zip(z).zip(rates).for_each(|((to, z), rate)| *to = z + (length * rate + *to));
             }
             None => self.at_interval_end(INTERVALS - 1, z, to),
         }

@@ -2,6 +2,7 @@
 //! is watched, the state goes on by 2, 4, 8, … sub-steps at once: which of these lengths is safe is decided by the actual state
 //! (docs/assembly-law.md (A22), (A23)).
 
+use super::exact::Exact;
 use super::exponential::{exponentials, series_orders};
 use super::watched::BOUND_MARGIN;
 use super::{INTERVALS, RADIUS, Table};
@@ -11,6 +12,9 @@ use std::sync::OnceLock;
 
 /// Lengths of up to 2⁴⁷ sub-steps.
 pub const RUNGS: usize = 48;
+
+/// Up to this many coordinates stiff forces' flows are doubled by double-doubles, in milliseconds each; these products take ten times as long.
+const EXACT: usize = 40;
 
 /// What is made for each of these lengths when it is first needed. Most modes need none, so that the ladder itself is made with its first rung.
 #[derive(Clone, Debug)]
@@ -45,6 +49,8 @@ pub struct Rung {
     blocks: Blocks,
     /// exp(A h) - 1 at its end: what is small keeps its digits when it is doubled.
     change: DMatrix<f64>,
+    /// Both by double-doubles, where forces are found apart.
+    exact: Option<Exact>,
     /// Bounds of the sizes of exp(A s)'s entries throughout the length.
     spread: DMatrix<f64>,
     /// By watched functional bounds of the sizes of its row after any part of the length.
@@ -71,23 +77,26 @@ impl Rung {
         let spread = spreads.reduce(|a, b| a.zip_map(&b, f64::max)).expect("there are intervals");
         let reach = |row: &super::Row| (spread.tr_mul(&row.abs()) * BOUND_MARGIN).as_slice().to_vec();
         let reaches = table.watched.iter().map(|w| reach(&w.row)).collect();
-        Self::of(length, integral.transpose(), change.transpose(), spread, reaches)
+        let apart = table.apart.as_ref().filter(|_| a.len() <= EXACT);
+        let exact = apart.map(|apart| Exact::first(apart, a.len(), length, RADIUS));
+        Self::of(length, [integral.transpose(), change.transpose()], exact, spread, reaches)
     }
 
     fn of(
         length: f64,
-        integral: DMatrix<f64>,
-        change: DMatrix<f64>,
+        rounded: [DMatrix<f64>; 2],
+        exact: Option<Exact>,
         spread: DMatrix<f64>,
         reaches: Vec<Vec<f64>>,
     ) -> Self {
+        let [integral, change] = exact.as_ref().map_or(rounded, Exact::rounded);
         let blocks = Blocks::of(&integral);
-        Self { length, integral, blocks, change, spread, reaches }
+        Self { length, integral, blocks, change, exact, spread, reaches }
     }
 
     /// Twice the length.
     pub(super) fn doubled(&self, table: &Table) -> Self {
-        let Self { length, integral, change, spread, reaches, .. } = self;
+        let Self { length, integral, change, exact, spread, reaches, .. } = self;
         let end = DMatrix::identity(change.nrows(), change.ncols()) + change;
         let later = end.abs() * spread * BOUND_MARGIN;
         let reach = |(before, w): (&Vec<f64>, &super::WatchTable)| {
@@ -97,8 +106,8 @@ impl Rung {
         let reaches = reaches.iter().zip(&table.watched).map(reach).collect();
         Self::of(
             2.0 * length,
-            integral * 2.0 + change * integral,
-            change * 2.0 + change * change,
+            [integral * 2.0 + change * integral, change * 2.0 + change * change],
+            exact.as_ref().map(Exact::doubled),
             spread.zip_map(&later, f64::max),
             reaches,
         )
@@ -122,6 +131,7 @@ impl Rung {
 
     /// Numbers that it holds.
     pub fn numbers(&self) -> usize {
-        4 * self.change.len() + self.reaches.len() * self.change.nrows()
+        let exact = self.exact.as_ref().map_or(0, Exact::numbers);
+        4 * self.change.len() + exact + self.reaches.len() * self.change.nrows()
     }
 }

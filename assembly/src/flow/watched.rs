@@ -31,7 +31,7 @@ impl WatchTable {
 /// What is kept of a watched functional over a sub-step.
 #[derive(Clone, Debug)]
 pub(super) struct WatchColumns {
-    /// |functional''| is at most the sum of this times the sizes of the coordinates, or of their second derivatives where stiff buffers press,
+    /// |functional''| is at most the sum of this times the sizes of the coordinates, or of their second derivatives where forces are found apart,
     /// throughout the sub-step.
     curvature: Vec<f64>,
     /// Its values at the interval ends, by coordinate.

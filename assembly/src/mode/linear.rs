@@ -4,7 +4,7 @@ use super::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::kernel::SparseMatrix;
 use crate::law::ZERO;
 use crate::law::box_qp::triangle;
-use crate::system::{Functional, Row, System};
+use crate::system::{Elongation, Functional, Row, System};
 use nalgebra::{DMatrix, DVector};
 
 /// The linear system of a mode.
@@ -20,57 +20,123 @@ pub struct Linear {
     pub triangle: DMatrix<f64>,
     /// What ends the mode, each negative inside it.
     pub watched: Vec<(Watch, Row)>,
-    /// The forces of the compliant stops that press, where there are such and no contacts.
-    pub buffers: Option<Buffers>,
+    /// The elastic forces that may be found apart.
+    pub elastic: Option<Elastic>,
+    /// Where there are contacts, the sizes of what they leave of the velocities: of the projection past them.
+    pub loose: Option<SparseMatrix>,
 }
 
-/// The forces of compliant stops apart from the rest of a mode's system: A = rest - Σ by ⊗ force.
+/// The forces of stiff springs and of compliant stops apart from the rest of a mode's system: A = rest - Σ by ⊗ force.
 #[derive(Clone, Debug)]
-pub struct Buffers {
+pub struct Elastic {
     /// A without them.
     pub rest: SparseMatrix,
     /// The forces, and what a unit of each takes from z'.
     pub forces: Vec<(Functional, Row)>,
+    /// Whether they tie what is moved by much softer ones; else they may still be what makes the mode fast.
+    pub are_stiff: bool,
+}
+
+/// The contacts of a mode's basis.
+struct Held<'a> {
+    elongations: Vec<&'a Elongation>,
+    /// L⁻¹ w of each.
+    columns: DMatrix<f64>,
+    /// The upper triangle R with RᵀR = WᵀM⁻¹W.
+    triangle: DMatrix<f64>,
+    /// M⁻¹ w of each.
+    mobility: DMatrix<f64>,
+    /// What they leave of velocities and accelerations, 1 - M⁻¹ W G⁻¹ Wᵀ; what is rounding is zero.
+    loose: DMatrix<f64>,
+}
+
+impl<'a> Held<'a> {
+    fn new(system: &'a System, basis: &[Contact]) -> Self {
+        let elongations: Vec<_> = basis.iter().map(|&contact| system.elongation_of(contact)).collect();
+        let columns = system.columns(basis);
+        let triangle = triangle(&columns);
+        let n = system.coordinates;
+        if basis.is_empty() {
+            let [mobility, loose] = [0, 0].map(|_| DMatrix::zeros(0, 0));
+            return Self { elongations, columns, triangle, mobility, loose };
+        }
+        let mut directions = DMatrix::zeros(n, basis.len());
+        elongations.iter().enumerate().for_each(|(k, e)| directions.set_column(k, &e.w));
+        let mobility = system.inertia.solve(&directions);
+        let mut shares = directions.transpose();
+        triangle.tr_solve_upper_triangular_mut(&mut shares);
+        triangle.solve_upper_triangular_mut(&mut shares);
+        let one = DMatrix::identity(n, n);
+        let sizes = &one + mobility.abs() * shares.abs();
+        let left = one - &mobility * shares;
+        let loose = left.zip_map(&sizes, |x, size| if x.abs() <= ZERO * size { 0.0 } else { x });
+        Self { elongations, columns, triangle, mobility, loose }
+    }
+
+    /// The sizes of what they leave of velocities.
+    fn loose_sizes(&self) -> SparseMatrix {
+        let mut sizes = SparseMatrix::default();
+        for row in self.loose.row_iter() {
+            sizes.push_row(row.iter().map(|x| x.abs()).enumerate());
+        }
+        sizes
+    }
+
+    /// Takes what the contacts' forces do from accelerations. Coordinates that they hold altogether move as prescribed bodies make them, with no rounding
+    /// of the forces that cancel.
+    fn hold(&self, system: &System, acceleration: &mut DMatrix<f64>, demand: &DMatrix<f64>) {
+        *acceleration -= &self.mobility * demand;
+        let held = |k: &usize| self.loose.row(*k).iter().all(|x| *x == 0.0);
+        let held: Vec<usize> = (0..system.coordinates).filter(held).collect();
+        if !held.is_empty() {
+            let prescribed = self.demand(system, &DMatrix::zeros(system.coordinates, system.signals.size));
+            for k in held {
+                acceleration.set_row(k, &-(self.mobility.row(k) * &prescribed));
+            }
+        }
+    }
+
+    /// The contacts' forces, a row each, under accelerations without them.
+    fn demand(&self, system: &System, acceleration: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut demand = DMatrix::zeros(self.elongations.len(), system.signals.size); // e'' without contact forces
+        for (k, e) in self.elongations.iter().enumerate() {
+            let row = acceleration.tr_mul(&e.w) + &e.drift;
+            demand.set_row(k, &row.transpose());
+        }
+        let sizes = demand.abs();
+        self.triangle.tr_solve_upper_triangular_mut(&mut demand);
+        self.triangle.solve_upper_triangular_mut(&mut demand);
+        clean(&mut demand, &self.columns, &sizes);
+        demand
+    }
+
+    /// What a unit of an element's force takes from the velocities' rates: M⁻¹ w and what the contacts do against it.
+    fn moved(&self, e: &Elongation) -> DVector<f64> {
+        if self.elongations.is_empty() { e.mobility.clone() } else { &self.loose * &e.mobility }
+    }
 }
 
 impl System {
     /// The linear system of a mode.
     pub fn linear(&self, mode: &Mode) -> Linear {
-        let (n, size) = (self.coordinates, self.signals.size);
         let mut acceleration = self.free_acceleration(&mode.stops, &mode.frictions);
-        let mut acceleration_terms = acceleration.abs();
-        let m = mode.basis.len();
+        let mut terms = acceleration.abs();
         let mut lambda = Vec::new();
-        let columns = self.columns(&mode.basis);
-        let r = triangle(&columns);
-        if m > 0 {
-            let mut demand = DMatrix::zeros(m, size); // e'' without contact forces
-            for (k, &contact) in mode.basis.iter().enumerate() {
-                let e = self.elongation_of(contact);
-                let row = acceleration.tr_mul(&e.w) + &e.drift;
-                demand.set_row(k, &row.transpose());
-            }
-            let sizes = demand.abs();
-            r.tr_solve_upper_triangular_mut(&mut demand);
-            r.solve_upper_triangular_mut(&mut demand);
-            clean(&mut demand, &columns, &sizes);
-            let mut directions = DMatrix::zeros(n, m);
-            for (k, &contact) in mode.basis.iter().enumerate() {
-                directions.set_column(k, &self.elongation_of(contact).w);
-                lambda.push(demand.row(k).transpose());
-            }
-            let mobility = self.inertia.solve(&directions);
-            acceleration_terms += mobility.abs() * demand.abs();
-            acceleration -= mobility * &demand;
+        let held = Held::new(self, &mode.basis);
+        if !mode.basis.is_empty() {
+            let demand = held.demand(self, &acceleration);
+            terms += held.mobility.abs() * demand.abs();
+            held.hold(self, &mut acceleration, &demand);
+            lambda.extend(demand.row_iter().map(|row| row.transpose()));
         }
-        let buffers = if m == 0 { self.buffers(mode) } else { None };
         Linear {
             a: self.matrix(&acceleration),
-            terms: self.matrix(&acceleration_terms).abs(),
+            terms: self.matrix(&terms).abs(),
             watched: self.watched(mode, &lambda),
             lambda,
-            triangle: r,
-            buffers,
+            elastic: self.elastic(mode, &held),
+            loose: (!mode.basis.is_empty()).then(|| held.loose_sizes()),
+            triangle: held.triangle,
         }
     }
 
@@ -89,23 +155,35 @@ impl System {
         a
     }
 
-    /// The compliant stops that press in a mode without contacts.
-    fn buffers(&self, mode: &Mode) -> Option<Buffers> {
-        let (n, size) = (self.coordinates, self.signals.size);
-        let mut left = mode.stops.clone();
+    /// The elastic forces of a mode that may be found apart: of stiff springs and of the compliant stops that press.
+    fn elastic(&self, mode: &Mode, held: &Held) -> Option<Elastic> {
         let mut forces = Vec::new();
-        for (i, state) in left.iter_mut().enumerate() {
-            let Some(force) = self.stop_force(i, *state) else { continue };
-            let mut by = Row::zeros(size);
-            by.rows_mut(n, n).copy_from(&self.stops[i].elongation.mobility);
+        let mut put = |force: Row, e: &Elongation| {
+            let mut by = Row::zeros(self.signals.size);
+            by.rows_mut(self.coordinates, self.coordinates).copy_from(&held.moved(e));
             forces.push((Functional::of(force), by));
-            *state = StopState::Below;
+        };
+        for &i in &self.stiff_springs {
+            put(self.springs[i].force.clone(), &self.springs[i].elongation);
+        }
+        let (mut left, mut pressed) = (mode.stops.clone(), Vec::new());
+        for (i, state) in left.iter_mut().enumerate() {
+            if let Some(force) = self.stop_force(i, *state) {
+                put(force, &self.stops[i].elongation);
+                *state = StopState::Below;
+                pressed.push(i);
+            }
         }
         if forces.is_empty() {
             return None;
         }
-        let rest = self.free_acceleration(&left, &mode.frictions);
-        Some(Buffers { rest: self.matrix(&rest), forces })
+        let mut rest = self.accelerations(self.soft_forces(), &left, &mode.frictions);
+        if !mode.basis.is_empty() {
+            let demand = held.demand(self, &rest);
+            held.hold(self, &mut rest, &demand);
+        }
+        let are_stiff = !self.stiff_springs.is_empty() || !self.stiff_ties(&pressed).is_empty();
+        Some(Elastic { rest: self.matrix(&rest), forces, are_stiff })
     }
 
     /// The functionals that end a mode.

@@ -87,7 +87,7 @@ impl Motion {
         if time <= hybrid.since {
             return;
         }
-        let Scratch { start, rates, .. } = &mut self.scratch;
+        let Scratch { start, rates, second, .. } = &mut self.scratch;
         let (sizes, start) = (hybrid.sizes.0.as_mut_slice(), start.as_mut_slice());
         start.copy_from_slice(sizes);
         for (size, x) in start.iter_mut().zip(hybrid.z.as_slice()).take(one) {
@@ -95,7 +95,7 @@ impl Motion {
         }
         rates.resize(start.len(), 0.0);
         let flown = &mut rates[..one - one / 2];
-        self.tables.at(self.place).table.flown(start, time - hybrid.since, flown);
+        self.tables.at(self.place).table.flown(start, time - hybrid.since, second, flown);
         for (size, flown) in sizes[one / 2..].iter_mut().zip(flown) {
             *size = size.max(*flown);
         }

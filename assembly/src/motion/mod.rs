@@ -107,7 +107,7 @@ struct Scratch {
     /// The interval, while a sub-step is made.
     interval: Option<usize>,
     ahead: Ahead,
-    /// z' and z'' where a long sub-step begins, or one in which a stiff buffer presses; else memory.
+    /// z' and z'' where a long sub-step begins, or a sub-step in which forces are found apart; else memory.
     rates: Vec<f64>,
     second: Vec<f64>,
     /// Derivatives of a functional.

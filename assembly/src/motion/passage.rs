@@ -172,11 +172,26 @@ impl Flight<'_> {
                 continue;
             }
             let hi = first.map_or(1.0, |(dt, _)| dt / length);
-            if let Some(u) = crossing_after_start(&c, hi, &mut 0) {
+            if let Some(u) = crossing_after_start(&c, hi, &mut 0)
+                && !(order == 0 && self.only_touches(place, c))
+            {
                 first = Some((u * length, place));
             }
         }
         first
+    }
+
+    /// Whether a functional, by its coefficients over a span, goes no further beyond zero than what counts as zero: a stop that is just touched, without
+    /// speed, is not hit, and a level that is zero for an instant stays. Rounding in the place would make of it the root of this as a speed.
+    #[inline(never)]
+    fn only_touches(&self, place: usize, mut c: [f64; LOCAL]) -> bool {
+        let w = &self.table.watched[place];
+        if !matches!(w.watch, Watch::Meets(_) | Watch::Level(_)) {
+            return false;
+        }
+        c[0] -= self.hybrid.sizes.zero_of(&w.row);
+        // Where it is beyond at the end, as mostly, it has passed.
+        c.iter().sum::<f64>() < 0.0 && crossing_after_start(&c, 1.0, &mut 0).is_none()
     }
 }
 

@@ -192,10 +192,10 @@ impl Motion {
             };
             hybrid.energy.add(powers, dt, &samples, values);
         }
-        let Scratch { start, interval, ahead, rates, .. } = scratch;
+        let Scratch { start, interval, ahead, rates, second, .. } = scratch;
         let z = hybrid.z.as_mut_slice();
         if whole {
-            table.at_end(z, rates, ahead, start.as_mut_slice());
+            table.at_end(z, [rates, second], ahead, start.as_mut_slice());
             std::mem::swap(&mut hybrid.z, start);
         } else {
             let start = start.as_mut_slice();

@@ -1,0 +1,95 @@
+//! Stiff ties: springs, and buffers that press, that tie coordinates to a group which, as a whole, much softer forces move.
+//!
+//! What such a tie does to the coordinates' sum is nothing, by forces that are k times a coordinate each and cancel. Wherever these are rounded
+//! each by itself, the group as a whole feels 1e-16 k times the coordinate, the same in each of many sub-steps, which beside a softer k' is a
+//! part 1e-16 k/k' of its motion. So these forces are found first and then put to both sides.
+
+use super::{Elongation, System};
+use crate::description::StopLaw;
+use crate::flow::STIFF;
+
+/// A spring, or a compliant stop that is pressed.
+struct Tie<'a> {
+    elongation: &'a Elongation,
+    stiffness: f64,
+    damping: f64,
+}
+
+impl Tie<'_> {
+    /// The coordinates that it acts on, with their arms.
+    fn arms(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.elongation.w.iter().copied().enumerate().filter(|(_, w)| *w != 0.0)
+    }
+
+    /// The rate that it alone would make.
+    fn rate(&self) -> f64 {
+        let compliance = self.elongation.w.dot(&self.elongation.mobility);
+        (self.stiffness * compliance).sqrt().max(self.damping * compliance)
+    }
+
+    /// Adds it, `times` 1 or -1, to what acts on its coordinates.
+    fn add(&self, times: f64, outside: &mut [Outside]) {
+        for (k, w) in self.arms() {
+            outside[k].0 += times * w * w * self.stiffness;
+            outside[k].1 += times * w * w * self.damping;
+        }
+    }
+}
+
+/// What acts on a coordinate from outside its group: stiffness and damping.
+type Outside = (f64, f64);
+
+impl System {
+    /// Of all springs and then of the stops that are `pressed` those that are stiff, by their places in this order. They are taken by the rates that
+    /// they alone would make, the highest first, so that each group is tied by what is faster than all that acts from outside.
+    pub(crate) fn stiff_ties(&self, pressed: &[usize]) -> Vec<usize> {
+        let springs = self.springs.iter().map(|s| Tie {
+            elongation: &s.elongation,
+            stiffness: s.stiffness,
+            damping: s.damping,
+        });
+        let stops = pressed.iter().filter_map(|&i| match self.stops[i].law {
+            StopLaw::Compliant { stiffness, damping, .. } => {
+                Some(Tie { elongation: &self.stops[i].elongation, stiffness, damping })
+            }
+            StopLaw::Rigid { .. } => None,
+        });
+        let ties: Vec<Tie> = springs.chain(stops).collect();
+        let mut outside = vec![(0.0, 0.0); self.coordinates];
+        ties.iter().for_each(|tie| tie.add(1.0, &mut outside));
+        let between = (0..ties.len()).filter(|&i| ties[i].arms().count() > 1);
+        let mut between: Vec<(f64, usize)> = between.map(|i| (ties[i].rate(), i)).collect();
+        between.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut group_of: Vec<usize> = (0..self.coordinates).collect();
+        let mut members: Vec<Vec<usize>> = (0..self.coordinates).map(|k| vec![k]).collect();
+        let mut inside: Vec<Vec<usize>> = vec![Vec::new(); self.coordinates];
+        let mut stiff = Vec::new();
+        for (rate, i) in between {
+            ties[i].add(-1.0, &mut outside);
+            let mut groups: Vec<usize> = ties[i].arms().map(|(k, _)| group_of[k]).collect();
+            groups.sort_by_key(|&group| std::cmp::Reverse(members[group].len()));
+            let to = groups[0];
+            for from in groups.into_iter().filter(|&group| group != to) {
+                for k in std::mem::take(&mut members[from]) {
+                    group_of[k] = to;
+                    members[to].push(k);
+                }
+                let tied = std::mem::take(&mut inside[from]);
+                inside[to].extend(tied);
+            }
+            inside[to].push(i);
+            let slow = members[to].iter().map(|&k| self.rate_of(k, outside[k])).fold(0.0, f64::max);
+            if rate > STIFF * slow {
+                stiff.append(&mut inside[to]);
+            }
+        }
+        stiff.sort_unstable();
+        stiff
+    }
+
+    /// The rate that stiffness and damping make of a coordinate; what subtraction has left below zero is nothing.
+    fn rate_of(&self, k: usize, (stiffness, damping): Outside) -> f64 {
+        let inertia = self.mass[(k, k)];
+        (stiffness.max(0.0) / inertia).sqrt().max(damping / inertia)
+    }
+}
