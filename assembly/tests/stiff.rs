@@ -274,3 +274,24 @@ fn a_motion_too_fast_for_its_end_is_told_with_body_and_sub_step() {
     assert!((motion.body(1)[0] - 1e-9 * (1e9 * time).sin()).abs() < 1e-9 * 1e-7, "{:e}", motion.body(1)[0]);
     motion.advance_to(time + 1e-6).unwrap();
 }
+
+#[test]
+fn closed_form_a_slow_body_beside_a_fast_one_meets_its_stop() {
+    // In each sub-step, which the fast body's stop keeps short, the slow body moves by less than what counts as zero beside its place.
+    const SPEED: f64 = 2e-8;
+    const GAP: f64 = 1e-10;
+    /// What counts as zero, a few times over: parts of the largest coordinate.
+    const PLACE: f64 = 1e-12;
+    let mut motion = motion(Description {
+        bodies: vec![body("fast", 1.0, 1e-3, 0.0), body("slow", 1.0, 1.0, SPEED)],
+        springs: vec![spring(&[(0, 1.0)], 1e12, 0.0)],
+        stops: vec![
+            rigid("fast", &[(0, 1.0)], 1.000_000_1e-3, 0.5),
+            rigid("slow", &[(1, 1.0)], 1.0 + GAP, 0.0),
+        ],
+        ..Description::default()
+    });
+    let met = events(&mut motion, 2.0 * GAP / SPEED);
+    assert!(!met.is_empty() && (SPEED * met[0].time - GAP).abs() < PLACE, "{met:?}");
+    assert!((motion.body(1)[0] - 1.0 - GAP).abs() < PLACE, "{:?}", motion.body(1));
+}

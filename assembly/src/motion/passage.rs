@@ -155,7 +155,7 @@ impl Flight<'_> {
         for (place, _) in near.iter().enumerate().filter(|(_, near)| **near & (1 << interval) != 0) {
             let order = if interval == 0 { self.hybrid.departing[place] } else { 0 };
             let mut c = self.table.local(place, from, ahead);
-            let mut scale = 1.0;
+            let (begin, mut scale) = (c[0], 1.0);
             for ck in &mut c {
                 *ck *= scale;
                 scale *= ratio;
@@ -173,7 +173,7 @@ impl Flight<'_> {
             }
             let hi = first.map_or(1.0, |(dt, _)| dt / length);
             if let Some(u) = crossing_after_start(&c, hi, &mut 0)
-                && !(order == 0 && self.only_touches(place, c))
+                && !(order == 0 && self.only_touches(place, begin, c))
             {
                 first = Some((u * length, place));
             }
@@ -181,15 +181,16 @@ impl Flight<'_> {
         first
     }
 
-    /// Whether a functional, by its coefficients over a span, goes no further beyond zero than what counts as zero: a stop that is just touched, without
-    /// speed, is not hit, and a level that is zero for an instant stays. Rounding in the place would make of it the root of this as a speed.
+    /// Whether a functional, by its value at the begin and its coefficients over a span, goes no further beyond zero than what counts as zero: a stop
+    /// that is just touched, without speed, is not hit, and a level that is zero for an instant stays. Rounding in the place would make of it the root
+    /// of this as a speed. What slowly passes zero has an event as soon as it is so far beyond.
     #[inline(never)]
-    fn only_touches(&self, place: usize, mut c: [f64; LOCAL]) -> bool {
+    fn only_touches(&self, place: usize, begin: f64, mut c: [f64; LOCAL]) -> bool {
         let w = &self.table.watched[place];
         if !matches!(w.watch, Watch::Meets(_) | Watch::Level(_)) {
             return false;
         }
-        c[0] -= self.hybrid.sizes.zero_of(&w.row);
+        c[0] = begin - self.hybrid.sizes.zero_of(&w.row);
         // Where it is beyond at the end, as mostly, it has passed.
         c.iter().sum::<f64>() < 0.0 && crossing_after_start(&c, 1.0, &mut 0).is_none()
     }
