@@ -7,7 +7,8 @@ use super::grazing::Touch;
 use super::path::{PathEnd, PathOptions};
 use super::seeds::{Place, Seeds};
 use super::switching::{self, Contact, Departure};
-use super::tree::{Traced, Tree, TreeOptions};
+use super::tree::{Traced, Tree};
+use super::tree_options::TreeOptions;
 use super::word::OrbitWord;
 
 /// Starts that are traced together. It is fixed, so that the results do not depend on the number of threads.

@@ -27,6 +27,7 @@ mod system;
 mod test_functions;
 mod trace;
 mod tree;
+mod tree_options;
 mod word;
 
 #[cfg(test)]
@@ -44,5 +45,6 @@ pub use seeds::{Searched, SearchedValue};
 pub use settled::{orbit_of, settle};
 pub use system::{ConstantLoads, System};
 pub use trace::{branch, tree, tree_in_parts};
-pub use tree::{Tree, TreeOptions};
+pub use tree::Tree;
+pub use tree_options::TreeOptions;
 pub use word::OrbitWord;

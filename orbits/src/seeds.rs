@@ -5,7 +5,7 @@ use super::family::Family;
 use super::orbit::{Orbit, canonical, newton};
 use super::settled;
 use super::system::System;
-use super::tree::TreeOptions;
+use super::tree_options::TreeOptions;
 use super::word::OrbitWord;
 use super::word::REPETITION;
 use rayon::prelude::*;

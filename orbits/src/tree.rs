@@ -1,84 +1,9 @@
 //! All branches that were found of a family, and what is traced of them.
 
 use super::branch::{Branch, Point};
-use super::path::{PathEnd, PathOptions};
+use super::path::PathEnd;
 use super::seeds::Searched;
-use super::word::MOST_LETTERS;
 use serde::{Deserialize, Serialize};
-use vibro_analysis::Error;
-
-/// What is traced.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TreeOptions {
-    /// Values of the parameter at which motions are settled, in each direction.
-    pub seeds: usize,
-    /// Drive periods in which transients die out.
-    pub settle: u32,
-    /// Motions from starts that are spread over the states that settled motions visit and over the range. Branches of orbits near
-    /// which they pass are kept where they are stable somewhere: islands that motions followed along the range miss.
-    #[serde(default)]
-    pub starts: usize,
-    /// Switches of branches that are followed one after another from a settled motion.
-    pub depth: u32,
-    /// The longest period of a branch, in drive periods.
-    pub longest_period: u32,
-    /// Most letters of a word.
-    pub most_letters: usize,
-    /// The longest step, as [`PathOptions::longest_step`].
-    pub longest_step: f64,
-    /// Most points of a branch in one direction.
-    pub most_points: usize,
-    /// At a touch the words that list it once in up to so many passages of the orbit without it are followed too: with 1 in every
-    /// passage alone.
-    pub repetitions: u32,
-    /// Values of the parameter at which each branch has a point, labelled UZ.
-    pub marks: Vec<f64>,
-}
-
-/// Most repetitions of a word, and the longest period, that are followed.
-const MOST_REPETITIONS: u32 = 64;
-const LONGEST_PERIOD: u32 = 1 << 12;
-
-/// Most starts.
-const MOST_STARTS: usize = 1_000_000;
-
-impl TreeOptions {
-    /// Refuses what would not end or not fit into memory.
-    pub(super) fn check(&self) -> Result<(), Error> {
-        let refused = |text: String, expected| Err(Error::Form { text, expected });
-        if !(1..=MOST_REPETITIONS).contains(&self.repetitions) {
-            return refused(format!("{} repetitions", self.repetitions), "1 to 64");
-        }
-        if self.longest_period > LONGEST_PERIOD {
-            return refused(format!("longest period {}", self.longest_period), "up to 4096 drive periods");
-        }
-        if self.starts > MOST_STARTS {
-            return refused(format!("{} starts", self.starts), "up to 1,000,000");
-        }
-        if self.most_letters > MOST_LETTERS {
-            return refused(format!("{} letters", self.most_letters), "up to 1024");
-        }
-        Ok(())
-    }
-}
-
-impl Default for TreeOptions {
-    fn default() -> Self {
-        let PathOptions { longest_step, most_points } = PathOptions::default();
-        Self {
-            seeds: 91,
-            settle: 1000,
-            starts: 512,
-            depth: 12,
-            longest_period: 32,
-            most_letters: 64,
-            longest_step,
-            most_points,
-            repetitions: 1,
-            marks: Vec::new(),
-        }
-    }
-}
 
 /// All branches that were found.
 #[derive(Clone, Debug, Default)]

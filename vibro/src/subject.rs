@@ -1,9 +1,8 @@
 //! The machine that a study is of, as manifests, tables and captions tell it: the 3-DOF machine by its parameter set, or one of the
 //! user's own by its file.
 
-use crate::table::written_unit;
 use std::collections::BTreeMap;
-use vibro_analysis::{GROUPS, ParameterSet, Unit, assembly};
+use vibro_analysis::{GROUPS, Name, ParameterSet, Unit, assembly, physical_parameters};
 use vibro_impact::parameters::{FIELDS, LOADS};
 
 /// What is told of the machine of a study.
@@ -37,8 +36,13 @@ impl Subject for ParameterSet {
         self.caption()
     }
 
+    /// Columns are named after the parameter: `drive.frequency`, `drive.frequency_from`, `drive.frequency_to`,
+    /// `amplitude.x1.max.drive.frequency`.
     fn unit_of_column(&self, column: &str) -> Option<&'static Unit> {
-        written_unit(self, column)
+        let plain = column.strip_suffix("_from").or_else(|| column.strip_suffix("_to")).unwrap_or(column);
+        let plain = plain.split_once(".max.").map_or(plain, |(_, name)| name);
+        let name = physical_parameters().find(|field| field.name == plain).map(Name::Si)?;
+        self.unit(name).filter(|unit| !unit.is_si())
     }
 }
 

@@ -4,7 +4,7 @@ use crate::subject::Subject;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::borrow::Cow;
-use vibro_analysis::{Name, ParameterSet, Unit, physical_parameters};
+use vibro_analysis::Unit;
 
 /// A table with a header.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -90,15 +90,6 @@ pub fn csv_in_groups(
     Ok(text)
 }
 
-/// The unit in which a column of a table answers beside SI, where it is of a parameter that was written in another unit. Columns are
-/// named after the parameter: `drive.frequency`, `drive.frequency_from`, `drive.frequency_to`, `amplitude.x1.max.drive.frequency`.
-pub fn written_unit(set: &ParameterSet, column: &str) -> Option<&'static Unit> {
-    let plain = column.strip_suffix("_from").or_else(|| column.strip_suffix("_to")).unwrap_or(column);
-    let plain = plain.split_once(".max.").map_or(plain, |(_, name)| name);
-    let name = physical_parameters().find(|field| field.name == plain).map(Name::Si)?;
-    set.unit(name).filter(|unit| !unit.is_si())
-}
-
 /// The name of the column in a unit that stands beside a column in SI.
 pub fn column_in(column: &str, unit: &Unit) -> String {
     format!("{column} [{}]", unit.plain())
@@ -150,6 +141,7 @@ pub fn exact(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use vibro_analysis::ParameterSet;
 
     #[test]
     fn a_table_answers_in_the_unit_in_which_a_parameter_was_written() {
@@ -166,7 +158,7 @@ mod tests {
         let named =
             [("stop.gap_from", true), ("amplitude.x1.max.stop.gap", true), ("box.m", false), ("gap", false)];
         for (column, is_written) in named {
-            assert_eq!(written_unit(&set, column).is_some(), is_written, "{column}");
+            assert_eq!(set.unit_of_column(column).is_some(), is_written, "{column}");
         }
         let without = in_written_units(&ParameterSet::basic(), csv.as_bytes()).unwrap();
         assert!(matches!(without, Cow::Borrowed(same) if same == csv.as_bytes()));
