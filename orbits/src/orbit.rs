@@ -209,7 +209,7 @@ impl Orbit {
         let Some(&first) = self.phases.first() else { return self.system.forced(theta) };
         let span = self.word.span();
         let whole = TAU * f64::from(self.word.period());
-        let mut since = (theta - first).rem_euclid(whole);
+        let mut since = (within(theta, self.word.period()) - first).rem_euclid(whole);
         let mut sign = 1.0;
         if since >= span {
             (since, sign) = (since - span, f64::from(self.word.closing()));
@@ -302,6 +302,16 @@ pub(super) fn unfolded_phases(word: &OrbitWord, phases: &[f64]) -> Vec<f64> {
 /// The phases of the word passed k times.
 pub(super) fn repeated_phases(word: &OrbitWord, phases: &[f64], k: usize) -> Vec<f64> {
     (0..k).flat_map(|round| phases.iter().map(move |phase| phase + round as f64 * word.span())).collect()
+}
+
+/// The same phase within some drive periods, rad, where it has so many turns that its difference from another would have few digits.
+fn within(theta: f64, periods: u32) -> f64 {
+    const MANY: f64 = 1e3;
+    if theta.abs() <= MANY {
+        return theta;
+    }
+    let turn = theta.sin().atan2(theta.cos());
+    turn + TAU * ((theta - turn) / TAU).round().rem_euclid(f64::from(periods))
 }
 
 /// Whether it is proved that the block keeps within the stops in all flights.

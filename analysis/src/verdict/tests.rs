@@ -70,6 +70,23 @@ fn invariant_a_spring_of_next_to_no_stiffness_leaves_the_class() {
     }
 }
 
+/// Such a spring does not make a box that a load drives away ever farther, by two gaps a period, a periodic motion.
+#[test]
+fn invariant_a_box_that_drifts_is_not_periodic() {
+    for stiffness in [1e-20, 1e-30] {
+        let parameters = Parameters {
+            box_stiffness: stiffness,
+            coupling_stiffness: 0.0,
+            constant_loads: [0.02, 0.0, 0.0],
+            drive_amplitude: 0.5,
+            ..Parameters::default()
+        };
+        let state = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
+        let class = verdict(&Start { parameters, state }, 500).unwrap().class;
+        assert!(!class.is_periodic(), "{stiffness}: {class:?}");
+    }
+}
+
 /// The default machine at f10 = 2.9 has a chaotic attractor with two impacts at one stop and one at the other; its mirror image is another.
 #[test]
 fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {

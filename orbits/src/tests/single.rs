@@ -86,6 +86,9 @@ fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
     };
     let (turned, same) = (settled(MANY), settled(MANY.sin().atan2(MANY.cos())));
     assert!(turned.is_same(&same, KNOWN), "{:?} {:?}", turned.phases(), same.phases());
+    // And its start is where the simulator begins.
+    let (start, begin) = (turned.start_state(), turned.state(MANY.sin().atan2(MANY.cos())));
+    assert!((start.x[1] - begin.x[1]).abs() < CLOSED_FORM, "{start:?} {begin:?}");
 }
 
 /// Where nothing holds a body, the motion of the others does not say where it is: the error names the spring that is missing.

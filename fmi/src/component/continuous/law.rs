@@ -53,8 +53,10 @@ impl Continuous {
         }
         let rebound = -side * z[RELATIVE_RATE];
         let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).1;
-        // Height of the bounce: rebound²/(2 pressing). Dampers bring that of an elastic block down too.
-        if pressing > 0.0 && rebound * rebound <= 2.0 * pressing * self.contact_width() {
+        let past = (side * self.excess(side, self.model.gap)).max(0.0);
+        // Height of the bounce: rebound²/(2 pressing), of which the block is to make up the way past the stop to which the host's
+        // solver has let it go. Dampers bring that of an elastic block down too.
+        if pressing > 0.0 && rebound * rebound <= 2.0 * pressing * (self.contact_width() + past) {
             self.data.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
             self.data.lost += self.model.merge(&mut z);
             self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
@@ -62,8 +64,10 @@ impl Continuous {
         }
         let resting = self.data.contact != Contact::Flight;
         if pressing > 0.0 && !resting {
-            // On its way to where it is put the block loses speed: else low bounces would grow by the shift, each of them.
-            let slower = (rebound * rebound - 2.0 * pressing * self.shift()).max(0.0).sqrt();
+            // On its way to where it is put the block loses speed, of which it has enough by the height above: else low bounces would grow
+            // by that way, each of them.
+            let way = (side * self.excess(side, self.model.gap - self.shift())).max(0.0);
+            let slower = (rebound * rebound - 2.0 * pressing * way).sqrt();
             let change = side * (rebound - slower);
             z[RELATIVE_RATE] += change;
             z[BOX_RATE] -= self.model.block_share * change;

@@ -38,6 +38,11 @@ fn positive(fmu: &mut Instance) -> [bool; 3] {
 
 /// Runs to `stop` as a host would; returns the number of events.
 fn run(fmu: &mut Instance, stop: f64, messages: &mut Messages) -> usize {
+    run_within(1e-13, fmu, stop, messages)
+}
+
+/// The same by a host that finds events not before their time and at most so late (s).
+fn run_within(late: f64, fmu: &mut Instance, stop: f64, messages: &mut Messages) -> usize {
     let mut events = 0;
     loop {
         fmu.handle_events(messages).unwrap();
@@ -59,7 +64,7 @@ fn run(fmu: &mut Instance, stop: f64, messages: &mut Messages) -> usize {
                 continue;
             }
             let (mut lo, mut hi) = (0.0, h);
-            while hi - lo > 1e-13 {
+            while hi - lo > late {
                 let mid = 0.5 * (lo + hi);
                 runge_kutta(fmu, time, &x, mid);
                 if positive(fmu) == signs { lo = mid } else { hi = mid }
@@ -195,8 +200,9 @@ fn chatter_far_from_the_origin_agrees_with_co_simulation() {
 fn low_bounces_of_an_elastic_block_end_in_rest() {
     /// What the damper of the box takes in 0.1 s, of the speed.
     const DAMPED: f64 = 2e-3;
-    // Pressed on with 0.44 m/s², bounces of these speeds are 1.1e-10 and 2.8e-9 gaps high.
-    for (speed, rests) in [(1e-5, true), (5e-5, false)] {
+    // Pressed on with 0.44 m/s², bounces of these speeds are 1.1e-10 and 2.8e-9 gaps high. A host that finds impacts late lets the block
+    // go past the stop, from where it is put back.
+    for (speed, late, rests) in [(1e-5, 1e-13, true), (5e-5, 1e-13, false), (5e-5, 1e-7, false)] {
         let mut fmu = exchange();
         for (name, value) in [
             ("stop.restitution", 1.0),
@@ -209,11 +215,11 @@ fn low_bounces_of_an_elastic_block_end_in_rest() {
         }
         let mut fmu = initialize(fmu);
         let mut messages = Messages::default();
-        run(&mut fmu, 0.1, &mut messages);
+        run_within(late, &mut fmu, 0.1, &mut messages);
         let found = messages.0.iter().any(|(_, text)| text.contains("comes to rest"));
-        assert_eq!(found, rests, "{speed}: {} messages", messages.0.len());
+        assert_eq!(found, rests, "{speed} {late}: {} messages", messages.0.len());
         let last = get(&mut fmu, "impacts.lastSpeed");
-        assert!(rests || (last / speed - 1.0).abs() < DAMPED, "{speed}: {last}");
+        assert!(rests || (last / speed - 1.0).abs() < DAMPED, "{speed} {late}: {last}");
     }
 }
 
