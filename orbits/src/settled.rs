@@ -4,7 +4,8 @@ use super::orbit::{Orbit, newton};
 use super::system::System;
 use super::word::{OrbitWord, REPETITION};
 use std::f64::consts::TAU;
-use vibro_analysis::stroboscopic::{StroboscopicState, dimensionless};
+use vibro_analysis::attractor::distance;
+use vibro_analysis::stroboscopic::dimensionless;
 use vibro_analysis::{Error, Result};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Event, Simulator, State};
@@ -95,8 +96,4 @@ fn near(system: &System, letters: &[i8], phases: &[f64], q: u32) -> Option<Orbit
     }
     let (word, phases) = word.reduced(&found, mirror, REPETITION);
     Orbit::at(system, &word, &phases).ok().filter(Orbit::is_certified)
-}
-
-fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
