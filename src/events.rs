@@ -25,10 +25,23 @@ const MAX_ITERATIONS: u32 = 200;
 /// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate; see [`refine`]. The proof holds
 /// for any K far below 1/ε.
 const MAX_NEWTON_FACTOR: f64 = 1e4;
+/// Below this K a polynomial is nearly straight: its curvature is under half the least slope.
+const STRAIGHT: f64 = 0.25;
 
 /// k and k - 1, by which a coefficient of order k is multiplied in p' and p''.
 const ORDERS: [f64; PADDED] = orders(0);
 const LOWER: [f64; PADDED] = orders(1);
+
+/// The places of coefficients.
+const ORDER: [f64; MAX_COEFFICIENTS.next_multiple_of(4)] = {
+    let mut k = [0.0; MAX_COEFFICIENTS.next_multiple_of(4)];
+    let mut i = 0;
+    while i < k.len() {
+        k[i] = i as f64;
+        i += 1;
+    }
+    k
+};
 
 const fn orders(less: usize) -> [f64; PADDED] {
     let mut k = [0.0; PADDED];
@@ -69,15 +82,16 @@ enum Shape {
 /// most K e² (Taylor's formula with p'' in the remainder). Infinite where it is of no use.
 #[inline(always)]
 fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
-    let (mut slopes, mut curvatures) = ([0.0; 2], [0.0; 2]); // two chains each
-    for (k, &ck) in c.iter().enumerate().skip(2) {
-        let weight = k as f64 * ck.abs();
-        slopes[k % 2] += weight;
-        if k > 2 {
-            curvatures[k % 2] += (k - 1) as f64 * weight;
+    // Coefficients of p' with their orders, in four chains each; from the leading ones that dominate nothing is left.
+    let d = slope_of(c, 1.0);
+    let (mut slopes, mut curvatures) = ([-d[0].abs(), 0.0, 0.0, 0.0], [0.0, -d[1].abs(), 0.0, 0.0]);
+    for (four, orders) in d.chunks(4).zip(ORDER.as_chunks::<4>().0) {
+        for (k, x) in four.iter().enumerate() {
+            slopes[k] += x.abs();
+            curvatures[k] += orders[k] * x.abs();
         }
     }
-    let (slope, curvature) = (slopes[0] + slopes[1], curvatures[0] + curvatures[1]);
+    let [slope, curvature] = [slopes, curvatures].map(|[a, b, c, d]| (a + b) + (c + d));
     if c[1] > slope {
         let factor = 0.5 * (2.0 * c[2].abs() + curvature) / (c[1] - slope);
         return (Shape::Rising, if factor <= MAX_NEWTON_FACTOR { factor } else { f64::INFINITY });
@@ -215,27 +229,58 @@ pub fn flight_crossing<S: Simd>(
         return first_crossing(c, lo, hi, iterations);
     }
     let newton_factor = 0.5 * curvature / spare;
-    let mut u = reverted(c);
-    if u > lo && u < hi {
+    let functions = (|u| pairwise::<S>(c, 0, u), |u| pairwise::<S>(&slope, 1, u));
+    root_of_nearly_straight::<1>(functions, reverted(c), (lo, hi), newton_factor, iterations)
+        .or_else(|| rising(c, lo, value(c, lo), hi, newton_factor, iterations))
+}
+
+/// The root of a rising p in (lo, hi) by at most so many steps of Newton's method from `start` and a last one with the slope before it, where
+/// the accuracy that they reach is proved. `newton_factor` is K = |p''|/(2p') < 1/4, so that few steps are enough nearly always.
+#[inline(always)]
+fn root_of_nearly_straight<const STEPS: usize>(
+    (value, slope): (impl Fn(f64) -> f64, impl Fn(f64) -> f64),
+    start: f64,
+    (lo, hi): (f64, f64),
+    newton_factor: f64,
+    iterations: &mut u64,
+) -> Option<f64> {
+    let mut u = start;
+    for _ in 0..STEPS {
+        if !(u > lo && u < hi) {
+            return None;
+        }
         *iterations += 1;
-        let inverse = 1.0 / pairwise::<S>(&slope, 1, u);
-        let moved = pairwise::<S>(c, 0, u) * inverse;
+        let inverse = 1.0 / slope(u);
+        let moved = value(u) * inverse;
         u -= moved;
         let resolution = f64::EPSILON * u.abs();
         // The error is now at most this; see `refine`.
         let error = 4.0 * newton_factor * moved * moved;
-        if error <= resolution && u > lo && u < hi {
-            return Some(u);
+        if error <= resolution {
+            return (u > lo && u < hi).then_some(u);
         }
-        // A second step with the slope of the first. That slope is off by at most max |p''| times the distance from where it
-        // was taken to the root, `moved + error`; relative to p' this is 2K times that distance.
-        *iterations += 1;
-        u -= pairwise::<S>(c, 0, u) * inverse;
-        if 2.0 * error * newton_factor * (moved.abs() + error) <= resolution && u > lo && u < hi {
-            return Some(u);
+        // A further step with the same slope. That slope is off by at most max |p''| times the distance from where it was taken to
+        // the root, `moved + error`; relative to p' this is 2K times that distance.
+        if 2.0 * error * newton_factor * (moved.abs() + error) <= resolution {
+            *iterations += 1;
+            u -= value(u) * inverse;
+            return (u > lo && u < hi).then_some(u);
         }
     }
-    rising(c, lo, value(c, lo), hi, newton_factor, iterations)
+    None
+}
+
+/// p(u) in four sums side by side, of every fourth order each.
+#[inline(always)]
+fn by_fours<const N: usize>(c: &[f64; N], u: f64) -> f64 {
+    let square = u * u;
+    let (fourth, mut sums) = (square * square, [0.0; 4]);
+    for four in c.chunks(4).rev() {
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum = *sum * fourth + four.get(k).copied().unwrap_or(0.0);
+        }
+    }
+    (sums[0] + sums[1] * u) + (sums[2] + sums[3] * u) * square
 }
 
 /// [`first_crossing`] on [0, hi]. Where p rises on all of |u| ≤ 1, Newton's method starts from the third-order reversion of the series, of
@@ -243,15 +288,15 @@ pub fn flight_crossing<S: Simd>(
 #[inline(always)]
 pub fn crossing_after_start<const N: usize>(c: &[f64; N], hi: f64, iterations: &mut u64) -> Option<f64> {
     let (Shape::Rising, newton_factor) = shape(c) else { return any_crossing(c, hi, iterations) };
-    if value(c, hi) <= 0.0 {
-        return None;
+    if c[0] < 0.0 && newton_factor < STRAIGHT {
+        let slope = slope_of(c, 1.0);
+        let functions = (|u| by_fours(c, u), |u| by_fours(&slope, u));
+        let root = root_of_nearly_straight::<3>(functions, reverted(c), (0.0, hi), newton_factor, iterations);
+        if root.is_some() {
+            return root;
+        }
     }
-    if c[0] >= 0.0 {
-        return Some(0.0);
-    }
-    let start = reverted(c);
-    let inside = start > 0.0 && start < hi;
-    Some(refine(c, (0.0, hi), if inside { start } else { 0.5 * hi }, newton_factor, iterations))
+    rising(c, 0.0, c[0], hi, newton_factor, iterations)
 }
 
 /// [`first_crossing`] on [0, hi] as a function of its own, so that the frequent path stays short.

@@ -19,27 +19,30 @@ pub use watched::{Group, Head, WatchTable, head_of};
 
 use crate::law::ZERO;
 use crate::mode::Linear;
+use crate::signals::SMALL;
 use crate::system::Row;
 use apart::Apart;
 use exponential::{LEAST_RATE, series_orders};
 use kept::Kept;
 use nalgebra::DMatrix;
 
-/// Derivatives of a functional that are looked at where a mode begins. With rate times length at most 2 the first Taylor
-/// coefficient left out is under 2²⁶/26! < 2e-19 of the largest coordinate.
+/// Derivatives of a functional that are looked at where a mode begins, and its Taylor coefficients from the first one on that is not zero.
 pub const ORDERS: usize = 26;
-/// Rate times the length of a sub-step.
-const RADIUS: f64 = 2.0;
+/// Rate times the length of a sub-step. With 2 more whole sub-steps are made between events, with 4 bounds throughout a sub-step are so wide that
+/// more is searched: both take longer.
+const RADIUS: f64 = 3.0;
 /// Springs and buffers are stiff where they make the rate so many times what it is without them.
 pub(crate) const STIFF: f64 = 30.0;
 /// Intervals of a sub-step, at whose ends functionals are sampled.
 pub const INTERVALS: usize = 8;
-/// Taylor coefficients of a functional over an interval: with a radius of a quarter the first one left out is under
-/// 0.25¹⁴/14! < 5e-20 of the largest coordinate.
-pub const LOCAL: usize = 14;
+/// Taylor coefficients of a functional over an interval: with a radius of 3/8 the first one left out is under
+/// 0.375¹⁶/16! < 8e-21 of the largest coordinate. They fill whole vectors.
+pub const LOCAL: usize = 16;
 /// Up to this many coordinates tables of a sub-step are kept as dense matrices; beyond, a power series of the actual state takes their place. Measured
 /// on chains: the series needs less where modes are new, and up to half as much again where a few come back often, beyond 30 hardly more.
 const DENSE: usize = 20;
+/// Within an interval no frequency turns farther than signals are carried on.
+const _: () = assert!(RADIUS / INTERVALS as f64 <= SMALL);
 /// Parts of a sub-step at its intervals' ends.
 const ENDS: [f64; INTERVALS] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 

@@ -60,7 +60,8 @@ fn closed_form_two_undamped_oscillators_far_apart_in_frequency() {
         );
         let after = motion.kinetic_and_stored();
         let change = after.0 + after.1 - kinetic - stored;
-        assert!(change.abs() <= ROUNDING * stored, "{stiff:e}: {change:e} of {stored:e}");
+        // Energy goes with the square.
+        assert!(change.abs() <= 2.0 * ROUNDING * stored, "{stiff:e}: {change:e} of {stored:e}");
     }
 }
 

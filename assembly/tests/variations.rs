@@ -98,7 +98,8 @@ fn second_method_the_examples_against_differences_of_motions() {
         // Its friction comes to rest within micrometres of the buffer: changes must be smaller.
         ("damper_with_buffer", 0.5, 10, 5e-7),
         ("msl_elastogap", 3.0, 2, 2e-5),
-        ("gear_backlash", 0.03, 4, 2e-5),
+        // Its flanks make of a rounding of the angles 4e4/s times as much in the speeds: changes must be greater.
+        ("gear_backlash", 0.03, 4, 1e-4),
         ("msl_coupled_clutches", 1.3, 4, 2e-5),
         ("two_blocks", 0.1, 1, 2e-5),
     ] {

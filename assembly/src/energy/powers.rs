@@ -8,9 +8,9 @@ use crate::kernel::{Sparse, combine};
 use crate::mode::{Mode, StopState};
 use crate::system::{Row, System};
 
-/// Taylor coefficients of a functional over a sub-step. With rate times length at most 2 the first one left out is under
-/// 2²⁴/24! < 3e-17 of the largest coordinate.
-const TERMS: usize = 24;
+/// Taylor coefficients of a functional over a sub-step. With rate times length at most 3 the first one left out is under
+/// 3³²/32! < 8e-21 of the largest coordinate.
+const TERMS: usize = 32;
 
 /// Powers of the nodes' places, by order.
 const POWERS: [AtNodes; TERMS] = {

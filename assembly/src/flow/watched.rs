@@ -138,9 +138,9 @@ pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64,
     columns
 }
 
-/// Taylor coefficients of a functional over a sub-step: with rate times length 2 the first one left out is under 2²⁸/28! < 1e-21 of the largest
-/// coordinate, and that of the second derivative under 2e-19.
-pub(super) const WHOLE: usize = 28;
+/// Taylor coefficients of a functional over a sub-step: with rate times length 3 the first one left out is under 3³⁴/34! < 6e-23 of the largest
+/// coordinate, and that of the second derivative under 7e-20.
+pub(super) const WHOLE: usize = 34;
 
 /// Values and second derivatives of a power series at 1, 2, …, [`INTERVALS`].
 #[inline(always)]

@@ -71,6 +71,7 @@ impl Motion {
             departing,
             chain: 0,
             carried: 0,
+            turns: 0,
             last: None,
             due: None,
             ..old.hybrid

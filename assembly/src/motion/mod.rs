@@ -71,6 +71,8 @@ pub struct Hybrid {
     chain: usize,
     /// Whole sub-steps since an event, or since the last attempt at a long one.
     carried: u32,
+    /// Sub-steps since the signals were found from the clock.
+    turns: u32,
     /// What ended the last mode.
     last: Option<Watch>,
     /// The event at which it stands, where its law is still to be applied.
@@ -169,6 +171,7 @@ impl Motion {
             energy,
             chain: 0,
             carried: 0,
+            turns: 0,
             last: None,
             due: None,
         };
@@ -371,6 +374,7 @@ impl Motion {
     fn refill(&mut self) {
         let signals = &self.assembly.system.signals;
         signals.fill(self.hybrid.time, &self.hybrid.inputs, self.hybrid.z.as_mut_slice());
+        self.hybrid.turns = 0;
     }
 
     /// The table of the mode in force.

@@ -6,11 +6,12 @@ use crate::mode::Watch;
 use vibro_impact::events::{crossing_after_start, first_crossing};
 
 /// A sub-step is halved while a stop's e may move by more than this many times its largest size so far: beyond, the roots would
-/// lose digits. Not more often than [`HALVINGS`], since what begins at zero has no size yet.
-const REACH: f64 = 4.0;
+/// lose more than a digit. By how much it may move is a bound, mostly some times too large. It is not halved more often than
+/// [`HALVINGS`], since what begins at zero has no size yet.
+const REACH: f64 = 9.0;
 /// Halvings of a sub-step for its reach.
 const HALVINGS: i32 = 6;
-/// From this order on a functional that leaves zero is at the first interval's end under 0.25⁶/6! < 4e-7 of its size.
+/// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6! < 4e-6 of its size.
 const LATE: usize = 6;
 
 /// Where a sub-step ends, or is searched: a part of an interval.
@@ -155,10 +156,13 @@ impl Flight<'_> {
         for (place, _) in near.iter().enumerate().filter(|(_, near)| **near & (1 << interval) != 0) {
             let order = if interval == 0 { self.hybrid.departing[place] } else { 0 };
             let mut c = self.table.local(place, from, ahead);
-            let (begin, mut scale) = (c[0], 1.0);
-            for ck in &mut c {
-                *ck *= scale;
-                scale *= ratio;
+            let begin = c[0];
+            if ratio != 1.0 {
+                let mut scale = 1.0;
+                for ck in &mut c {
+                    *ck *= scale;
+                    scale *= ratio;
+                }
             }
             if order > 0 {
                 c.copy_within(order.., 0);
@@ -167,13 +171,12 @@ impl Flight<'_> {
             } else {
                 c[0] = c[0].min(0.0);
             }
-            let rest: f64 = c[1..].iter().map(|x| x.abs()).sum();
-            if c[0] + rest < 0.0 {
+            if c[0] + sum_behind(&c, f64::abs) < 0.0 {
                 continue;
             }
             let hi = first.map_or(1.0, |(dt, _)| dt / length);
             if let Some(u) = crossing_after_start(&c, hi, &mut 0)
-                && !(order == 0 && self.only_touches(place, begin, c))
+                && !(order == 0 && self.only_touches(place, begin, &c))
             {
                 first = Some((u * length, place));
             }
@@ -185,14 +188,18 @@ impl Flight<'_> {
     /// that is just touched, without speed, is not hit, and a level that is zero for an instant stays. Rounding in the place would make of it the root
     /// of this as a speed. What slowly passes zero has an event as soon as it is so far beyond.
     #[inline(never)]
-    fn only_touches(&self, place: usize, begin: f64, mut c: [f64; LOCAL]) -> bool {
+    fn only_touches(&self, place: usize, begin: f64, c: &[f64; LOCAL]) -> bool {
         let w = &self.table.watched[place];
         if !matches!(w.watch, Watch::Meets(_) | Watch::Level(_)) {
             return false;
         }
-        c[0] = begin - self.hybrid.sizes.zero_of(&w.row);
+        let lower = begin - self.hybrid.sizes.zero_of(&w.row);
         // Where it is beyond at the end, as mostly, it has passed.
-        c.iter().sum::<f64>() < 0.0 && crossing_after_start(&c, 1.0, &mut 0).is_none()
+        lower + sum_behind(c, |x| x) < 0.0 && {
+            let mut c = *c;
+            c[0] = lower;
+            crossing_after_start(&c, 1.0, &mut 0).is_none()
+        }
     }
 }
 
@@ -215,11 +222,22 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
     let margin = bend * step * step * 0.125;
     // From zero it goes down throughout the first interval if the slope outweighs what the second derivative adds.
     let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
-    let mut ends = 0;
+    let mut ends = 0u64;
     for (k, sample) in samples().into_iter().enumerate() {
-        ends |= u8::from(sample >= -margin) << k;
+        let is_below = (sample + margin).to_bits() >> 63;
+        ends |= (is_below ^ 1) << k;
     }
     // An interval is near where one of its ends is.
-    let near = ends | ends << 1 | u8::from(order > 0 || value >= -margin);
-    if leaves { near & !1 } else { near }
+    let near = ends | ends << 1 | u64::from(order > 0 || value >= -margin);
+    (if leaves { near & !1 } else { near }) as u8
+}
+
+/// The sum of what is made of the coefficients behind the first one, in four sums side by side.
+#[inline(always)]
+fn sum_behind(c: &[f64; LOCAL], part: impl Fn(f64) -> f64) -> f64 {
+    let mut sums = [-part(c[0]), 0.0, 0.0, 0.0];
+    for four in c.as_chunks::<4>().0 {
+        sums.iter_mut().zip(four).for_each(|(sum, x)| *sum += part(*x));
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }

@@ -11,8 +11,8 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 const WORK: (u64, f64) = (20_000, 64.0);
 /// Sub-steps in one call, however short they are: some seconds for a few bodies. Under a fuzzer, whose code is many times slower, fewer.
 pub(super) const MOST_WORK: u64 = if cfg!(fuzzing) { 200_000 } else { 20_000_000 };
-/// Whole sub-steps that carry the signals along with the state, before they are found anew from the clock: of so many the rounding is that
-/// of one.
+/// Sub-steps that carry the signals along with the state, before they are found anew from the clock: of so many the rounding is that of one.
+/// After so many whole ones in a row a long one is tried.
 const RENEW: u32 = 16;
 /// Events at one instant without progress, for each element and one more.
 const CHAIN: usize = 100;
@@ -204,6 +204,9 @@ impl Motion {
                 table.begin_interval(start, ahead);
             }
             table.within(start, end.dt, at_knot, ahead, z);
+            if passage.is_some() && table.is_dense() {
+                assembly.system.signals.carry_within(start, end.dt, z);
+            }
         }
         let reaches = passage.is_none() && span >= remaining;
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
@@ -213,7 +216,9 @@ impl Motion {
         let knot = reaches && at_knot;
         let carried = self.hybrid.carried % RENEW;
         self.hybrid.carried = if passage.is_some() { 0 } else { carried + u32::from(whole) };
-        if !knot && (!whole || self.hybrid.carried == RENEW) {
+        self.hybrid.turns = self.hybrid.turns % RENEW + 1;
+        let carries = whole || passage.is_some();
+        if !knot && (!carries || self.hybrid.turns == RENEW) {
             self.refill();
         }
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
