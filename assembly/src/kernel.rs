@@ -38,6 +38,34 @@ pub fn combine<const R: usize>(columns: &[[f64; R]], z: &[f64]) -> [f64; R] {
     sum
 }
 
+/// The columns of a matrix of R rows that are not zero, with their places.
+#[derive(Clone, Debug)]
+pub struct SparseColumns<const R: usize>(Vec<(usize, [f64; R])>);
+
+impl<const R: usize> SparseColumns<R> {
+    /// Of all columns.
+    pub fn of(columns: impl IntoIterator<Item = [f64; R]>) -> Self {
+        let moving = |(_, column): &(usize, [f64; R])| column.iter().any(|x| *x != 0.0);
+        Self(columns.into_iter().enumerate().filter(moving).collect())
+    }
+
+    /// The matrix times a vector.
+    #[inline(always)]
+    pub fn times(&self, z: &[f64]) -> [f64; R] {
+        let mut sum = [0.0; R];
+        for (place, column) in &self.0 {
+            let x = z[*place];
+            sum.iter_mut().zip(column).for_each(|(s, c)| *s += c * x);
+        }
+        sum
+    }
+
+    /// Numbers that it holds.
+    pub fn numbers(&self) -> usize {
+        self.0.len() * (R + 1)
+    }
+}
+
 /// The entries of a row that are not zero, with their places.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sparse(Vec<(usize, f64)>);

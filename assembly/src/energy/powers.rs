@@ -4,7 +4,7 @@ use super::long::Work;
 use super::{AtNodes, NODES};
 use crate::description::StopLaw;
 use crate::flow::{Ladder, Series, Table, taylor};
-use crate::kernel::{Sparse, combine};
+use crate::kernel::{Sparse, SparseColumns};
 use crate::mode::{Mode, StopState};
 use crate::system::{Row, System};
 
@@ -65,8 +65,8 @@ struct Power {
 #[derive(Clone, Debug, Default)]
 pub struct Powers {
     rows: Vec<Sparse>,
-    /// Taylor coefficients of the rows, in units of a sub-step, one row after another, each by coordinate.
-    columns: Vec<[f64; TERMS]>,
+    /// Taylor coefficients of each row, in units of a sub-step, by coordinate.
+    columns: Vec<SparseColumns<TERMS>>,
     all: Vec<Power>,
     /// The same over long sub-steps, by the rung of the ladder; made when they are first needed.
     long: Ladder<Vec<Work>>,
@@ -82,9 +82,8 @@ impl Powers {
         }
         if table.is_dense() {
             let size = system.signals.size;
-            let columns =
-                powers.rows.iter().flat_map(|row| taylor(&table.a, &row.dense(size), 1.0, table.length));
-            powers.columns = columns.collect();
+            let columns = |row: &Sparse| taylor(&table.a, &row.dense(size), 1.0, table.length);
+            powers.columns = powers.rows.iter().map(|row| SparseColumns::of(columns(row))).collect();
         }
         powers
     }
@@ -199,7 +198,8 @@ impl Powers {
 
     /// Numbers that they hold.
     pub fn numbers(&self) -> usize {
-        self.columns.len() * TERMS + self.long.made().flatten().map(Work::numbers).sum::<usize>()
+        self.columns.iter().map(SparseColumns::numbers).sum::<usize>()
+            + self.long.made().flatten().map(Work::numbers).sum::<usize>()
     }
 
     /// The mean of each power over a flight, with its account; `values` is memory.
@@ -209,8 +209,8 @@ impl Powers {
         match *samples {
             Samples::Start(z, part) => {
                 let parts = powers_of(part);
-                for (value, columns) in values.iter_mut().zip(self.columns.chunks_exact(z.len())) {
-                    let mut c = combine(columns, z);
+                for (value, columns) in values.iter_mut().zip(&self.columns) {
+                    let mut c = columns.times(z);
                     c.iter_mut().zip(&parts).for_each(|(c, part)| *c *= part);
                     *value = at_nodes(&c);
                 }

@@ -3,7 +3,7 @@
 use super::exponential::{exponentials, second_integral};
 use super::watched::{Heads, WatchColumns, taylor, watch_columns};
 use super::{ENDS, Group, INTERVALS, LOCAL, Table, WatchTable};
-use crate::kernel::{Blocks, combine};
+use crate::kernel::{Blocks, SparseColumns};
 
 /// Taylor coefficients of the velocities within an interval, behind the constant ones: the first one left out is under
 /// 0.375¹⁷/17! < 2e-22 of the largest coordinate. They fill whole vectors.
@@ -25,8 +25,8 @@ const INTEGRAL: [f64; WITHIN] = {
 pub(super) struct Kept {
     /// z at the interval ends from z at the sub-step's start.
     transitions: Vec<Blocks>,
-    /// The Taylor coefficients of the velocities from order 1 on, in units of an interval: one velocity after another, each by coordinate.
-    velocities: Vec<[f64; WITHIN]>,
+    /// The Taylor coefficients of each velocity from order 1 on, in units of an interval, by coordinate.
+    velocities: Vec<SparseColumns<WITHIN>>,
     /// ∫ (h - s) exp(A s) ds over a sub-step h, where forces are found apart: z(h) - z is h z' and this times z''.
     integral: Option<Blocks>,
     /// By watched functional.
@@ -42,11 +42,13 @@ impl Kept {
         let columns =
             |w: &WatchTable| watch_columns(w.row.as_slice(), [a, &abs], (step, table.apart.is_some()));
         let watched: Vec<WatchColumns> = table.watched.iter().map(columns).collect();
-        let velocities = (one / 2..one).flat_map(|j| taylor(a, a.row_of(j).as_slice(), step, step));
-        let velocities = velocities.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64));
+        let velocity = |j: usize| {
+            let columns = taylor(a, a.row_of(j).as_slice(), step, step).into_iter();
+            SparseColumns::of(columns.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64)))
+        };
         Self {
             transitions: exponentials(a, table.rate, table.length, &ENDS).iter().map(Blocks::of).collect(),
-            velocities: velocities.collect(),
+            velocities: (one / 2..one).map(velocity).collect(),
             heads: Heads::of(&table.watched, &watched, a.len()),
             watched,
             integral: table.apart.as_ref().map(|_| Blocks::of(&second_integral(a, table.rate, table.length))),
@@ -56,7 +58,7 @@ impl Kept {
     /// Numbers that it holds, of so many coordinates.
     pub(super) fn numbers(&self, size: usize) -> usize {
         self.transitions.len() * size * size
-            + self.velocities.len() * WITHIN
+            + self.velocities.iter().map(SparseColumns::numbers).sum::<usize>()
             + self.watched.len() * size * (INTERVALS + LOCAL + 1)
             + self.integral.as_ref().map_or(0, |_| size * size)
     }
@@ -103,11 +105,10 @@ impl Kept {
             powers[k] = powers[(k - 1) / 2] * powers[k / 2];
         }
         let integrals: [f64; WITHIN] = std::array::from_fn(|k| powers[k] * INTEGRAL[k]);
-        let machine = self.velocities.len() / z.len();
-        let (q, v) = z.split_at(machine);
-        let (to_q, to_v) = to.split_at_mut(machine);
-        for (j, columns) in self.velocities.chunks_exact(z.len()).enumerate() {
-            let c = combine(columns, z);
+        let (q, v) = z.split_at(self.velocities.len());
+        let (to_q, to_v) = to.split_at_mut(self.velocities.len());
+        for (j, columns) in self.velocities.iter().enumerate() {
+            let c = columns.times(z);
             // The larger terms last.
             to_q[j] = q[j] + (v[j] + product(&c, &integrals)) * dt;
             to_v[j] = v[j] + product(&c, &powers);
