@@ -24,7 +24,9 @@ pub(crate) const LASTS: u32 = 4 * OBSERVED;
 /// The shortest window whose means may become those of an attractor, in drive periods: eight blocks of it hold 128 each.
 const WINDOW: u32 = 1024;
 
-/// States that return to this (units of L and L ω10) have arrived: with a thousandth of the way taken a period, what is left is a
+/// The least part of the way that is left which a motion that approaches an orbit is thought to take a period.
+const TAKEN: f64 = 1e-3;
+/// States that return to this (units of L and L ω10) have arrived: with such a part of the way taken a period, what is left is a
 /// thousand times as much and under what tells two attractors apart.
 const ARRIVED: f64 = 1e-7;
 /// Drive periods after which a damped motion without impacts has come to its limit.
@@ -166,6 +168,14 @@ struct Seen {
     blocks: Blocks,
 }
 
+/// Whether returns after a period are so exact that a slow approach has no way left to go. Beside those after a part of it too: on the
+/// way to an orbit by turns from either side, next to a period doubling, states nearly return in twice its period.
+pub(crate) fn has_arrived(record: &StroboscopicRecord, period: u32) -> bool {
+    let parts = (1..period).filter(|part| period.is_multiple_of(*part));
+    let most = parts.map(|part| TAKEN * record.return_distance(part)).fold(ARRIVED, f64::min);
+    record.return_distance(period) < most
+}
+
 /// The outcomes in the order of the starts.
 fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> Vec<Result<Seen>> {
     let mut found: Vec<Option<Result<Seen>>> = starts.iter().map(|_| None).collect();
@@ -183,7 +193,7 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
                     attractor = far.attractor(p);
                 }
             }
-            let arrived = clear || attractor.period.is_some_and(|n| record.return_distance(n) < ARRIVED);
+            let arrived = clear || attractor.period.is_some_and(|n| has_arrived(record, n));
             if attractor.period.is_none() {
                 record.add_to(&mut blocks);
             }

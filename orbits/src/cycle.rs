@@ -1,9 +1,9 @@
 //! The linear part of an orbit: for given impact phases the state follows from one system of six equations, and the conditions of
-//! contact are left as residual (docs/theory.md (101) to (105)); for a block without a spring the first contact is among the six, and
-//! the block's return is left instead (docs/theory.md (112)).
+//! contact are left as residual (docs/theory.md (101) to (105)); for a body that a spring hardly holds the first contact is among the
+//! six, and the body's return is left instead (docs/theory.md (112)).
 
 use super::obstacle::Obstacle;
-use super::system::System;
+use super::system::{Anchor, System};
 use super::word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix6, SMatrix};
 use vibro_impact::steady::exact_orbit::{Transition, Vector6};
@@ -11,9 +11,6 @@ use vibro_impact::steady::exact_orbit::{Transition, Vector6};
 /// Least ratio of the diagonal entries of an LU decomposition of σI - M that still counts as regular: beyond it the state keeps
 /// fewer than six digits.
 const REGULAR: f64 = 1e-10;
-
-/// The place of the block's displacement in a state.
-const BLOCK: usize = 1;
 
 /// w as a row of a state.
 const GAP: Vector6 = Vector6::new(-1.0, 1.0, 0.0, 0.0, 0.0, 0.0);
@@ -52,7 +49,7 @@ pub(super) struct Cycle<'a> {
     pub start: Vector6,
     pub before: Vec<Vector6>,
     pub after: Vec<Vector6>,
-    /// w - s at the end of each flight; of an anchored system the last is how far the block misses its return.
+    /// w - s at the end of each flight; of an anchored system the last is how far what is anchored misses its return.
     pub residual: Vec<f64>,
     /// w'⁻ at the end of each flight.
     pub rates: Vec<f64>,
@@ -61,6 +58,26 @@ pub(super) struct Cycle<'a> {
 /// Phases of the impacts at the ends of the flights, each the next one's start.
 fn arrival(word: &OrbitWord, phases: &[f64], flight: usize) -> f64 {
     phases.get(flight + 1).copied().unwrap_or(phases[0] + word.span())
+}
+
+/// Puts the first contact in place of the return of what a spring hardly holds, in the matrix of the equations for a state; what moves
+/// along with that is to return beside it.
+fn anchor_rows<T: ComplexField<RealField = f64>>(closed: &mut SMatrix<T, 6, 6>, anchor: Anchor) {
+    let place = anchor.place();
+    if let Some(follower) = anchor.follower() {
+        let beside = closed.row(follower) - closed.row(place);
+        closed.set_row(follower, &beside);
+    }
+    closed.set_row(place, &GAP.transpose().map(T::from_real));
+}
+
+/// The same of their right sides, with that of the contact.
+fn anchor_right<T: ComplexField<RealField = f64>>(right: &mut SMatrix<T, 6, 1>, anchor: Anchor, contact: T) {
+    let place = anchor.place();
+    if let Some(follower) = anchor.follower() {
+        right[follower] = right[follower].clone() - right[place].clone();
+    }
+    right[place] = contact;
 }
 
 /// The maps of all flights; `None` unless the phases are in order.
@@ -99,9 +116,9 @@ impl<'a> Cycle<'a> {
         }
         let sigma = f64::from(word.closing());
         let mut closed = Matrix6::identity() * sigma - map;
-        if system.is_anchored() {
-            closed.set_row(BLOCK, &GAP.transpose());
-            constant[BLOCK] = word.side(0) - system.forced_gap(phases[0])[0];
+        if let Some(anchor) = system.anchor() {
+            anchor_rows(&mut closed, anchor);
+            anchor_right(&mut constant, anchor, word.side(0) - system.forced_gap(phases[0])[0]);
         }
         let start = solve(&closed, &constant).ok_or(Obstacle::Singular)?;
         let (mut before, mut after) = (Vec::with_capacity(n), Vec::with_capacity(n));
@@ -116,8 +133,8 @@ impl<'a> Cycle<'a> {
             before.push(arrived);
             after.push(z);
         }
-        if system.is_anchored() {
-            residual[n - 1] = z[BLOCK] - sigma * start[BLOCK];
+        if let Some(place) = system.anchor().map(Anchor::place) {
+            residual[n - 1] = z[place] - sigma * start[place];
         }
         if residual.iter().chain(&rates).any(|x| !x.is_finite()) {
             return Err(Obstacle::Singular);
@@ -153,8 +170,8 @@ impl<'a> Cycle<'a> {
     fn closed<T: ComplexField<RealField = f64>>(&self, factor: &T) -> SMatrix<T, 6, 6> {
         let factor = factor.clone() * T::from_real(self.sigma());
         let mut closed = SMatrix::<T, 6, 6>::identity() * factor - self.map.map(T::from_real);
-        if self.system.is_anchored() {
-            closed.set_row(BLOCK, &GAP.transpose().map(T::from_real));
+        if let Some(anchor) = self.system.anchor() {
+            anchor_rows(&mut closed, anchor);
         }
         closed
     }
@@ -162,7 +179,7 @@ impl<'a> Cycle<'a> {
     /// The determinant by which that of the residual's derivative is multiplied so that it does not depend on which of the equations
     /// are solved for the state (docs/theory.md (112)): 1 unless the system is anchored.
     pub fn anchor(&self, factor: f64) -> f64 {
-        if self.system.is_anchored() {
+        if self.system.anchor().is_some() {
             factor * self.sigma() * self.closed(&factor).determinant()
         } else {
             1.0
@@ -182,6 +199,15 @@ impl<'a> Cycle<'a> {
     /// The state after an impact, without the motion without impacts.
     pub fn departure(&self, flight: usize) -> &Vector6 {
         if flight == 0 { &self.start } else { &self.after[flight - 1] }
+    }
+
+    /// How far the block is from the stops at the start and at the end of a flight, where it is to touch them: rounding, of an orbit.
+    pub fn contact_errors(&self, flight: usize) -> [f64; 2] {
+        let off = |z: &Vector6, phase: f64, impact: usize| {
+            (Functional::Gap.of(z) + self.system.forced_gap(phase)[0] - self.word.side(impact)).abs()
+        };
+        let start = off(self.departure(flight), self.phases[flight], flight);
+        [start, off(&self.before[flight], self.arrival(flight), flight + 1)]
     }
 
     /// s w'⁻, the approach speed of impact `index`.
@@ -223,16 +249,18 @@ impl<'a> Cycle<'a> {
         let n = self.len();
         let (direct, ends) = self.delays(functional);
         let lu = self.closed(&factor).lu();
-        let returns = self.system.is_anchored() && functional == Functional::Gap;
-        let contacts = if returns { n - 1 } else { n };
+        let anchor = self.system.anchor();
+        let returns = anchor.filter(|_| functional == Functional::Gap).map(Anchor::place);
+        let contacts = if returns.is_some() { n - 1 } else { n };
         let mut matrix = direct.map(T::from_real);
         for k in 0..n {
             // The first impact is varied at the end alone, where variations have the factor.
             let part = if k == 0 { factor.clone() } else { T::one() };
             let end = ends[k].map(|x| T::from_real(x) * part.clone());
             let mut right = end.clone();
-            if self.system.is_anchored() {
-                right[BLOCK] = T::from_real(if k == 0 { -self.departure_rate() } else { 0.0 });
+            if let Some(anchor) = anchor {
+                let contact = if k == 0 { -self.departure_rate() } else { 0.0 };
+                anchor_right(&mut right, anchor, T::from_real(contact));
             }
             let start = lu.solve(&right)?;
             let along = |row: &Vector6| -> T {
@@ -242,9 +270,9 @@ impl<'a> Cycle<'a> {
             for i in 0..contacts {
                 matrix[(i, k)] += along(&self.rows[i][functional as usize]);
             }
-            if returns {
-                let block = factor.clone() * T::from_real(self.sigma()) * start[BLOCK].clone();
-                matrix[(n - 1, k)] = along(&self.map.row(BLOCK).transpose()) + end[BLOCK].clone() - block;
+            if let Some(place) = returns {
+                let begin = factor.clone() * T::from_real(self.sigma()) * start[place].clone();
+                matrix[(n - 1, k)] = along(&self.map.row(place).transpose()) + end[place].clone() - begin;
             }
         }
         for i in 0..contacts {
@@ -268,7 +296,7 @@ impl<'a> Cycle<'a> {
         let n = self.len();
         let mut direct = DMatrix::zeros(n, n);
         let mut first = self.delay(n - 1);
-        if self.system.is_anchored() {
+        if self.system.anchor().is_some() {
             // The state at the end is not yet that at the start.
             first += self.system.rate(&self.after[n - 1]) - self.system.rate(&self.start) * self.sigma();
         }

@@ -3,7 +3,7 @@
 use super::curve::{Equations, Linearization};
 use super::cycle::{Cycle, Functional};
 use super::obstacle::Obstacle;
-use super::system::{ConstantLoads, System};
+use super::system::{Anchor, ConstantLoads, System};
 use super::word::OrbitWord;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -59,8 +59,8 @@ pub struct Family {
     set: ParameterSet,
     loads: ConstantLoads,
     spans: Vec<Span>,
-    /// Whether the block of one of the machines has no spring: the equations are then the same for all.
-    anchored: bool,
+    /// What a spring hardly holds in one of the machines at the corners: the equations are then the same for all.
+    anchor: Option<Anchor>,
 }
 
 impl Family {
@@ -95,11 +95,18 @@ impl Family {
         // The set's own loads are among the family's; a load that varies is added to them by `System::with_loads`.
         let (set, own) = set.without_loads();
         let forces = std::array::from_fn(|body| loads.forces[body] + own[body]);
-        let family = Self { set, loads: ConstantLoads { forces }, spans, anchored: false };
+        let family = Self { set, loads: ConstantLoads { forces }, spans, anchor: None };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
-        // A range of the coupling begins at 0 at the least.
-        let anchored = family.system(&from)?.has_free_block() || family.system(&to)?.has_free_block();
-        Ok(Self { anchored, ..family })
+        let ends = [family.system(&from)?, family.system(&to)?];
+        // Of two parameters two corners remain, which may be no machines.
+        let crossed = [[from.first(), to.last()], [to.first(), from.last()]];
+        let others = crossed.iter().filter(|_| from.len() == 2).filter_map(|values| {
+            let values: Vec<f64> = values.iter().copied().flatten().copied().collect();
+            family.system(&values).ok()
+        });
+        let corners: Vec<System> = ends.into_iter().chain(others).collect();
+        let anchor = Anchor::of(corners.iter().map(System::parameters));
+        Ok(Self { anchor, ..family })
     }
 
     /// The parameters that vary.
@@ -130,7 +137,7 @@ impl Family {
     /// As [`System::with_loads`] and the range that a value violates.
     pub fn system(&self, values: &[f64]) -> Result<System, Error> {
         let system = System::with_loads(self.parameter_set(values)?.parameters(), self.loads)?;
-        Ok(if self.anchored { system.anchored() } else { system })
+        Ok(self.anchor.map_or(system, |anchor| system.anchored(anchor)))
     }
 
     /// The loads, that of the parameter set with them; without one that varies.

@@ -53,9 +53,9 @@ pub(super) fn pieces(
     })
 }
 
-/// Whether it is proved that the block keeps within the stops during a flight, to [`PENETRATION_ROUNDING`].
-pub(super) fn is_clear(system: &System, z: &Vector6, phase: f64, span: f64) -> bool {
-    let limit = 1.0 + PENETRATION_ROUNDING;
+/// Whether it is proved that the block keeps within the stops during a flight, to [`PENETRATION_ROUNDING`] and what contact is off by.
+pub(super) fn is_clear(system: &System, z: &Vector6, phase: f64, span: f64, contact: f64) -> bool {
+    let limit = 1.0 + PENETRATION_ROUNDING + contact;
     pieces(system, z, phase, span).all(|piece| stays_within(&piece.sum([-1.0, 1.0, 0.0]), -limit, limit))
 }
 

@@ -11,7 +11,7 @@ pub(super) enum Obstacle {
     Order,
     /// The motion without impacts has a neutral direction: σI - M is singular.
     Singular,
-    /// The impulses of the word cannot balance the load on a block without a spring.
+    /// The impulses of the word cannot balance the load on what no spring holds.
     Unbalanced,
     /// A symmetric orbit is asked of a machine that is not symmetric.
     Asymmetric,
@@ -51,13 +51,19 @@ impl Obstacle {
                 "a word that closes with - is half of a symmetric orbit, which a machine under constant loads does not have; give the \
                  whole word, closing with +",
             ),
-            Self::Unbalanced => no_orbit(if system.pull() == 0.0 {
-                "nothing but its impacts moves a block without a spring (coupling.k = 0), so that it must meet both stops"
-            } else if system.pull() < 0.0 {
-                "only the lower stop can hold a block without a spring (coupling.k = 0) against load.block < 0, so that the word needs an L"
-            } else {
-                "only the upper stop can hold a block without a spring (coupling.k = 0) against load.block > 0, so that the word needs a U"
-            }),
+            Self::Unbalanced => {
+                no_orbit(if !system.has_free_block() && system.parameters().box_stiffness == 0.0 {
+                    "no spring takes up impulses on the box (box.k = 0), so that the word needs both stops"
+                } else if !system.has_free_block() {
+                    "no spring takes up impulses on block and secondary oscillator (secondary.k = 0), so that the word needs both stops"
+                } else if system.pull() == 0.0 {
+                    "nothing but its impacts moves a block without a spring (coupling.k = 0), so that it must meet both stops"
+                } else if system.pull() < 0.0 {
+                    "only the lower stop can hold a block without a spring (coupling.k = 0) against load.block < 0, so that the word needs an L"
+                } else {
+                    "only the upper stop can hold a block without a spring (coupling.k = 0) against load.block > 0, so that the word needs a U"
+                })
+            }
             Self::Singular => {
                 let (name, value, allowed) = system.neutral_parameter();
                 let needed_by = "impact phases of a periodic orbit as unknowns";

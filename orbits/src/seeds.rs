@@ -2,18 +2,18 @@
 //! motions pass from starts all over the states that are visited (docs/theory.md, section 14).
 
 use super::family::Family;
-use super::orbit::{Orbit, canonical, newton};
-use super::settled;
+use super::orbit::{Orbit, canonical};
+use super::settled::{self, from_drive_units, in_drive_units};
 use super::system::System;
 use super::tree_options::TreeOptions;
 use super::word::OrbitWord;
-use super::word::REPETITION;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibro_analysis::Error;
+use vibro_analysis::attractor::distance;
 use vibro_analysis::bifurcation::within_gap;
 use vibro_analysis::sobol::coordinate;
-use vibro_analysis::stroboscopic::{StroboscopicState, dimensional, dimensionless, moving_block};
+use vibro_analysis::stroboscopic::{StroboscopicState, moving_block};
 use vibro_impact::simulator::{Event, Simulator, State};
 
 /// Drive periods over which the states of a settled motion are looked at.
@@ -27,7 +27,7 @@ const INSIDE: f64 = 0.999;
 pub(super) const PERIODS: u32 = 300;
 /// The longest period, in drive periods, whose near returns are looked at.
 pub(super) const LONGEST: usize = 4;
-/// Largest change of a coordinate (units of L and L ω10) in a near return.
+/// Largest change of a coordinate (units of L and L ω1) in a near return.
 const RETURN: f64 = 0.04;
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
 const MOVE: f64 = 0.4;
@@ -165,7 +165,7 @@ fn visited(system: &System, state: &State) -> Result<Hull, Error> {
     let mut found = NOTHING;
     for period in 1..=VISITED {
         simulator.advance_to(f64::from(period) * p.period())?;
-        let point = dimensionless(p, &simulator.state()).map(|x| (x, x));
+        let point = in_drive_units(p, &simulator.state()).map(|x| (x, x));
         found = hull(found, &point);
         if system.is_symmetric() {
             found = hull(found, &point.map(|(x, _)| (-x, -x)));
@@ -214,7 +214,10 @@ fn wide(
         let mut state: StroboscopicState = std::array::from_fn(|i| within(i, i + 1));
         state[1] = state[0] + INSIDE * (2.0 * at(2) - 1.0);
         let system = family.system(&[value]).ok()?;
-        state.iter().all(|x| x.is_finite()).then(|| (cell, value, dimensional(system.parameters(), &state)))
+        state
+            .iter()
+            .all(|x| x.is_finite())
+            .then(|| (cell, value, from_drive_units(system.parameters(), &state)))
     };
     let all: Vec<(usize, f64, State)> = (0..starts).filter_map(start).collect();
     let found: Vec<Vec<Place>> =
@@ -253,7 +256,7 @@ fn passes(family: &Family, value: f64, start: &State) -> Result<Vec<Place>, Erro
     let p = *system.parameters();
     let mut course = Course::default();
     let mut tried: Vec<(usize, Vec<i8>)> = Vec::new();
-    course.states.push(dimensionless(&p, &simulator.state()));
+    course.states.push(in_drive_units(&p, &simulator.state()));
     for _ in 0..PERIODS {
         if course.advance(&mut simulator, &p).is_err() {
             return Ok(found);
@@ -264,7 +267,7 @@ fn passes(family: &Family, value: f64, start: &State) -> Result<Vec<Place>, Erro
             if tried.contains(&key) {
                 continue;
             }
-            if let Some(orbit) = near(&system, letters, phases, q as u32) {
+            if let Ok(orbit) = settled::near(&system, letters, phases, q as u32, MOVE) {
                 keep(orbit);
             }
             tried.push(key);
@@ -300,30 +303,18 @@ impl Course {
             _ => rests = true,
         })?;
         self.ends.push((self.letters.len(), rests));
-        self.states.push(dimensionless(p, &simulator.state()));
+        self.states.push(in_drive_units(p, &simulator.state()));
         Ok(())
     }
 
     /// The impacts of the last q periods, if the motion has nearly returned in them.
     fn near_return(&self, q: usize) -> Option<(&[i8], &[f64])> {
         let n = self.ends.len();
-        let distance =
-            self.states[n].iter().zip(&self.states[n - q]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        if distance > RETURN || self.ends[n - q..].iter().any(|end| end.1) {
+        let far = distance(&self.states[n], &self.states[n - q]) > RETURN;
+        if far || self.ends[n - q..].iter().any(|end| end.1) {
             return None;
         }
         let first = if n > q { self.ends[n - q - 1].0 } else { 0 };
         (self.letters.len() > first).then(|| (&self.letters[first..], &self.phases[first..]))
     }
-}
-
-/// The certified orbit near the impacts of q drive periods.
-fn near(system: &System, letters: &[i8], phases: &[f64], q: u32) -> Option<Orbit> {
-    let word = OrbitWord::of(letters.to_vec(), 1, 2 * q);
-    let found = newton(system, &word, phases).ok()?;
-    if phases.iter().zip(&found).any(|(a, b)| (a - b).abs() > MOVE) {
-        return None;
-    }
-    let (word, phases) = word.reduced(&found, system.is_symmetric(), REPETITION);
-    Orbit::at(system, &word, &phases).ok().filter(Orbit::is_certified)
 }

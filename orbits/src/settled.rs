@@ -1,11 +1,12 @@
 //! Orbits from settled simulated motions.
 
+use super::obstacle::Obstacle;
 use super::orbit::{Orbit, newton};
 use super::system::System;
 use super::word::{OrbitWord, REPETITION};
 use std::f64::consts::TAU;
 use vibro_analysis::attractor::distance;
-use vibro_analysis::stroboscopic::dimensionless;
+use vibro_analysis::stroboscopic::StroboscopicState;
 use vibro_analysis::{Error, Result};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Event, Simulator, State};
@@ -13,7 +14,7 @@ use vibro_impact::simulator::{Contact, Event, Simulator, State};
 /// The longest period that is looked for, in drive periods.
 const LONGEST: u32 = 32;
 
-/// A motion counts as near a return when no coordinate (units of L and L ω10) differs by more: Newton's method does the rest.
+/// A motion counts as near a return when no coordinate (units of L and L ω1) differs by more: Newton's method does the rest.
 const RETURN: f64 = 2e-3;
 
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
@@ -23,6 +24,19 @@ const MOVE: f64 = 0.05;
 pub(super) fn first_phase(p: &Parameters) -> f64 {
     let phase = p.drive_phase;
     if phase.abs() <= TAU { phase } else { phase.sin().atan2(phase.cos()) }
+}
+
+/// A state in units of L and L ω1, in which speeds are of the size of displacements also where hardly any spring holds the box.
+pub(super) fn in_drive_units(p: &Parameters, state: &State) -> StroboscopicState {
+    let speed = p.stop_gap * p.drive_frequency;
+    let (x, v) = (state.x.map(|x| x / p.stop_gap), state.v.map(|v| v / speed));
+    [x[0], x[1], x[2], v[0], v[1], v[2]]
+}
+
+/// A state in SI by those units.
+pub(super) fn from_drive_units(p: &Parameters, s: &StroboscopicState) -> State {
+    let speed = p.stop_gap * p.drive_frequency;
+    State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
 }
 
 /// A simulator of a machine with its loads from a state on at time 0.
@@ -44,16 +58,19 @@ pub fn settle(system: &System, start: &State, periods: u32) -> Result<State> {
 
 /// The periodic orbit on which a motion has settled that passes a state at time 0.
 ///
-/// Chaos comes near its unstable orbits too, so that what is found need not be stable: its multipliers say.
+/// Chaos comes near its unstable orbits too, so that what is found need not be stable: its multipliers say. A stable orbit comes first,
+/// since next to a period doubling a settled motion nearly returns in half of its period, by the orbit that has just become unstable.
 ///
 /// # Errors
-/// [`Error::NoPeriodicMotion`] when the block comes to rest at a stop in its course, and when the motion does not return in up to
-/// 32 drive periods; what the simulator refuses.
+/// [`Error::NoPeriodicMotion`] when the block comes to rest at a stop in its course, when the motion does not return in up to 32 drive
+/// periods, and when it does but no orbit is found there; an error with the parameter's name where phases do not determine the orbit, as
+/// where springs are missing; what the simulator refuses.
 pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
     let p = system.parameters();
     let mut simulator = simulator(system, state)?;
-    let (start, first) = (dimensionless(p, &simulator.state()), first_phase(p));
+    let (start, first) = (in_drive_units(p, &simulator.state()), first_phase(p));
     let (mut phases, mut letters) = (Vec::new(), Vec::new());
+    let (mut unstable, mut missed) = (None, None);
     // A block that a load holds at a stop throughout has no event.
     let mut rests = simulator.contact() != Contact::Flight;
     for q in 1..=LONGEST {
@@ -65,35 +82,65 @@ pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
             _ => rests = true,
         })?;
         if rests {
-            let reason = "rests at a stop in its course, which orbits by impacts alone do not describe: a weaker drive or a \
-                          larger stop.restitution may avoid rest";
-            return Err(Error::NoPeriodicMotion { reason: reason.into() });
+            break;
         }
-        if distance(&start, &dimensionless(p, &simulator.state())) < RETURN
-            && let Some(orbit) = near(system, &letters, &phases, q)
-        {
-            return Ok(orbit);
+        if distance(&start, &in_drive_units(p, &simulator.state())) < RETURN {
+            // The first of each kind tells most: later returns pass the same orbit again.
+            match near(system, &letters, &phases, q, MOVE) {
+                Ok(orbit) if orbit.is_stable() => return Ok(orbit),
+                Ok(orbit) => unstable = unstable.or(Some(orbit)),
+                Err(obstacle) => missed = missed.or(Some((q, obstacle))),
+            }
         }
     }
-    let reason = format!(
-        "does not return in up to {LONGEST} drive periods: it is chaotic, quasi-periodic or not settled; more periods, another start \
-         or another value may help"
-    );
-    Err(Error::NoPeriodicMotion { reason })
+    unstable.ok_or_else(|| if rests { at_rest() } else { not_found(system, missed) })
 }
 
-/// The certified orbit near the impacts of q drive periods, in its shortest word.
-fn near(system: &System, letters: &[i8], phases: &[f64], q: u32) -> Option<Orbit> {
+/// Why a motion with rest has no orbit.
+fn at_rest() -> Error {
+    let reason = "rests at a stop in its course, which orbits by impacts alone do not describe: a weaker drive or a larger \
+                  stop.restitution may avoid rest";
+    Error::NoPeriodicMotion { reason: reason.into() }
+}
+
+/// Why no orbit was found, with the first near return that led to none, if there was one.
+fn not_found(system: &System, missed: Option<(u32, Obstacle)>) -> Error {
+    let reason = match missed {
+        Some((q, obstacle @ (Obstacle::Singular | Obstacle::Refused(_)))) => {
+            return obstacle.error(system, &OrbitWord::of(Vec::new(), 1, 2 * q));
+        }
+        Some((q, _)) => format!(
+            "returns nearly after {q} drive periods, but no orbit is found there that keeps within the stops: it has not settled, or \
+             grazes a stop; more periods, another start or another value may help"
+        ),
+        None => format!(
+            "does not return in up to {LONGEST} drive periods: it is chaotic, quasi-periodic or not settled; more periods, another \
+             start or another value may help"
+        ),
+    };
+    Error::NoPeriodicMotion { reason }
+}
+
+/// The certified orbit near the impacts of q drive periods, in its shortest word, whose phases differ from theirs by so much at most.
+pub(super) fn near(
+    system: &System,
+    letters: &[i8],
+    phases: &[f64],
+    q: u32,
+    most: f64,
+) -> std::result::Result<Orbit, Obstacle> {
     let word = OrbitWord::of(letters.to_vec(), 1, 2 * q);
     let mirror = system.is_symmetric();
-    if word.is_empty() {
+    let (word, phases) = if word.is_empty() {
         let word = if mirror { OrbitWord::of(Vec::new(), -1, 1) } else { OrbitWord::of(Vec::new(), 1, 2) };
-        return Orbit::find(system, &word, &[]).ok().filter(Orbit::is_certified);
-    }
-    let found = newton(system, &word, phases).ok()?;
-    if phases.iter().zip(&found).any(|(a, b)| (a - b).abs() > MOVE) {
-        return None;
-    }
-    let (word, phases) = word.reduced(&found, mirror, REPETITION);
-    Orbit::at(system, &word, &phases).ok().filter(Orbit::is_certified)
+        (word, Vec::new())
+    } else {
+        let found = newton(system, &word, phases)?;
+        if phases.iter().zip(&found).any(|(a, b)| (a - b).abs() > most) {
+            return Err(Obstacle::NoConvergence);
+        }
+        word.reduced(&found, mirror, REPETITION)
+    };
+    let orbit = Orbit::at(system, &word, &phases)?;
+    if orbit.is_certified() { Ok(orbit) } else { Err(Obstacle::NoConvergence) }
 }

@@ -47,8 +47,51 @@ pub struct System {
     rest: [f64; 3],
     /// The acceleration of a block without a spring under its load, docs/theory.md (111); 0 where a spring holds it.
     pull: f64,
-    /// Whether the state is found with the first contact in place of the block's return, docs/theory.md (112).
-    anchored: bool,
+    /// What a spring hardly holds, so that the state is found with the first contact in place of its return, docs/theory.md (112).
+    anchor: Option<Anchor>,
+}
+
+/// Stiffness in parts of mass times ω1² up to which a spring hardly holds a body: beside it the equations of an orbit without an anchor
+/// lose three digits and more.
+const SOFT: f64 = 1e-2;
+
+/// What moves along without a force where a spring is missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Anchor {
+    /// The box, without a spring to the ground.
+    Box,
+    /// The block, without a spring to the secondary oscillator.
+    Block,
+    /// Block and secondary oscillator, without a spring to the ground.
+    Pair,
+}
+
+impl Anchor {
+    /// The place in a state of the displacement whose return the first contact replaces.
+    pub(super) fn place(self) -> usize {
+        usize::from(self != Self::Box)
+    }
+
+    /// The place of a displacement that moves along with it, whose return is then asked for beside that one.
+    pub(super) fn follower(self) -> Option<usize> {
+        (self == Self::Pair).then_some(2)
+    }
+
+    /// The three, each with the stiffness that holds it in parts of mass times ω1².
+    fn held(p: &Parameters) -> [(Self, f64); 3] {
+        let part = |stiffness: f64, mass: f64| stiffness / (mass * p.drive_frequency.powi(2));
+        [
+            (Self::Box, part(p.box_stiffness, p.box_mass)),
+            (Self::Block, part(p.coupling_stiffness, p.block_mass)),
+            (Self::Pair, part(p.secondary_stiffness, p.block_mass + p.secondary_mass)),
+        ]
+    }
+
+    /// The one that is held least in any of some machines, if it is hardly held.
+    pub(super) fn of<'a>(machines: impl Iterator<Item = &'a Parameters>) -> Option<Self> {
+        let least = machines.flat_map(Self::held).min_by(|a, b| a.1.total_cmp(&b.1));
+        least.filter(|(_, stiffness)| *stiffness <= SOFT).map(|(anchor, _)| anchor)
+    }
 }
 
 impl System {
@@ -71,21 +114,22 @@ impl System {
         let flight = Flight::new(parameters)?;
         let response = flight.harmonic(parameters)?;
         let rest = rest(parameters, loads)?;
-        let anchored = parameters.coupling_stiffness == 0.0;
         let scale = parameters.block_mass * parameters.stop_gap * parameters.drive_frequency.powi(2);
-        let pull = if anchored { loads.forces[1] / scale } else { 0.0 };
-        Ok(Self { parameters: *parameters, loads, flight, response, rest, pull, anchored })
+        let falls = parameters.coupling_stiffness == 0.0;
+        let pull = if falls { loads.forces[1] / scale } else { 0.0 };
+        let anchor = Anchor::of(std::iter::once(parameters));
+        Ok(Self { parameters: *parameters, loads, flight, response, rest, pull, anchor })
     }
 
-    /// The same machine with its state found by the first contact, as that of a block without a spring must be.
+    /// The same machine with its state found by the first contact, as it must be where a spring is missing.
     #[must_use]
-    pub(super) fn anchored(self) -> Self {
-        Self { anchored: true, ..self }
+    pub(super) fn anchored(self, anchor: Anchor) -> Self {
+        Self { anchor: Some(anchor), ..self }
     }
 
-    /// Whether the state is found so.
-    pub(super) fn is_anchored(&self) -> bool {
-        self.anchored
+    /// What the first contact holds, where the state is found so.
+    pub(super) fn anchor(&self) -> Option<Anchor> {
+        self.anchor
     }
 
     /// Whether no spring holds the block.
@@ -98,11 +142,13 @@ impl System {
         self.pull
     }
 
-    /// Whether the impulses of a word can balance the load on a block without a spring over a round, docs/theory.md (113): without
+    /// Whether the impulses of a word can balance the load on what no spring holds over a round, docs/theory.md (113): without
     /// a load they need both stops, with one the stop towards which it pulls.
     pub(super) fn balances(&self, word: &OrbitWord) -> bool {
+        let p = &self.parameters;
         let has = |side: i8| word.letters().contains(&side);
-        if !self.has_free_block() || word.closing() < 0 {
+        let held = p.box_stiffness > 0.0 && p.coupling_stiffness > 0.0 && p.secondary_stiffness > 0.0;
+        if held || word.closing() < 0 {
             true
         } else if self.pull == 0.0 {
             has(1) == has(-1)

@@ -70,6 +70,19 @@ fn invariant_a_spring_of_next_to_no_stiffness_leaves_the_class() {
     }
 }
 
+/// Next to a period doubling a motion settles on its orbit by turns from either side, and nearly returns in two periods: these are the
+/// motions of two stable orbits of one drive period, with multipliers of -0.9973 and -0.9963 (`second_method_orbits_next_to_a_doubling`
+/// in the orbits' tests).
+#[test]
+fn second_method_the_way_to_an_orbit_next_to_a_doubling_is_not_its_double() {
+    for amplitude in [0.28, 1.078] {
+        let parameters = Parameters { drive_amplitude: amplitude, ..Parameters::default() };
+        let state = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
+        let class = verdict(&Start { parameters, state }, 1000).unwrap().class;
+        assert_eq!(class, MotionClass::Periodic(1), "{amplitude}");
+    }
+}
+
 /// Such a spring does not make a box that a load drives away ever farther, by two gaps a period, a periodic motion.
 #[test]
 fn invariant_a_box_that_drifts_is_not_periodic() {

@@ -8,5 +8,7 @@ mod golden;
 mod islands;
 mod ranges;
 mod rows;
+mod settled;
 mod single;
+mod soft_springs;
 mod trees;

@@ -1,0 +1,67 @@
+//! The orbit on which a motion has settled, against the simulator's verdict.
+
+use crate::{Orbit, System, orbit_of, settle};
+use vibro_analysis::Result;
+use vibro_analysis::attractor::MotionClass;
+use vibro_analysis::trajectories::Start;
+use vibro_analysis::verdict::verdict;
+use vibro_impact::State;
+use vibro_impact::parameters::Parameters;
+
+const START: State = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
+
+fn settled(p: &Parameters, periods: u32) -> Result<Orbit> {
+    let system = System::new(p)?;
+    orbit_of(&system, &settle(&system, &START, periods)?)
+}
+
+/// Next to a doubling a settled motion returns to 2e-3 in half of its period already, by the orbit that is no longer stable; and a motion
+/// on an orbit that is still stable comes to it from either side in turn.
+#[test]
+fn second_method_orbits_next_to_a_doubling() {
+    let secondary = Parameters { secondary_stiffness: 0.0, stop_restitution: 0.9, ..Parameters::default() };
+    for (p, amplitude, period) in [
+        (secondary, 1.8, 4),
+        (Parameters { coupling_stiffness: 1e-4, ..Parameters::default() }, 2.1, 8),
+        (Parameters::default(), 0.28, 1),
+        (Parameters::default(), 1.078, 1),
+    ] {
+        let p = Parameters { drive_amplitude: amplitude, ..p };
+        let orbit = settled(&p, 6000).unwrap();
+        assert!(orbit.is_stable() && orbit.word().period() == period, "{amplitude} {}", orbit.word());
+        let class = verdict(&Start { parameters: p, state: START }, 2000).unwrap().class;
+        assert_eq!(class, MotionClass::Periodic(period), "{amplitude}");
+    }
+}
+
+/// Nine fast impacts a period leave contact fewer digits than 1e-12 gaps: the motion is periodic all the same, whichever of its periods
+/// Newton's method begins with.
+#[test]
+fn second_method_fast_impacts_of_settled_motions_are_an_orbit() {
+    for (amplitude, impacts) in [(1.82, 7), (2.964, 9)] {
+        let p = Parameters { drive_amplitude: amplitude, stop_restitution: 0.9, ..Parameters::default() };
+        for more in 0..40 {
+            let orbit =
+                settled(&p, 2000 + more).unwrap_or_else(|error| panic!("{amplitude} {more}: {error}"));
+            let found = (orbit.word().len(), orbit.word().period(), orbit.is_certified());
+            assert_eq!(found, (impacts, 1, true), "{amplitude} {more}: {}", orbit.word());
+        }
+    }
+}
+
+/// Where rounding leaves phases fewer than twelve digits, Newton's steps end at that.
+#[test]
+fn second_method_steps_that_rounding_keeps_up_end() {
+    let p = Parameters { drive_amplitude: 5.838, ..Parameters::default() };
+    // A state on the motion, so that no transient depends on the last digits.
+    let start = State {
+        x: [-14.049223986757433, -13.599320953809062, 24.820027180061036],
+        v: [-23.782946830758004, -27.22130001084083, -4.803150414870151],
+    };
+    let system = System::new(&p).unwrap();
+    let state = settle(&system, &start, 3000).unwrap();
+    let orbit = orbit_of(&system, &state).unwrap();
+    assert!(orbit.word().period() == 1 && orbit.is_stable(), "{}", orbit.word());
+    let class = verdict(&Start { parameters: p, state }, 0).unwrap().class;
+    assert_eq!(class, MotionClass::Periodic(1));
+}

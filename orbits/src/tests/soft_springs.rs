@@ -1,0 +1,109 @@
+//! Springs of no or next to no stiffness (docs/theory.md (112)): the closed form of the symmetric motion, the simulator and its verdict.
+
+use crate::{ConstantLoads, Orbit, OrbitWord, System, orbit_of, settle};
+use vibro_analysis::attractor::MotionClass;
+use vibro_analysis::trajectories::Start;
+use vibro_analysis::verdict::verdict;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::steady::exact_orbit;
+use vibro_impact::{Simulator, State};
+
+/// Two ways to the same phases: the rounding of a flight, amplified by the sensitivity of the orbit.
+const CLOSED_FORM: f64 = 1e-12;
+
+const START: State = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
+
+/// Drive periods in which a transient dies out, all multipliers being under 0.95.
+const SETTLED: u32 = 2000;
+
+fn soft(body: &str, stiffness: f64, amplitude: f64) -> Parameters {
+    let mut p = Parameters { drive_amplitude: amplitude, ..Parameters::default() };
+    match body {
+        "box" => p.box_stiffness = stiffness,
+        "block" => p.coupling_stiffness = stiffness,
+        _ => p.secondary_stiffness = stiffness,
+    }
+    p
+}
+
+fn word(text: &str, closing: i8, half_periods: u32) -> OrbitWord {
+    OrbitWord::new(text, closing, half_periods).unwrap()
+}
+
+#[test]
+fn closed_form_of_the_symmetric_orbit_beside_a_missing_spring() {
+    for (body, stiffness, amplitude) in [
+        ("box", 0.0, 0.5),
+        ("box", 1e-30, 0.8),
+        ("box", 1e-6, 0.8),
+        ("secondary", 0.0, 1.5),
+        ("secondary", 1e-12, 2.5),
+    ] {
+        let p = soft(body, stiffness, amplitude);
+        let exact = exact_orbit::solve(&p).unwrap().upper.unwrap();
+        let system = System::new(&p).unwrap();
+        let first = exact.drive_phase();
+        let half = Orbit::find(&system, &word("U", -1, 1), &[first + 0.02]).unwrap();
+        // Closed with the same sign, the equations are those whose plain matrix is singular.
+        let guess = [first + 0.02, first + 0.01 + std::f64::consts::PI];
+        let whole = Orbit::find(&system, &word("UL", 1, 2), &guess).unwrap();
+        for orbit in [&half, &whole] {
+            assert!((orbit.phases()[0] - first).abs() < CLOSED_FORM, "{body} {stiffness} {}", orbit.word());
+            for theta in [0.0, 1.0, 2.5, 4.0] {
+                let (own, closed) = (orbit.state(theta), exact.state(theta));
+                let pairs = own.x.iter().chain(&own.v).zip(closed.x.iter().chain(&closed.v));
+                assert!(
+                    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < CLOSED_FORM,
+                    "{body} {stiffness}"
+                );
+            }
+        }
+        assert_eq!(half.is_certified(), exact.is_clear());
+        let radius = whole.spectral_radius() - exact.spectral_radius().powi(2);
+        assert!(radius.abs() < 10.0 * CLOSED_FORM, "{body} {stiffness} {radius}");
+    }
+}
+
+/// What a diagram calls a motion and what the orbit is that it has settled on are one, however little holds a body.
+#[test]
+fn second_method_settled_orbits_have_the_period_of_the_verdict() {
+    /// What is left of a transient, and the rounding of times after so many periods.
+    const RETURN: f64 = 1e-9;
+    for (body, amplitude, periods) in
+        [("box", 0.5, 1), ("box", 1.2, 1), ("box", 2.0, 2), ("block", 0.6, 1), ("secondary", 0.3, 1)]
+    {
+        for stiffness in [0.0, 1e-30, 1e-14, 1e-8, 1e-6, 1e-4] {
+            let p = soft(body, stiffness, amplitude);
+            let class = verdict(&Start { parameters: p, state: START }, SETTLED).unwrap().class;
+            let system = System::new(&p).unwrap();
+            let found = settle(&system, &START, SETTLED).and_then(|state| orbit_of(&system, &state));
+            let orbit = found.unwrap_or_else(|error| panic!("{body} {amplitude} {stiffness}: {error}"));
+            let case = format!("{body} {amplitude} {stiffness}: {} {class:?}", orbit.word());
+            assert_eq!((class, orbit.word().period()), (MotionClass::Periodic(periods), periods), "{case}");
+            assert!(orbit.is_stable(), "{case}");
+            let start = orbit.start_state();
+            let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+            simulator.advance_to(f64::from(60 * periods) * p.period()).unwrap();
+            let pairs = simulator.state();
+            let moved = start.x.iter().zip(&pairs.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(moved < RETURN, "{case} {moved}");
+        }
+    }
+}
+
+#[test]
+fn settled_motions_whose_phases_determine_no_orbit_name_the_spring() {
+    let p = Parameters { coupling_stiffness: 0.0, ..soft("box", 0.0, 0.5) };
+    let system = System::new(&p).unwrap();
+    let error = settle(&system, &START, SETTLED).and_then(|state| orbit_of(&system, &state)).unwrap_err();
+    assert!(error.to_string().starts_with("box.k = 0"), "{error}");
+}
+
+#[test]
+fn words_that_push_a_box_without_a_spring_one_way_are_refused() {
+    for (body, field) in [("box", "box.k"), ("secondary", "secondary.k")] {
+        let system = System::with_loads(&soft(body, 0.0, 2.0), ConstantLoads::NONE).unwrap();
+        let error = Orbit::find(&system, &word("LL", 1, 2), &[1.0, 3.0]).unwrap_err().to_string();
+        assert!(error.contains(field) && error.contains("both stops"), "{error}");
+    }
+}
