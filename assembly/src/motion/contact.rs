@@ -1,6 +1,7 @@
 //! What happens at an event: impacts, the mode that follows, and what is reported.
 
 use super::event::EventKind;
+use super::jump::{Apart, Before};
 use super::report::report;
 use super::{Hybrid, Motion, Observer, Scratch};
 use crate::error::Error;
@@ -58,15 +59,21 @@ pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
 }
 
 impl Motion {
-    /// Impacts and the mode that follow the present state, where the functionals `ended` have passed zero.
-    pub(super) fn settle(&mut self, ended: &[Watch], observer: &mut Observer) -> Result<(), Error> {
+    /// Impacts and the mode that follow the present state, where the functionals `ended` have passed zero and a jump has taken contacts
+    /// `apart`.
+    pub(super) fn settle(
+        &mut self,
+        ended: &[Watch],
+        apart: &Apart,
+        observer: &mut Observer,
+    ) -> Result<(), Error> {
         self.take_in_flight();
         if let [watch] = *ended
             && self.lone_event(watch, observer)
         {
             return Ok(());
         }
-        let flags = self.flags(ended);
+        let flags = self.flags(ended, apart);
         self.place_on_contacts(&flags);
         let before = self.hybrid.mode.clone();
         let touching: Vec<usize> = (0..flags.stops.len()).filter(|&i| flags.stops[i]).collect();
@@ -109,11 +116,22 @@ impl Motion {
     }
 
     /// A knot of a signal: prescribed bodies may have jumped.
-    pub(super) fn knot(&mut self, observer: &mut Observer) -> Result<(), Error> {
+    pub(super) fn knot(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
-        self.check_jumps()?;
         report(observer, self.time(), EventKind::Knot);
-        self.settle(&[], observer)
+        self.set_anew(stood, observer)
+    }
+
+    /// What follows where signals have been set anew.
+    pub(super) fn set_anew(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
+        let mut apart = Apart::default();
+        if let Some(stood) = stood {
+            apart = self.jump(&stood);
+            let work = self.work_of_jump(&stood);
+            self.hybrid.energy.impact(0.0, work);
+        }
+        self.check_jumps()?;
+        self.settle(&[], &apart, observer)
     }
 
     /// A jump of a prescribed body must not violate a rigid stop.
@@ -135,7 +153,7 @@ impl Motion {
         self.hybrid.z.rows(n, n).into_owned()
     }
 
-    fn flags(&self, ended: &[Watch]) -> Flags {
+    fn flags(&self, ended: &[Watch], apart: &Apart) -> Flags {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         let mut flags = Flags {
             stops: vec![false; system.stops.len()],
@@ -146,11 +164,12 @@ impl Motion {
         for (i, stop) in system.stops.iter().enumerate() {
             if stop.restitution().is_some() {
                 let near = stop.excess.at(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess);
-                flags.stops[i] = near || hybrid.mode.stops.get(i) == Some(&StopState::Closed);
+                let is_closed = hybrid.mode.stops.get(i) == Some(&StopState::Closed);
+                flags.stops[i] = near || (is_closed && !apart.stops.contains(&i));
             }
         }
         for (i, state) in hybrid.mode.frictions.iter().enumerate() {
-            flags.resting[i] = state.sticks();
+            flags.resting[i] = state.sticks() && !apart.frictions.contains(&i);
         }
         for &watch in ended {
             match watch {

@@ -1,5 +1,6 @@
 //! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
 
+use super::jump::Apart;
 use super::passage::{Flight, Point};
 use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
 use crate::energy::Samples;
@@ -92,10 +93,11 @@ impl Motion {
     /// Applies the law of an event that is due.
     pub(super) fn pass_event(&mut self, observer: &mut Observer) -> Result<(), Error> {
         match self.hybrid.due.take() {
-            Some(Due::Passage(watch)) => self.settle(&[watch], observer),
+            Some(Due::Passage(watch)) => self.settle(&[watch], &Apart::default(), observer),
             Some(Due::Knot) => {
+                let stood = self.before_jump();
                 self.refill();
-                self.knot(observer)
+                self.knot(stood, observer)
             }
             None => Ok(()),
         }
@@ -178,7 +180,11 @@ impl Motion {
         table.look_ahead(hybrid.z.as_slice(), most, [rates, second], ahead, heads);
         let flight = Flight { table, hybrid };
         let span = flight.within_reach(most, &scratch.heads);
-        let passage = flight.first_passage(span, scratch);
+        let mut passage = flight.first_passage(span, scratch);
+        if at_knot && span >= remaining {
+            let knot = (span, goal.value());
+            passage = passage.filter(|passage| !flight.is_at_knot(passage, knot, scratch));
+        }
         let whole = span == table.length && passage.is_none();
         let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
