@@ -24,6 +24,10 @@ const LATE_BOUNCES: f64 = 100.0;
 /// which it counts as zero; beyond, the modes would change without end, which is told.
 pub(super) const DOUBTFUL: f64 = 1e3;
 
+/// A body that moves goes further in a flight than this part of its length times what the forces by themselves would make of the rate; the
+/// place of one that stands still has the rounding of this way at most.
+const STANDING: f64 = 0.01;
+
 /// What an event says of the elements that take part.
 #[derive(Clone, Default)]
 struct Flags {
@@ -87,7 +91,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Takes the flight since the mode began into the sizes of the velocities (docs/assembly-law.md (A14)).
+    /// Takes the flight since the mode began into the sizes of velocities and places (docs/assembly-law.md (A14)).
     pub(super) fn take_in_flight(&mut self) {
         let (time, one) = (self.time(), self.assembly.system.signals.one);
         let hybrid = &mut self.hybrid;
@@ -103,8 +107,11 @@ impl Motion {
         rates.resize(start.len(), 0.0);
         let flown = &mut rates[..one - one / 2];
         self.tables.at(self.place).table.flown(start, time - hybrid.since, second, flown);
-        for (size, flown) in sizes[one / 2..].iter_mut().zip(flown) {
-            *size = size.max(*flown);
+        let flight = STANDING * (time - hybrid.since).min(self.tables.at(self.place).table.length);
+        let (places, rates) = sizes.split_at_mut(one / 2);
+        for ((place, rate), flown) in places.iter_mut().zip(rates).zip(flown) {
+            *place = place.max(flight * *flown);
+            *rate = rate.max(*flown);
         }
         hybrid.since = time;
     }

@@ -242,10 +242,28 @@ impl Motion {
     #[inline(always)]
     pub(super) fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
+        let mut any_leaves = false;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
-            let stays =
-                *order == ORDERS && w.row.at(z.as_slice()).abs() <= LEAVES_ZERO * sizes.zero_of(&w.row);
-            *order = if stays { ORDERS } else { 0 };
+            if *order == ORDERS {
+                any_leaves |= w.row.at(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row);
+            } else {
+                *order = 0;
+            }
+        }
+        if any_leaves {
+            self.let_leave();
+        }
+    }
+
+    /// Watches again what has left zero, after what the flight adds to the sizes: what stands still has none of its own.
+    #[inline(never)]
+    fn let_leave(&mut self) {
+        self.take_in_flight();
+        let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
+        for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
+            if *order == ORDERS && w.row.at(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row) {
+                *order = 0;
+            }
         }
     }
 }
