@@ -152,3 +152,18 @@ fn invariant_impacts_at_the_start_are_told() {
     let told = |k: &EventKind| matches!(k, EventKind::Impact { stop: 0, speed: 1.0, stops: 1, .. });
     assert_eq!(times(&all, told), [0.0]);
 }
+
+#[test]
+fn invariant_energy_of_impacts_on_bodies_that_links_tie_to_a_moving_one() {
+    // At an impact the link that carries two bodies along has an impulse, too, and the prescribed body does work by it; of one stop and of two.
+    for second in ["", "[stop.t]\narms = { a = 2.0 }\ngap = 0.2\nrestitution = 0.3\n"] {
+        let mut m = text(&format!(
+            "name = \"C\"\n[body.a]\nmass = 1.0\nstart = {{ v = 0.75 }}\n[body.b]\nmass = 3.0\nstart = {{ v = 0.25 }}\n[body.p]\nmotion = {{ rate = 1.0 }}\n\
+             [link.l]\narms = {{ a = 1.0, b = 1.0, p = -1.0 }}\n[stop.s]\narms = {{ a = 1.0 }}\ngap = 0.1\nrestitution = 0.5\n{second}"
+        ));
+        let (kinetic, stored) = m.kinetic_and_stored();
+        let all = events(&mut m, 1.0);
+        assert!(!times(&all, |k| matches!(k, EventKind::Impact { .. })).is_empty());
+        near(off_balance(&m, kinetic + stored), 0.0);
+    }
+}
