@@ -49,6 +49,8 @@ pub struct System {
     pub load_bodies: Vec<usize>,
     /// Whether any body's motion is prescribed.
     pub has_motions: bool,
+    /// The momentum that prescribed bodies carry through links, Bᵀ m D p' as rows; none where no link does that.
+    carried: Option<DMatrix<f64>>,
     /// Inertia of each free body; 0 for prescribed ones.
     pub inertias: Vec<f64>,
     /// Weight of each body: inertia times gravity's acceleration along s.
@@ -155,6 +157,12 @@ impl System {
         for (body, &inertia) in bodies.iter().zip(&inertias) {
             mass.ger(inertia, &body.weights, &body.weights, 1.0);
         }
+        let mut carried = DMatrix::zeros(n, signals.size);
+        for (body, &inertia) in bodies.iter().zip(&inertias) {
+            let mut prescribed = body.v.transpose();
+            prescribed.columns_mut(0, signals.one).fill(0.0);
+            carried += inertia * &body.weights * prescribed;
+        }
         let Some(inertia) = Cholesky::new(mass.clone()) else { return Err(Error::Inertia) };
         let mut system = Self {
             coordinates: n,
@@ -173,12 +181,19 @@ impl System {
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
             has_motions: motions.iter().any(Option::is_some),
+            carried: (carried.amax() > 0.0).then_some(carried),
             inertias,
             weights,
         };
         system.add_elements(d, &levels, &rows);
         system.add_forces();
         Ok(system)
+    }
+
+    /// The momentum Bᵀ m D p' that prescribed bodies carry through links, where there is any: what changes a coordinate's rate by Δv takes
+    /// the work Δv · Bᵀ m D p' from them (docs/assembly-law.md (A9)).
+    pub(crate) fn carried(&self, z: &DVector<f64>) -> Option<DVector<f64>> {
+        self.carried.as_ref().map(|carried| carried * z)
     }
 
     /// A row with the number 1's coordinate alone.

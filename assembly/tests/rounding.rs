@@ -4,6 +4,7 @@ mod common;
 
 use common::*;
 use vibro_assembly::description::*;
+use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::motion::EventKind;
 
 /// Some tens of roundings of numbers of order one.
@@ -110,5 +111,26 @@ fn closed_form_a_stiff_buffer_puts_the_same_force_to_both_bodies() {
             assert!((mean(k) - exact).abs() < MANY_STEPS[k], "{others}, {k}: {:e}", mean(k) - exact);
         }
         assert!((motion.stop(0)[2] - 10.0).abs() < 1e-6, "{others}: {:?}", motion.stop(0));
+    }
+}
+
+#[test]
+fn closed_form_body_at_rest_at_a_buffers_edge_stays() {
+    // In equilibrium a body that friction holds to another stands at a buffer's gap, where its place has no size but what rounding makes of
+    // the other's forces: no event, and nobody moves.
+    let machine = parse(
+        "name = \"E\"\ngravity = 9.81\nstart = \"rest\"\n[body.a]\nmass = 0.94\ngravity = -1.0\n[body.b]\nmass = 0.39\ngravity = 1.0\n\
+         [body.c]\nmass = 0.37\n[link.l]\narms = { a = 1.0, b = 2.0 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 342.6\n\
+         [spring.m]\nbetween = [\"a\", \"b\"]\nstiffness = 871.1\npreload = 7.3\n[stop.s]\narms = { c = -1.0 }\ngap = 0.0\nstiffness = 1318.0\n\
+         [friction.f]\nbetween = [\"c\", \"b\"]\nforce = 3.0\n[friction.g]\nbetween = [\"c\", \"b\"]\nforce = 5.0\n[load.q]\non = \"b\"\nconstant = -5.3\n",
+        "edge.toml",
+        &no_records,
+    );
+    // Short calls have short sub-steps, at the ends of which the places are rounding of rounding.
+    for end in [1e-7, 1e-3, 1.0] {
+        let mut m = motion(machine.clone().unwrap());
+        let at = m.coordinate(0);
+        assert!(events(&mut m, end).is_empty());
+        assert!((m.coordinate(0) - at).abs() < 1e-15 && m.coordinate(2).abs() < 1e-15);
     }
 }

@@ -112,7 +112,12 @@ impl Described {
 
 impl Described {
     fn motion(&self) -> Result<Motion, Failure> {
-        Ok(Motion::new(Arc::new(Assembly::new((*self.description).clone())?))?)
+        self.motion_observed(&mut |_| {})
+    }
+
+    /// The motion from the start, with the impacts that are there.
+    fn motion_observed(&self, observer: &mut dyn FnMut(&Event)) -> Result<Motion, Failure> {
+        Ok(Motion::new_observed(Arc::new(Assembly::new((*self.description).clone())?), observer)?)
     }
 
     fn machine(&self, section: Option<SectionChoice>) -> Machine {
@@ -161,10 +166,10 @@ pub fn simulate_assembly<'py>(
 ) -> PyResult<AssemblyRun<'py>> {
     let (own, times) = (machine.clone(), numbers(&t)?);
     let (samples, energies, events) = compute(py, progress, move |control| {
-        let mut motion = own.motion()?;
+        let mut events: Vec<Event> = Vec::new();
+        let mut motion = own.motion_observed(&mut |event| events.push(event.clone()))?;
         let (mut samples, mut energies) = (Vec::new(), Vec::new());
         samples.try_reserve_exact(times.len())?;
-        let mut events: Vec<Event> = Vec::new();
         for &time in &times {
             control.check()?;
             motion.advance_observed(time, &mut |event| events.push(event.clone()))?;

@@ -115,12 +115,12 @@ pub enum Ended {
 /// [`Error::Assembly`] for a machine without a motion from its start.
 pub fn record(machine: Description, times: &[f64], goes_on: &mut dyn FnMut(usize) -> bool) -> Result<Record> {
     let assembly = Arc::new(Assembly::new(machine)?);
-    let motion = Motion::new(assembly.clone())?;
+    let mut events = Vec::new();
+    let motion = Motion::new_observed(assembly.clone(), &mut |event| events.push(event.clone()))?;
     let (kinetic, stored) = motion.kinetic_and_stored();
     let start = kinetic + stored - motion.energy().balance();
     let columns = columns(&assembly.description);
-    let mut record =
-        Record { assembly, columns, rows: Vec::new(), events: Vec::new(), motion, start, ended: None };
+    let mut record = Record { assembly, columns, rows: Vec::new(), events, motion, start, ended: None };
     for (done, &time) in times.iter().enumerate() {
         let events = &mut record.events;
         if let Err(error) = record.motion.advance_observed(time, &mut |event| events.push(event.clone())) {

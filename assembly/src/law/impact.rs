@@ -136,7 +136,7 @@ impl Instant<'_> {
                 impact.work += p[k] * self.prescribed_speed(stop, z);
             }
         }
-        self.apply(stops, &p, z);
+        impact.work += self.apply(stops, &p, z);
         Ok(impact)
     }
 
@@ -176,15 +176,18 @@ impl Instant<'_> {
         }
     }
 
-    fn apply(&self, stops: &[usize], p: &DVector<f64>, z: &mut DVector<f64>) {
+    /// Changes the velocities by impulses; returns the work that prescribed motions do through links meanwhile.
+    fn apply(&self, stops: &[usize], p: &DVector<f64>, z: &mut DVector<f64>) -> f64 {
         let n = self.system.coordinates;
         let mut kick = DVector::zeros(n);
         for (k, &stop) in stops.iter().enumerate() {
             kick.axpy(p[k], &self.system.stops[stop].elongation.w, 1.0);
         }
         let change = self.system.inertia.solve(&kick);
+        let work = self.system.carried(z).map_or(0.0, |carried| -carried.dot(&change));
         let mut v = z.rows_mut(n, n);
         v -= change;
+        work
     }
 
     /// The nearest velocities, in the inertia's metric, with which no touching stop closes: an impact of all with
@@ -197,7 +200,7 @@ impl Instant<'_> {
         for (k, &stop) in self.touching.iter().enumerate() {
             impacts.projected_loss += p[k] * (0.5 * u[k] - self.prescribed_speed(stop, z));
         }
-        self.apply(self.touching, &p, z);
+        impacts.projected_loss -= self.apply(self.touching, &p, z);
         impacts.projected = true;
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! A motion that goes on in a machine of which numbers have changed, and one that goes on from what was saved.
 
+use super::jump::Parted;
 use super::{Hybrid, Motion};
 use crate::assembly::Assembly;
 use crate::error::Error;
@@ -31,6 +32,7 @@ impl Motion {
         let mut old = self.clone();
         old.pass_event(&mut None)?;
         old.take_in_flight();
+        let stood = old.before_jump();
         let (system, bodies) = (&assembly.system, &old.assembly.system.bodies_of);
         if system.bodies_of != *bodies || system.stops.len() != old.hybrid.impacts.len() {
             let (value, allowed) =
@@ -79,7 +81,8 @@ impl Motion {
         let (late, is_general, most_work) = (old.late, old.is_general, old.most_work);
         let mut motion = Self { late, is_general, most_work, ..Self::of(assembly, hybrid) };
         motion.tables.most = old.tables.most;
-        motion.settle(&[], &mut None)?;
+        let parted = stood.map_or_else(Parted::default, |stood| motion.jump(&stood));
+        motion.settle(&[], &parted, &mut None)?;
         Ok(motion)
     }
 }

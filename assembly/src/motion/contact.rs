@@ -1,6 +1,7 @@
 //! What happens at an event: impacts, the mode that follows, and what is reported.
 
 use super::event::EventKind;
+use super::jump::{Before, Parted};
 use super::report::report;
 use super::{Hybrid, Motion, Observer, Scratch};
 use crate::error::Error;
@@ -22,6 +23,10 @@ const LATE_BOUNCES: f64 = 100.0;
 /// A watched functional's coefficient that is positive where the law says negative is rounding up to this many times the size under
 /// which it counts as zero; beyond, the modes would change without end, which is told.
 pub(super) const DOUBTFUL: f64 = 1e3;
+
+/// A body that moves goes further in a flight than this part of its length times what the forces by themselves would make of the rate; the
+/// place of one that stands still has the rounding of this way at most.
+const STANDING: f64 = 0.01;
 
 /// What an event says of the elements that take part.
 #[derive(Clone, Default)]
@@ -58,15 +63,21 @@ pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
 }
 
 impl Motion {
-    /// Impacts and the mode that follow the present state, where the functionals `ended` have passed zero.
-    pub(super) fn settle(&mut self, ended: &[Watch], observer: &mut Observer) -> Result<(), Error> {
+    /// Impacts and the mode that follow the present state, where the functionals `ended` have passed zero and a jump has taken contacts
+    /// `parted`.
+    pub(super) fn settle(
+        &mut self,
+        ended: &[Watch],
+        parted: &Parted,
+        observer: &mut Observer,
+    ) -> Result<(), Error> {
         self.take_in_flight();
         if let [watch] = *ended
             && self.lone_event(watch, observer)
         {
             return Ok(());
         }
-        let flags = self.flags(ended);
+        let flags = self.flags(ended, parted);
         self.place_on_contacts(&flags);
         let before = self.hybrid.mode.clone();
         let touching: Vec<usize> = (0..flags.stops.len()).filter(|&i| flags.stops[i]).collect();
@@ -80,7 +91,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Takes the flight since the mode began into the sizes of the velocities (docs/assembly-law.md (A14)).
+    /// Takes the flight since the mode began into the sizes of velocities and places (docs/assembly-law.md (A14)).
     pub(super) fn take_in_flight(&mut self) {
         let (time, one) = (self.time(), self.assembly.system.signals.one);
         let hybrid = &mut self.hybrid;
@@ -96,8 +107,11 @@ impl Motion {
         rates.resize(start.len(), 0.0);
         let flown = &mut rates[..one - one / 2];
         self.tables.at(self.place).table.flown(start, time - hybrid.since, second, flown);
-        for (size, flown) in sizes[one / 2..].iter_mut().zip(flown) {
-            *size = size.max(*flown);
+        let flight = STANDING * (time - hybrid.since).min(self.tables.at(self.place).table.length);
+        let (places, rates) = sizes.split_at_mut(one / 2);
+        for ((place, rate), flown) in places.iter_mut().zip(rates).zip(flown) {
+            *place = place.max(flight * *flown);
+            *rate = rate.max(*flown);
         }
         hybrid.since = time;
     }
@@ -109,11 +123,22 @@ impl Motion {
     }
 
     /// A knot of a signal: prescribed bodies may have jumped.
-    pub(super) fn knot(&mut self, observer: &mut Observer) -> Result<(), Error> {
+    pub(super) fn knot(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
-        self.check_jumps()?;
         report(observer, self.time(), EventKind::Knot);
-        self.settle(&[], observer)
+        self.set_anew(stood, observer)
+    }
+
+    /// What follows where signals have been set anew.
+    pub(super) fn set_anew(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
+        let mut parted = Parted::default();
+        if let Some(stood) = stood {
+            parted = self.jump(&stood);
+            let work = self.work_of_jump(&stood);
+            self.hybrid.energy.impact(0.0, work);
+        }
+        self.check_jumps()?;
+        self.settle(&[], &parted, observer)
     }
 
     /// A jump of a prescribed body must not violate a rigid stop.
@@ -135,7 +160,7 @@ impl Motion {
         self.hybrid.z.rows(n, n).into_owned()
     }
 
-    fn flags(&self, ended: &[Watch]) -> Flags {
+    fn flags(&self, ended: &[Watch], parted: &Parted) -> Flags {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         let mut flags = Flags {
             stops: vec![false; system.stops.len()],
@@ -146,11 +171,12 @@ impl Motion {
         for (i, stop) in system.stops.iter().enumerate() {
             if stop.restitution().is_some() {
                 let near = stop.excess.at(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess);
-                flags.stops[i] = near || hybrid.mode.stops.get(i) == Some(&StopState::Closed);
+                let is_closed = hybrid.mode.stops.get(i) == Some(&StopState::Closed);
+                flags.stops[i] = near || (is_closed && !parted.stops.contains(&i));
             }
         }
         for (i, state) in hybrid.mode.frictions.iter().enumerate() {
-            flags.resting[i] = state.sticks();
+            flags.resting[i] = state.sticks() && !parted.frictions.contains(&i);
         }
         for &watch in ended {
             match watch {

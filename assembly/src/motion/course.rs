@@ -6,6 +6,7 @@
 //! hosts that look for a change of sign need.
 
 use super::event::Event;
+use super::jump::Parted;
 use super::{Motion, Observer, saved};
 use crate::assembly::Assembly;
 use crate::energy::{Accounts, Samples};
@@ -246,8 +247,9 @@ impl Motion {
         let mut changed = false;
         if self.is_at_knot(course) {
             course.event = self.time();
+            let stood = self.before_jump();
             self.refill_on(course);
-            self.knot(observer)?;
+            self.knot(stood, observer)?;
             changed = true;
         }
         for _ in 0..CHAIN * (self.assembly.system.indicators() + 1) {
@@ -259,7 +261,7 @@ impl Motion {
             course.event = self.time();
             self.hybrid.last = ended.first().copied();
             let (mode, z) = (self.hybrid.mode.clone(), self.hybrid.z.clone());
-            self.settle(&ended, observer)?;
+            self.settle(&ended, &Parted::default(), observer)?;
             if mode == self.hybrid.mode && z == self.hybrid.z {
                 return Ok(changed);
             }

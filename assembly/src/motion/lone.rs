@@ -170,7 +170,11 @@ impl Motion {
             return false;
         }
         let hybrid = &mut self.hybrid;
-        hybrid.energy.impact(0.5 * (1.0 - restitution) * speed * impulse, impulse * prescribed);
+        let system = &self.assembly.system;
+        let mobility = &system.stops[i].elongation.mobility;
+        let carried = system.carried(&hybrid.z).map_or(0.0, |carried| carried.dot(mobility));
+        let work = impulse * (prescribed - carried);
+        hybrid.energy.impact(0.5 * (1.0 - restitution) * speed * impulse, work);
         let record = &mut hybrid.impacts[i];
         *record = (record.0 + 1, impulse);
         report(observer, self.time(), EventKind::Impact { stop: i, speed, impulse, stops: 1 });

@@ -4,6 +4,7 @@ mod change;
 mod contact;
 mod course;
 mod event;
+mod jump;
 mod lone;
 mod long;
 mod passage;
@@ -24,6 +25,7 @@ use crate::flow::{Ahead, Group, Rows, Table};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
+use jump::Parted;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -129,12 +131,24 @@ impl Motion {
         Self::starting_at(assembly, 0.0)
     }
 
+    /// The same motion, of which the impacts at the start are told, too.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn new_observed(assembly: Arc<Assembly>, observer: &mut dyn FnMut(&Event)) -> Result<Self, Error> {
+        Self::begin(assembly, 0.0, &mut Some(observer))
+    }
+
     /// The motion from the start that the machine gives, at another time in s: there the bodies have their start values, while signals
     /// have the values of that time.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::OutOfRange`] for a time that is not finite.
     pub fn starting_at(assembly: Arc<Assembly>, time: f64) -> Result<Self, Error> {
+        Self::begin(assembly, time, &mut None)
+    }
+
+    fn begin(assembly: Arc<Assembly>, time: f64, observer: &mut Observer) -> Result<Self, Error> {
         if !time.is_finite() {
             return Err(Error::OutOfRange {
                 name: "start time".into(),
@@ -176,7 +190,7 @@ impl Motion {
             due: None,
         };
         let mut motion = Self::of(assembly, hybrid);
-        motion.settle(&[], &mut None)?;
+        motion.settle(&[], &Parted::default(), observer)?;
         Ok(motion)
     }
 
@@ -344,9 +358,10 @@ impl Motion {
             self.restore(&before);
             return Err(error);
         }
+        let stood = self.before_jump();
         self.hybrid.inputs[i] = (self.time(), derivatives);
         self.refill();
-        if let Err(error) = self.settle(&[], &mut None) {
+        if let Err(error) = self.set_anew(stood, &mut None) {
             self.restore(&before);
             return Err(error);
         }

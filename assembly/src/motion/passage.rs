@@ -11,6 +11,8 @@ use vibro_impact::events::{crossing_after_start, first_crossing};
 const REACH: f64 = 9.0;
 /// Halvings of a sub-step for its reach.
 const HALVINGS: i32 = 6;
+/// What passes in this part of a sub-step before a knot, and is no further beyond there than what counts as zero, passes at the knot.
+const AT_KNOT: f64 = 1e-7;
 /// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6! < 4e-6 of its size.
 const LATE: usize = 6;
 
@@ -117,6 +119,32 @@ impl Flight<'_> {
             return Some(late.filter(|late| late.at.time(table) < at.time(table)).unwrap_or(first));
         }
         late
+    }
+
+    /// Whether a passage is one at the knot at the end of its span, but for rounding: there nothing watched is beyond its limit by more than what
+    /// counts as zero, or the clock shows the knot's time.
+    #[inline(never)]
+    pub(super) fn is_at_knot(
+        &self,
+        passage: &Passage,
+        (span, knot): (f64, f64),
+        scratch: &mut Scratch,
+    ) -> bool {
+        let Self { table, hybrid } = self;
+        let time = passage.at.time(table);
+        if hybrid.time.plus(time).value() >= knot {
+            return true;
+        }
+        if span - time > AT_KNOT * table.length {
+            return false;
+        }
+        let (end, Scratch { start, interval, ahead, .. }) = (Point::end(span, table), scratch);
+        let (start, mut there) = (start.as_mut_slice(), hybrid.z.as_slice().to_vec());
+        table.at_interval_start(end.interval, &there, ahead, start);
+        table.begin_interval(start, ahead);
+        *interval = Some(end.interval);
+        table.within(start, end.dt, true, ahead, &mut there);
+        table.watched.iter().all(|w| w.row.at(&there) <= hybrid.sizes.zero_of(&w.row))
     }
 
     /// The first passage of a functional that leaves zero with a high order: at the ends of the first intervals it may still be rounding, so

@@ -1,5 +1,6 @@
 //! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
 
+use super::jump::Parted;
 use super::passage::{Flight, Point};
 use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
 use crate::energy::Samples;
@@ -92,10 +93,11 @@ impl Motion {
     /// Applies the law of an event that is due.
     pub(super) fn pass_event(&mut self, observer: &mut Observer) -> Result<(), Error> {
         match self.hybrid.due.take() {
-            Some(Due::Passage(watch)) => self.settle(&[watch], observer),
+            Some(Due::Passage(watch)) => self.settle(&[watch], &Parted::default(), observer),
             Some(Due::Knot) => {
+                let stood = self.before_jump();
                 self.refill();
-                self.knot(observer)
+                self.knot(stood, observer)
             }
             None => Ok(()),
         }
@@ -178,7 +180,11 @@ impl Motion {
         table.look_ahead(hybrid.z.as_slice(), most, [rates, second], ahead, heads);
         let flight = Flight { table, hybrid };
         let span = flight.within_reach(most, &scratch.heads);
-        let passage = flight.first_passage(span, scratch);
+        let mut passage = flight.first_passage(span, scratch);
+        if at_knot && span >= remaining {
+            let knot = (span, goal.value());
+            passage = passage.filter(|passage| !flight.is_at_knot(passage, knot, scratch));
+        }
         let whole = span == table.length && passage.is_none();
         let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
@@ -241,10 +247,28 @@ impl Motion {
     #[inline(always)]
     pub(super) fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
+        let mut any_leaves = false;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
-            let stays =
-                *order == ORDERS && w.row.at(z.as_slice()).abs() <= LEAVES_ZERO * sizes.zero_of(&w.row);
-            *order = if stays { ORDERS } else { 0 };
+            if *order == ORDERS {
+                any_leaves |= w.row.at(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row);
+            } else {
+                *order = 0;
+            }
+        }
+        if any_leaves {
+            self.let_leave();
+        }
+    }
+
+    /// Watches again what has left zero, after what the flight adds to the sizes: what stands still has none of its own.
+    #[inline(never)]
+    fn let_leave(&mut self) {
+        self.take_in_flight();
+        let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
+        for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
+            if *order == ORDERS && w.row.at(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row) {
+                *order = 0;
+            }
         }
     }
 }

@@ -1,0 +1,110 @@
+//! Signals that are set anew, at a knot or from outside: prescribed bodies may jump in place and in rate, and what links tie to them
+//! jumps along (docs/assembly-law.md, section 3, Jumps).
+
+use super::Motion;
+use crate::mode::StopState;
+use crate::system::Elongation;
+use nalgebra::DVector;
+
+/// How a machine stood before its signals were set anew.
+pub(super) struct Before {
+    /// By body its place and its rate.
+    bodies: Vec<[f64; 2]>,
+    /// By stop e - gap.
+    excess: Vec<f64>,
+    /// By friction e'.
+    rates: Vec<f64>,
+    /// The parts of the bodies' rates that prescribed bodies make.
+    prescribed: Vec<f64>,
+    /// Stored energy, J.
+    stored: f64,
+}
+
+/// The contacts that a jump has taken apart.
+#[derive(Debug, Default)]
+pub(super) struct Parted {
+    /// Rigid stops that were closed and have a gap now.
+    pub(super) stops: Vec<usize>,
+    /// Frictions that stuck and have a rate now.
+    pub(super) frictions: Vec<usize>,
+}
+
+impl Motion {
+    /// How it stands, where prescribed bodies could jump; `None` where there is none.
+    pub(super) fn before_jump(&self) -> Option<Before> {
+        let (system, z) = (&self.assembly.system, &self.hybrid.z);
+        system.has_motions.then(|| Before {
+            bodies: system.bodies.iter().map(|b| [b.s.dot(z), b.v.dot(z)]).collect(),
+            excess: system.stops.iter().map(|s| s.excess.dot(z)).collect(),
+            rates: system.frictions.iter().map(|f| f.elongation.rate.dot(z)).collect(),
+            prescribed: self.prescribed_rates(),
+            stored: self.kinetic_and_stored().1,
+        })
+    }
+
+    /// Carries out the jump of prescribed bodies that has been made since `before`: what links tie to them takes its share.
+    pub(super) fn jump(&mut self, before: &Before) -> Parted {
+        self.hybrid.sizes.include(self.hybrid.z.as_slice());
+        let shares = [self.share(before, 0), self.share(before, 1)];
+        let n = self.assembly.system.coordinates;
+        for (first, share) in [0, n].into_iter().zip(shares) {
+            if let Some(share) = share {
+                let mut moved = self.hybrid.z.rows_mut(first, n);
+                moved += share;
+            }
+        }
+        self.hybrid.sizes.include(self.hybrid.z.as_slice());
+        self.apart(before)
+    }
+
+    /// The change of the coordinates (`which` 0) or of their rates (1) by which a jump of the prescribed bodies moves the free bodies as little
+    /// as their links allow, in the inertia's metric: M Δq = -Bᵀ m D Δp, which is what an ever faster motion in place of the jump
+    /// does. `None` where no link takes part.
+    fn share(&self, before: &Before, which: usize) -> Option<DVector<f64>> {
+        let (system, z) = (&self.assembly.system, &self.hybrid.z);
+        let mut pull = DVector::zeros(system.coordinates);
+        let mut any = false;
+        for ((body, &inertia), was) in system.bodies.iter().zip(&system.inertias).zip(&before.bodies) {
+            let row = if which == 0 { &body.s } else { &body.v };
+            let jump = row.dot(z) - was[which];
+            if inertia > 0.0 && jump.abs() > self.hybrid.sizes.zero(row) {
+                pull.axpy(-inertia * jump, &body.weights, 1.0);
+                any = true;
+            }
+        }
+        any.then(|| system.inertia.solve(&pull))
+    }
+
+    /// The parts of the bodies' rates that prescribed bodies make, (D p')ᵢ.
+    fn prescribed_rates(&self) -> Vec<f64> {
+        let (system, z, n) = (&self.assembly.system, &self.hybrid.z, self.assembly.system.coordinates);
+        let own = |v: &DVector<f64>| v.rows(n, n).dot(&z.rows(n, n));
+        system.bodies.iter().map(|b| b.v.dot(z) - own(&b.v)).collect()
+    }
+
+    /// The work of the motions at a jump: the impulses of the links times the prescribed rates amid it, and what springs, stops and weight store by it.
+    pub(super) fn work_of_jump(&self, before: &Before) -> f64 {
+        let (system, z) = (&self.assembly.system, &self.hybrid.z);
+        let rates = before.prescribed.iter().zip(self.prescribed_rates());
+        let bodies = system.bodies.iter().zip(&system.inertias).zip(&before.bodies);
+        let impulses = bodies.map(|((body, inertia), was)| inertia * (body.v.dot(z) - was[1]));
+        let kinetic: f64 = impulses.zip(rates).map(|(impulse, (was, is))| 0.5 * impulse * (was + is)).sum();
+        kinetic + self.kinetic_and_stored().1 - before.stored
+    }
+
+    /// Contacts of the mode in force that a jump has taken apart.
+    fn apart(&self, before: &Before) -> Parted {
+        let Self { assembly, hybrid, .. } = self;
+        let (system, z) = (&assembly.system, &hybrid.z);
+        let opened = |&(i, state): &(usize, &StopState)| {
+            let excess = &system.stops[i].excess;
+            *state == StopState::Closed && excess.dot(z) - before.excess[i] < -hybrid.sizes.zero_of(excess)
+        };
+        let jumped = |i: usize, e: &Elongation| {
+            (e.rate.dot(z) - before.rates[i]).abs() > hybrid.sizes.zero_of(&e.rate)
+        };
+        let stops = hybrid.mode.stops.iter().enumerate().filter(opened).map(|(i, _)| i);
+        let frictions = (0..system.frictions.len()).filter(|&i| jumped(i, &system.frictions[i].elongation));
+        Parted { stops: stops.collect(), frictions: frictions.collect() }
+    }
+}

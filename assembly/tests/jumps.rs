@@ -1,0 +1,169 @@
+//! Signals that are set anew: prescribed bodies that jump in place and in rate, and events at the instant of a knot.
+
+mod common;
+
+use common::*;
+use std::sync::Arc;
+use vibro_assembly::file::{no_records, parse};
+use vibro_assembly::motion::EventKind;
+use vibro_assembly::{Assembly, Motion};
+
+/// Some tens of roundings of numbers about one.
+const ROUNDING: f64 = 1e-14;
+
+fn text(toml: &str) -> Motion {
+    motion(parse(toml, "jumps.toml", &no_records).unwrap_or_else(|e| panic!("{e}")))
+}
+
+fn near(a: f64, b: f64) {
+    assert!((a - b).abs() < ROUNDING, "{a} instead of {b}");
+}
+
+/// What the accounts say less what the energies say.
+fn off_balance(m: &Motion, start: f64) -> f64 {
+    let (kinetic, stored) = m.kinetic_and_stored();
+    kinetic + stored - start - m.energy().balance()
+}
+
+#[test]
+fn closed_form_friction_on_a_belt_that_starts_and_stops_at_once() {
+    let mut m = text(
+        "name = \"Belt\"\n[body.b]\nmass = 1.0\n[body.belt]\nmotion = { table = [[0.25, 0.0], [0.5, 0.25], [1.0, 0.25]] }\n\
+         [friction.f]\nbetween = [\"belt\", \"b\"]\nforce = 2.0\n",
+    );
+    let all = events(&mut m, 0.5);
+    // Sticking ends where the belt starts with 1 m/s, and the body is pulled with 2 m/s² up to 0.5 m/s.
+    near(m.body(0)[0], 0.0625);
+    near(m.body(0)[1], 0.5);
+    assert_eq!(times(&all, |k| matches!(k, EventKind::Slip { direction: -1.0, .. })), [0.25]);
+    assert_eq!(times(&all, |k| matches!(k, EventKind::Slip { direction: 1.0, .. })), [0.5]);
+    m.advance_to(1.0).unwrap();
+    near(m.body(0)[0], 0.125);
+    near(m.body(0)[1], 0.0);
+    near(m.energy().motions.value(), 0.5);
+    near(off_balance(&m, 0.0), 0.0);
+}
+
+#[test]
+fn closed_form_base_that_steps_away_from_what_lies_on_it() {
+    let mut m = text(
+        "name = \"Base\"\ngravity = 10.0\n[body.b]\nmass = 1.0\ngravity = 1.0\n[body.base]\nmotion = { steps = [[0.5, 0.1]] }\n\
+         [stop.r]\nbetween = [\"base\", \"b\"]\ngap = 0.0\nrestitution = 0.0\n",
+    );
+    let all = events(&mut m, 0.6);
+    near(m.body(0)[0], 0.05);
+    assert_eq!(times(&all, |k| matches!(k, EventKind::Open { .. })), [0.5]);
+    let all = events(&mut m, 1.0);
+    near(times(&all, |k| matches!(k, EventKind::Impact { .. }))[0], 0.5 + 0.02f64.sqrt());
+    near(m.body(0)[0], 0.1);
+    near(m.energy().impacts.value(), 1.0);
+    near(off_balance(&m, 0.0), 0.0);
+}
+
+/// A differential: two bodies, the sum of whose ways is that of a prescribed one, and springs that store what a step does.
+fn differential(motion: &str, order: [&str; 2]) -> Motion {
+    let bodies: String = order
+        .iter()
+        .map(|name| format!("[body.{name}]\nmass = {}\n", if *name == "a" { 1.0 } else { 3.0 }))
+        .collect();
+    text(&format!(
+        "name = \"D\"\n{bodies}[body.p]\nmotion = {{ {motion} }}\n[link.l]\narms = {{ a = 1.0, b = 1.0, p = -1.0 }}\n\
+         [spring.k]\nbetween = [\"a\", \"b\"]\nstiffness = 40.0\n[spring.base]\nbetween = [\"p\", \"b\"]\nstiffness = 20.0\n"
+    ))
+}
+
+#[test]
+fn closed_form_links_share_a_jump_by_inertia() {
+    for order in [["a", "b"], ["b", "a"]] {
+        let place = |name: &str| order.iter().position(|n| *n == name).unwrap();
+        let (a, b) = (place("a"), place("b"));
+        // An impulse in the link moves one of them three times as fast as the other: of a rate, and of a step's way.
+        let mut m = differential("table = [[0.25, 0.0], [0.5, 1.0]]", order);
+        m.advance_to(0.25).unwrap();
+        near(m.body(a)[1], 3.0);
+        near(m.body(b)[1], 1.0);
+        let mut m = differential("steps = [[0.25, 0.4]]", order);
+        m.advance_to(0.25).unwrap();
+        near(m.body(a)[0], 0.3);
+        near(m.body(b)[0], 0.1);
+        m.advance_to(1.0).unwrap();
+        near(m.body(a)[0] + m.body(b)[0], 0.4);
+        near(off_balance(&m, 0.0), 0.0);
+    }
+}
+
+#[test]
+fn closed_form_inputs_that_jump_a_belt_and_a_base() {
+    let mut m = text(
+        "name = \"I\"\n[body.b]\nmass = 1.0\n[body.belt]\nmotion = { input = true }\n\
+         [friction.f]\nbetween = [\"belt\", \"b\"]\nforce = 2.0\n[stop.r]\nbetween = [\"b\", \"belt\"]\ngap = 0.5\nrestitution = 0.5\n",
+    );
+    m.advance_to(0.25).unwrap();
+    m.set_input(0, [0.0, 1.0, 0.0, 0.0]).unwrap();
+    m.advance_to(0.5).unwrap();
+    near(m.body(0)[0], 0.0625);
+    // A step that violates the stop is refused, and nothing has changed.
+    let refused = m.set_input(0, [1.0, 0.0, 0.0, 0.0]).unwrap_err().to_string();
+    assert!(refused.contains("stop.r") && refused.contains("e - gap"), "{refused}");
+    near(m.body(0)[0], 0.0625);
+    near(m.body(1)[0], 0.25);
+}
+
+#[test]
+fn closed_form_force_that_touches_its_level_at_a_knot_makes_no_slip() {
+    // What holds the body is at its level at the peak of the load alone; a rounding before it would make it slip and stick.
+    for peak in [0.3, 0.4, 0.5, 0.6, 0.7, 0.9, 1.1] {
+        let mut m = text(&format!(
+            "name = \"T\"\n[body.b]\nmass = 1.0\n[friction.f]\nbetween = [\"ground\", \"b\"]\nforce = 2.0\n\
+             [load.l]\non = \"b\"\ntable = [[0.0, 0.0], [{peak}, -2.0], [1.7, 1.0]]\n"
+        ));
+        let all = events(&mut m, 1.5);
+        assert_eq!(times(&all, |k| !matches!(k, EventKind::Knot)), [0.0; 0], "{peak}");
+        near(m.body(0)[0], 0.0);
+    }
+}
+
+#[test]
+fn invariant_every_knot_is_told_beside_what_ends_there() {
+    // A stop's force goes to zero with zero slope at a knot, where rounding sees it end before; a body meets a stop there, too.
+    for knot in [0.8125f64, 0.3, 0.7] {
+        let mut m = text(&format!(
+            "name = \"K\"\n[body.b]\nmass = 0.5\n[body.c]\nmass = 1.0\nstart = {{ s = -{knot}, v = 1.0 }}\n\
+             [stop.r]\nbetween = [\"ground\", \"b\"]\ngap = 0.0\nrestitution = 0.0\n\
+             [stop.h]\nbetween = [\"ground\", \"c\"]\ngap = 0.0\nrestitution = 0.5\n\
+             [load.l]\non = \"b\"\ntable = [[0.1, 3.0], [0.2, 2.0], [{knot}, 0.0], [1.2, 0.0]]\ninterpolation = \"cubic\"\n"
+        ));
+        let all = events(&mut m, 1.0);
+        assert_eq!(times(&all, |k| matches!(k, EventKind::Knot)), [0.1, 0.2, knot]);
+        let hit = times(&all, |k| matches!(k, EventKind::Impact { stop: 1, .. }));
+        assert!(hit.len() == 1 && (hit[0] - knot).abs() < ROUNDING, "{hit:?}");
+    }
+}
+
+#[test]
+fn invariant_impacts_at_the_start_are_told() {
+    let toml = "name = \"S\"\n[body.b]\nmass = 1.0\nstart = { s = 0.0, v = 1.0 }\n\
+                [stop.r]\nbetween = [\"ground\", \"b\"]\ngap = 0.0\nrestitution = 0.5\n";
+    let machine = parse(toml, "start.toml", &no_records).unwrap();
+    let mut all = Vec::new();
+    let m = Motion::new_observed(Arc::new(Assembly::new(machine).unwrap()), &mut |e| all.push(e.clone()))
+        .unwrap();
+    near(m.body(0)[1], -0.5);
+    let told = |k: &EventKind| matches!(k, EventKind::Impact { stop: 0, speed: 1.0, stops: 1, .. });
+    assert_eq!(times(&all, told), [0.0]);
+}
+
+#[test]
+fn invariant_energy_of_impacts_on_bodies_that_links_tie_to_a_moving_one() {
+    // At an impact the link that carries two bodies along has an impulse, too, and the prescribed body does work by it; of one stop and of two.
+    for second in ["", "[stop.t]\narms = { a = 2.0 }\ngap = 0.2\nrestitution = 0.3\n"] {
+        let mut m = text(&format!(
+            "name = \"C\"\n[body.a]\nmass = 1.0\nstart = {{ v = 0.75 }}\n[body.b]\nmass = 3.0\nstart = {{ v = 0.25 }}\n[body.p]\nmotion = {{ rate = 1.0 }}\n\
+             [link.l]\narms = {{ a = 1.0, b = 1.0, p = -1.0 }}\n[stop.s]\narms = {{ a = 1.0 }}\ngap = 0.1\nrestitution = 0.5\n{second}"
+        ));
+        let (kinetic, stored) = m.kinetic_and_stored();
+        let all = events(&mut m, 1.0);
+        assert!(!times(&all, |k| matches!(k, EventKind::Impact { .. })).is_empty());
+        near(off_balance(&m, kinetic + stored), 0.0);
+    }
+}
