@@ -3,7 +3,7 @@
 use super::curve::{Equations, Linearization};
 use super::cycle::{Cycle, Functional};
 use super::obstacle::Obstacle;
-use super::system::{ConstantLoads, System};
+use super::system::System;
 use super::word::OrbitWord;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -53,11 +53,10 @@ impl Span {
     }
 }
 
-/// The machines over a parameter, or over two: all other parameters and the constant loads are held.
+/// The machines over a parameter, or over two: all other parameters are held.
 #[derive(Clone, Debug)]
 pub struct Family {
     set: ParameterSet,
-    loads: ConstantLoads,
     spans: Vec<Span>,
     /// Whether the block of one of the machines has no spring: the equations are then the same for all.
     anchored: bool,
@@ -68,34 +67,26 @@ impl Family {
     ///
     /// # Errors
     /// What the machines at the ends of the range refuse.
-    pub fn new(set: &ParameterSet, loads: ConstantLoads, span: Span) -> Result<Self, Error> {
-        Self::over(set, loads, vec![span])
+    pub fn new(set: &ParameterSet, span: Span) -> Result<Self, Error> {
+        Self::over(set, vec![span])
     }
 
     /// The machines over two parameters.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::Form`] when one parameter is the other by another name.
-    pub fn over_two(
-        set: &ParameterSet,
-        loads: ConstantLoads,
-        first: Span,
-        second: Span,
-    ) -> Result<Self, Error> {
+    pub fn over_two(set: &ParameterSet, first: Span, second: Span) -> Result<Self, Error> {
         if first.name.is_same_quantity(second.name) {
             let text = format!("{},{}", first.name.name(), second.name.name());
             return Err(Error::Form { text, expected: "two independent parameters, e.g. f10,kappa" });
         }
-        Self::over(set, loads, vec![first, second])
+        Self::over(set, vec![first, second])
     }
 
-    fn over(set: &ParameterSet, loads: ConstantLoads, spans: Vec<Span>) -> Result<Self, Error> {
+    fn over(set: &ParameterSet, spans: Vec<Span>) -> Result<Self, Error> {
         // A span has public fields, so that it need not come from `Span::new`.
         spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
-        // The set's own loads are among the family's; a load that varies is added to them by `System::with_loads`.
-        let (set, own) = set.without_loads();
-        let forces = std::array::from_fn(|body| loads.forces[body] + own[body]);
-        let family = Self { set, loads: ConstantLoads { forces }, spans, anchored: false };
+        let family = Self { set: set.clone(), spans, anchored: false };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
         // A range of the coupling begins at 0 at the least.
         let anchored = family.system(&from)?.has_free_block() || family.system(&to)?.has_free_block();
@@ -127,20 +118,15 @@ impl Family {
     /// A machine of the family.
     ///
     /// # Errors
-    /// As [`System::with_loads`] and the range that a value violates.
+    /// As [`System::new`] and the range that a value violates.
     pub fn system(&self, values: &[f64]) -> Result<System, Error> {
-        let system = System::with_loads(self.parameter_set(values)?.parameters(), self.loads)?;
+        let system = System::new(self.parameter_set(values)?.parameters())?;
         Ok(if self.anchored { system.anchored() } else { system })
-    }
-
-    /// The loads, that of the parameter set with them; without one that varies.
-    pub fn loads(&self) -> ConstantLoads {
-        self.loads
     }
 
     /// Whether mirror images of orbits are orbits.
     pub fn is_symmetric(&self) -> bool {
-        self.loads == ConstantLoads::NONE && !self.spans.iter().any(|span| span.name.is_load())
+        self.set.parameters().constant_loads == [0.0; 3] && !self.spans.iter().any(|span| span.name.is_load())
     }
 
     /// The parameters' values at a point of a curve, which holds the phases and then the parameters in their units.

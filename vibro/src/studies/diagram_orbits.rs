@@ -17,8 +17,8 @@ use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::chart::Figure;
 use vibro_impact::simulator::Simulator;
 use vibro_orbits::{
-    Branch, ConstantLoads, Doubling, Family, Orbit, OrbitWord, PathOptions, RangeEnd, Span, StableRange,
-    Tree, TreeOptions, branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
+    Branch, Doubling, Family, Orbit, OrbitWord, PathOptions, RangeEnd, Span, StableRange, Tree, TreeOptions,
+    branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
 };
 
 /// Most values of a diagram at all of which motions are settled for the branches, in each direction.
@@ -81,7 +81,7 @@ pub struct DiagramOrbits {
 /// The parameter that orbits cannot vary, by name.
 pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
     let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
-    let family = Family::new(set, ConstantLoads::NONE, span)?;
+    let family = Family::new(set, span)?;
     // A free block and undamped modes are refused here, by any word; that there is no orbit with this one says nothing.
     let middle = family.system(&[0.5 * (span.from + span.to)])?;
     match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {

@@ -1,6 +1,5 @@
 //! Curves of bifurcations in two parameters.
 
-use super::orbits::said;
 use super::{Study, parameter_axis};
 use crate::Result;
 use crate::table::{CsvRows, exact};
@@ -104,11 +103,7 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[S
         format!("{} curves of bifurcations over ({}, {})", curves.len(), x.name.symbol(), y.name.symbol());
     let figure = Figure {
         title: "Bifurcations of periodic orbits".into(),
-        caption: vec![format!(
-            "Elsewhere {}{}",
-            set.caption_but(&[x.name, y.name]),
-            said(set, family.loads())
-        )],
+        caption: vec![format!("Elsewhere {}", set.caption_but(&[x.name, y.name]))],
         panels: vec![Panel { title: String::new(), x: axis(&x), y: axis(&y), layers }],
         columns: 1,
         panel: (2000, 1500),

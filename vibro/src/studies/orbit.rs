@@ -2,7 +2,6 @@
 
 use super::Study;
 use super::lengths::Lengths;
-use super::orbits::said;
 use crate::table::{CsvRows, exact};
 use crate::{Error, Result};
 use std::f64::consts::TAU;
@@ -46,7 +45,7 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
     let sign = if word.closing() > 0 { '+' } else { '-' };
     let figure = Figure {
         title: format!("Periodic orbit {word}{sign} of period {}T", word.period()),
-        caption: vec![format!("{stability}; {}{}", set.caption(), said(set, orbit.system().loads()))],
+        caption: vec![format!("{stability}; {}", set.caption())],
         panels: vec![
             history(orbit, &Lengths::of(set)),
             portrait(orbit, &Lengths::of(set)),
