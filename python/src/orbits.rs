@@ -169,7 +169,7 @@ pub fn settled_orbit(
 #[derive(IntoPyObject)]
 pub struct Branch<'py> {
     word: String,
-    closing: i8,
+    symmetric: bool,
     period: u32,
     closed: bool,
     value: Column<'py, f64>,
@@ -209,7 +209,7 @@ pub fn follow<'py>(
     let multipliers: Vec<[Complex<f64>; 6]> = points.iter().map(|p| p.multipliers).collect();
     Ok(Branch {
         word: branch.word.to_string(),
-        closing: branch.word.closing(),
+        symmetric: branch.word.closing() < 0,
         period: branch.word.period(),
         closed: branch.closed,
         value: column(py, &points.iter().map(|p| p.value).collect::<Vec<_>>()),
