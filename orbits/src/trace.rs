@@ -117,12 +117,7 @@ pub fn branch(
     let orbit = Orbit::find(&system, word, phases)?;
     if !orbit.is_certified() {
         let reason = "what solves its equations passes a stop between its impacts; another guess of the phases may help";
-        return Err(Error::NoOrbit {
-            word: word.to_string(),
-            closing: if word.closing() > 0 { '+' } else { '-' },
-            period: word.period(),
-            reason: reason.into(),
-        });
+        return Err(word.no_orbit(reason));
     }
     if word.is_empty() {
         let around = |b: &Branch| b.points.windows(2).any(|p| (p[0].value..=p[1].value).contains(&value));

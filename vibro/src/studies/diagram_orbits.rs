@@ -335,7 +335,7 @@ fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering
     if let Some(found) = tree.covering(family, value, &point.attractor)? {
         let branch = &tree.branches[found.branch];
         if let Some(range) = branch.stable_range_of(&found.orbit, value) {
-            let word = format!("{}{}", branch.word, if branch.word.closing() > 0 { '+' } else { '-' });
+            let word = branch.word.signed();
             return Ok(Covering::Branch { range, word, distance: found.distance });
         }
     }
@@ -357,9 +357,9 @@ fn range_table(sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
         CsvRows::new(["branch", "word", "closing", "period", &from, "label_from", &to, "label_to"])?;
     for branch in branches {
         for range in branch.stable_ranges() {
-            let sign = if branch.word.closing() > 0 { "+" } else { "-" };
+            let word = &branch.word;
             let own =
-                vec![branch.id.to_string(), branch.word.to_string(), sign.into(), range.period.to_string()];
+                vec![branch.id.to_string(), word.to_string(), word.sign().into(), range.period.to_string()];
             table.push(
                 [own, end_cells(Some(range.from)).to_vec(), end_cells(Some(range.to)).to_vec()].concat(),
             )?;

@@ -126,10 +126,6 @@ fn remarks(branches: &[Branch], points: usize, specials: usize) -> Vec<String> {
     ]
 }
 
-fn closing(branch: &Branch) -> &'static str {
-    if branch.word.closing() > 0 { "+" } else { "-" }
-}
-
 /// Text of a number that may be missing.
 fn or_empty(value: f64) -> String {
     if value.is_finite() { exact(value) } else { String::new() }
@@ -167,7 +163,7 @@ fn branch_table(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Result<V
                 exact(point.value),
                 branch.word.period().to_string(),
                 branch.word.to_string(),
-                closing(branch).into(),
+                branch.word.sign().into(),
                 point.stable.to_string(),
                 or_empty(point.multipliers[0].norm()),
                 or_empty(*top),
@@ -213,7 +209,7 @@ pub(super) fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>>
                 span.name.name().into(),
                 exact(point.value),
                 branch.word.to_string(),
-                closing(branch).into(),
+                branch.word.sign().into(),
                 branch.word.period().to_string(),
                 special.longer.as_ref().map_or(String::new(), ToString::to_string),
                 turns.into(),

@@ -46,7 +46,9 @@ pub fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
 
 /// Exit code and standard error of a run that must fail.
 pub fn refused(arguments: &[&str]) -> (i32, String) {
-    let output = command(&folder("cli-refused"), arguments).output().expect("vibro runs");
+    // Of its own, since tests run side by side.
+    let home = tempfile::tempdir().expect("a folder");
+    let output = command(&home.path().join("out"), arguments).output().expect("vibro runs");
     assert!(output.stdout.is_empty(), "{arguments:?}");
     (output.status.code().expect("a code"), String::from_utf8(output.stderr).expect("text"))
 }
