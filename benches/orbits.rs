@@ -8,9 +8,7 @@ use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::{Simulator, State};
-use vibro_orbits::{
-    ConstantLoads, Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of, settle, tree,
-};
+use vibro_orbits::{Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of, settle, tree};
 
 /// Rounds of which the least time counts.
 const ROUNDS: u32 = 5;
@@ -30,7 +28,7 @@ fn least(mut work: impl FnMut()) -> Duration {
 
 fn family(from: f64, to: f64) -> Family {
     let span = Span::new(find_group("f10").expect("a group"), from, to).expect("a range");
-    Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).expect("machines")
+    Family::new(&ParameterSet::basic(), span).expect("machines")
 }
 
 /// A stable orbit of the default set at f10.

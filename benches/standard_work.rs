@@ -13,11 +13,13 @@ use vibro_fmi::fmi2::description::{self, MODEL_IDENTIFIER};
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::simulator::advance_together;
-use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
+use vibro_impact::{Simulator, State};
 
 #[path = "../tests/common/golden.rs"]
 #[allow(dead_code, missing_docs)]
 mod golden;
+
+use golden::{standard, weak};
 
 /// Rounds: in each every way runs once, so that a change of the machine's speed meets all alike.
 const ROUNDS: usize = 15;
@@ -45,15 +47,6 @@ struct Way<'a> {
 /// One way with one motion.
 fn single<'a>(name: &str, periods: f64, run: Box<dyn Fn() -> Run<'a> + 'a>) -> Way<'a> {
     Way { name: name.into(), motions: 1, periods, run }
-}
-
-fn weak(kappa: f64, drive: f64) -> Parameters {
-    Groups::weak(0.1, kappa, drive, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).expect("valid")
-}
-
-fn standard() -> (Parameters, State) {
-    let p = weak(0.75, 1.5);
-    (p, State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] })
 }
 
 /// The least time: what the machine does when nothing else runs on it.

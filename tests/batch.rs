@@ -3,14 +3,10 @@
 
 mod common;
 
-use common::golden::{distance, table};
+use common::golden::{distance, table, weak};
 use rayon::prelude::*;
 use vibro_impact::simulator::{Event, Loads, Snapshot, advance_together};
-use vibro_impact::{Error, Groups, Parameters, Scales, Simulator, State};
-
-fn weak(kappa: f64, drive: f64) -> Parameters {
-    Groups::weak(0.1, kappa, drive, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).expect("valid")
-}
+use vibro_impact::{Error, Parameters, Simulator, State};
 
 fn start(place: f64) -> State {
     State { x: [0.0, place, 0.0], v: [0.0, 0.5, 0.0] }

@@ -2,17 +2,13 @@
 
 mod common;
 
-use common::golden::distance;
+use common::golden::{distance, weak};
 use std::ops::ControlFlow;
 use vibro_impact::model::Augmented;
 use vibro_impact::simulator::{
     DueEvent, Event, Loads, Maximum, MotionQueue, Pause, Plan, Reports, advance_queue, advance_together,
 };
-use vibro_impact::{Error, Groups, Parameters, Result, Scales, Simulator, State};
-
-fn weak(kappa: f64, drive: f64) -> Parameters {
-    Groups::weak(0.1, kappa, drive, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).expect("valid")
-}
+use vibro_impact::{Error, Parameters, Result, Simulator, State};
 
 /// Impacts, chatter, rest and none of them; several systems, of which neighbours share one.
 fn motions() -> Vec<Simulator> {

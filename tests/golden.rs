@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::golden::{distance, table};
+use common::golden::{distance, standard, table};
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Pause};
-use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
+use vibro_impact::{Simulator, State};
 
 /// Round-off of the gap after a flight of up to one and a half periods (the rows' states are of order one).
 const GAP_ROUNDING: f64 = 2e-14;
@@ -69,12 +69,6 @@ fn find_every_graze(parts: u32, gap_rounding: f64) {
         assert!(d < gap_rounding * loosened * 10.0, "{id}: {d:e}");
     }
     assert!(contacts > 250, "{contacts}");
-}
-
-/// The standard work (benches/standard_work.rs) in the very doubles that the library uses for it.
-fn standard() -> (Parameters, State) {
-    let p = Groups::weak(0.1, 0.75, 1.5, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).unwrap();
-    (p, State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] })
 }
 
 #[test]

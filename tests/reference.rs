@@ -3,21 +3,15 @@
 
 mod common;
 
-use common::golden::{distance, table};
+use common::golden::{distance, standard, table};
 use std::f64::consts::TAU;
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::simulator::{Contact, Event, Loads};
-use vibro_impact::{Error, Groups, Parameters, Scales, State};
+use vibro_impact::{Error, Parameters, State};
 
 const TIGHT: Tolerance = Tolerance::new(1e-12);
 /// 1e-12 a step over some thousand steps, for a motion that does not amplify errors.
 const GLOBAL: f64 = 1e-9;
-
-fn standard() -> (Parameters, State) {
-    let groups = Groups::weak(0.1, 0.75, 1.5, 0.0, 0.4, 0.2, 0.0, 0.4);
-    let state = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
-    (groups.to_parameters(Scales::default()).unwrap(), state)
-}
 
 /// Free bodies: no springs, no drive.
 fn free(restitution: f64) -> Parameters {

@@ -6,16 +6,13 @@
 mod common;
 
 use common::bits::{Digest, compare};
+use common::golden::weak;
 use vibro_impact::simulator::{Contact, Loads, advance_together};
 use vibro_impact::steady::{exact_orbit, multiple_scales, strong_coupling};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
 /// Points at which each motion is recorded.
 const POINTS: u32 = 10_000;
-
-fn weak(kappa: f64, f10: f64) -> Parameters {
-    Groups::weak(0.1, kappa, f10, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).expect("valid")
-}
 
 fn moving(parameters: &Parameters) -> Simulator {
     let start = State { x: [0.0, 0.9 * parameters.stop_gap, 0.0], v: [0.0, 0.5 * parameters.stop_gap, 0.0] };

@@ -176,13 +176,6 @@ impl ParameterSet {
         }
     }
 
-    /// The machine without its constant loads, and these, N.
-    pub fn without_loads(&self) -> (Self, [f64; 3]) {
-        let mut without = self.clone();
-        let loads = std::mem::take(&mut without.parameters.constant_loads);
-        (without, loads)
-    }
-
     /// The physical parameters that were not set although others were, and whose values therefore belong to another
     /// machine. Those that a group fixes are not among them, nor is the drive's phase.
     pub fn not_given(&self) -> Vec<Name> {

@@ -7,7 +7,7 @@ use vibro_analysis::plane::Method;
 use vibro_analysis::response;
 use vibro_impact::parameters::Groups;
 use vibro_impact::steady::multiple_scales::MultipleScales;
-use vibro_orbits::{ConstantLoads, Family, Span, TreeOptions, tree};
+use vibro_orbits::{Family, Span, TreeOptions, tree};
 use wasm_bindgen::prelude::*;
 
 /// Between two curves.
@@ -95,7 +95,7 @@ pub fn branches(
     seeds: u32,
 ) -> Result<Vec<f64>, JsError> {
     let of: Displacement = of.parse()?;
-    let family = Family::new(&set.0, ConstantLoads::default(), Span::new(Name::find(along)?, from, to)?)?;
+    let family = Family::new(&set.0, Span::new(Name::find(along)?, from, to)?)?;
     // What a picture of some hundred points shows; `vibro orbits` finds more.
     let options = TreeOptions {
         seeds: seeds as usize,

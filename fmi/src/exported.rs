@@ -18,7 +18,7 @@ const REACH: f64 = 10.0;
 impl Refusal for Problem {
     fn is_of_a_value(&self) -> bool {
         match self {
-            Self::Value { .. } | Self::Model(_) | Self::ClosedForm { .. } | Self::Overflow { .. } => true,
+            Self::Model(_) | Self::ClosedForm { .. } | Self::Overflow { .. } => true,
             Self::Door(problem) => problem.is_of_a_value(),
             _ => false,
         }
@@ -109,7 +109,7 @@ impl Component for Instance {
         let closed = self.settings().mode != SolutionMode::EventDriven;
         if closed && self.is_extended() && self.interface() == Interface::ModelExchange {
             let what = "mode must be 1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate";
-            return Err(Problem::Sequence { what });
+            return Err(Problem::sequence(what));
         }
         Self::exit_initialization(self, log)
     }
@@ -231,11 +231,11 @@ impl Component for Instance {
 
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Problem> {
         let states: &[f64; STATES.len()] =
-            states.try_into().map_err(|_| Problem::Sequence { what: "there are six continuous states" })?;
+            states.try_into().map_err(|_| Problem::sequence("there are six continuous states"))?;
         let w = states[1] - states[0];
         if self.is_extended() && w.abs() > REACH * self.settings().parameters.stop_gap {
             let allowed = "up to 10 times stop.gap, so that a solver can look beyond an impact";
-            return Err(Problem::Value { name: "stop.s", value: w, allowed });
+            return Err(Problem::value("stop.s", w, allowed));
         }
         Self::set_continuous_states(self, states)
     }

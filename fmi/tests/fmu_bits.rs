@@ -6,117 +6,57 @@
 #[allow(missing_docs, dead_code)] // each user of the file takes what it needs
 mod bits;
 
+#[path = "common/fmi2.rs"]
+mod fmi2;
+
 use bits::{Digest, compare};
-use std::ffi::{CString, c_int, c_void};
-use std::ptr::{null, null_mut};
-use vibro_fmi::component::variables::{Kind, find, reference};
+use fmi2::{Fmu2, OK};
+use std::ffi::c_void;
+use std::ptr::null_mut;
+use vibro_fmi::component::variables::{Base, reference};
 use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
 use vibro_fmi::fmi2::types::FmiEventInfo;
 
-const OK: c_int = 0;
 /// Value references that the golden file covers: those of version 0.1, so that a new variable leaves it as it is.
 const RECORDED: u32 = 72;
 /// Points at which each run is recorded.
 const POINTS: u32 = 10_000;
 
-struct Fmu(FmiComponent);
-
-impl Fmu {
-    fn new(kind: c_int) -> Self {
-        let guid = CString::new(description::guid()).unwrap();
-        let functions = FmiCallbackFunctions {
-            logger: None,
-            allocate_memory: None,
-            free_memory: None,
-            step_finished: None,
-            component_environment: null_mut(),
-        };
-        // SAFETY: valid strings; callbacks are not needed after the call.
-        let c = unsafe { fmi2Instantiate(c"bits".as_ptr(), kind, guid.as_ptr(), null(), &functions, 0, 0) };
-        assert!(!c.is_null());
-        Self(c)
-    }
-
-    fn set(&self, values: &[(&str, f64)]) {
-        for (name, value) in values {
-            let r = reference(name);
-            // SAFETY: one reference and one value each.
-            let status = unsafe {
-                match find(name).unwrap().kind {
-                    Kind::Real { .. } => fmi2SetReal(self.0, &r, 1, value),
-                    Kind::Boolean => fmi2SetBoolean(self.0, &r, 1, &(*value as c_int)),
-                    _ => fmi2SetInteger(self.0, &r, 1, &(*value as c_int)),
-                }
-            };
-            assert_eq!(status, OK, "{name} = {value}");
-        }
-    }
-
-    fn initialize(&self) {
-        // SAFETY: a live component.
-        unsafe {
-            assert_eq!(fmi2SetupExperiment(self.0, 0, 0.0, 0.0, 0, 0.0), OK);
-            assert_eq!(fmi2EnterInitializationMode(self.0), OK);
-            assert_eq!(fmi2ExitInitializationMode(self.0), OK);
-        }
-    }
-
-    fn record(&self, digest: &mut Digest) {
-        for (r, variable) in description::variables().filter(|(r, _)| *r < RECORDED) {
-            let (mut real, mut whole) = (f64::NAN, -1);
-            // SAFETY: one reference and one value each.
-            let status = unsafe {
-                match variable.kind {
-                    Kind::Real { .. } => fmi2GetReal(self.0, &r, 1, &mut real),
-                    Kind::Boolean => fmi2GetBoolean(self.0, &r, 1, &mut whole),
-                    _ => fmi2GetInteger(self.0, &r, 1, &mut whole),
-                }
-            };
-            assert_eq!(status, OK, "{}", variable.name);
-            digest.reals(&[if real.is_nan() { 0.0 } else { real }]);
-            digest.number(whole as u64);
-        }
+fn record(fmu: &Fmu2, digest: &mut Digest) {
+    for (r, variable) in description::variables().filter(|(r, _)| *r < RECORDED) {
+        let value = fmu.get(r, variable.base());
+        let (real, whole) = if variable.base() == Base::Real { (value, -1) } else { (0.0, value as i32) };
+        digest.reals(&[if real.is_nan() { 0.0 } else { real }]);
+        digest.number(whole as u64);
     }
 }
 
-impl Drop for Fmu {
-    fn drop(&mut self) {
-        // SAFETY: not used again.
-        unsafe { fmi2FreeInstance(self.0) };
-    }
-}
-
-fn steps(start: &[(&str, f64)], size: f64, mut before: impl FnMut(&Fmu, u32)) -> String {
-    let fmu = Fmu::new(1);
-    fmu.set(start);
-    fmu.initialize();
+fn steps(start: &[(&str, f64)], size: f64, mut before: impl FnMut(&Fmu2, u32)) -> String {
+    let fmu = Fmu2::started(start);
     let mut digest = Digest::new();
     for i in 0..POINTS {
         before(&fmu, i);
-        // SAFETY: a live component.
-        assert_eq!(unsafe { fmi2DoStep(fmu.0, f64::from(i) * size, size, 1) }, OK);
-        fmu.record(&mut digest);
+        fmu.step(f64::from(i) * size, size);
+        record(&fmu, &mut digest);
     }
     digest.finish()
 }
 
 /// A solver by Euler's rule: derivatives, event indicators and the iteration at events.
 fn exchange(start: &[(&str, f64)], size: f64) -> String {
-    let (fmu, mut digest) = (Fmu::new(0), Digest::new());
-    fmu.set(start);
-    fmu.initialize();
+    let (fmu, mut digest) = (Fmu2::quiet(0).start(start), Digest::new());
     let mut info = FmiEventInfo::default();
     let (mut x, mut rate, mut indicators) = ([0.0; 6], [0.0; 6], [0.0; 3]);
     let count = description::EVENT_INDICATORS;
     // SAFETY: a live component and arrays of the lengths given.
     unsafe {
-        assert_eq!(fmi2NewDiscreteStates(fmu.0, &mut info), OK);
-        assert_eq!(fmi2EnterContinuousTimeMode(fmu.0), OK);
+        assert_eq!(fmi2NewDiscreteStates(fmu.c, &mut info), OK);
+        assert_eq!(fmi2EnterContinuousTimeMode(fmu.c), OK);
         for i in 1..=POINTS {
-            assert_eq!(fmi2GetContinuousStates(fmu.0, x.as_mut_ptr(), 6), OK);
-            assert_eq!(fmi2GetDerivatives(fmu.0, rate.as_mut_ptr(), 6), OK);
-            assert_eq!(fmi2GetEventIndicators(fmu.0, indicators.as_mut_ptr(), count), OK);
+            assert_eq!(fmi2GetContinuousStates(fmu.c, x.as_mut_ptr(), 6), OK);
+            assert_eq!(fmi2GetDerivatives(fmu.c, rate.as_mut_ptr(), 6), OK);
+            assert_eq!(fmi2GetEventIndicators(fmu.c, indicators.as_mut_ptr(), count), OK);
             digest.reals(&x);
             digest.reals(&rate);
             digest.reals(&indicators[..count]);
@@ -124,17 +64,17 @@ fn exchange(start: &[(&str, f64)], size: f64) -> String {
             for (x, rate) in x.iter_mut().zip(rate) {
                 *x += size * rate;
             }
-            assert_eq!(fmi2SetTime(fmu.0, f64::from(i) * size), OK);
-            assert_eq!(fmi2SetContinuousStates(fmu.0, x.as_ptr(), 6), OK);
+            assert_eq!(fmi2SetTime(fmu.c, f64::from(i) * size), OK);
+            assert_eq!(fmi2SetContinuousStates(fmu.c, x.as_ptr(), 6), OK);
             let (mut event, mut terminate) = (0, 0);
-            assert_eq!(fmi2CompletedIntegratorStep(fmu.0, 1, &mut event, &mut terminate), OK);
-            assert_eq!(fmi2GetEventIndicators(fmu.0, indicators.as_mut_ptr(), count), OK);
+            assert_eq!(fmi2CompletedIntegratorStep(fmu.c, 1, &mut event, &mut terminate), OK);
+            assert_eq!(fmi2GetEventIndicators(fmu.c, indicators.as_mut_ptr(), count), OK);
             if event != 0 || before.iter().zip(indicators).any(|(a, b)| (*a > 0.0) != (b > 0.0)) {
-                assert_eq!(fmi2EnterEventMode(fmu.0), OK);
-                assert_eq!(fmi2NewDiscreteStates(fmu.0, &mut info), OK);
-                assert_eq!(fmi2EnterContinuousTimeMode(fmu.0), OK);
+                assert_eq!(fmi2EnterEventMode(fmu.c), OK);
+                assert_eq!(fmi2NewDiscreteStates(fmu.c, &mut info), OK);
+                assert_eq!(fmi2EnterContinuousTimeMode(fmu.c), OK);
             }
-            fmu.record(&mut digest);
+            record(&fmu, &mut digest);
         }
     }
     digest.finish()
@@ -146,17 +86,17 @@ fn saved(start: &[(&str, f64)], size: f64) -> String {
         // SAFETY: a live component; the bytes have the length asked for.
         unsafe {
             match i % 200 {
-                50 => assert_eq!(fmi2GetFMUstate(fmu.0, &mut kept), OK),
+                50 => assert_eq!(fmi2GetFMUstate(fmu.c, &mut kept), OK),
                 51 => {
                     let mut length = 0;
-                    assert_eq!(fmi2SerializedFMUstateSize(fmu.0, kept, &mut length), OK);
+                    assert_eq!(fmi2SerializedFMUstateSize(fmu.c, kept, &mut length), OK);
                     let mut bytes = vec![0; length];
-                    assert_eq!(fmi2SerializeFMUstate(fmu.0, kept, bytes.as_mut_ptr().cast(), length), OK);
-                    assert_eq!(fmi2FreeFMUstate(fmu.0, &mut kept), OK);
-                    assert_eq!(fmi2DeSerializeFMUstate(fmu.0, bytes.as_ptr().cast(), length, &mut kept), OK);
-                    assert_eq!(fmi2SetFMUstate(fmu.0, kept), OK);
-                    assert_eq!(fmi2DoStep(fmu.0, f64::from(i - 1) * size, size, 1), OK);
-                    assert_eq!(fmi2FreeFMUstate(fmu.0, &mut kept), OK);
+                    assert_eq!(fmi2SerializeFMUstate(fmu.c, kept, bytes.as_mut_ptr().cast(), length), OK);
+                    assert_eq!(fmi2FreeFMUstate(fmu.c, &mut kept), OK);
+                    assert_eq!(fmi2DeSerializeFMUstate(fmu.c, bytes.as_ptr().cast(), length, &mut kept), OK);
+                    assert_eq!(fmi2SetFMUstate(fmu.c, kept), OK);
+                    fmu.step(f64::from(i - 1) * size, size);
+                    assert_eq!(fmi2FreeFMUstate(fmu.c, &mut kept), OK);
                 }
                 _ => {}
             }
@@ -184,16 +124,16 @@ fn golden_bits_of_the_outputs() {
             format!("{name}, loads with derivatives, parameters changed"),
             steps(start, 0.06, |fmu, i| {
                 let wave = |k: f64| (k * f64::from(i % 1000)).rem_euclid(1.0) - 0.5;
-                fmu.set(&[
+                fmu.set_all(&[
                     ("box.f", 0.1 * wave(0.37)),
                     ("block.f", 0.02 * wave(0.11)),
                     ("secondary.f", 0.02 * wave(0.53)),
                 ]);
                 let (r, order, value) = (reference("block.f"), 1, 0.01 * wave(0.29));
                 // SAFETY: one of each.
-                assert_eq!(unsafe { fmi2SetRealInputDerivatives(fmu.0, &r, 1, &order, &value) }, OK);
+                assert_eq!(unsafe { fmi2SetRealInputDerivatives(fmu.c, &r, 1, &order, &value) }, OK);
                 if i % 70 == 0 {
-                    fmu.set(&[
+                    fmu.set_all(&[
                         ("drive.frequency", 1.0 + 0.1 * wave(0.61)),
                         ("stop.restitution", 0.5 + wave(0.17) * 0.9),
                     ]);
@@ -206,7 +146,7 @@ fn golden_bits_of_the_outputs() {
             format!("closed form {mode}"),
             steps(&[("mode", mode)], 0.06, |fmu, i| {
                 if i % 500 == 499 {
-                    fmu.set(&[("drive.amplitude", 0.14 + 0.02 * f64::from(i % 3))]);
+                    fmu.set_all(&[("drive.amplitude", 0.14 + 0.02 * f64::from(i % 3))]);
                 }
             }),
         ));

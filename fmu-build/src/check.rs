@@ -1,147 +1,220 @@
-//! Own checks of a model description, on the text as written: what the XML schema cannot say, and what hosts
-//! overlook (start values outside their range, for one).
+//! Own checks of a model description of either version, on the text as written: what the XML schema cannot say, what importers rely
+//! on, and what hosts overlook (start values outside their range, for one).
 
-use crate::describe::from_xml;
+mod model;
+
 use crate::error::Result;
-use crate::schema::*;
-use std::collections::{BTreeMap, BTreeSet};
+use crate::xml::Element;
+use fmi_doors::Version;
+use model::{Kind, Model, Variable};
+use std::collections::BTreeSet;
 
 /// Everything wrong with a model description; empty when it is valid.
 ///
 /// # Errors
-/// [`crate::Error::Xml`] when the text is no model description at all.
-pub fn problems(text: &str) -> Result<Vec<String>> {
-    Ok(problems_of(&from_xml(text)?))
+/// [`crate::Error::Xml`] when the text is no XML at all.
+pub fn problems(text: &str, version: Version) -> Result<Vec<String>> {
+    Ok(problems_of(&Element::parse(text)?, version))
 }
 
 /// As [`problems`], of one that is parsed already.
-pub fn problems_of(model: &ModelDescription) -> Vec<String> {
+pub fn problems_of(root: &Element, version: Version) -> Vec<String> {
     let mut found = Vec::new();
-    header(model, &mut found);
-    variables(model, &mut found);
-    derivatives(model, &mut found);
-    structure(model, &mut found);
+    required(root, version, &mut found);
+    let model = Model::of(root, version);
+    header(&model, &mut found);
+    units(&model, &mut found);
+    names(&model, &mut found);
+    for v in &model.variables {
+        variable(v, &model, &mut found);
+    }
+    derivatives(&model, &mut found);
+    structure(&model, &mut found);
     found
 }
 
-fn unique<'a>(
-    what: &str,
-    names: impl Iterator<Item = &'a str>,
-    found: &mut Vec<String>,
-) -> BTreeSet<&'a str> {
-    let mut seen = BTreeSet::new();
-    for name in names {
-        if !seen.insert(name) {
-            found.push(format!("{what} {name} is defined twice"));
+/// What our descriptions always say.
+const ROOT: &str = "fmiVersion modelName description author version copyright license generationTool variableNamingConvention";
+const CHILDREN: [&str; 7] = [
+    "CoSimulation",
+    "UnitDefinitions",
+    "TypeDefinitions",
+    "LogCategories",
+    "DefaultExperiment",
+    "ModelVariables",
+    "ModelStructure",
+];
+const ATTRIBUTES: [(&str, &str); 6] = [
+    ("Unit", "name"),
+    ("DisplayUnit", "name factor"),
+    ("Item", "name value description"),
+    ("Category", "name description"),
+    ("DefaultExperiment", "startTime stopTime tolerance stepSize"),
+    ("Alias", "name"),
+];
+/// The same of one version.
+const OF_FMI2: [(&str, &str); 6] = [
+    ("fmiModelDescription", "guid"),
+    (
+        "ModelExchange",
+        "completedIntegratorStepNotNeeded canGetAndSetFMUstate canSerializeFMUstate providesDirectionalDerivative",
+    ),
+    (
+        "CoSimulation",
+        "canHandleVariableCommunicationStepSize canInterpolateInputs maxOutputDerivativeOrder canRunAsynchronuously",
+    ),
+    ("SimpleType", "name description"),
+    ("ScalarVariable", "name valueReference description causality variability"),
+    ("Unknown", "index"),
+];
+const OF_FMI3: [(&str, &str); 9] = [
+    ("fmiModelDescription", "instantiationToken"),
+    (
+        "ModelExchange",
+        "needsCompletedIntegratorStep canGetAndSetFMUState canSerializeFMUState providesDirectionalDerivatives",
+    ),
+    (
+        "CoSimulation",
+        "canHandleVariableCommunicationStepSize maxOutputDerivativeOrder providesIntermediateUpdate hasEventMode",
+    ),
+    ("Float64Type", "name description"),
+    ("EnumerationType", "name description"),
+    ("Output", "valueReference"),
+    ("ContinuousStateDerivative", "valueReference"),
+    ("InitialUnknown", "valueReference"),
+    ("EventIndicator", "valueReference"),
+];
+
+fn required(root: &Element, version: Version, found: &mut Vec<String>) {
+    for child in CHILDREN {
+        if root.all(child).count() != 1 {
+            found.push(format!("{} has not one {child}", root.name));
         }
     }
-    seen
+    let own: &[_] = if version == Version::Fmi2 { &OF_FMI2 } else { &OF_FMI3 };
+    let mut open = vec![root];
+    while let Some(element) = open.pop() {
+        let all = ATTRIBUTES.iter().chain(own).chain([&("fmiModelDescription", ROOT)]);
+        for name in all.filter(|row| row.0 == element.name).flat_map(|row| row.1.split(' ')) {
+            if element.attribute(name).is_none() {
+                found.push(format!("{} without {name}: {:?}", element.name, element.attributes));
+            }
+        }
+        open.extend(&element.children);
+    }
 }
 
-fn header(model: &ModelDescription, found: &mut Vec<String>) {
-    if model.fmi_version != "2.0" {
-        found.push(format!("fmiVersion is {}, allowed is 2.0", model.fmi_version));
+fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>, found: &mut Vec<String>) {
+    let mut seen = BTreeSet::new();
+    for name in names.filter(|name| !seen.insert(*name)) {
+        found.push(format!("{what} {name} is defined twice"));
     }
-    if model.guid.is_empty() {
-        found.push("guid is empty".into());
+}
+
+fn attributes<'a>(list: &'a [Element], name: &str) -> impl Iterator<Item = &'a str> {
+    list.iter().filter_map(move |element| element.attribute(name))
+}
+
+fn header(model: &Model, found: &mut Vec<String>) {
+    let root = model.root;
+    // FMI 3.0.2, 2.4.1: the standard's version as the schema's pattern has it, without a patch.
+    let (version, token) = if model.is_fmi3() { ("3.0", "instantiationToken") } else { ("2.0", "guid") };
+    let told = root.attribute("fmiVersion").unwrap_or_default();
+    if told != version {
+        found.push(format!("fmiVersion is {told}, allowed is {version}"));
     }
-    let identifiers = std::iter::once(&model.co_simulation.model_identifier)
-        .chain(model.model_exchange.as_ref().map(|me| &me.model_identifier));
-    for identifier in identifiers {
+    if root.attribute(token) == Some("") {
+        found.push(format!("{token} is empty"));
+    }
+    for interface in root.all("ModelExchange").chain(root.all("CoSimulation")) {
         // FMI 2.0, 2.1.1: it becomes part of file and function names.
+        let identifier = interface.attribute("modelIdentifier").unwrap_or_default();
         let letters = identifier.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if !letters || identifier.starts_with(|c: char| c.is_ascii_digit()) || identifier.is_empty() {
             found.push(format!("modelIdentifier {identifier} is not a C identifier"));
         }
     }
-    if model.model_exchange.is_some() != model.number_of_event_indicators.is_some() {
+    let indicators = root.attribute("numberOfEventIndicators").is_some();
+    if !model.is_fmi3() && indicators != (root.all("ModelExchange").count() > 0) {
         found.push("numberOfEventIndicators belongs to ModelExchange: give both or none".into());
     }
-    let experiment = &model.default_experiment;
-    let numbers = [experiment.start, experiment.stop, experiment.tolerance, experiment.step];
-    let ordered = experiment.start < experiment.stop && experiment.tolerance > 0.0 && experiment.step > 0.0;
-    if !(ordered && numbers.iter().all(|x| x.is_finite())) {
-        found.push(format!(
-            "DefaultExperiment {numbers:?}: allowed is start < stop, tolerance > 0, step > 0, all finite"
-        ));
+    for experiment in root.all("DefaultExperiment") {
+        let number = |name| experiment.attribute(name).and_then(|x| x.parse().ok()).unwrap_or(f64::NAN);
+        let numbers = ["startTime", "stopTime", "tolerance", "stepSize"].map(number);
+        let [start, stop, tolerance, step] = numbers;
+        let ordered = start < stop && tolerance > 0.0 && step > 0.0;
+        if !(ordered && numbers.iter().all(|x| x.is_finite())) {
+            found.push(format!(
+                "DefaultExperiment {numbers:?}: allowed is start < stop, tolerance > 0, step > 0, all finite"
+            ));
+        }
+        // Importers exist that check this on the quotient.
+        if model.is_fmi3() && ((stop - start) / step).fract() != 0.0 {
+            found.push(format!("DefaultExperiment {numbers:?}: the step does not divide the duration"));
+        }
     }
-    unique("log category", model.log_categories.categories.iter().map(|c| c.name.as_str()), found);
+    unique("log category", attributes(root.within("LogCategories"), "name"), found);
 }
 
-fn variables(model: &ModelDescription, found: &mut Vec<String>) {
-    let units = &model.unit_definitions.units;
-    unique("unit", units.iter().map(|u| u.name.as_str()), found);
-    for unit in units {
-        unique("display unit", unit.display.iter().map(|d| d.name.as_str()), found);
-        for display in unit.display.iter().filter(|d| !(d.factor.is_finite() && d.factor > 0.0)) {
-            found.push(format!("display unit {}: factor {} is not positive", display.name, display.factor));
-        }
-    }
-    let displays: BTreeMap<&str, BTreeSet<&str>> = units
-        .iter()
-        .map(|u| (u.name.as_str(), u.display.iter().map(|d| d.name.as_str()).collect()))
-        .collect();
-    let mut unit_exists = |owner: &str, unit: &str, display: Option<&str>| {
-        match displays.get(unit) {
-            None => found.push(format!("unit {unit} of {owner} is not defined")),
-            Some(known) => {
-                if let Some(display) = display.filter(|name| !known.contains(name)) {
-                    found.push(format!("display unit {display} of {owner} is not defined for {unit}"));
-                }
-            }
-        };
-    };
-    let types: BTreeMap<_, _> =
-        model.type_definitions.types.iter().map(|t| (t.name.as_str(), &t.kind)).collect();
-    for (name, kind) in &types {
-        if let SimpleKind::Real(real) = kind {
-            unit_exists(name, &real.unit, real.display_unit.as_deref());
-        }
-    }
-    for v in &model.model_variables.variables {
-        if let VariableKind::Real(real) = &v.kind {
-            match (&real.unit, types.get(real.declared_type.as_str())) {
-                (Some(unit), _) => unit_exists(&v.name, unit, real.display_unit.as_deref()),
-                (None, Some(SimpleKind::Real(_))) => {}
-                _ => unit_exists(&v.name, "(none)", None),
+fn units(model: &Model, found: &mut Vec<String>) {
+    unique("unit", attributes(model.units, "name"), found);
+    for unit in model.units {
+        let displays = unit.all("DisplayUnit");
+        unique("display unit", displays.filter_map(|display| display.attribute("name")), found);
+        for display in unit.all("DisplayUnit") {
+            let [name, factor] = ["name", "factor"].map(|name| display.attribute(name).unwrap_or_default());
+            if !factor.parse().is_ok_and(|factor: f64| factor.is_finite() && factor > 0.0) {
+                found.push(format!("display unit {name}: factor {factor} is not positive"));
             }
         }
     }
-    for (name, kind) in &types {
-        if let SimpleKind::Enumeration(declared) = kind {
-            unique(&format!("item of {name}"), declared.items.iter().map(|item| item.name.as_str()), found);
-            let values: BTreeSet<i32> = declared.items.iter().map(|item| item.value).collect();
-            if values.len() != declared.items.len() {
-                found.push(format!("items of {name} share a value"));
-            }
+    for (name, declared) in &model.types {
+        unit_exists(name, declared, model, found);
+        let items = &declared.children;
+        unique(&format!("item of {name}"), attributes(items, "name"), found);
+        if attributes(items, "value").collect::<BTreeSet<_>>().len() != items.len() {
+            found.push(format!("items of {name} share a value"));
         }
-    }
-    let names = model.type_definitions.types.iter().map(|t| t.name.as_str());
-    let names = names.chain(model.model_variables.variables.iter().map(|v| v.name.as_str()));
-    unique("type or variable", names, found); // FMI 2.0, 2.2.3: they share one name space
-    let mut references = BTreeMap::new();
-    for v in &model.model_variables.variables {
-        if let Some(other) = references.insert(v.value_reference, &v.name) {
-            found.push(format!("{} and {other} share value reference {}", v.name, v.value_reference));
-        }
-        if model.variable_naming_convention == "structured" && !is_structured(&v.name) {
-            found.push(format!("{} is not a structured name", v.name));
-        }
-        if v.description.is_empty() {
-            found.push(format!("{} has no description", v.name));
-        }
-        start(v, &types, found);
-        attributes(v, found);
-    }
-    let clocks = model.model_variables.variables.iter().filter(|v| v.causality == "independent").count();
-    if clocks != 1 {
-        found.push(format!("{clocks} variables are independent, allowed is one"));
     }
 }
 
-/// FMI 2.0, 2.2.9, as far as our names go: identifiers with dots between them.
-pub(crate) fn is_structured(name: &str) -> bool {
-    name.split('.').all(|part| {
+/// Unit and display unit of a type or variable, where it has them.
+fn unit_exists(owner: &str, of: &Element, model: &Model, found: &mut Vec<String>) {
+    let Some(unit) = of.attribute("unit") else { return };
+    let display = of.attribute("displayUnit");
+    match model.units.iter().find(|known| known.attribute("name") == Some(unit)) {
+        None => found.push(format!("unit {unit} of {owner} is not defined")),
+        Some(known)
+            if display.is_none_or(|_| known.all("DisplayUnit").any(|d| d.attribute("name") == display)) => {}
+        Some(_) => {
+            let display = display.unwrap_or_default();
+            found.push(format!("display unit {display} of {owner} is not defined for {unit}"));
+        }
+    }
+}
+
+/// FMI 2.0, 2.2.3; FMI 3.0.2, 2.4.7.1: types, variables and aliases share one name space.
+fn names(model: &Model, found: &mut Vec<String>) {
+    let types = model.types.iter().map(|(name, _)| *name);
+    let names = model.variables.iter().map(|v| v.name);
+    let aliases = model.variables.iter().flat_map(|v| v.element.all("Alias"));
+    let aliases = aliases.filter_map(|alias| alias.attribute("name"));
+    let all: Vec<&str> = types.chain(names).chain(aliases).collect();
+    unique("type, variable or alias", all.iter().copied(), found);
+    if model.variables.len() != model.root.within("ModelVariables").len() {
+        found.push("ModelVariables has an element that is no variable".into());
+    }
+    let structured = model.root.attribute("variableNamingConvention") == Some("structured");
+    for name in all.into_iter().filter(|name| structured && !is_structured(name)) {
+        found.push(format!("{name} is not a structured name"));
+    }
+    unique("value reference", model.variables.iter().filter_map(|v| v.get("valueReference")), found);
+}
+
+/// FMI 2.0, 2.2.9; FMI 3.0.2, 2.4.7.5.2, as far as our names go: identifiers with dots between them, and their first derivatives.
+fn is_structured(name: &str) -> bool {
+    let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
+    inner.unwrap_or(name).split('.').all(|part| {
         // An element of an array has its place behind it.
         let element = part.strip_suffix(']').and_then(|part| part.split_once('['));
         let index = |place: &str| !place.is_empty() && place.chars().all(|c| c.is_ascii_digit());
@@ -151,140 +224,244 @@ pub(crate) fn is_structured(name: &str) -> bool {
     })
 }
 
-fn start(v: &ScalarVariable, types: &BTreeMap<&str, &SimpleKind>, found: &mut Vec<String>) {
-    let name = &v.name;
-    match &v.kind {
-        VariableKind::Real(real) => {
-            if !matches!(types.get(real.declared_type.as_str()), Some(SimpleKind::Real(_))) {
-                found.push(format!("declared type {} of {name} is not a defined Real", real.declared_type));
-            }
-            let (min, max) = (real.min.unwrap_or(f64::NEG_INFINITY), real.max.unwrap_or(f64::INFINITY));
-            if min > max {
-                found.push(format!("{name}: min {min} is above max {max}"));
-            }
-            if real.nominal.is_some_and(|nominal| nominal <= 0.0 || nominal.is_nan()) {
-                found.push(format!("{name}: nominal is not positive"));
-            }
-            if let Some(start) = real.start.filter(|s| !(s.is_finite() && (min..=max).contains(s))) {
-                found.push(format!("{name}: start {start} is outside {min} ... {max}"));
-            }
-        }
-        VariableKind::Integer(integer) => {
-            if let (Some(min), Some(start)) = (integer.min, integer.start)
-                && start < min
-            {
-                found.push(format!("{name}: start {start} is below min {min}"));
-            }
-        }
-        VariableKind::Boolean(_) => {}
-        VariableKind::Enumeration(enumeration) => match types.get(enumeration.declared_type.as_str()) {
-            Some(SimpleKind::Enumeration(declared)) => {
-                let known = |value: i32| declared.items.iter().any(|item| item.value == value);
-                if let Some(start) = enumeration.start.filter(|value| !known(*value)) {
-                    found.push(format!("{name}: start {start} is no item of {}", enumeration.declared_type));
-                }
-            }
-            _ => found.push(format!(
-                "declared type {} of {name} is not a defined Enumeration",
-                enumeration.declared_type
-            )),
-        },
+fn variable(v: &Variable, model: &Model, found: &mut Vec<String>) {
+    let name = v.name;
+    if v.get("description") == Some("") {
+        found.push(format!("{name} has no description"));
+    }
+    let declared = v.get("declaredType");
+    // FMI 3.0.2, 2.4.7.4: an Enumeration must have one. A Clock with one is refused by importers.
+    let needs_type = match v.kind {
+        Kind::Enumeration => true,
+        Kind::Real => model.is_fmi3() || v.get("unit").is_none() || declared.is_some(),
+        _ => false,
+    };
+    if needs_type != declared.is_some() || needs_type && model.type_of(v).is_none() {
+        found.push(format!("declared type {declared:?} of {name} is not a defined type of its kind"));
+    }
+    if model.is_fmi3() && (v.get("unit").is_some() || v.get("displayUnit").is_some()) {
+        found.push(format!("{name}: unit and display unit are left to its declared type"));
+    }
+    unit_exists(name, v.of_type, model, found);
+    combination(v, model, found);
+    start(v, model, found);
+    if model.is_fmi3() {
+        of_fmi3(v, model, found);
     }
 }
 
-/// FMI 2.0, 2.2.7: allowed combinations, and who must have a start value.
-fn attributes(v: &ScalarVariable, found: &mut Vec<String>) {
-    let initial = v.initial.as_deref();
-    let allowed = match (v.causality.as_str(), v.variability.as_str()) {
+/// FMI 2.0, 2.2.7; FMI 3.0.2, 2.4.7.4: what goes together. Inputs have no `initial` in FMI 3.0 either, since importers exist that refuse
+/// one.
+fn combination(v: &Variable, model: &Model, found: &mut Vec<String>) {
+    let (name, initial) = (v.name, v.get("initial"));
+    let allowed = match (v.causality, v.variability) {
+        ("output", "discrete") if v.kind == Kind::Clock => {
+            initial.is_none() && v.get("intervalVariability") == Some("triggered")
+        }
         ("parameter", "fixed" | "tunable") => initial == Some("exact"),
         ("calculatedParameter", "fixed" | "tunable") => initial == Some("calculated"),
         ("input", "discrete" | "continuous") => initial.is_none(),
-        ("local", "discrete" | "continuous") => initial == Some("calculated"),
-        ("output", "discrete" | "continuous") => matches!(initial, Some("exact" | "calculated")),
+        ("local", "discrete" | "continuous") if !model.is_fmi3() => initial == Some("calculated"),
+        ("output" | "local", "discrete" | "continuous") => matches!(initial, Some("exact" | "calculated")),
         ("independent", "continuous") => initial.is_none(),
         _ => false,
     };
     if !allowed {
-        let (causality, variability) = (&v.causality, &v.variability);
-        found.push(format!("{}: {causality}, {variability}, initial {initial:?} do not go together", v.name));
+        let (causality, variability) = (v.causality, v.variability);
+        found.push(format!("{name}: {causality}, {variability}, initial {initial:?} do not go together"));
     }
-    if v.has_start() != (initial == Some("exact") || v.causality == "input") {
+    if v.variability == "continuous" && v.kind != Kind::Real {
+        found.push(format!("{name}: only a Real can be continuous"));
+    }
+}
+
+fn start(v: &Variable, model: &Model, found: &mut Vec<String>) {
+    let (name, start) = (v.name, v.get("start"));
+    if start.is_some() != v.is_set() {
+        found.push(format!("{name}: a start value belongs to initial = exact and inputs, and to them only"));
+    }
+    let mut number = |attribute, absent: f64| match v.get(attribute).map(str::parse) {
+        None => absent,
+        Some(Ok(value)) => value,
+        Some(Err(_)) => {
+            found.push(format!("{name}: {attribute} is no number"));
+            absent
+        }
+    };
+    let (min, max) = (number("min", f64::NEG_INFINITY), number("max", f64::INFINITY));
+    let nominal = number("nominal", 1.0);
+    if min > max {
+        found.push(format!("{name}: min {min} is above max {max}"));
+    }
+    if !(nominal > 0.0 && nominal.is_finite()) {
+        found.push(format!("{name}: nominal is not positive"));
+    }
+    let Some(start) = start else { return };
+    let fits = match v.kind {
+        Kind::Boolean => start == "true" || start == "false",
+        _ => start.parse().is_ok_and(|start: f64| start.is_finite() && (min..=max).contains(&start)),
+    };
+    if !fits {
+        found.push(format!("{name}: start {start} is outside {min} ... {max}"));
+    }
+    if let (Kind::Enumeration, Some(declared)) = (v.kind, model.type_of(v))
+        && !attributes(&declared.children, "value").any(|value| value == start)
+    {
         found.push(format!(
-            "{}: a start value belongs to initial = exact and inputs, and to them only",
-            v.name
+            "{name}: start {start} is no item of {}",
+            v.get("declaredType").unwrap_or_default()
         ));
     }
-    if v.variability == "continuous" && !matches!(v.kind, VariableKind::Real(_)) {
-        found.push(format!("{}: only a Real can be continuous", v.name));
+}
+
+/// What FMI 3.0 alone has.
+fn of_fmi3(v: &Variable, model: &Model, found: &mut Vec<String>) {
+    let name = v.name;
+    // Importers exist that take value references for places.
+    if v.key != v.place {
+        found.push(format!("{name} has value reference {}, but stands at place {}", v.key, v.place));
+    }
+    let mut lengths = v.element.all("Dimension").map(|dimension| dimension.attribute("start"));
+    let is_array = v.element.all("Dimension").count() > 0;
+    if is_array && (v.causality != "local" || lengths.any(|length| length.is_none_or(|length| length == "0")))
+    {
+        // Importers exist that break on arrays which they connect or record.
+        found.push(format!("{name}: allowed are local arrays without a length of 0"));
+    }
+    let intermediate = v.get("intermediateUpdate") == Some("true");
+    if intermediate && (v.variability != "continuous" || v.causality == "local") {
+        found.push(format!("{name}: intermediateUpdate is for continuous inputs and outputs"));
+    }
+    // Validators exist that take the alias of a calculated output for another output.
+    if v.element.all("Alias").count() > 0 && !v.is_set() {
+        found.push(format!("{name}: aliases are for what is set"));
+    }
+    let clocks: Vec<&str> = v.get("clocks").iter().flat_map(|clocks| clocks.split_whitespace()).collect();
+    let is_clock = |key: &&str| {
+        key.parse().is_ok_and(|key| model.by_key(key).is_some_and(|clock| clock.kind == Kind::Clock))
+    };
+    if !clocks.iter().all(is_clock) || !clocks.is_empty() && v.variability != "discrete" {
+        found.push(format!("{name}: clocks = {clocks:?}: allowed are clocks, of discrete variables"));
     }
 }
 
-fn derivatives(model: &ModelDescription, found: &mut Vec<String>) {
-    let variables = &model.model_variables.variables;
-    let states: Vec<u32> = variables.iter().filter_map(ScalarVariable::derivative).collect();
-    if states.iter().collect::<BTreeSet<_>>().len() != states.len() {
-        found.push("two variables are the derivative of one".into());
-    }
-    for (index, v) in (1..).zip(variables) {
-        if let VariableKind::Real(Real { reinit: Some(true), .. }) = v.kind
-            && !states.contains(&index)
-        {
-            found.push(format!("{}: reinit belongs to continuous states", v.name)); // FMI 2.0, 2.2.7
-        }
-    }
-    for v in variables {
-        let Some(index) = v.derivative() else { continue };
-        match (index as usize).checked_sub(1).and_then(|i| variables.get(i)) {
-            Some(state) if state.name != v.name && matches!(state.kind, VariableKind::Real(_)) => {}
-            _ => found.push(format!("{}: derivative = {index} is no other Real variable", v.name)),
-        }
-    }
-}
-
-fn structure(model: &ModelDescription, found: &mut Vec<String>) {
-    let variables = &model.model_variables.variables;
-    let lists = &model.model_structure;
-    let mut check = |what: &str, list: &Unknowns, expected: BTreeSet<u32>| {
-        let given: BTreeSet<u32> = list.unknowns.iter().map(|u| u.index).collect();
-        let name = |i: &u32| {
-            (*i as usize).checked_sub(1).and_then(|i| variables.get(i)).map_or("(none)", |v| v.name.as_str())
-        };
-        for index in expected.symmetric_difference(&given) {
-            let problem = if given.contains(index) { "does not belong in" } else { "is missing from" };
-            found.push(format!("{} (index {index}) {problem} ModelStructure/{what}", name(index)));
-        }
-        if given.len() != list.unknowns.len() {
-            found.push(format!("ModelStructure/{what} names an index twice"));
-        }
-        for u in &list.unknowns {
-            let words = |s: &Option<String>| -> Option<Vec<String>> {
-                s.as_ref().map(|s| s.split_whitespace().map(str::to_owned).collect())
-            };
-            let (on, kinds) = (words(&u.dependencies), words(&u.kinds));
-            let indices: Option<Vec<usize>> =
-                on.iter().flatten().map(|word| word.parse().ok()).collect::<Option<_>>();
-            let valid = indices.is_some_and(|i| {
-                i.iter().all(|i| (1..=variables.len()).contains(i)) && i.windows(2).all(|w| w[0] < w[1])
-            });
-            // Initialization knows the first two alone (FMI 2.0, 2.2.8).
-            const KINDS: [&str; 5] = ["dependent", "constant", "fixed", "tunable", "discrete"];
-            let kinds_of = if what == "InitialUnknowns" { &KINDS[..2] } else { &KINDS[..] };
-            let fits = |k: &Vec<String>| {
-                on.as_ref().map(Vec::len) == Some(k.len())
-                    && k.iter().all(|kind| kinds_of.contains(&kind.as_str()))
-            };
-            if !valid || !kinds.as_ref().is_none_or(fits) {
-                found
-                    .push(format!("ModelStructure/{what}: dependencies of {} are not valid", name(&u.index)));
+fn derivatives(model: &Model, found: &mut Vec<String>) {
+    let mut states = BTreeSet::new();
+    for v in &model.variables {
+        let Some(state) = v.derivative() else { continue };
+        match model.by_key(state) {
+            Some(s) if s.name == v.name || s.kind != Kind::Real => {
+                found.push(format!("{}: derivative = {state} is no other Real variable", v.name));
             }
+            None => found.push(format!("{}: derivative = {state} is no other Real variable", v.name)),
+            Some(s) if model.is_fmi3() && s.derivative().is_some() => {
+                found.push(format!("{}: derivative = {state} is no state", v.name));
+            }
+            Some(_) => {}
         }
+        if !states.insert(state) {
+            found.push(format!("{}: another variable is the derivative of {state} as well", v.name));
+        }
+    }
+    for v in &model.variables {
+        // FMI 2.0, 2.2.7.
+        if v.get("reinit") == Some("true") && !states.contains(&v.key) {
+            found.push(format!("{}: reinit belongs to continuous states", v.name));
+        }
+    }
+    let clocks = model.keys(|v| v.causality == "independent").len();
+    if clocks != 1 {
+        found.push(format!("{clocks} variables are independent, allowed is one"));
+    }
+}
+
+const KINDS: [&str; 5] = ["dependent", "constant", "fixed", "tunable", "discrete"];
+
+/// FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8: who must be listed where, and on what each may depend.
+fn structure(model: &Model, found: &mut Vec<String>) {
+    let states: BTreeSet<u32> = model.variables.iter().filter_map(Variable::derivative).collect();
+    let calculated = |v: &Variable| v.get("initial") == Some("calculated");
+    let outputs = model.keys(|v| v.causality == "output");
+    let derivatives = model.keys(|v| v.derivative().is_some());
+    // Initialization knows the first two kinds alone.
+    let first = &KINDS[..2];
+    if !model.is_fmi3() {
+        let all = model.keys(|_| true);
+        let initial = model.keys(|v| calculated(v) && v.causality != "local");
+        list(model, "Outputs", Some(outputs), (&all, &KINDS), found);
+        list(model, "Derivatives", Some(derivatives), (&all, &KINDS), found);
+        list(model, "InitialUnknowns", Some(initial), (&all, first), found);
+        return;
+    }
+    let is_known = |v: &Variable| {
+        matches!(v.causality, "input" | "parameter" | "independent")
+            || states.contains(&v.key)
+            || v.kind == Kind::Clock
     };
-    let of = |wanted: &dyn Fn(&ScalarVariable) -> bool| -> BTreeSet<u32> {
-        (1..).zip(variables).filter(|(_, v)| wanted(v)).map(|(i, _)| i).collect()
+    let initial = |v: &Variable| {
+        let of_state = v.derivative().is_some() || states.contains(&v.key);
+        let listed = matches!(v.causality, "output" | "calculatedParameter") || of_state;
+        listed && (v.kind == Kind::Clock || calculated(v) && v.get("clocks").is_none())
     };
-    check("Outputs", &lists.outputs, of(&|v| v.causality == "output"));
-    check("Derivatives", &lists.derivatives, of(&|v| v.derivative().is_some()));
-    let calculated =
-        |v: &ScalarVariable| v.initial.as_deref() == Some("calculated") && v.causality != "local";
-    check("InitialUnknowns", &lists.initial_unknowns, of(&calculated));
+    let known = model.keys(is_known);
+    let set = model.keys(|v| v.is_set() || v.causality == "independent");
+    list(model, "Output", Some(outputs), (&known, &KINDS), found);
+    list(model, "ContinuousStateDerivative", Some(derivatives), (&known, &KINDS), found);
+    list(model, "InitialUnknown", Some(model.keys(initial)), (&set, first), found);
+    list(model, "EventIndicator", None, (&known, &KINDS), found);
+    for key in model.root.within("ModelStructure").iter().filter(|row| row.name == "EventIndicator").map(key)
+    {
+        let continuous =
+            |v: &Variable| v.variability == "continuous" && matches!(v.causality, "local" | "output");
+        if !model.by_key(key).is_some_and(continuous) {
+            found.push(format!("EventIndicator {key}: allowed are continuous locals and outputs"));
+        }
+    }
+}
+
+/// The variable of a row of the structure.
+fn key(row: &Element) -> u32 {
+    let key = row.attribute("index").or_else(|| row.attribute("valueReference"));
+    key.and_then(|key| key.parse().ok()).unwrap_or_default()
+}
+
+/// One list: the expected keys, each once, with dependencies on `knowns` by the kinds that are allowed there.
+fn list(
+    model: &Model,
+    what: &str,
+    expected: Option<BTreeSet<u32>>,
+    (knowns, kinds): (&BTreeSet<u32>, &[&str]),
+    found: &mut Vec<String>,
+) {
+    let structure = model.root.within("ModelStructure");
+    let rows: Vec<&Element> = match model.version {
+        Version::Fmi2 => {
+            structure.iter().filter(|list| list.name == what).flat_map(|list| &list.children).collect()
+        }
+        Version::Fmi3 => structure.iter().filter(|row| row.name == what).collect(),
+    };
+    let name = |key: u32| model.by_key(key).map_or("(none)", |v| v.name);
+    let given: BTreeSet<u32> = rows.iter().map(|row| key(row)).collect();
+    for key in expected.iter().flat_map(|expected| expected.symmetric_difference(&given)) {
+        let problem = if given.contains(key) { "does not belong in" } else { "is missing from" };
+        found.push(format!("{} ({key}) {problem} {what}", name(*key)));
+    }
+    if given.len() != rows.len() {
+        found.push(format!("{what} names a variable twice"));
+    }
+    for row in rows {
+        let words = |name| row.attribute(name).map(|text| text.split_whitespace().collect::<Vec<_>>());
+        let (on, how) = (words("dependencies"), words("dependenciesKind"));
+        // Importers of FMI 3.0 exist that need both lists.
+        let told = !model.is_fmi3() || on.is_some() && how.is_some();
+        let keys: Vec<u32> = on.iter().flatten().map(|word| word.parse().unwrap_or(u32::MAX)).collect();
+        let once = keys.iter().collect::<BTreeSet<_>>().len() == keys.len();
+        let in_order = model.is_fmi3() || keys.is_sorted();
+        let fits = how.as_ref().is_none_or(|how| {
+            on.as_ref().map(Vec::len) == Some(how.len()) && how.iter().all(|kind| kinds.contains(kind))
+        });
+        if !(told && once && in_order && fits && keys.iter().all(|key| knowns.contains(key))) {
+            found.push(format!("{what}: dependencies of {} are not valid", name(key(row))));
+        }
+    }
 }

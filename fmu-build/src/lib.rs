@@ -2,7 +2,7 @@
 //! happened.
 //!
 //! ```text
-//! table (vibro_fmi) ─▶ describe, fmi3 ─▶ check ──┐
+//!         table (vibro_fmi) ─▶ check (xml) ───────┐
 //!  page (recipes), icon, terminals, reference ───┼─▶ package (version) ─▶ archive ─▶ .fmu
 //!          platforms (compile), licences, date ──┘                                     │
 //!         table ◀─ run (host: the packaged binaries; native library) ◀─────────────────┘
@@ -16,10 +16,8 @@ pub mod assembly;
 pub mod check;
 pub mod compile;
 pub mod date;
-pub mod describe;
 mod error;
 pub mod explorer;
-pub mod fmi3;
 pub mod host;
 pub mod icon;
 pub mod inspect;
@@ -33,11 +31,11 @@ pub mod recipes;
 pub mod reference;
 pub mod release;
 pub mod run;
-pub mod schema;
 pub mod sketch;
 pub mod table;
 pub mod terminals;
 pub mod version;
+pub mod xml;
 
 pub use error::{Error, Result};
 pub use vibro_pack::archive;

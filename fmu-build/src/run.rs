@@ -5,7 +5,7 @@ use crate::compile::SHARED_LIBRARY;
 use crate::error::{Error, Result};
 use crate::host;
 use crate::version::{MODEL_DESCRIPTION, Version};
-use crate::{describe, fmi3};
+use crate::xml::Element;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use vibro_fmi::component::variables;
@@ -74,9 +74,12 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     }
     let file = folder.path().join(format!("{MODEL_IDENTIFIER}{SHARED_LIBRARY}"));
     archive::write_file(&file, &library)?;
-    let text = |archive: &Path| archive::read(archive, MODEL_DESCRIPTION);
-    let guid = describe::from_xml(&String::from_utf8_lossy(&text(archive)?))?.guid;
-    let token = fmi3::from_xml(&String::from_utf8_lossy(&text(&beside)?))?.instantiation_token;
+    let token = |archive: &Path, name| -> Result<String> {
+        let text = archive::read(archive, MODEL_DESCRIPTION)?;
+        let root = Element::parse(&String::from_utf8_lossy(&text))?;
+        Ok(root.attribute(name).unwrap_or_default().to_owned())
+    };
+    let (guid, token) = (token(archive, "guid")?, token(&beside, "instantiationToken")?);
 
     let parameters = Parameters::default();
     let step = parameters.period() / f64::from(STEPS_PER_PERIOD);

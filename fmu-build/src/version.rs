@@ -1,8 +1,9 @@
 //! The archives: one of FMI 2.0, one of FMI 3.0, and where asked for further ones of FMI 3.0 with what several importers cannot
 //! read: arrays, a clock. All hold one library.
 
+use crate::check;
 use crate::error::{Error, Result};
-use crate::{check, describe, fmi3};
+use fmi_doors::description::Description;
 use std::path::{Path, PathBuf};
 use vibro_fmi::fmi2;
 use vibro_fmi::fmi3::description::{self, ARRAYS, CLOCKED, Edition, MAIN, MODEL_IDENTIFIER};
@@ -85,18 +86,13 @@ impl Version {
     /// # Errors
     /// [`Error::Invalid`] with everything that is wrong.
     pub fn description(self, date: Option<String>) -> Result<String> {
-        let (text, problems) = match self.edition() {
-            None => {
-                let text = describe::text(fmi2::description::description(), fmi_doors::Version::Fmi2, date);
-                let problems = check::problems(&text)?;
-                (text, problems)
-            }
-            Some(edition) => {
-                let text = describe::text(description::description(edition), fmi_doors::Version::Fmi3, date);
-                let problems = fmi3::check::problems(&text)?;
-                (text, problems)
-            }
+        let described = Description {
+            generation_tool: concat!("fmu-build ", env!("CARGO_PKG_VERSION")).into(),
+            generation_date_and_time: date.map(Into::into),
+            ..self.edition().map_or_else(fmi2::description::description, description::description)
         };
+        let text = described.xml(self.fmi());
+        let problems = check::problems(&text, self.fmi())?;
         if problems.is_empty() { Ok(text) } else { Err(Error::Invalid(problems)) }
     }
 }

@@ -4,12 +4,12 @@ mod common;
 
 use common::python::{command, python, root, run};
 use fmu_build::assembly::{content, write};
+use fmu_build::check;
 use fmu_build::compile::SHARED_LIBRARY;
 use fmu_build::kit::Kit;
 use fmu_build::platforms::{Binaries, PLATFORMS, Platform};
 use fmu_build::reference::FOLDER;
 use fmu_build::version::Version;
-use fmu_build::{check, fmi3};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -139,9 +139,10 @@ fn invariant_descriptions_of_all_examples_pass_our_own_checks() {
     for path in paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml")) {
         let machine = file::read(&path).unwrap();
         let usual = Plan::of(&machine).unwrap();
-        let mut found = check::problems(&usual.xml(fmi_doors::Version::Fmi2, None)).unwrap();
+        let problems = |plan: &Plan, version| check::problems(&plan.xml(version, None), version).unwrap();
+        let mut found = problems(&usual, fmi_doors::Version::Fmi2);
         for plan in [usual, Plan::of(&machine).unwrap().with_arrays()] {
-            found.extend(fmi3::check::problems(&plan.xml(fmi_doors::Version::Fmi3, None)).unwrap());
+            found.extend(problems(&plan, fmi_doors::Version::Fmi3));
         }
         found.retain(|problem| !is_of_the_3_dof_machine(problem));
         assert!(found.is_empty(), "{}: {found:?}", path.display());

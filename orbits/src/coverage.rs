@@ -91,13 +91,13 @@ impl Tree {
     ///
     /// ```
     /// use vibro_analysis::attractor::observe;
-    /// use vibro_orbits::{ConstantLoads, Family, Span, TreeOptions, settle, tree};
+    /// use vibro_orbits::{Family, Span, TreeOptions, settle, tree};
     /// use vibro_analysis::stroboscopic::moving_block;
     /// use vibro_analysis::{ParameterSet, find_group};
     /// use vibro_impact::Simulator;
     ///
     /// let span = Span::new(find_group("f10")?, 1.4, 1.6)?;
-    /// let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span)?;
+    /// let family = Family::new(&ParameterSet::basic(), span)?;
     /// let options = TreeOptions { seeds: 2, settle: 300, starts: 0, depth: 0, ..TreeOptions::default() };
     /// let found = tree(&family, &options, &|_, _| ())?;
     ///

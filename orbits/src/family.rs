@@ -3,7 +3,7 @@
 use super::curve::{Equations, Linearization};
 use super::cycle::{Cycle, Functional};
 use super::obstacle::Obstacle;
-use super::system::{Anchor, ConstantLoads, System};
+use super::system::{Anchor, System};
 use super::word::OrbitWord;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -53,11 +53,10 @@ impl Span {
     }
 }
 
-/// The machines over a parameter, or over two: all other parameters and the constant loads are held.
+/// The machines over a parameter, or over two: all other parameters are held.
 #[derive(Clone, Debug)]
 pub struct Family {
     set: ParameterSet,
-    loads: ConstantLoads,
     spans: Vec<Span>,
     /// What a spring hardly holds in one of the machines at the corners: the equations are then the same for all.
     anchor: Option<Anchor>,
@@ -68,34 +67,26 @@ impl Family {
     ///
     /// # Errors
     /// What the machines at the ends of the range refuse.
-    pub fn new(set: &ParameterSet, loads: ConstantLoads, span: Span) -> Result<Self, Error> {
-        Self::over(set, loads, vec![span])
+    pub fn new(set: &ParameterSet, span: Span) -> Result<Self, Error> {
+        Self::over(set, vec![span])
     }
 
     /// The machines over two parameters.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::Form`] when one parameter is the other by another name.
-    pub fn over_two(
-        set: &ParameterSet,
-        loads: ConstantLoads,
-        first: Span,
-        second: Span,
-    ) -> Result<Self, Error> {
+    pub fn over_two(set: &ParameterSet, first: Span, second: Span) -> Result<Self, Error> {
         if first.name.is_same_quantity(second.name) {
             let text = format!("{},{}", first.name.name(), second.name.name());
             return Err(Error::Form { text, expected: "two independent parameters, e.g. f10,kappa" });
         }
-        Self::over(set, loads, vec![first, second])
+        Self::over(set, vec![first, second])
     }
 
-    fn over(set: &ParameterSet, loads: ConstantLoads, spans: Vec<Span>) -> Result<Self, Error> {
+    fn over(set: &ParameterSet, spans: Vec<Span>) -> Result<Self, Error> {
         // A span has public fields, so that it need not come from `Span::new`.
         spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
-        // The set's own loads are among the family's; a load that varies is added to them by `System::with_loads`.
-        let (set, own) = set.without_loads();
-        let forces = std::array::from_fn(|body| loads.forces[body] + own[body]);
-        let family = Self { set, loads: ConstantLoads { forces }, spans, anchor: None };
+        let family = Self { set: set.clone(), spans, anchor: None };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
         let ends = [family.system(&from)?, family.system(&to)?];
         // Of two parameters two corners remain, which may be no machines.
@@ -134,20 +125,15 @@ impl Family {
     /// A machine of the family.
     ///
     /// # Errors
-    /// As [`System::with_loads`] and the range that a value violates.
+    /// As [`System::new`] and the range that a value violates.
     pub fn system(&self, values: &[f64]) -> Result<System, Error> {
-        let system = System::with_loads(self.parameter_set(values)?.parameters(), self.loads)?;
+        let system = System::new(self.parameter_set(values)?.parameters())?;
         Ok(self.anchor.map_or(system, |anchor| system.anchored(anchor)))
-    }
-
-    /// The loads, that of the parameter set with them; without one that varies.
-    pub fn loads(&self) -> ConstantLoads {
-        self.loads
     }
 
     /// Whether mirror images of orbits are orbits.
     pub fn is_symmetric(&self) -> bool {
-        self.loads == ConstantLoads::NONE && !self.spans.iter().any(|span| span.name.is_load())
+        self.set.parameters().constant_loads == [0.0; 3] && !self.spans.iter().any(|span| span.name.is_load())
     }
 
     /// The parameters' values at a point of a curve, which holds the phases and then the parameters in their units.

@@ -73,13 +73,13 @@ impl LocusEnd {
 /// The curve in the two parameters of a family on which the orbit has the bifurcation of a start, in both directions from it.
 ///
 /// ```
-/// use vibro_orbits::{ConstantLoads, Family, Label, LocusStart, OrbitWord, Span, locus};
+/// use vibro_orbits::{Family, Label, LocusStart, OrbitWord, Span, locus};
 /// use vibro_analysis::{ParameterSet, find_group};
 ///
 /// // Where the symmetric motion breaks its symmetry, over the force and the restitution coefficient.
 /// let (force, kappa) = (find_group("f10")?, find_group("kappa")?);
 /// let spans = (Span::new(force, 1.9, 2.2)?, Span::new(kappa, 0.7, 0.8)?);
-/// let family = Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, spans.0, spans.1)?;
+/// let family = Family::over_two(&ParameterSet::basic(), spans.0, spans.1)?;
 /// let word = OrbitWord::new("U", -1, 1)?;
 /// let (phases, values) = (vec![4.49692], [2.03959, 0.75]); // as special-points.csv has them
 /// let start = LocusStart { label: Label::BranchPoint, word, phases, values };

@@ -32,12 +32,7 @@ impl From<Error> for Obstacle {
 impl Obstacle {
     /// The error that it means for a search of an orbit.
     pub fn error(self, system: &System, word: &OrbitWord) -> Error {
-        let no_orbit = |reason: &str| Error::NoOrbit {
-            word: word.to_string(),
-            closing: if word.closing() > 0 { '+' } else { '-' },
-            period: word.period(),
-            reason: reason.into(),
-        };
+        let no_orbit = |reason: &str| word.no_orbit(reason);
         match self {
             Self::Order => no_orbit("the impacts lose their order; another guess of their phases may help"),
             Self::NoConvergence => {

@@ -112,11 +112,11 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
 /// the least value.
 ///
 /// ```
-/// use vibro_orbits::{ConstantLoads, Family, Span, TreeOptions, doubling_sequences, tree};
+/// use vibro_orbits::{Family, Span, TreeOptions, doubling_sequences, tree};
 /// use vibro_analysis::{ParameterSet, find_group};
 ///
 /// let span = Span::new(find_group("f10")?, 2.0, 2.5)?;
-/// let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span)?;
+/// let family = Family::new(&ParameterSet::basic(), span)?;
 /// let options = TreeOptions { seeds: 1, settle: 300, starts: 0, depth: 2, longest_period: 2, ..TreeOptions::default() };
 /// let found = tree(&family, &options, &|_, _| ())?;
 /// let sequence = &doubling_sequences(&found.branches)[0];

@@ -16,13 +16,18 @@ const SAME: f64 = 1e-6;
 /// # Errors
 /// [`Error::NoOrbit`] when none is found; what [`Orbit::find`] says of a machine whose orbits phases do not determine.
 pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit>> {
+    let none = || {
+        word.no_orbit(format!(
+            "none was found from {tries} guesses of its phases; another value of a parameter or period may have one"
+        ))
+    };
     let n = word.len();
     if !system.balances(word) {
         return Err(Obstacle::Unbalanced.error(system, word));
     }
     if n == 0 {
         let orbit = Orbit::find(system, word, &[])?;
-        return if orbit.is_certified() { Ok(vec![orbit]) } else { Err(none(word, tries)) };
+        return if orbit.is_certified() { Ok(vec![orbit]) } else { Err(none()) };
     }
     let ratio = golden(n);
     let mut found: Vec<Orbit> = Vec::new();
@@ -45,18 +50,7 @@ pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit
         }
     }
     found.sort_by_key(|orbit| !orbit.is_shortest());
-    if found.is_empty() { Err(none(word, tries)) } else { Ok(found) }
-}
-
-fn none(word: &OrbitWord, tries: u32) -> Error {
-    Error::NoOrbit {
-        word: word.to_string(),
-        closing: if word.closing() > 0 { '+' } else { '-' },
-        period: word.period(),
-        reason: format!(
-            "none was found from {tries} guesses of its phases; another value of a parameter or period may have one"
-        ),
-    }
+    if found.is_empty() { Err(none()) } else { Ok(found) }
 }
 
 /// The root of x^(n+1) = x + 1 above one, by fixed-point iteration.

@@ -2,10 +2,9 @@
 
 use super::word::OrbitWord;
 use nalgebra::Complex;
-use serde::{Deserialize, Serialize};
 use vibro_analysis::Result;
 use vibro_impact::State;
-use vibro_impact::parameters::Parameters;
+use vibro_impact::parameters::{LOADS, Parameters};
 use vibro_impact::simulator::Loads;
 use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
 
@@ -15,19 +14,13 @@ use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
 /// (docs/theory.md (100)). A gap whose middle lies b above the centre is the machine under the loads (0, -k23 b, k23 b),
 /// docs/theory.md (97). A block without a spring has no displacement under its load: it falls, and the load's acceleration acts on
 /// its flights instead (docs/theory.md (111)).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConstantLoads {
     /// On the box, the block and the secondary oscillator.
     pub forces: [f64; 3],
 }
 
 impl ConstantLoads {
-    /// Names of the three, in order.
-    pub const NAMES: [&str; 3] = ["load.box", "load.block", "load.secondary"];
-
-    /// None.
-    pub const NONE: Self = Self { forces: [0.0; 3] };
-
     /// The same as loads of the simulator.
     pub fn loads(&self) -> Loads {
         Loads { derivatives: self.forces.map(|f| [f, 0.0, 0.0, 0.0]) }
@@ -95,21 +88,13 @@ impl Anchor {
 }
 
 impl System {
-    /// A machine under its drive alone.
+    /// A machine under its drive and its constant loads.
     ///
     /// # Errors
-    /// As [`Flight::new`], and for an undamped box at resonance.
+    /// As [`Flight::new`], and for an undamped box at resonance; a load on box or secondary oscillator that no spring holds; one that
+    /// is not finite.
     pub fn new(parameters: &Parameters) -> Result<Self> {
-        Self::with_loads(parameters, ConstantLoads::NONE)
-    }
-
-    /// A machine under constant loads, to which those of its parameters add.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new); a load on box or secondary oscillator that no spring holds; one that is not finite.
-    pub fn with_loads(parameters: &Parameters, loads: ConstantLoads) -> Result<Self> {
-        let forces = std::array::from_fn(|body| loads.forces[body] + parameters.constant_loads[body]);
-        let loads = ConstantLoads { forces };
+        let loads = ConstantLoads { forces: parameters.constant_loads };
         let parameters = &Parameters { constant_loads: [0.0; 3], ..*parameters };
         let flight = Flight::new(parameters)?;
         let response = flight.harmonic(parameters)?;
@@ -174,7 +159,7 @@ impl System {
 
     /// Whether the mirror image of a motion is one too: without loads.
     pub fn is_symmetric(&self) -> bool {
-        self.loads == ConstantLoads::NONE
+        self.loads == ConstantLoads::default()
     }
 
     /// |H|, the amplitude of the block in the box without impacts, units of L.
@@ -268,8 +253,9 @@ impl System {
 /// The displacements at which the springs hold the loads, units of L: docs/theory.md (99).
 fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
     let [f1, f2, f3] = loads.forces;
-    for (name, value) in ConstantLoads::NAMES.into_iter().zip(loads.forces) {
+    for (field, value) in LOADS.iter().zip(loads.forces) {
         if !value.is_finite() {
+            let name = field.name;
             let error = vibro_impact::Error::OutOfRange { name, value, allowed: "a finite number" };
             return Err(error.into());
         }

@@ -86,11 +86,11 @@ pub fn tree_in_parts(
 /// symmetry may break, and which is followed beyond.
 ///
 /// ```
-/// use vibro_orbits::{ConstantLoads, Family, Label, OrbitWord, PathOptions, Span, branch};
+/// use vibro_orbits::{Family, Label, OrbitWord, PathOptions, Span, branch};
 /// use vibro_analysis::{ParameterSet, find_group};
 ///
 /// let span = Span::new(find_group("f10")?, 0.5, 3.0)?;
-/// let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span)?;
+/// let family = Family::new(&ParameterSet::basic(), span)?;
 /// let found = branch(&family, &OrbitWord::new("U", -1, 1)?, &[5.5], 1.5, &PathOptions::default(), &[])?;
 /// let breaking = found.points.iter().find(|p| p.label() == Some(Label::BranchPoint)).expect("one");
 /// assert!((breaking.value - 2.039_588_865_238).abs() < 1e-11);
@@ -117,12 +117,7 @@ pub fn branch(
     let orbit = Orbit::find(&system, word, phases)?;
     if !orbit.is_certified() {
         let reason = "what solves its equations passes a stop between its impacts; another guess of the phases may help";
-        return Err(Error::NoOrbit {
-            word: word.to_string(),
-            closing: if word.closing() > 0 { '+' } else { '-' },
-            period: word.period(),
-            reason: reason.into(),
-        });
+        return Err(word.no_orbit(reason));
     }
     if word.is_empty() {
         let around = |b: &Branch| b.points.windows(2).any(|p| (p[0].value..=p[1].value).contains(&value));

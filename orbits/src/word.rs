@@ -103,6 +103,26 @@ impl OrbitWord {
         self.closing
     }
 
+    /// The sign of [`Self::closing`].
+    pub fn sign(&self) -> char {
+        if self.closing > 0 { '+' } else { '-' }
+    }
+
+    /// Its letters with the closing sign.
+    pub fn signed(&self) -> String {
+        format!("{self}{}", self.sign())
+    }
+
+    /// That there is no orbit of it, and why.
+    pub(super) fn no_orbit(&self, reason: impl Into<String>) -> Error {
+        Error::NoOrbit {
+            word: self.to_string(),
+            closing: self.sign(),
+            period: self.period(),
+            reason: reason.into(),
+        }
+    }
+
     /// Half drive periods until it closes.
     pub fn half_periods(&self) -> u32 {
         self.half_periods

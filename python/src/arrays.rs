@@ -14,8 +14,18 @@ pub fn table<'py, T: numpy::Element + Copy, const N: usize>(
     py: Python<'py>,
     rows: &[[T; N]],
 ) -> PyResult<Table<'py, T>> {
-    let array = PyArray2::zeros(py, [rows.len(), N], false);
-    array.try_readwrite()?.as_slice_mut()?.copy_from_slice(rows.as_flattened());
+    plane(py, rows.as_flattened(), rows.len(), N)
+}
+
+/// An array of so many rows and columns with these numbers, row by row.
+pub fn plane<'py, T: numpy::Element + Copy>(
+    py: Python<'py>,
+    numbers: &[T],
+    rows: usize,
+    columns: usize,
+) -> PyResult<Table<'py, T>> {
+    let array = PyArray2::zeros(py, [rows, columns], false);
+    array.try_readwrite()?.as_slice_mut()?.copy_from_slice(numbers);
     Ok(array)
 }
 

@@ -1,11 +1,11 @@
 //! Machines that a file or a program describes: their parameters, motions, measures and diagrams.
 
-use crate::arrays::{Column, Table, column, numbers};
+use crate::arrays::{Column, Table, column, numbers, plane, table};
 use crate::background::{Control, compute, pool};
 use crate::failure::Failure;
 use crate::studies::in_parts;
 use fmi_doors::Version;
-use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1};
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::prelude::*;
@@ -121,12 +121,7 @@ impl Described {
     }
 
     fn machine(&self, section: Option<SectionChoice>) -> Machine {
-        let section = match section {
-            None => SectionRule::Auto,
-            Some(SectionChoice::Period(period)) => SectionRule::Period(period),
-            Some(SectionChoice::Element(name)) => SectionRule::Element(name),
-        };
-        Machine { section, ..Machine::new((*self.description).clone()) }
+        Machine { section: rule(section), ..Machine::new((*self.description).clone()) }
     }
 }
 
@@ -135,6 +130,14 @@ impl Described {
 pub enum SectionChoice {
     Period(f64),
     Element(String),
+}
+
+fn rule(section: Option<SectionChoice>) -> SectionRule {
+    match section {
+        None => SectionRule::Auto,
+        Some(SectionChoice::Period(period)) => SectionRule::Period(period),
+        Some(SectionChoice::Element(name)) => SectionRule::Element(name),
+    }
 }
 
 /// A sampled motion with its events.
@@ -147,12 +150,6 @@ pub struct AssemblyRun<'py> {
     value: Column<'py, f64>,
     stops: Column<'py, i32>,
     energy: Table<'py, f64>,
-}
-
-fn rows<'py>(py: Python<'py>, rows: &[Vec<f64>], columns: usize) -> PyResult<Table<'py, f64>> {
-    let array = PyArray2::zeros(py, [rows.len(), columns], false);
-    array.try_readwrite()?.as_slice_mut()?.copy_from_slice(&rows.concat());
-    Ok(array)
 }
 
 /// The motion at ascending times (s), with what happened up to the last.
@@ -175,7 +172,7 @@ pub fn simulate_assembly<'py>(
             motion.advance_observed(time, &mut |event| events.push(event.clone()))?;
             samples.push(values(&motion));
             let (kinetic, stored) = motion.kinetic_and_stored();
-            energies.push(vec![kinetic, stored, motion.energy().balance()]);
+            energies.push([kinetic, stored, motion.energy().balance()]);
             control.add(1);
         }
         Ok((samples, energies, events))
@@ -183,13 +180,13 @@ pub fn simulate_assembly<'py>(
     let d = &machine.description;
     let told: Vec<_> = events.iter().map(|event| named(d, &event.kind)).collect();
     Ok(AssemblyRun {
-        values: rows(py, &samples, columns(d).len())?,
+        values: plane(py, &samples.concat(), samples.len(), columns(d).len())?,
         t: column(py, &events.iter().map(|e| e.time).collect::<Vec<_>>()),
         kind: told.iter().map(|e| e.kind).collect(),
         value: column(py, &told.iter().map(|e| e.value.unwrap_or(0.0)).collect::<Vec<_>>()),
         stops: column(py, &told.iter().map(|e| e.stops.unwrap_or(0) as i32).collect::<Vec<_>>()),
         element: told.into_iter().map(|e| e.element).collect(),
-        energy: rows(py, &energies, 3)?,
+        energy: table(py, &energies)?,
     })
 }
 
@@ -226,7 +223,7 @@ pub fn simulate_assemblies<'py>(
         motion.advance_to(until)?;
         Ok(values(&motion))
     })?;
-    rows(py, &ends, count)
+    plane(py, &ends.concat(), ends.len(), count)
 }
 
 /// Measures of many machines' settled motions: numbers and class of each.
@@ -244,11 +241,7 @@ pub fn measure_assemblies(
 ) -> PyResult<Vec<(Vec<Option<f64>>, Option<String>)>> {
     let measures = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
     let measures = measures.map_err(Failure::from)?;
-    let rule = match section {
-        None => SectionRule::Auto,
-        Some(SectionChoice::Period(period)) => SectionRule::Period(period),
-        Some(SectionChoice::Element(name)) => SectionRule::Element(name),
-    };
+    let rule = rule(section);
     let found = together(py, machines, progress, move |control, own| -> Result<Measured, Failure> {
         let machine = Machine { section: rule.clone(), ..own.machine(None) };
         let (mut motion, section) = machine.motion(&Start::default())?;
@@ -263,13 +256,13 @@ pub fn measure_assemblies(
 #[derive(IntoPyObject)]
 struct AssemblyDirection<'py> {
     value: Column<'py, f64>,
-    classes: Vec<String>,
+    kind: Vec<String>,
     period: Column<'py, i32>,
     contacts: Column<'py, f64>,
     rests: Column<'py, bool>,
     maxima: Column<'py, f64>,
-    maxima_at: Column<'py, i64>,
-    maxima_met: Column<'py, u32>,
+    at: Column<'py, i64>,
+    met: Column<'py, u32>,
     exponent: Column<'py, f64>,
 }
 
@@ -302,13 +295,13 @@ fn direction<'py>(
     let rests: Vec<bool> = points.iter().map(|p| p.as_ref().is_some_and(|p| p.settled.rests)).collect();
     AssemblyDirection {
         value: column(py, &(0..axis.count).map(|i| axis.value(i)).collect::<Vec<_>>()),
-        classes: points.iter().map(class).collect(),
+        kind: points.iter().map(class).collect(),
         period: column(py, &points.iter().map(period).collect::<Vec<_>>()),
         contacts: column(py, &of(&|p| p.settled.contacts)),
         rests: column(py, &rests),
         maxima: column(py, &tops.0),
-        maxima_at: column(py, &tops.1),
-        maxima_met: column(py, &tops.2),
+        at: column(py, &tops.1),
+        met: column(py, &tops.2),
         exponent: column(py, &of(&|p| p.settled.exponent.map_or(0.0, |e| e.value))),
     }
 }

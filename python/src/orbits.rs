@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use vibro_analysis::ParameterSet;
-use vibro_orbits::{ConstantLoads, Family, OrbitWord, PathOptions, Span};
+use vibro_orbits::{Family, OrbitWord, PathOptions, Span};
 
 /// A certified periodic orbit.
 #[pyclass(frozen, module = "vibro_impact._native")]
@@ -169,7 +169,7 @@ pub fn settled_orbit(
 #[derive(IntoPyObject)]
 pub struct Branch<'py> {
     word: String,
-    closing: i8,
+    symmetric: bool,
     period: u32,
     closed: bool,
     value: Column<'py, f64>,
@@ -196,7 +196,7 @@ pub fn follow<'py>(
     let span = Span::new(name, ends.0, ends.1).map_err(Failure::from)?;
     let value = name.value(&set);
     let (branch, maxima) = compute(py, progress, move |_| {
-        let family = Family::new(&set, ConstantLoads::NONE, span)?;
+        let family = Family::new(&set, span)?;
         let found = vibro_orbits::branch(&family, &word, &phases, value, &PathOptions::default(), &[])?;
         let mut maxima = found.maxima(&family, weights);
         for (maxima, point) in maxima.iter_mut().zip(&found.points) {
@@ -209,7 +209,7 @@ pub fn follow<'py>(
     let multipliers: Vec<[Complex<f64>; 6]> = points.iter().map(|p| p.multipliers).collect();
     Ok(Branch {
         word: branch.word.to_string(),
-        closing: branch.word.closing(),
+        symmetric: branch.word.closing() < 0,
         period: branch.word.period(),
         closed: branch.closed,
         value: column(py, &points.iter().map(|p| p.value).collect::<Vec<_>>()),

@@ -1,10 +1,10 @@
 //! Studies: bifurcation diagrams, Lyapunov exponents, basins of attraction, measures of settled motions.
 
-use crate::arrays::{Column, Table, column, rows_of_states, state, table};
+use crate::arrays::{Column, Table, column, plane, rows_of_states, state, table};
 use crate::background::{Control, compute, pool};
 use crate::failure::{Failure, in_python};
 use crate::system::{System, find};
-use numpy::{PyArrayMethods, PyReadonlyArray2};
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use vibro_analysis::attractor::{Attractor, MotionClass};
@@ -66,13 +66,13 @@ pub fn in_parts<T: Send>(
 #[derive(IntoPyObject)]
 struct Direction<'py> {
     value: Column<'py, f64>,
-    classes: Vec<String>,
+    kind: Vec<String>,
     period: Column<'py, i32>,
     impacts: Table<'py, f64>,
     rests: Column<'py, bool>,
     maxima: Column<'py, f64>,
-    maxima_at: Column<'py, i64>,
-    maxima_met: Column<'py, u32>,
+    at: Column<'py, i64>,
+    met: Column<'py, u32>,
     exponents: Option<Table<'py, f64>>,
 }
 
@@ -133,11 +133,11 @@ fn direction<'py>(
     let tops = points.iter().enumerate().flat_map(|(i, p)| {
         p.iter().flat_map(move |p| p.maxima.iter().map(move |(value, met)| (i as i64, *value, *met)))
     });
-    let (mut maxima_at, mut maxima, mut maxima_met) = (Vec::new(), Vec::new(), Vec::new());
-    for (i, value, met) in tops {
-        maxima_at.push(i);
+    let (mut at, mut maxima, mut met) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, value, times) in tops {
+        at.push(i);
         maxima.push(value);
-        maxima_met.push(met);
+        met.push(times);
     }
     let spectrum = |p: &Option<SweepPoint>| {
         p.as_ref().and_then(|p| p.spectrum.as_ref()).map_or([0.0; 7], |s| s.exponents)
@@ -145,7 +145,7 @@ fn direction<'py>(
     let exponents: Vec<[f64; 7]> = points.iter().map(spectrum).collect();
     Ok(Direction {
         value: column(py, &values),
-        classes: points.iter().map(class).collect(),
+        kind: points.iter().map(class).collect(),
         period: column(py, &points.iter().map(period).collect::<Vec<_>>()),
         impacts: table(py, &each(&|p| p.attractor.impacts))?,
         rests: column(
@@ -153,8 +153,8 @@ fn direction<'py>(
             &points.iter().map(|p| p.as_ref().is_some_and(|p| p.attractor.rests)).collect::<Vec<_>>(),
         ),
         maxima: column(py, &maxima),
-        maxima_at: column(py, &maxima_at),
-        maxima_met: column(py, &maxima_met),
+        at: column(py, &at),
+        met: column(py, &met),
         exponents: with_exponents.then(|| table(py, &exponents)).transpose()?,
     })
 }
@@ -164,7 +164,6 @@ fn direction<'py>(
 pub struct Spectrum<'py> {
     exponents: Column<'py, f64>,
     deviation: f64,
-    periods: u32,
     impacts: u64,
     rests: bool,
     running: Table<'py, f64>,
@@ -195,7 +194,6 @@ pub fn lyapunov<'py>(
     Ok(Spectrum {
         exponents: column(py, &spectrum.exponents),
         deviation: spectrum.deviation,
-        periods: spectrum.periods,
         impacts: spectrum.impacts,
         rests: spectrum.rests,
         running: table(py, &found.running)?,
@@ -217,7 +215,7 @@ fn settled(
 /// A settled motion as it is recognized.
 #[derive(IntoPyObject)]
 struct Settled<'py> {
-    class_name: String,
+    kind: String,
     period: Option<u32>,
     impacts: Column<'py, f64>,
     rests: bool,
@@ -229,7 +227,7 @@ struct Settled<'py> {
 
 fn attractor<'py>(py: Python<'py>, found: &Attractor, class: MotionClass) -> PyResult<Settled<'py>> {
     Ok(Settled {
-        class_name: class.name(),
+        kind: class.name(),
         period: found.period,
         impacts: column(py, &found.impacts),
         rests: found.rests,
@@ -277,17 +275,6 @@ pub fn basins<'py>(
     let attractors =
         found.attractors.iter().map(|a| attractor(py, &a.attractor, a.class)).collect::<PyResult<_>>()?;
     Ok(Basins { attractors, cells: plane(py, &cells, y.3, x.3)?, mirror: plane(py, &mirror, y.3, x.3)? })
-}
-
-fn plane<'py, T: numpy::Element + Copy>(
-    py: Python<'py>,
-    cells: &[T],
-    rows: usize,
-    columns: usize,
-) -> PyResult<Table<'py, T>> {
-    let array = numpy::PyArray2::zeros(py, [rows, columns], false);
-    array.try_readwrite()?.as_slice_mut()?.copy_from_slice(cells);
-    Ok(array)
 }
 
 /// Every measure as (name, unit, what it is).

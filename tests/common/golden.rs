@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 use vibro_impact::parameters::FIELDS;
-use vibro_impact::{Parameters, State};
+use vibro_impact::{Groups, Parameters, Scales, State};
 
 /// One row of a golden file, by column name.
 #[derive(Clone, Debug)]
@@ -55,4 +55,14 @@ pub fn distance(a: &State, b: &State, length: f64, speed: f64) -> f64 {
     (0..3).fold(0.0, |most: f64, i| {
         most.max((a.x[i] - b.x[i]).abs() / length).max((a.v[i] - b.v[i]).abs() / speed)
     })
+}
+
+/// The machine of the standard work with another restitution coefficient and drive.
+pub fn weak(kappa: f64, f10: f64) -> Parameters {
+    Groups::weak(0.1, kappa, f10, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).expect("valid")
+}
+
+/// The standard work (benches/standard_work.rs) in the very doubles that the library uses for it.
+pub fn standard() -> (Parameters, State) {
+    (weak(0.75, 1.5), State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] })
 }

@@ -13,7 +13,7 @@ use vibro_analysis::bifurcation::{self, Sweep};
 use vibro_analysis::design_sweep;
 use vibro_analysis::isoperiodic;
 use vibro_analysis::parts::Task;
-use vibro_orbits::{ConstantLoads, Family, Span, TreeOptions, tree_in_parts};
+use vibro_orbits::{Family, Span, TreeOptions, tree_in_parts};
 
 /// The form of the parts on disk: how a study is divided and what a part holds. It is counted up whenever one of them changes, so that
 /// parts of another form are never put together. Before it was written down it was 1.
@@ -96,8 +96,6 @@ pub enum StudyKind {
     Orbits {
         /// The parameter and its range.
         span: Span,
-        /// Constant loads on the bodies.
-        loads: ConstantLoads,
         /// What is traced.
         options: TreeOptions,
     },
@@ -240,8 +238,8 @@ impl LongStudy {
                 let study = || studies::design_sweep(set, request, task, &self.name).map(|s| vec![s]);
                 is_complete.then(study).transpose()
             }
-            StudyKind::Orbits { span, loads, options } => {
-                let family = Family::new(set, *loads, *span)?;
+            StudyKind::Orbits { span, options } => {
+                let family = Family::new(set, *span)?;
                 let told = |done, waiting| tell(done, done + waiting);
                 let found = tree_in_parts(&family, options, task.store, &told)?;
                 Ok(Some(vec![studies::orbits(set, &family, &found.branches, Some(&found.searched))?]))

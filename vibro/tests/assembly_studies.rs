@@ -27,8 +27,8 @@ fn read(out: &Path, name: &str) -> Vec<u8> {
 }
 
 #[test]
-fn second_method_a_sweep_has_the_librarys_numbers_and_shards_make_the_whole() {
-    let (out, parts) = (folder("assembly-sweep"), folder("assembly-sweep-shards"));
+fn second_method_a_sweep_has_the_librarys_numbers() {
+    let out = folder("assembly-sweep");
     let said = drawn(&out, &SWEEP);
     assert!(said.contains("4 designs over stop.steel.gap, stop.buffer.gap"), "{said}");
     assert!(said.contains("amplitude.box.s: least"), "{said}");
@@ -53,18 +53,6 @@ fn second_method_a_sweep_has_the_librarys_numbers_and_shards_make_the_whole() {
     }
     // The buffer pressed far in from the start is a design without an equilibrium; it has a row that says why.
     assert!(rows.iter().all(|row| row["reason"].is_empty() != row["amplitude.box.s"].is_empty()));
-    for share in ["1/2", "2/2"] {
-        drawn(&parts.join(share.replace('/', "-")), &[&SWEEP[..], &["--shard", share]].concat());
-    }
-    let merged = parts.join("merged");
-    let folders = ["1-2", "2-2"].map(|name| parts.join(name).display().to_string());
-    // Four designs are one part, which the first share has.
-    if parts.join("1-2/assembly-sweep.csv").exists() {
-        assert_eq!(read(&parts.join("1-2"), "assembly-sweep.csv"), read(&out, "assembly-sweep.csv"));
-    } else {
-        drawn(&merged, &["merge", &folders[0], &folders[1]]);
-        assert_eq!(read(&merged, "assembly-sweep.csv"), read(&out, "assembly-sweep.csv"));
-    }
 }
 
 #[test]

@@ -4,36 +4,13 @@
 #[path = "common/mod.rs"]
 mod command;
 
-use command::{command, drawn, folder};
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use command::{begun, command, drawn, files, folder, killed, parts};
+use std::path::Path;
+use std::process::{Command, Output};
 
 /// A basin in some parts, each a fraction of a second.
 const BASIN: [&str; 5] = ["basin", "--resolution", "16", "--discard", "60"];
 const LONGER: [&str; 7] = ["basin", "--resolution", "64", "--discard", "300", "--threads", "1"];
-/// Far more than a part takes on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(120);
-
-/// All files of a folder and of its folders, with their bytes.
-fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            found.extend(files(&path));
-        } else {
-            found.insert(path.clone(), std::fs::read(&path).expect("a file"));
-        }
-    }
-    found
-}
-
-/// The same by their names in the folder.
-fn named(home: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    files(home).into_iter().map(|(p, b)| (p.strip_prefix(home).unwrap().into(), b)).collect()
-}
 
 /// Exit code and standard error.
 fn outcome(output: &Output) -> (Option<i32>, String) {
@@ -55,29 +32,6 @@ fn by_default(home: &Path, arguments: &[&str]) -> String {
     let output = vibro.args(arguments).current_dir(home).output().expect("vibro runs");
     assert!(output.status.success(), "{arguments:?}: {}", outcome(&output).1);
     String::from_utf8(output.stdout).expect("text")
-}
-
-/// Starts a long study and waits for its first part.
-fn begun(out: &Path, arguments: &[&str], study: &str) -> Child {
-    let mut vibro = command(out, arguments);
-    let mut child = vibro.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("vibro starts");
-    let begin = Instant::now();
-    while kept(out, study) == 0 {
-        assert!(begin.elapsed() < PATIENCE, "no part in {PATIENCE:?}");
-        assert!(child.try_wait().unwrap().is_none(), "it has ended already");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    child
-}
-
-fn kept(out: &Path, study: &str) -> usize {
-    let entries = std::fs::read_dir(out.join(format!("{study}.parts")));
-    entries
-        .into_iter()
-        .flatten()
-        .flatten()
-        .filter(|e| e.path().extension().is_some_and(|x| x == "part"))
-        .count()
 }
 
 #[test]
@@ -152,7 +106,7 @@ fn finished_results_are_overwritten_by_the_same_command_only() {
         assert!(error.contains(word), "{word}: {error}");
     }
     drawn(&out, &["steady", "--set", "kappa=0.8", "--replace"]);
-    assert!(files(&out)[&out.join("steady.csv")] != first[&out.join("steady.csv")]);
+    assert!(files(&out)["steady.csv"] != first["steady.csv"]);
     // Other figures of one command have their place beside each other.
     drawn(&out, &["manifold", "--figure", "2"]);
     drawn(&out, &["manifold", "--figure", "7"]);
@@ -212,19 +166,19 @@ fn what_others_have_written_is_refused_by_name_and_never_removed() {
 fn ctrl_c_says_what_is_kept_and_which_command_goes_on() {
     use std::os::unix::process::ExitStatusExt;
     let (out, whole) = (folder("folders-interrupted"), folder("folders-whole"));
-    let child = begun(&out, &LONGER, LONGER[0]);
+    let child = begun(&out, &LONGER, LONGER[0], 1);
     let pid = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill runs").success());
     let output = child.wait_with_output().unwrap();
     let (code, error) = outcome(&output);
     assert_eq!((code, output.status.signal()), (Some(130), None), "{error}");
-    let count = format!("interrupted: {} of ", kept(&out, LONGER[0]));
+    let count = format!("interrupted: {} of ", parts(&out, LONGER[0]).len());
     assert!(error.starts_with(&count) && error.contains("parts of `basin` are kept in"), "{count}: {error}");
     let line = format!("vibro {} --out {}", LONGER.join(" "), out.display());
     assert!(error.trim_end().ends_with(&line), "{line}: {error}");
     drawn(&out, &LONGER);
     drawn(&whole, &LONGER);
-    assert!(named(&out) == named(&whole), "an interrupted study ends as one in one piece");
+    assert!(files(&out) == files(&whole), "an interrupted study ends as one in one piece");
 }
 
 #[test]
@@ -244,31 +198,28 @@ fn invariant_a_killed_plane_goes_on_to_the_same_bytes() {
     ];
     const NAME: &str = "isoperiodic-sigma1-f10";
     let (out, whole) = (folder("folders-killed"), folder("folders-not-killed"));
-    let mut child = begun(&out, &PLANE, NAME);
-    // It has no chance to finish what it is at.
-    child.kill().unwrap();
-    child.wait().unwrap();
-    assert!(kept(&out, NAME) > 0 && !out.join(format!("{NAME}.csv")).exists());
+    let child = begun(&out, &PLANE, NAME, 1);
+    killed(child);
+    assert!(!parts(&out, NAME).is_empty() && !out.join(format!("{NAME}.csv")).exists());
     drawn(&out, &PLANE);
     // In one piece and on other threads.
     drawn(&whole, &PLANE[..9]);
     let drawings = |home: &Path| {
-        let mut files = named(home);
-        files.retain(|name, _| name.extension().is_some_and(|ending| ending != "toml"));
+        let mut files = files(home);
+        files.retain(|name, _| !name.ends_with(".toml"));
         files
     };
     let (killed, not_killed) = (drawings(&out), drawings(&whole));
-    assert!(killed == not_killed && killed.contains_key(&PathBuf::from(format!("{NAME}.csv"))));
+    assert!(killed == not_killed && killed.contains_key(&format!("{NAME}.csv")));
 }
 
 #[test]
 fn a_second_program_in_the_folder_is_refused() {
     let out = folder("folders-two");
-    let mut first = begun(&out, &LONGER, LONGER[0]);
+    let first = begun(&out, &LONGER, LONGER[0], 1);
     let (code, error) = outcome(&command(&out, &LONGER).output().expect("vibro runs"));
-    first.kill().unwrap();
-    first.wait().unwrap();
+    killed(first);
     assert_eq!(code, Some(2), "{error}");
     assert!(error.contains("basin.parts: another vibro is computing parts in this folder"), "{error}");
-    assert!(kept(&out, LONGER[0]) > 0);
+    assert!(!parts(&out, LONGER[0]).is_empty());
 }

@@ -4,9 +4,7 @@
 #[path = "common/mod.rs"]
 mod command;
 
-use command::{command as vibro, drawn, folder, refused, table};
-use std::process::Stdio;
-use std::time::{Duration, Instant};
+use command::{begun, command as vibro, drawn, folder, killed, parts, refused, table};
 
 /// Fifteen digits are written, and points are located to about as many.
 const LOCATION: f64 = 1e-11;
@@ -57,30 +55,12 @@ fn a_tree_has_the_same_bytes_for_any_number_of_threads() {
 /// A tree of many rounds, each a fraction of a second.
 const TREE: [&str; 10] =
     ["orbits", "--tree", "--vary", "f10=2:3", "--seeds", "5", "--starts", "8", "--depth", "3"];
-/// Far more than a round takes on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(120);
 
 #[test]
 fn an_interrupted_tree_goes_on_to_the_same_bytes() {
     let (out, whole) = (folder("orbits-interrupted"), folder("orbits-whole"));
-    let mut child = vibro(&out, &[&TREE[..], &["--threads", "1"]].concat())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("vibro starts");
-    let parts = || {
-        let entries = std::fs::read_dir(out.join("orbits.parts")).into_iter().flatten().flatten();
-        entries.filter(|e| e.path().extension().is_some_and(|x| x == "part")).count()
-    };
-    let begin = Instant::now();
-    while parts() < 2 {
-        assert!(begin.elapsed() < PATIENCE, "no parts in {PATIENCE:?}");
-        assert!(child.try_wait().unwrap().is_none(), "it has ended already");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
-    let kept = parts();
+    killed(begun(&out, &[&TREE[..], &["--threads", "1"]].concat(), "orbits", 2));
+    let kept = parts(&out, "orbits").len();
     assert!(kept >= 2 && !out.join("branches.csv").exists());
     // Another tree is refused and leaves the parts.
     let other = [&TREE[..], &["--mark", "2.5"]].concat();

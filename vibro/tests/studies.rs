@@ -4,10 +4,9 @@
 #[path = "common/mod.rs"]
 mod command;
 
-use command::{DAMPER, command, drawn, pixels};
+use command::{DAMPER, begun, command, drawn, files, killed, parts, pixels};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
 use vibro::studies;
 use vibro_analysis::attractor::{MotionClass, Relation, observe};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis, InitialValueRange};
@@ -179,24 +178,9 @@ fn folder(name: &str) -> PathBuf {
     command::folder(&format!("studies-{name}"))
 }
 
-/// All files of a folder and their bytes; what a program at work renames between the listing and the reading is left out.
-fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let read = |path: PathBuf| {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        match std::fs::read(&path) {
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => None,
-            bytes => Some((name, bytes.expect("a file"))),
-        }
-    };
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    let mut found: Vec<_> = entries.filter_map(|e| read(e.expect("an entry").path())).collect();
-    found.sort();
-    found
-}
-
 fn assert_same(one: &Path, two: &Path) {
     let (a, b) = (files(one), files(two));
-    assert_eq!(a.iter().map(|f| &f.0).collect::<Vec<_>>(), b.iter().map(|f| &f.0).collect::<Vec<_>>());
+    assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
     for (x, y) in a.iter().zip(&b) {
         assert!(x.1 == y.1, "{} differs", x.0);
     }
@@ -303,8 +287,8 @@ fn second_method_shards_threads_and_an_interruption_give_the_same_bytes() {
     ] {
         let whole = folder(&format!("{name}-whole"));
         drawn(&whole, &[work, &["--threads", "1"]].concat());
-        for file in files(&whole).iter().filter(|f| f.0.ends_with(".png")) {
-            check_picture(&whole.join(&file.0));
+        for name in files(&whole).keys().filter(|name| name.ends_with(".png")) {
+            check_picture(&whole.join(name));
         }
         let shards: Vec<PathBuf> = (1..=3)
             .map(|i| {
@@ -331,26 +315,8 @@ fn second_method_shards_threads_and_an_interruption_give_the_same_bytes() {
 /// A study is killed after its first part, and then goes on where it was: no finished part is lost.
 fn interrupted_and_resumed(name: &str, work: &[&str], whole: &Path) {
     let broken = folder(&format!("{name}-broken"));
-    let mut child = command(&broken, &[work, &["--threads", "1"]].concat())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("vibro starts");
-    let parts = broken.join(format!("{name}.parts"));
-    let finished = || -> Vec<(String, Vec<u8>)> {
-        if !parts.exists() {
-            return Vec::new();
-        }
-        files(&parts).into_iter().filter(|f| f.0.ends_with(".part")).collect()
-    };
-    let begin = std::time::Instant::now();
-    while !parts.exists() || finished().is_empty() {
-        assert!(begin.elapsed().as_secs() < 120, "no part within two minutes");
-        assert!(child.try_wait().unwrap().is_none(), "{name} has ended already");
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
+    killed(begun(&broken, &[work, &["--threads", "1"]].concat(), name, 1));
+    let finished = || parts(&broken, name);
     let kept = finished();
     assert!(!kept.is_empty() && kept.len() < 16, "{name}: {} parts", kept.len());
     // Another machine's parts are neither taken nor deleted.

@@ -1,21 +1,14 @@
 //! What FMI 3.0 alone says of log messages (FMI 3.0.2, 2.3.1).
 
-use crate::log::{Categories, Category};
+use crate::log::Categories;
 use crate::messages::c_text;
 use std::ffi::CString;
 
-/// Whether errors are logged although the host has switched logging off. FMI 3.0.2, 2.3.1 forbids any call of the logger then;
-/// the standard's main branch after it (pull request 2097) asks for messages about errors in any case.
-const ERRORS_IN_ANY_CASE: bool = false;
-
-/// Which categories are enabled at instantiation.
+/// Which categories are enabled at instantiation. Where the host has switched logging off, none, not even of errors: FMI 3.0.2, 2.3.1
+/// forbids any call of the logger then; the standard's main branch after it (pull request 2097) asks for messages about errors in
+/// any case.
 pub fn enabled_at_start(logging_on: bool) -> Categories {
-    let always = [Category::Refusals, Category::Failures];
-    match (logging_on, ERRORS_IN_ANY_CASE) {
-        (true, _) => Categories::ALL,
-        (false, true) => always.into_iter().fold(Categories::NONE, |set, category| set.with(category, true)),
-        (false, false) => Categories::NONE,
-    }
+    if logging_on { Categories::ALL } else { Categories::NONE }
 }
 
 /// A message as the host's logger takes it: # starts the reference of a variable there, so it is doubled (FMI 3.0.2, 2.3.1).

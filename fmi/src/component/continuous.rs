@@ -313,7 +313,7 @@ impl Continuous {
 pub(crate) fn check_states(states: &[f64; 6]) -> Result<State, Problem> {
     for (name, value) in super::structure::STATES.iter().zip(states) {
         if !value.is_finite() {
-            return Err(Problem::Value { name, value: *value, allowed: "a finite number" });
+            return Err(Problem::value(name, *value, "a finite number"));
         }
     }
     let [x1, x2, x3, v1, v2, v3] = *states;

@@ -168,11 +168,6 @@ impl Instance {
         Ok(())
     }
 
-    /// Whether [`set_experiment`](Self::set_experiment) was called.
-    pub fn has_experiment(&self) -> bool {
-        self.life.experiment.is_some()
-    }
-
     /// From now on outputs show the start that the settings describe.
     pub fn enter_initialization(&mut self) {
         self.life.phase = Phase::Initialization;
@@ -197,9 +192,7 @@ impl Instance {
         }
         self.nominals_told = Some(self.nominals());
         self.engine = engine;
-        (self.parameters_set, self.loads_set) = (false, false);
-        self.slopes_set = [false; 3];
-        self.invalidate();
+        self.taken_over();
         if self.life.interface == Interface::ModelExchange || self.life.handling.event_mode {
             self.begin_event();
         } else {
@@ -215,18 +208,9 @@ impl Instance {
 
     /// As just made.
     pub fn reset(&mut self) {
-        self.life.phase = Phase::Instantiated;
-        self.settings = self.initial;
-        self.life.experiment = None;
-        self.events = EventState::default();
-        self.engine = Engine::None;
-        self.slopes_set = [false; 3];
-        (self.parameters_set, self.loads_set) = (false, false);
-        self.derived_stale = true;
-        self.last_step = None;
-        self.tick = Tick::default();
-        self.given = 0;
-        self.invalidate();
+        let (numbering, edition) = (self.numbering, self.edition);
+        let protocol = Protocol { numbering, handling: self.life.handling, start: self.initial, edition };
+        *self = Self::of_protocol(self.life.interface, protocol);
     }
 
     /// Present time, s; before initialization ends, the start.
@@ -265,12 +249,13 @@ impl Instance {
     /// gives the same bits as not having left.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] for one of the other interface type, [`Problem::Model`] for one that is not possible;
+    /// [`SavedState`](fmi_doors::Problem::SavedState) for one of the other interface type, [`Problem::Model`] for one that is not possible;
     /// nothing has changed then.
     pub fn restore(&mut self, saved: &SavedState) -> Outcome {
         if saved.interface != self.life.interface {
             let (its, own) = (saved.interface.name(), self.life.interface.name());
-            return Err(Problem::SavedState { what: format!("it is of {its}, this instance is of {own}") });
+            let what = format!("it is of {its}, this instance is of {own}").into();
+            return Err(fmi_doors::Problem::SavedState { what }.into());
         }
         match (&mut self.engine, &saved.engine) {
             (engine, EngineState::None) => *engine = Engine::None,

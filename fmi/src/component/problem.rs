@@ -3,46 +3,17 @@
 /// Outcome of a call.
 pub type Outcome<T = ()> = Result<T, Problem>;
 
-/// Why a call was refused; the component is then as it was. Each text names the thing, its value and what is allowed.
+/// Why a call was refused; the component is then as it was. Each text names the thing, its value and what is allowed. What is not of this machine alone is the
+/// [doors'](Self::Door).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// No variable of the wanted types has that reference.
-    #[error("value reference {reference} is no {wanted} variable: {found}")]
-    Reference {
-        /// The reference.
-        reference: u32,
-        /// The wanted types, in words.
-        wanted: &'static str,
-        /// What is there.
-        found: String,
-    },
-    /// The variable can never be set, or not now.
-    #[error("{name} cannot be set {phase}: allowed are {allowed}")]
-    NotSettable {
-        /// The variable.
-        name: &'static str,
-        /// Present phase, in words.
-        phase: &'static str,
-        /// What may be set.
-        allowed: &'static str,
-    },
     /// The variable does not have the derivative that was asked for or given.
     #[error("{name} has no such derivative: allowed are {allowed}")]
     NoDerivative {
         /// The variable.
         name: &'static str,
         /// What has one.
-        allowed: &'static str,
-    },
-    /// A value outside its range.
-    #[error("{name} = {value}: allowed is {allowed}")]
-    Value {
-        /// What was to be set.
-        name: &'static str,
-        /// The value.
-        value: f64,
-        /// What is allowed.
         allowed: &'static str,
     },
     /// A step that begins neither where the last one stopped at an impact nor, after a restore, where that one began.
@@ -98,18 +69,6 @@ pub enum Problem {
         /// Why the state before it was refused.
         refused: String,
     },
-    /// Something must be done first.
-    #[error("{what}")]
-    Sequence {
-        /// What.
-        what: &'static str,
-    },
-    /// A saved state that does not fit or is not intact.
-    #[error("saved state refused: {what}")]
-    SavedState {
-        /// Why.
-        what: String,
-    },
     /// The model refuses.
     #[error(transparent)]
     Model(#[from] vibro_impact::error::Error),
@@ -119,7 +78,19 @@ pub enum Problem {
         /// Why.
         what: String,
     },
-    /// What a door refuses in the component's name.
+    /// What any component may refuse.
     #[error(transparent)]
     Door(#[from] fmi_doors::Problem),
+}
+
+impl Problem {
+    /// A value outside its range.
+    pub(crate) fn value(name: &'static str, value: f64, allowed: &'static str) -> Self {
+        fmi_doors::Problem::value(name, value, allowed).into()
+    }
+
+    /// Something must be done first.
+    pub(crate) fn sequence(what: &'static str) -> Self {
+        fmi_doors::Problem::Sequence { what: what.into() }.into()
+    }
 }

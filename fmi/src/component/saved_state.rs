@@ -30,6 +30,7 @@ use super::settings::Settings;
 use super::values::Tick;
 use fmi_doors::{Experiment, Interface, Phase};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use vibro_impact::numerics::digest::fnv1a;
 use vibro_impact::simulator::Snapshot;
 
@@ -64,8 +65,8 @@ pub(super) enum EngineState {
     Continuous(continuous::Data),
 }
 
-fn refused(what: impl Into<String>) -> Problem {
-    Problem::SavedState { what: what.into() }
+fn refused(what: impl Into<Cow<'static, str>>) -> Problem {
+    fmi_doors::Problem::SavedState { what: what.into() }.into()
 }
 
 /// Takes the first `N` bytes away from `bytes`.
@@ -79,7 +80,7 @@ impl SavedState {
     /// Its bytes: header, payload, checksum.
     ///
     /// # Errors
-    /// [`Problem::SavedState`], which would be a mistake of ours.
+    /// [`SavedState`](fmi_doors::Problem::SavedState), which would be a mistake of ours.
     pub fn serialize(&self) -> Outcome<Vec<u8>> {
         let payload = postcard::to_stdvec(self).map_err(|error| refused(error.to_string()))?;
         let length = u32::try_from(payload.len()).map_err(|error| refused(error.to_string()))?;
@@ -97,7 +98,7 @@ impl SavedState {
     /// The state of these bytes. Whether it can be carried on shows when it is restored.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] for bytes that are truncated, altered, of another version or of another build.
+    /// [`SavedState`](fmi_doors::Problem::SavedState) for bytes that are truncated, altered, of another version or of another build.
     pub fn deserialize(serialized: &[u8]) -> Outcome<Self> {
         let Some((content, sum)) = serialized.split_last_chunk::<8>() else {
             return Err(refused(format!("{} bytes are too few", serialized.len())));

@@ -80,11 +80,7 @@ impl Solution {
     /// [`Problem::ClosedForm`] with the range of existence when there is none; [`Problem::Model`] where it is undefined.
     pub(crate) fn new(mode: SolutionMode, parameters: &Parameters) -> Result<Self, Problem> {
         if parameters.drive_frequency == 0.0 {
-            return Err(Problem::Value {
-                name: "drive.frequency",
-                value: 0.0,
-                allowed: "a finite number > 0 for a steady state",
-            });
+            return Err(Problem::value("drive.frequency", 0.0, "a finite number > 0 for a steady state"));
         }
         match mode {
             SolutionMode::EventDriven | SolutionMode::ExactOrbit => exact(parameters),

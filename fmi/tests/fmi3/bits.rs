@@ -1,100 +1,11 @@
 //! Without event mode and early return the motion is that of FMI 2.0 and of the library, bit for bit; states cross between
 //! the versions.
 
+use super::fmi2::Fmu2;
 use super::host::*;
-use std::ffi::CString;
-use std::ptr::{null, null_mut};
 use vibro_fmi::component::variables::{Base, reference};
-use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
 use vibro_impact::{Parameters, Simulator, State};
-
-/// An FMI 2.0 instance.
-struct Fmu2(FmiComponent);
-
-impl Fmu2 {
-    fn new() -> Self {
-        let guid = CString::new(description::guid()).unwrap();
-        // SAFETY: valid strings.
-        let c = unsafe { fmi2Instantiate(c"two".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0) };
-        assert!(!c.is_null());
-        Self(c)
-    }
-
-    fn started(start: &[(&str, f64)]) -> Self {
-        let fmu = Self::new();
-        for (name, value) in start {
-            fmu.set(name, *value);
-        }
-        // SAFETY: a live component.
-        unsafe {
-            assert_eq!(fmi2SetupExperiment(fmu.0, 0, 0.0, 0.0, 0, 0.0), OK);
-            assert_eq!(fmi2EnterInitializationMode(fmu.0), OK);
-            assert_eq!(fmi2ExitInitializationMode(fmu.0), OK);
-        }
-        fmu
-    }
-
-    fn set(&self, name: &str, value: f64) {
-        let r = reference(name);
-        // SAFETY: one of each.
-        let status = unsafe {
-            match name {
-                "mode" => fmi2SetInteger(self.0, &r, 1, &(value as i32)),
-                "stopAtImpact" | "startOnOrbit" => fmi2SetBoolean(self.0, &r, 1, &(value as i32)),
-                _ => fmi2SetReal(self.0, &r, 1, &value),
-            }
-        };
-        assert_eq!(status, OK, "{name}");
-    }
-
-    fn step(&self, point: f64, size: f64) {
-        // SAFETY: a live component.
-        assert_eq!(unsafe { fmi2DoStep(self.0, point, size, 1) }, OK);
-    }
-
-    fn get(&self, r: u32, base: Base) -> f64 {
-        let (mut real, mut whole) = (f64::NAN, -1);
-        // SAFETY: one of each.
-        let status = unsafe {
-            match base {
-                Base::Real => fmi2GetReal(self.0, &r, 1, &mut real),
-                Base::Boolean => fmi2GetBoolean(self.0, &r, 1, &mut whole),
-                _ => fmi2GetInteger(self.0, &r, 1, &mut whole),
-            }
-        };
-        assert_eq!(status, OK);
-        if base == Base::Real { real } else { whole.into() }
-    }
-
-    fn bytes(&self) -> Vec<u8> {
-        let (mut state, mut size) = (null_mut(), 0);
-        // SAFETY: a live component; as many bytes as it says.
-        unsafe {
-            assert_eq!(fmi2GetFMUstate(self.0, &mut state), OK);
-            assert_eq!(fmi2SerializedFMUstateSize(self.0, state, &mut size), OK);
-            let mut bytes = vec![0_u8; size];
-            assert_eq!(fmi2SerializeFMUstate(self.0, state, bytes.as_mut_ptr(), size), OK);
-            bytes
-        }
-    }
-
-    fn restore(&self, bytes: &[u8]) {
-        let mut state = null_mut();
-        // SAFETY: as above.
-        unsafe {
-            assert_eq!(fmi2DeSerializeFMUstate(self.0, bytes.as_ptr(), bytes.len(), &mut state), OK);
-            assert_eq!(fmi2SetFMUstate(self.0, state), OK);
-        }
-    }
-}
-
-impl Drop for Fmu2 {
-    fn drop(&mut self) {
-        // SAFETY: not used again.
-        unsafe { fmi2FreeInstance(self.0) };
-    }
-}
 
 /// All variables of both descriptions but the setting whose start differs.
 fn compare(two: &Fmu2, three: &Fmu, at: f64) {
@@ -160,7 +71,7 @@ fn invariant_a_saved_state_of_either_version_goes_on_in_the_other() {
             two.step(f64::from(i) * 0.7, 0.7);
             three.step(f64::from(i) * 0.7, 0.7);
         }
-        let (into_two, into_three) = (Fmu2::new(), Fmu::new(FF));
+        let (into_two, into_three) = (Fmu2::quiet(1), Fmu::new(FF));
         into_three.restore(&two.bytes());
         into_two.restore(&three.bytes());
         compare(&into_two, &into_three, 35.0);
@@ -194,7 +105,7 @@ fn invariant_a_saved_state_at_a_pending_event_goes_on() {
     }
     assert_eq!(again.motion().map(f64::to_bits), three.motion().map(f64::to_bits));
     // FMI 2.0 knows no pending event: its next step begins with the law.
-    let two = Fmu2::new();
+    let two = Fmu2::quiet(1);
     two.restore(&bytes);
     assert_eq!(two.get(reference("impacts.upper"), Base::Integer) as u32, 0);
     two.step(end.time, 60.0 - end.time);

@@ -8,6 +8,8 @@ mod dependencies;
 mod derivatives;
 mod events;
 mod exchange;
+#[path = "../common/fmi2.rs"]
+mod fmi2;
 mod host;
 mod intermediate;
 mod logging;

@@ -2,8 +2,7 @@
 
 use super::changelog::{self, Section};
 use crate::error::{Error, Result};
-use quick_xml::Reader;
-use quick_xml::events::Event;
+use crate::xml::Element;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use toml::{Table, Value};
@@ -81,11 +80,8 @@ fn tokens() -> [(&'static str, String); 4] {
 /// What is wrong with version and token of a model description, of FMI 2.0 or 3.0.
 pub(super) fn description(place: &str, xml: &str, token: String, version: &str) -> Vec<String> {
     const REMEDY: &str = "write it anew by `cargo run --bin fmu-build -- refresh --description`";
-    let root = root_attributes(xml);
-    let value = |names: &[&str]| {
-        let named = root.iter().find(|(name, _)| names.contains(&name.as_str()));
-        named.map_or("none", |(_, value)| value.as_str())
-    };
+    let root = Element::parse(xml).unwrap_or_default();
+    let value = |names: &[&str]| names.iter().find_map(|name| root.attribute(name)).unwrap_or("none");
     let differs = |what: &str, found: &str, expected: &str| {
         (found != expected)
             .then(|| format!("{place}: {what} {found}, where {expected} is expected: {REMEDY}"))
@@ -93,21 +89,6 @@ pub(super) fn description(place: &str, xml: &str, token: String, version: &str) 
     let found = differs("version", value(&["version"]), version);
     let token = differs("instantiation token", value(&["guid", "instantiationToken"]), &token);
     found.into_iter().chain(token).collect()
-}
-
-/// Attributes of the root element; none where the text is no XML.
-fn root_attributes(xml: &str) -> Vec<(String, String)> {
-    let mut reader = Reader::from_str(xml);
-    loop {
-        match reader.read_event() {
-            Ok(Event::Start(root) | Event::Empty(root)) => {
-                let pairs = root.attributes().flatten();
-                return pairs.map(|a| (a.key.as_ref().to_owned(), a.value.into_owned())).collect();
-            }
-            Ok(Event::Eof) | Err(_) => return Vec::new(),
-            Ok(_) => {}
-        }
-    }
 }
 
 /// Packages of the workspace that have a version of their own. Those under `tests/` are never shipped.

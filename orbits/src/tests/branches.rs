@@ -1,8 +1,8 @@
 //! Branches and their special points: the closed form, both sides of a point, halved steps, and the simulator.
 
 use crate::{
-    Branch, ConstantLoads, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, Point, Span,
-    Tree, TreeOptions, branch, locus, orbit_of, settle, tree,
+    Branch, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, Point, Span, Tree,
+    TreeOptions, branch, locus, orbit_of, settle, tree,
 };
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{ParameterSet, find_group};
@@ -17,7 +17,7 @@ const LOCATION: f64 = 1e-11;
 
 fn family(from: f64, to: f64) -> Family {
     let span = Span::new(find_group("f10").unwrap(), from, to).unwrap();
-    Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).unwrap()
+    Family::new(&ParameterSet::basic(), span).unwrap()
 }
 
 fn symmetric() -> OrbitWord {
@@ -237,7 +237,7 @@ fn curve(label: Label) -> Vec<crate::LocusPoint> {
     let spans = [("f10", 0.4, 3.0), ("kappa", 0.6, 0.9)];
     let [first, second] =
         spans.map(|(name, from, to)| Span::new(find_group(name).unwrap(), from, to).unwrap());
-    let two = Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, first, second).unwrap();
+    let two = Family::over_two(&ParameterSet::basic(), first, second).unwrap();
     let start =
         LocusStart { label, word: symmetric(), phases: point.phases.clone(), values: [point.value, 0.75] };
     locus(&two, &start).unwrap()
@@ -296,7 +296,7 @@ fn starts_of_curves_that_cannot_be_are_refused() {
     let one = family(0.5, 3.0);
     let [first, second] = [("f10", 0.5, 3.0), ("kappa", 0.6, 0.9)]
         .map(|(name, from, to)| Span::new(find_group(name).unwrap(), from, to).unwrap());
-    let two = Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, first, second).unwrap();
+    let two = Family::over_two(&ParameterSet::basic(), first, second).unwrap();
     let start = |label, values| LocusStart { label, word: symmetric(), phases: vec![5.5], values };
     for (family, start) in [
         (&two, start(Label::EndPoint, [1.5, 0.75])),
@@ -306,6 +306,6 @@ fn starts_of_curves_that_cannot_be_are_refused() {
     ] {
         assert!(matches!(locus(family, &start), Err(vibro_analysis::Error::Form { .. })), "{start:?}");
     }
-    assert!(Family::over_two(&ParameterSet::basic(), ConstantLoads::NONE, first, first).is_err());
+    assert!(Family::over_two(&ParameterSet::basic(), first, first).is_err());
     assert!(Span::new(find_group("kappa").unwrap(), 0.5, 1.5).is_err());
 }

@@ -1,6 +1,6 @@
 //! The stable branches against the rows of a simulated diagram.
 
-use crate::{ConstantLoads, Family, Span, Tree, TreeOptions, tree};
+use crate::{Family, Span, Tree, TreeOptions, tree};
 use vibro_analysis::bifurcation::{Sweep, SweepPoint, diagram};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
@@ -13,7 +13,7 @@ const DISCARD: u32 = 1500;
 
 fn family(from: f64, to: f64) -> Family {
     let span = Span::new(find_group("f10").unwrap(), from, to).unwrap();
-    Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).unwrap()
+    Family::new(&ParameterSet::basic(), span).unwrap()
 }
 
 /// The periodic rows without rest of both directions of a simulated diagram.

@@ -2,8 +2,8 @@
 //! gravity, the balance of impulses, the simulator.
 
 use crate::{
-    Branch, ConstantLoads, Family, Label, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch,
-    orbit_of, search, settle, tree,
+    Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, orbit_of,
+    search, settle, tree,
 };
 use nalgebra::Complex;
 use vibro_analysis::stroboscopic::moving_block;
@@ -20,8 +20,8 @@ fn free(f10: f64) -> Parameters {
     Parameters { coupling_stiffness: 0.0, ..p }
 }
 
-fn pulled(force: f64) -> ConstantLoads {
-    ConstantLoads { forces: [0.0, force, 0.0] }
+fn pulled(p: &Parameters, force: f64) -> System {
+    super::single::under(p, [0.0, force, 0.0]).unwrap()
 }
 
 fn word(text: &str, closing: i8, half_periods: u32) -> OrbitWord {
@@ -112,7 +112,7 @@ fn closed_form_of_a_block_that_bounces_under_gravity() {
     let mut certified = 0;
     for (f10, pull) in [(0.5, -0.02), (0.5, -0.015), (0.4, -0.01), (0.6, -0.012)] {
         let p = free(f10);
-        let system = System::with_loads(&p, pulled(pull)).unwrap();
+        let system = pulled(&p, pull);
         let (phases, approach) = bouncing(&p, pull);
         assert!(phases[0].is_finite(), "{f10} {pull}");
         for phase in phases {
@@ -131,7 +131,7 @@ fn invariant_impulses_balance_the_load_on_a_free_block() {
     for pull in [0.0, -0.004, 0.006] {
         let mut count = 0;
         let p = free(2.0);
-        let system = System::with_loads(&p, pulled(pull)).unwrap();
+        let system = pulled(&p, pull);
         for text in ["UL", "ULL", "UUL", "L", "U"] {
             let Ok(found) = search(&system, &word(text, 1, 2), 60) else { continue };
             for orbit in found {
@@ -152,7 +152,7 @@ fn invariant_impulses_balance_the_load_on_a_free_block() {
 #[test]
 fn words_that_cannot_balance_the_load_are_refused_with_the_reason() {
     let refused = |pull: f64, text: &str| {
-        let system = System::with_loads(&free(2.0), pulled(pull)).unwrap();
+        let system = pulled(&free(2.0), pull);
         let guess: Vec<f64> = (0..text.len()).map(|i| 5.0 + i as f64).collect();
         Orbit::find(&system, &word(text, 1, 2), &guess).unwrap_err().to_string()
     };
@@ -167,7 +167,7 @@ fn second_method_multipliers_of_a_free_block_by_differences_of_the_simulator() {
     /// Central differences of 1e-5 of a map with second derivatives of order ten.
     const TOLERANCE: f64 = 1e-7;
     for (pull, text, f10) in [(0.0, "UL", 2.2), (-0.003, "UL", 2.2)] {
-        let system = System::with_loads(&free(f10), pulled(pull)).unwrap();
+        let system = pulled(&free(f10), pull);
         let orbit = search(&system, &word(text, 1, 2), 100).unwrap().remove(0);
         let orbit = if orbit.word().closing() < 0 { orbit.unfolded().unwrap() } else { orbit };
         let phases = orbit.phases();
@@ -184,8 +184,8 @@ fn second_method_multipliers_of_a_free_block_by_differences_of_the_simulator() {
 fn second_method_the_settled_motion_of_the_tutorials_damper_is_an_orbit() {
     /// What is left after thousands of periods of a motion whose deviations decay.
     const RETURN: f64 = 1e-10;
-    for loads in [ConstantLoads::NONE, pulled(-1.0)] {
-        let system = System::with_loads(damper().parameters(), loads).unwrap();
+    for force in [0.0, -1.0] {
+        let system = pulled(damper().parameters(), force);
         let state = settle(&system, &moving_block(system.parameters()), 3000).unwrap();
         let orbit = orbit_of(&system, &state).unwrap();
         assert!(orbit.is_certified() && orbit.is_stable(), "{} {}", orbit.word(), orbit.spectral_radius());
@@ -195,10 +195,10 @@ fn second_method_the_settled_motion_of_the_tutorials_damper_is_an_orbit() {
 
 #[test]
 fn second_method_the_tree_of_a_free_block_holds_what_settles() {
-    let set = damper();
     let span = Span::new(Name::find("drive.frequency").unwrap(), 58.0, 66.0).unwrap();
-    for loads in [ConstantLoads::NONE, pulled(-1.0)] {
-        let family = Family::new(&set, loads, span).unwrap();
+    for force in [0.0, -1.0] {
+        let set = damper().with(Name::find("load.block").unwrap(), force).unwrap();
+        let family = Family::new(&set, span).unwrap();
         let options = TreeOptions { seeds: 5, settle: 400, starts: 0, depth: 1, ..TreeOptions::default() };
         let found = tree(&family, &options, &|_, _| ()).unwrap();
         let mut stable = 0;
@@ -211,7 +211,7 @@ fn second_method_the_tree_of_a_free_block_holds_what_settles() {
                 }
             }
         }
-        assert!(stable > 0, "{loads:?}");
+        assert!(stable > 0, "{force}");
     }
 }
 
@@ -233,8 +233,7 @@ fn invariant_special_points_do_not_depend_on_which_equations_are_solved_for_the_
     let along = Name::find("coupling.k").unwrap();
     let own = along.value(&set);
     let follow = |from: f64| {
-        let family =
-            Family::new(&set, ConstantLoads::NONE, Span::new(along, from, 10.0 * own).unwrap()).unwrap();
+        let family = Family::new(&set, Span::new(along, from, 10.0 * own).unwrap()).unwrap();
         let found = search(&family.system(&[own]).unwrap(), &word("U", -1, 1), 40).unwrap();
         let least = |a: &Orbit, b: &Orbit| a.spectral_radius().total_cmp(&b.spectral_radius());
         let orbit = found.into_iter().min_by(least).unwrap();

@@ -1,7 +1,7 @@
 //! Special points of all types in thirty digits (`orbits/tests/data/make_orbits.py`).
 
 use crate::orbit::{canonical, same_phases};
-use crate::{ConstantLoads, Family, Orbit, OrbitWord, PathOptions, Span, branch};
+use crate::{Family, Orbit, OrbitWord, PathOptions, Span, branch};
 use vibro_analysis::{ParameterSet, find_group};
 
 /// The parameter of a located point: rounding of the residual over the sensitivity of the condition.
@@ -25,7 +25,7 @@ fn golden_orbits_in_thirty_digits() {
         let value: f64 = f10.parse().unwrap();
         let phases: Vec<f64> = phases.split(' ').map(|x| x.parse().unwrap()).collect();
         let span = Span::new(find_group("f10").unwrap(), value - REACH, value + REACH).unwrap();
-        let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).unwrap();
+        let family = Family::new(&ParameterSet::basic(), span).unwrap();
         // On one side of a fold or of a touch there is nothing, and at a fold Newton's method needs a push.
         let pushed = |k: usize, by: f64| -> Vec<f64> {
             phases.iter().enumerate().map(|(i, p)| if i == k { p + by } else { *p }).collect()

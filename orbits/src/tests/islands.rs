@@ -1,6 +1,6 @@
 //! What lies beside the motions that are followed along the range: stable windows that other starts reach.
 
-use crate::{Branch, ConstantLoads, Family, Orbit, Span, TreeOptions, tree};
+use crate::{Branch, Family, Orbit, Span, TreeOptions, tree};
 use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::Simulator;
 
@@ -12,7 +12,7 @@ fn second_method_both_windows_of_period_three_beside_chaos_are_found_and_stand_i
     /// What is left after thousands of periods of a motion whose deviations decay.
     const RETURN: f64 = 1e-9;
     let span = Span::new(find_group("f10").unwrap(), 3.2, 3.95).unwrap();
-    let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).unwrap();
+    let family = Family::new(&ParameterSet::basic(), span).unwrap();
     let options = TreeOptions {
         seeds: 16,
         starts: 192,

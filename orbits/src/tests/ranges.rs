@@ -1,8 +1,6 @@
 //! Ranges of stability and sequences of doublings against the multipliers of the orbits in them.
 
-use crate::{
-    Branch, ConstantLoads, Family, Label, Span, TreeOptions, doubling_ratios, doubling_sequences, tree,
-};
+use crate::{Branch, Family, Label, Span, TreeOptions, doubling_ratios, doubling_sequences, tree};
 use vibro_analysis::{ParameterSet, find_group};
 
 /// A multiplier is on the unit circle to the square root of the rounding of its parameter, as two meet at a fold.
@@ -10,7 +8,7 @@ const ON_CIRCLE: f64 = 1e-5;
 
 fn found() -> (Family, Vec<Branch>) {
     let span = Span::new(find_group("f10").unwrap(), 2.2, 2.86).unwrap();
-    let family = Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).unwrap();
+    let family = Family::new(&ParameterSet::basic(), span).unwrap();
     let options = TreeOptions {
         seeds: 12,
         settle: 400,

@@ -2,7 +2,7 @@
 
 use crate::locus::start::{Normal, first_point};
 use crate::orbit::newton;
-use crate::{Branch, ConstantLoads, Family, Label, LocusStart, Point, Span, Tree, TreeOptions, locus, tree};
+use crate::{Branch, Family, Label, LocusStart, Point, Span, Tree, TreeOptions, locus, tree};
 use std::collections::BTreeMap;
 use vibro_analysis::{Name, ParameterSet, find_group};
 
@@ -25,20 +25,20 @@ fn invariant_every_special_point_of_a_tree_starts_its_curve() {
     /// Fifteen digits of a parameter, and phases that at a fold follow its square root.
     const MOVED: f64 = 1e-6;
     let set = ParameterSet::basic();
-    let pulled = ConstantLoads { forces: [0.0, -0.0005, 0.0] };
+    let pulled = set.with(Name::find("load.block").unwrap(), -0.0005).unwrap();
     let f10 = |value: f64| set.with(find_group("f10").unwrap(), value).unwrap();
     let free = f10(2.2).with(Name::find("coupling.k").unwrap(), 0.0).unwrap();
     let cases = [
-        (set.clone(), ConstantLoads::NONE, span("f10", 2.0, 3.2), span("kappa", 0.6, 0.9)),
-        (f10(2.4), ConstantLoads::NONE, span("kappa", 0.6, 0.9), span("f10", 1.0, 4.0)),
-        (f10(2.4), ConstantLoads::NONE, span("sigma1", -0.2, 1.0), span("f10", 1.0, 4.0)),
-        (set.clone(), pulled, span("f10", 1.8, 2.6), span("kappa", 0.6, 0.9)),
-        (free, ConstantLoads::NONE, span("drive.amplitude", 0.18, 0.30), span("stop.restitution", 0.6, 0.9)),
+        (set.clone(), span("f10", 2.0, 3.2), span("kappa", 0.6, 0.9)),
+        (f10(2.4), span("kappa", 0.6, 0.9), span("f10", 1.0, 4.0)),
+        (f10(2.4), span("sigma1", -0.2, 1.0), span("f10", 1.0, 4.0)),
+        (pulled, span("f10", 1.8, 2.6), span("kappa", 0.6, 0.9)),
+        (free, span("drive.amplitude", 0.18, 0.30), span("stop.restitution", 0.6, 0.9)),
     ];
     let (mut good, mut bad) = (BTreeMap::<&str, usize>::new(), Vec::new());
     let mut folds_by_newton = 0;
-    for (set, loads, along, other) in cases {
-        let one = Family::new(&set, loads, along).unwrap();
+    for (set, along, other) in cases {
+        let one = Family::new(&set, along).unwrap();
         let options = TreeOptions {
             seeds: 7,
             settle: 500,
@@ -48,7 +48,7 @@ fn invariant_every_special_point_of_a_tree_starts_its_curve() {
             ..TreeOptions::default()
         };
         let found = tree(&one, &options, &|_, _| ()).unwrap();
-        let two = Family::over_two(&set, loads, along, other).unwrap();
+        let two = Family::over_two(&set, along, other).unwrap();
         let all = starts(&found, other.name.value(&set));
         for start in all {
             let begins = Normal::of(&two, &start).map_err(|e| e.to_string()).and_then(|normal| {
@@ -84,7 +84,7 @@ fn invariant_every_special_point_of_a_tree_starts_its_curve() {
 fn invariant_curves_start_from_folds_doublings_and_touches_of_either_branch() {
     let set = ParameterSet::basic();
     let (along, other) = (span("f10", 2.0, 2.6), span("kappa", 0.72, 0.78));
-    let one = Family::new(&set, ConstantLoads::NONE, along).unwrap();
+    let one = Family::new(&set, along).unwrap();
     let options = TreeOptions {
         seeds: 4,
         settle: 500,
@@ -94,7 +94,7 @@ fn invariant_curves_start_from_folds_doublings_and_touches_of_either_branch() {
         ..TreeOptions::default()
     };
     let found = tree(&one, &options, &|_, _| ()).unwrap();
-    let two = Family::over_two(&set, ConstantLoads::NONE, along, other).unwrap();
+    let two = Family::over_two(&set, along, other).unwrap();
     let all = starts(&found, 0.75);
     let mut curves: Vec<LocusStart> = Vec::new();
     let mut same = 0;

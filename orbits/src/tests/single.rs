@@ -3,7 +3,7 @@
 use crate::cycle::{Cycle, Functional};
 use crate::orbit::unfolded_phases;
 use crate::system::Anchor;
-use crate::{ConstantLoads, Orbit, OrbitWord, System};
+use crate::{Orbit, OrbitWord, System};
 use nalgebra::{DMatrix, Matrix6};
 use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit::{self, Vector6};
@@ -103,6 +103,11 @@ fn a_body_that_no_spring_holds_is_named() {
     }
 }
 
+/// A machine under constant loads.
+pub(super) fn under(p: &Parameters, constant_loads: [f64; 3]) -> vibro_analysis::Result<System> {
+    System::new(&Parameters { constant_loads, ..*p })
+}
+
 #[test]
 fn second_method_jacobian_by_differences() {
     /// Central differences with this step are good to its square.
@@ -118,7 +123,7 @@ fn second_method_jacobian_by_differences() {
         (word("UUL", -1, 3), vec![0.4, 3.0, 6.6]),
         (word("ULULL", 1, 4), vec![0.4, 3.0, 6.6, 9.9, 11.0]),
     ];
-    let falling = System::with_loads(&free, ConstantLoads { forces: [0.01, -0.02, 0.003] }).unwrap();
+    let falling = under(&free, [0.01, -0.02, 0.003]).unwrap();
     let all = words.iter().flat_map(|case| systems.iter().map(move |system| (*system, case)));
     // With a fall.
     let more = words[1..2].iter().map(|case| (falling, case));
@@ -272,23 +277,23 @@ fn second_method_orbits_return_in_the_simulator() {
 fn second_method_orbit_under_constant_loads() {
     /// After hundreds of periods only rounding is left of the distance to a stable orbit.
     const ROUNDING: f64 = 1e-11;
-    let loads = ConstantLoads { forces: [0.004, -0.0005, 0.0003] };
+    let forces = [0.004, -0.0005, 0.0003];
     let p = parameters(1.5);
-    let system = System::with_loads(&p, loads).unwrap();
+    let system = under(&p, forces).unwrap();
     let (symmetric, _) = symmetric(1.5);
     let guess = unfolded_phases(symmetric.word(), symmetric.phases());
     let orbit = Orbit::find(&system, &word("UL", 1, 2), &guess).unwrap();
     assert!(orbit.is_certified() && orbit.is_stable());
     let mut simulator = Simulator::new(&p, &orbit.start_state(), 0.0).unwrap();
-    simulator.set_loads(&loads.loads()).unwrap();
+    simulator.set_loads(&system.loads().loads()).unwrap();
     simulator.advance_to(6000.0 * p.period()).unwrap();
     assert!(apart(&simulator.state(), &orbit.start_state()) < ROUNDING);
     // Loads with the same offset give the same impacts, the opposite offset their mirror image.
     let offset = system.offset();
-    let boxed = ConstantLoads { forces: [-offset * p.box_stiffness, 0.0, 0.0] };
-    let same = Orbit::find(&System::with_loads(&p, boxed).unwrap(), orbit.word(), orbit.phases()).unwrap();
+    let boxed = under(&p, [-offset * p.box_stiffness, 0.0, 0.0]).unwrap();
+    let same = Orbit::find(&boxed, orbit.word(), orbit.phases()).unwrap();
     assert!((same.phases()[0] - orbit.phases()[0]).abs() < 1e-12);
-    let opposite = System::with_loads(&p, ConstantLoads { forces: loads.forces.map(|f| -f) }).unwrap();
+    let opposite = under(&p, forces.map(|f| -f)).unwrap();
     let mirror: Vec<f64> = orbit.phases().iter().map(|phase| phase + std::f64::consts::PI).collect();
     let mirror = Orbit::find(&opposite, &word("LU", 1, 2), &mirror).unwrap();
     assert!((mirror.speeds()[0] - orbit.speeds()[0]).abs() < 1e-12);
@@ -299,16 +304,16 @@ fn closed_form_of_a_gap_off_its_centre() {
     // The machine whose gap is shifted by δ, under the pair of loads, against the same stops moved in the simulator's frame.
     let (p, delta) = (parameters(1.5), 0.03);
     let pair = delta * p.coupling_stiffness;
-    let system = System::with_loads(&p, ConstantLoads { forces: [0.0, -pair, pair] }).unwrap();
+    let system = under(&p, [0.0, -pair, pair]).unwrap();
     assert!((system.offset() + delta).abs() < 1e-15);
 }
 
 #[test]
 fn singular_machines_are_refused_with_the_parameter() {
     let free = Parameters { box_stiffness: 0.0, ..parameters(1.5) };
-    let error = System::with_loads(&free, ConstantLoads { forces: [0.1, 0.0, 0.0] }).unwrap_err();
+    let error = under(&free, [0.1, 0.0, 0.0]).unwrap_err();
     assert!(error.to_string().contains("box.k"), "{error}");
-    let error = System::with_loads(&free, ConstantLoads { forces: [f64::NAN, 0.0, 0.0] }).unwrap_err();
+    let error = under(&free, [f64::NAN, 0.0, 0.0]).unwrap_err();
     assert!(error.to_string().contains("load.box"), "{error}");
     let error = Orbit::find(&System::new(&parameters(1.5)).unwrap(), &word("UL", 1, 2), &[5.5]).unwrap_err();
     assert!(error.to_string().contains("word UL, closing +, period 1T"), "{error}");

@@ -1,6 +1,6 @@
 //! Springs of no or next to no stiffness (docs/theory.md (112)): the closed form of the symmetric motion, the simulator and its verdict.
 
-use crate::{ConstantLoads, Orbit, OrbitWord, System, orbit_of, settle};
+use crate::{Orbit, OrbitWord, System, orbit_of, settle};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::trajectories::Start;
 use vibro_analysis::verdict::verdict;
@@ -102,7 +102,7 @@ fn settled_motions_whose_phases_determine_no_orbit_name_the_spring() {
 #[test]
 fn words_that_push_a_box_without_a_spring_one_way_are_refused() {
     for (body, field) in [("box", "box.k"), ("secondary", "secondary.k")] {
-        let system = System::with_loads(&soft(body, 0.0, 2.0), ConstantLoads::NONE).unwrap();
+        let system = System::new(&soft(body, 0.0, 2.0)).unwrap();
         let error = Orbit::find(&system, &word("LL", 1, 2), &[1.0, 3.0]).unwrap_err().to_string();
         assert!(error.contains(field) && error.contains("both stops"), "{error}");
     }

@@ -1,24 +1,26 @@
 //! Trees as a whole: certificates, interruption, repeated words, marks, a cascade of doublings, the mirror image under loads.
 
 use crate::{
-    Branch, ConstantLoads, Family, Label, Orbit, OrbitWord, PathOptions, Span, Tree, TreeOptions, branch,
-    orbit_of, settle, tree, tree_in_parts,
+    Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, Tree, TreeOptions, branch, orbit_of, settle,
+    tree, tree_in_parts,
 };
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use vibro_analysis::parts::PartStore;
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{Error, Result};
-use vibro_analysis::{ParameterSet, find_group};
+use vibro_analysis::{Name, ParameterSet, find_group};
 use vibro_impact::Simulator;
 
-fn loaded(from: f64, to: f64, loads: ConstantLoads) -> Family {
+/// Under a constant load.
+fn loaded(from: f64, to: f64, load: &str, force: f64) -> Family {
     let span = Span::new(find_group("f10").unwrap(), from, to).unwrap();
-    Family::new(&ParameterSet::basic(), loads, span).unwrap()
+    let set = ParameterSet::basic().with(Name::find(load).unwrap(), force).unwrap();
+    Family::new(&set, span).unwrap()
 }
 
 fn family(from: f64, to: f64) -> Family {
-    loaded(from, to, ConstantLoads::NONE)
+    loaded(from, to, "load.block", 0.0)
 }
 
 /// A tree of a few dozen branches.
@@ -236,7 +238,7 @@ fn invariant_opposite_loads_have_mirrored_branches() {
     /// The same point by two paths.
     const LOCATION: f64 = 1e-10;
     let of = |force: f64| {
-        let family = loaded(1.4, 2.6, ConstantLoads { forces: [0.0, force, 0.0] });
+        let family = loaded(1.4, 2.6, "load.block", force);
         // Settled motions, whose transients are no mirror images.
         grow(&family, &TreeOptions { seeds: 7, depth: 1, settle: 1000, starts: 0, ..TreeOptions::default() })
     };
@@ -295,14 +297,23 @@ fn what_cannot_be_followed_is_refused_before_work_begins() {
     }
     // A span with its ends exchanged, past its constructor.
     let span = Span { from: 2.0, to: 1.0, ..*family.span() };
-    assert!(Family::new(&ParameterSet::basic(), ConstantLoads::NONE, span).is_err());
+    assert!(Family::new(&ParameterSet::basic(), span).is_err());
     assert!(OrbitWord::new("U", -1, u32::MAX).is_err() && OrbitWord::new(&"U".repeat(2000), 1, 2).is_err());
+}
+
+#[test]
+fn closed_form_a_load_that_varies_takes_the_place_of_the_sets_own() {
+    let load = Name::find("load.block").unwrap();
+    let set = ParameterSet::basic().with(load, 0.5).unwrap();
+    let family = Family::new(&set, Span::new(load, 0.0, 1.0).unwrap()).unwrap();
+    assert_eq!(family.system(&[0.2]).unwrap().loads().forces, [0.0, 0.2, 0.0]);
+    assert!(!family.is_symmetric());
 }
 
 #[test]
 fn symmetric_orbits_of_a_machine_under_loads_are_refused() {
     // The load shifts the box alone: whatever w_s is, the mirror image is no motion of the machine.
-    let family = loaded(1.0, 2.0, ConstantLoads { forces: [0.01, 0.0, 0.0] });
+    let family = loaded(1.0, 2.0, "load.box", 0.01);
     let system = family.system(&[1.5]).unwrap();
     for letters in ["U", ""] {
         let word = OrbitWord::new(letters, -1, 1).unwrap();

@@ -11,10 +11,11 @@ import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, array, number, whole
-from ._assembly_results import AssemblyDiagram, AssemblyEnds, AssemblyRun, Sketch, direction_of, run_of
+from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, Sketch, run_of
 from ._fmu import kit_path
 from ._measures import measured
 from ._progress import Bar
+from ._result import direction
 from ._toml import toml
 
 if TYPE_CHECKING:
@@ -210,7 +211,7 @@ class Assembly:
             found = _native.assembly_diagram(
                 self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, _section(section), bar.report
             )
-        return AssemblyDiagram(self, name, of, direction_of(found["up"]), direction_of(found["down"]), found["hysteresis"])
+        return AssemblyDiagram(self, name, of, direction(AssemblyDirection, found["up"]), direction(AssemblyDirection, found["down"]), found["hysteresis"])
 
     def sketch(self) -> Sketch:
         """The machine as an engineer draws it; a notebook shows the picture: on the bytes of ``vibro assembly draw``."""

@@ -6,19 +6,18 @@ import dataclasses
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
 from . import _native
 from ._arguments import Floats
-from ._result import Result
+from ._result import Result, fields_of, records
 
 if TYPE_CHECKING:
     import pandas
     from numpy.typing import NDArray
 
-    from . import _returned
     from ._assembly import Assembly
 
 #: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
@@ -162,25 +161,6 @@ class Sketch:
         return f"Sketch({self._described.name()!r})"
 
 
-def run_of(machine: Assembly, t: Floats, found: _returned.AssemblyRun) -> AssemblyRun:
-    events = np.empty(len(found["t"]), EVENT)
-    events["t"], events["value"], events["stops"] = found["t"], found["value"], found["stops"]
-    events["kind"], events["element"] = found["kind"], found["element"]
-    energy = np.empty(len(t), ASSEMBLY_ENERGY)
-    for index, name in enumerate(ASSEMBLY_ENERGY.names or ()):
-        energy[name] = found["energy"][:, index]
-    return AssemblyRun(machine, t, machine.columns, found["values"], events, energy)
-
-
-def direction_of(found: _returned.AssemblyDirection) -> AssemblyDirection:
-    return AssemblyDirection(
-        found["value"],
-        np.array(found["classes"], dtype=np.str_),
-        found["period"],
-        found["contacts"],
-        found["rests"],
-        found["maxima"],
-        found["maxima_at"],
-        found["maxima_met"],
-        found["exponent"],
-    )
+def run_of(machine: Assembly, t: Floats, found: dict[str, Any]) -> AssemblyRun:
+    energy = fields_of(ASSEMBLY_ENERGY, found["energy"])
+    return AssemblyRun(machine, t, machine.columns, found["values"], records(EVENT, found), energy)

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, MOST_ROWS, Start, array, choice, number, state, whole
-from ._measures import Spectrum, measure_names, measured, spectrum_of
+from ._measures import Spectrum, measure_names, measured
 from ._motion import Load, Run, Section, load_list, run_of
 from ._orbits import Orbit, find_orbit
 from ._progress import Bar
@@ -157,7 +157,7 @@ class Machine(ParameterValues):
                 periods,
                 bar.report,
             )
-        return Section(self, at, found["t"], found["s"], found["v"], found["phase"], found["speed"])
+        return Section(self, at, **found)
 
     def lyapunov(
         self, start: Start = None, *, periods: int = 1500, settle: int = 400, progress: bool = False
@@ -183,7 +183,7 @@ class Machine(ParameterValues):
             found = _native.lyapunov(
                 self._system, state("start", start, self._system), settle, periods, bar.report
             )
-        return spectrum_of(self, found)
+        return Spectrum(self, **found)
 
     def measure(
         self,

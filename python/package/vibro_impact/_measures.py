@@ -14,7 +14,6 @@ from ._result import Result
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from . import _returned
     from ._machine import Machine
 
 #: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
@@ -55,10 +54,3 @@ class Spectrum(Result):
         """The exponents per unit of the dimensionless time, in units of omega10, shape (7,)."""
         found: Floats = self.exponents / np.sqrt(self.machine.box_k / self.machine.box_m)
         return found
-
-
-def spectrum_of(machine: Machine, found: _returned.Spectrum) -> Spectrum:
-    """A spectrum from what the computation returns."""
-    return Spectrum(
-        machine, found["exponents"], found["deviation"], found["running"], found["impacts"], found["rests"]
-    )

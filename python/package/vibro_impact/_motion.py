@@ -10,13 +10,12 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats, array, choice
-from ._result import Result
+from ._result import Result, fields_of, records
 
 if TYPE_CHECKING:
     import pandas
     from numpy.typing import ArrayLike, NDArray
 
-    from . import _returned
     from ._machine import Machine
 
 #: Impacts: time (s), stop (+1 upper, -1 lower), |w'| before (m/s), impulse on the box in the direction of the stop (N.s).
@@ -150,21 +149,12 @@ class Run(Result):
         return pandas.DataFrame(columns, index=pandas.Index(self.t, name="time"))
 
 
-def _records(kind: np.dtype[np.void], parts: Any) -> NDArray[np.void]:
-    found = np.empty(len(parts["t"]), kind)
-    for name in kind.names or ():
-        found[name] = parts[name]
-    return found
-
-
-def run_of(machine: Machine, t: Floats, found: _returned.Run) -> Run:
+def run_of(machine: Machine, t: Floats, found: dict[str, Any]) -> Run:
     """A run from what the computation returns."""
-    energy = np.empty(len(t), ENERGY)
-    for index, name in enumerate(ENERGY.names or ()):
-        energy[name] = found["energy"][:, index]
-    impacts = _records(IMPACT, found["impacts"])
-    rests, releases = _records(CONTACT, found["rests"]), _records(CONTACT, found["releases"])
-    return Run(machine, t, found["s"], found["v"], energy, impacts, rests, releases)
+    impacts, rests, releases = (
+        records(kind, found[name]) for name, kind in (("impacts", IMPACT), ("rests", CONTACT), ("releases", CONTACT))
+    )
+    return Run(machine, t, found["s"], found["v"], fields_of(ENERGY, found["energy"]), impacts, rests, releases)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)

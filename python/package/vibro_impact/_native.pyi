@@ -1,16 +1,16 @@
 """Types of the native part."""
 
 from collections.abc import Callable, Sequence
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _returned
-
 _Floats = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
 _Progress = Callable[[int, int], object] | None
+#: Parts of a result by the names of its fields.
+_Parts = dict[str, Any]
 
 __all__ = [
     "Described",
@@ -98,11 +98,11 @@ def find(name: str) -> str: ...
 def parameters() -> tuple[int, list[tuple[str, str, str, str, str]]]: ...
 def simulate(
     system: System, start: Sequence[float], begin: float, t: _Floats, loads: Sequence[Load], progress: _Progress = None
-) -> _returned.Run: ...
+) -> _Parts: ...
 def simulate_many(
     systems: Sequence[System], starts: _Floats, periods: int, progress: _Progress = None
 ) -> tuple[_Floats, _Floats]: ...
-def simulate_assembly(machine: Described, t: _Floats, progress: _Progress = None) -> _returned.AssemblyRun: ...
+def simulate_assembly(machine: Described, t: _Floats, progress: _Progress = None) -> _Parts: ...
 def simulate_assemblies(machines: Sequence[Described], until: float, progress: _Progress = None) -> _Floats: ...
 def measure_assemblies(
     machines: Sequence[Described],
@@ -123,7 +123,7 @@ def assembly_diagram(
     exponents: int | None,
     section: float | str | None,
     progress: _Progress = None,
-) -> _returned.AssemblyDiagram: ...
+) -> _Parts: ...
 def poincare(
     system: System,
     start: Sequence[float],
@@ -132,7 +132,7 @@ def poincare(
     discard: int,
     periods: int,
     progress: _Progress = None,
-) -> _returned.Section: ...
+) -> _Parts: ...
 def bifurcation(
     system: System,
     start: Sequence[float] | None,
@@ -144,17 +144,17 @@ def bifurcation(
     of: str,
     exponents: int | None,
     progress: _Progress = None,
-) -> _returned.BothDirections: ...
+) -> _Parts: ...
 def lyapunov(
     system: System, start: Sequence[float], discard: int, periods: int, progress: _Progress = None
-) -> _returned.Spectrum: ...
+) -> _Parts: ...
 def basins(
     system: System,
     x: tuple[int, float, float, int],
     y: tuple[int, float, float, int],
     discard: int,
     progress: _Progress = None,
-) -> _returned.Basins: ...
+) -> _Parts: ...
 def measures() -> list[tuple[str, str, str]]: ...
 def measure(
     system: System, start: Sequence[float], names: Sequence[str], discard: int, periods: int, progress: _Progress = None
@@ -162,7 +162,7 @@ def measure(
 def measure_many(
     systems: Sequence[System], starts: _Floats, names: Sequence[str], discard: int, periods: int, progress: _Progress = None
 ) -> list[tuple[list[float | None], str | None]]: ...
-def steady(system: System, theory: str, upper: bool) -> tuple[_returned.Closed | None, str | None]: ...
+def steady(system: System, theory: str, upper: bool) -> tuple[_Parts | None, str | None]: ...
 def steady_motion(system: System, theory: str, upper: bool, theta: _Floats) -> tuple[_Floats, _Floats]: ...
 def orbit(
     system: System, word: str, closing: int, half_periods: int, tries: int, progress: _Progress = None
@@ -172,4 +172,4 @@ def settled_orbit(
 ) -> Orbit: ...
 def follow(
     orbit: Orbit, name: str, ends: tuple[float, float], weights: tuple[float, float, float], progress: _Progress = None
-) -> _returned.Branch: ...
+) -> _Parts: ...

@@ -105,21 +105,8 @@ class Orbit(Result):
         weights = _WEIGHTS[choice("of", of, tuple(_WEIGHTS))]
         with Bar(progress, 1, "branches") as bar:
             found = _native.follow(self._handle(), name, ends, weights, bar.report)
-        return Branch(
-            self.machine,
-            name,
-            found["word"],
-            found["closing"] < 0,
-            found["period"],
-            found["closed"],
-            found["value"],
-            found["phases"],
-            found["multipliers"],
-            found["stable"],
-            np.array(found["labels"], dtype="U2"),
-            of,
-            found["maxima"],
-        )
+        labels = np.array(found.pop("labels"), dtype="U2")
+        return Branch(machine=self.machine, name=name, labels=labels, of=of, **found)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)

@@ -11,12 +11,10 @@ from . import _native
 from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, Start, array, choice, number, state, whole
 from ._machine import Machine
 from ._progress import Bar
-from ._result import Result
+from ._result import Result, direction
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-    from . import _returned
 
 #: Most values of a diagram, and most cells of a plane in one direction.
 _MOST_VALUES = 1_000_000
@@ -119,21 +117,7 @@ def bifurcation(
         found = _native.bifurcation(
             machine._system, own, name, ends, count, discard, keep, choice("of", of, ("x1", "x2", "x3", "w")), over, bar.report
         )
-    return Diagram(machine, name, of, _direction(found["up"]), _direction(found["down"]), found["hysteresis"])
-
-
-def _direction(found: _returned.Direction) -> Direction:
-    return Direction(
-        found["value"],
-        np.array(found["classes"], dtype=np.str_),
-        found["period"],
-        found["impacts"],
-        found["rests"],
-        found["maxima"],
-        found["maxima_at"],
-        found["maxima_met"],
-        found["exponents"],
-    )
+    return Diagram(machine, name, of, direction(Direction, found["up"]), direction(Direction, found["down"]), found["hysteresis"])
 
 
 def _axis(name: str, given: ArrayLike) -> tuple[tuple[float, float], int]:
@@ -227,7 +211,7 @@ def basins(
     periods = whole("periods", periods, 0, MOST_PERIODS)
     with Bar(progress, 1, "parts") as bar:
         found = _native.basins(machine._system, x, y, periods, bar.report)
-    attractors = tuple(_attractor(a) for a in found["attractors"])
+    attractors = tuple(Attractor(**a) for a in found["attractors"])
     edges = (x[1], x[2], y[1], y[2])
     return Basins(
         machine, (x_name, y_name), _centres(x), _centres(y), attractors, found["cells"], found["mirror"], edges
@@ -254,16 +238,3 @@ def _centres(axis: tuple[int, float, float, int]) -> Floats:
     _, low, high, count = axis
     found: Floats = low + (high - low) * (np.arange(count) + 0.5) / count
     return found
-
-
-def _attractor(found: _returned.Settled) -> Attractor:
-    return Attractor(
-        found["class_name"],
-        found["period"],
-        found["impacts"],
-        found["rests"],
-        found["symmetric"],
-        found["states"],
-        found["mirror_states"],
-        found["sizes"],
-    )

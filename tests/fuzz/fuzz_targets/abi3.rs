@@ -8,9 +8,12 @@
 
 #![no_main]
 
+mod shared;
+
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use shared::{Buffer, Count, FATAL, GUARD, Number, ROOM, longest, mend, message};
+use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::LazyLock;
 use vibro_fmi::component::variables::{Base, VARIABLES, reference};
@@ -18,62 +21,18 @@ use vibro_fmi::fmi2::abi::{
     fmi2DeSerializeFMUstate, fmi2DoStep, fmi2FreeInstance, fmi2GetReal, fmi2Instantiate, fmi2SetFMUstate,
 };
 use vibro_fmi::fmi3::abi::*;
-use vibro_impact::numerics::digest::fnv1a;
 use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token, value_reference, variables};
 
 const OK: c_int = 0;
 const ERROR: c_int = 3;
-const FATAL: c_int = 4;
-/// Elements of every buffer: the largest count that is not refused.
-const ROOM: usize = 4096;
 /// Value references are taken modulo this; those beyond the table are bad references.
 const REFERENCES: u32 = 96;
 const _: () = assert!(VARIABLES.len() < REFERENCES as usize, "more variables than references: double REFERENCES");
-/// Stands behind every buffer.
-const GUARD: u64 = 0x5afe_5afe_5afe_5afe;
-/// Sub-steps per step that are still worth an iteration; a longer step is cut.
-const WORK: f64 = 2000.0;
 
 static TOKENS: LazyLock<[CString; 2]> =
     LazyLock::new(|| [MAIN, CLOCKED].map(|edition| CString::new(instantiation_token(edition)).expect("no null byte")));
 static GUID: LazyLock<CString> =
     LazyLock::new(|| CString::new(vibro_fmi::fmi2::description::guid()).expect("no null byte"));
-
-/// A number: plain, over many decades, or raw bits.
-#[derive(Arbitrary, Clone, Copy, Debug)]
-enum Number {
-    Small(i8),
-    Decade(i8, u8),
-    Raw(f64),
-}
-
-impl Number {
-    fn value(self) -> f64 {
-        match self {
-            Self::Small(n) => f64::from(n) / 16.0,
-            Self::Decade(mantissa, exponent) => f64::from(mantissa) * 10f64.powi(i32::from(exponent % 24) - 12),
-            Self::Raw(x) => x,
-        }
-    }
-}
-
-/// How many elements a call says there are.
-#[derive(Arbitrary, Clone, Copy, Debug)]
-enum Count {
-    Few(u8),
-    Six,
-    Any(usize),
-}
-
-impl Count {
-    fn value(self) -> usize {
-        match self {
-            Self::Few(n) => usize::from(n % 5),
-            Self::Six => 6,
-            Self::Any(n) => n,
-        }
-    }
-}
 
 #[derive(Arbitrary, Clone, Debug)]
 struct Call {
@@ -106,21 +65,6 @@ struct Input {
     stubborn: bool,
 }
 
-/// A buffer with a guard behind it.
-struct Buffer<T>(Vec<T>);
-
-impl<T: Copy + PartialEq + std::fmt::Debug> Buffer<T> {
-    fn new(values: &[T], guard: T) -> Self {
-        let mut all: Vec<T> = values.iter().copied().cycle().take(ROOM).collect();
-        all.push(guard);
-        Self(all)
-    }
-
-    fn pointer(&mut self, null: bool) -> *mut T {
-        if null { null_mut() } else { self.0.as_mut_ptr() }
-    }
-}
-
 /// One instance, the states it gave out, and what its callback is to do.
 struct Host {
     c: FmiInstance,
@@ -131,11 +75,8 @@ struct Host {
 }
 
 unsafe extern "C-unwind" fn log(_: *mut c_void, status: c_int, category: *const c_char, text: *const c_char) {
-    assert!((0..=FATAL).contains(&status));
     // SAFETY: the FMU hands over C strings.
-    let (category, text) = unsafe { (CStr::from_ptr(category), CStr::from_ptr(text)) };
-    let (category, text) = (category.to_str().expect("UTF-8"), text.to_str().expect("UTF-8"));
-    assert!(category.starts_with("log") && !text.is_empty());
+    let text = unsafe { message(status, category, text) };
     assert!(!text.replace("##", "").contains('#'), "{text}");
 }
 
@@ -175,13 +116,7 @@ impl Host {
 
     /// The longest step that is worth an iteration.
     fn longest(&self) -> f64 {
-        let v = |name| self.real(name);
-        let k = v("box.k") / v("box.m")
-            + v("coupling.k") * (1.0 / v("block.m") + 4.0 / v("secondary.m"))
-            + v("secondary.k") / v("secondary.m");
-        let damping = v("box.c") / v("box.m") + v("secondary.c") / v("secondary.m");
-        let longest = WORK / ((2.0 * k).sqrt() + damping + v("drive.frequency"));
-        if longest.is_finite() { longest } else { 0.0 }
+        longest(|name| self.real(name))
     }
 
     /// # Safety
@@ -294,13 +229,6 @@ impl Host {
                 return; // of another description, and now Terminated
             }
         }
-    }
-}
-
-/// Puts the right checksum (FNV-1a) behind altered bytes, so that what is behind it is reached.
-fn mend(bytes: &mut [u8]) {
-    if let Some((content, checksum)) = bytes.split_last_chunk_mut::<8>() {
-        *checksum = fnv1a(content).to_le_bytes();
     }
 }
 

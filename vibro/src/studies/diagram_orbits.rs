@@ -17,8 +17,8 @@ use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::chart::Figure;
 use vibro_impact::simulator::Simulator;
 use vibro_orbits::{
-    Branch, ConstantLoads, Doubling, Family, Orbit, OrbitWord, PathOptions, RangeEnd, Span, StableRange,
-    Tree, TreeOptions, branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
+    Branch, Doubling, Family, Orbit, OrbitWord, PathOptions, RangeEnd, Span, StableRange, Tree, TreeOptions,
+    branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
 };
 
 /// Most values of a diagram at all of which motions are settled for the branches, in each direction.
@@ -81,7 +81,7 @@ pub struct DiagramOrbits {
 /// The parameter that orbits cannot vary, by name.
 pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
     let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
-    let family = Family::new(set, ConstantLoads::NONE, span)?;
+    let family = Family::new(set, span)?;
     // A free block and undamped modes are refused here, by any word; that there is no orbit with this one says nothing.
     let middle = family.system(&[0.5 * (span.from + span.to)])?;
     match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {
@@ -335,7 +335,7 @@ fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering
     if let Some(found) = tree.covering(family, value, &point.attractor)? {
         let branch = &tree.branches[found.branch];
         if let Some(range) = branch.stable_range_of(&found.orbit, value) {
-            let word = format!("{}{}", branch.word, if branch.word.closing() > 0 { '+' } else { '-' });
+            let word = branch.word.signed();
             return Ok(Covering::Branch { range, word, distance: found.distance });
         }
     }
@@ -357,9 +357,9 @@ fn range_table(sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
         CsvRows::new(["branch", "word", "closing", "period", &from, "label_from", &to, "label_to"])?;
     for branch in branches {
         for range in branch.stable_ranges() {
-            let sign = if branch.word.closing() > 0 { "+" } else { "-" };
+            let word = &branch.word;
             let own =
-                vec![branch.id.to_string(), branch.word.to_string(), sign.into(), range.period.to_string()];
+                vec![branch.id.to_string(), word.to_string(), word.sign().into(), range.period.to_string()];
             table.push(
                 [own, end_cells(Some(range.from)).to_vec(), end_cells(Some(range.to)).to_vec()].concat(),
             )?;

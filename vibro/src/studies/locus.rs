@@ -1,6 +1,5 @@
 //! Curves of bifurcations in two parameters.
 
-use super::orbits::said;
 use super::{Study, parameter_axis};
 use crate::Result;
 use crate::table::{CsvRows, exact};
@@ -25,11 +24,6 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Its word with the closing sign.
-    fn word(&self) -> String {
-        format!("{}{}", self.start.word, if self.start.word.closing() > 0 { "+" } else { "-" })
-    }
-
     /// What is special at its ends and on its way, but for the ends of the ranges, in words.
     fn ends(&self) -> String {
         let told = |point: &LocusPoint| {
@@ -46,7 +40,7 @@ impl Curve {
         let LocusStart { label, .. } = self.start;
         format!(
             "{label} of {} from {}{}: {} points{}",
-            self.word(),
+            self.start.word.signed(),
             self.from,
             also.concat(),
             self.points.len(),
@@ -85,7 +79,8 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[S
     let mut layers = Vec::new();
     for (i, curve) in curves.iter().enumerate() {
         let path = curve.points.iter().map(|p| (p.values[0], p.values[1])).collect();
-        let name = format!("{} {} {}T", curve.start.label, curve.word(), curve.start.word.period());
+        let name =
+            format!("{} {} {}T", curve.start.label, curve.start.word.signed(), curve.start.word.period());
         layers.push(Layer::line("", FAMILY[i % FAMILY.len()], Dash::Solid, path).labelled(name));
     }
     for (end, mark) in MARKS {
@@ -104,11 +99,7 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[S
         format!("{} curves of bifurcations over ({}, {})", curves.len(), x.name.symbol(), y.name.symbol());
     let figure = Figure {
         title: "Bifurcations of periodic orbits".into(),
-        caption: vec![format!(
-            "Elsewhere {}{}",
-            set.caption_but(&[x.name, y.name]),
-            said(set, family.loads())
-        )],
+        caption: vec![format!("Elsewhere {}", set.caption_but(&[x.name, y.name]))],
         panels: vec![Panel { title: String::new(), x: axis(&x), y: axis(&y), layers }],
         columns: 1,
         panel: (2000, 1500),
@@ -138,14 +129,13 @@ fn table(x: Span, y: Span, curves: &[Curve]) -> Result<Vec<u8>> {
         "row",
     ])?;
     for (i, Curve { row, start, points, .. }) in curves.iter().enumerate() {
-        let sign = if start.word.closing() > 0 { "+" } else { "-" };
         for point in points {
             let phases: Vec<String> = point.phases.iter().map(|p| exact(*p)).collect();
             table.push([
                 i.to_string(),
                 start.label.name().into(),
                 start.word.to_string(),
-                sign.into(),
+                start.word.sign().into(),
                 start.word.period().to_string(),
                 exact(point.values[0]),
                 exact(point.values[1]),

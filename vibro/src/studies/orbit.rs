@@ -2,7 +2,6 @@
 
 use super::Study;
 use super::lengths::Lengths;
-use super::orbits::said;
 use crate::table::{CsvRows, exact};
 use crate::{Error, Result};
 use std::f64::consts::TAU;
@@ -10,7 +9,7 @@ use vibro_analysis::ParameterSet;
 use vibro_figures::canvas::palette::{BLACK, GREY, RELATIVE, VERMILLION};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use vibro_impact::parameters::FIELDS;
-use vibro_orbits::{Orbit, OrbitWord};
+use vibro_orbits::Orbit;
 
 /// Points of a curve in a drive period.
 const SAMPLES: u32 = 400;
@@ -24,7 +23,7 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
     let (orbit, passages) = asked.shortest();
     let orbit = &orbit;
     let word = orbit.word();
-    let what = format!("the periodic orbit {} (period {}T)", signed(word), word.period());
+    let what = format!("the periodic orbit {} (period {}T)", word.signed(), word.period());
     let stability = if orbit.is_stable() { "stable" } else { "unstable" };
     let start = orbit.start_state();
     let mut remarks: Vec<String> = shorter(asked, orbit, passages).into_iter().collect();
@@ -43,10 +42,9 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
             "{short} more are orbits of a shorter word passed several times, or symmetric orbits"
         ));
     }
-    let sign = if word.closing() > 0 { '+' } else { '-' };
     let figure = Figure {
-        title: format!("Periodic orbit {word}{sign} of period {}T", word.period()),
-        caption: vec![format!("{stability}; {}{}", set.caption(), said(set, orbit.system().loads()))],
+        title: format!("Periodic orbit {} of period {}T", word.signed(), word.period()),
+        caption: vec![format!("{stability}; {}", set.caption())],
         panels: vec![
             history(orbit, &Lengths::of(set)),
             portrait(orbit, &Lengths::of(set)),
@@ -67,17 +65,12 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
     })
 }
 
-/// A word with its closing sign.
-fn signed(word: &OrbitWord) -> String {
-    format!("{word}{}", if word.closing() > 0 { '+' } else { '-' })
-}
-
 /// That the orbit of a word is one of a shorter word, if it is.
 fn shorter(asked: &Orbit, orbit: &Orbit, passages: u32) -> Option<String> {
     if asked.word() == orbit.word() {
         return None;
     }
-    let (long, short) = (signed(asked.word()), signed(orbit.word()));
+    let (long, short) = (asked.word().signed(), orbit.word().signed());
     let period = orbit.word().period();
     let symmetric = match (asked.word().closing(), orbit.word().closing()) {
         (1, -1) => ", a symmetric orbit, whose second half is the mirror image of the first",

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use vibro_analysis::ParameterSet;
 use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
-use vibro_orbits::{Branch, ConstantLoads, Family, Label, Searched, Span};
+use vibro_orbits::{Branch, Family, Label, Searched, Span};
 
 /// Weights of X2.
 const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];
@@ -49,7 +49,7 @@ pub fn orbits(
     if marks.of_stable_only {
         caption.push("Marks: where a branch gains or loses its stability, or ends stable; special-points.csv has the others.".into());
     }
-    caption.push(format!("Elsewhere {}{}", set.caption_but(&[span.name]), said(set, family.loads())));
+    caption.push(format!("Elsewhere {}", set.caption_but(&[span.name])));
     let what = format!("{} branches of periodic orbits over {}", branches.len(), span.name.symbol());
     let figure = Figure {
         title: format!("Periodic orbits over {}", set.symbol(span.name)),
@@ -101,14 +101,6 @@ fn search_table(span: &Span, searched: &Searched) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// The loads beside those of the parameter set, which its caption tells, in words.
-pub(super) fn said(set: &ParameterSet, loads: ConstantLoads) -> String {
-    let own = set.parameters().constant_loads;
-    let forces: [f64; 3] = std::array::from_fn(|body| loads.forces[body] - own[body]);
-    let named = ConstantLoads::NAMES.into_iter().zip(forces).filter(|(_, f)| *f != 0.0);
-    named.map(|(name, f)| format!(", {name} = {f} N")).collect()
-}
-
 /// The largest X2 at each point, without loads of the orbit or of its mirror image, which is an orbit too; NaN where there is none,
 /// which is left out everywhere.
 fn largest(family: &Family, branch: &Branch) -> Vec<f64> {
@@ -132,10 +124,6 @@ fn remarks(branches: &[Branch], points: usize, specials: usize) -> Vec<String> {
         ),
         format!("{specials} special points: {}", counts.join(", ")),
     ]
-}
-
-fn closing(branch: &Branch) -> &'static str {
-    if branch.word.closing() > 0 { "+" } else { "-" }
 }
 
 /// Text of a number that may be missing.
@@ -175,7 +163,7 @@ fn branch_table(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Result<V
                 exact(point.value),
                 branch.word.period().to_string(),
                 branch.word.to_string(),
-                closing(branch).into(),
+                branch.word.sign().into(),
                 point.stable.to_string(),
                 or_empty(point.multipliers[0].norm()),
                 or_empty(*top),
@@ -221,7 +209,7 @@ pub(super) fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>>
                 span.name.name().into(),
                 exact(point.value),
                 branch.word.to_string(),
-                closing(branch).into(),
+                branch.word.sign().into(),
                 branch.word.period().to_string(),
                 special.longer.as_ref().map_or(String::new(), ToString::to_string),
                 turns.into(),

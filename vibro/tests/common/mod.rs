@@ -3,12 +3,17 @@
 // Each test program uses its share of these.
 #![allow(dead_code)]
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// A machine of a text file.
 pub const DAMPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/damper_with_buffer.toml");
+
+/// Far more than a part takes on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A fresh folder for one test.
 pub fn folder(name: &str) -> PathBuf {
@@ -35,6 +40,52 @@ pub fn drawn(out: &Path, arguments: &[&str]) -> String {
     text(&output.stdout)
 }
 
+/// Starts a long study and waits for so many of its parts.
+pub fn begun(out: &Path, arguments: &[&str], study: &str, count: usize) -> Child {
+    let mut vibro = command(out, arguments);
+    let mut child = vibro.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("vibro starts");
+    let begin = Instant::now();
+    while parts(out, study).len() < count {
+        assert!(begin.elapsed() < PATIENCE, "no parts in {PATIENCE:?}");
+        assert!(child.try_wait().unwrap().is_none(), "it has ended already");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child
+}
+
+/// Ends a program that has no chance to finish what it is at.
+pub fn killed(mut child: Child) {
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+/// The finished parts of a study, with their bytes.
+pub fn parts(out: &Path, study: &str) -> BTreeMap<String, Vec<u8>> {
+    let home = out.join(format!("{study}.parts"));
+    let mut found = if home.exists() { files(&home) } else { BTreeMap::new() };
+    found.retain(|name, _| name.ends_with(".part"));
+    found
+}
+
+/// All files of a folder and of its folders by their names in it, with their bytes; what a program at work renames between the
+/// listing and the reading is left out.
+pub fn files(home: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(home).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if path.is_dir() {
+            found.extend(files(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+            continue;
+        }
+        match std::fs::read(&path) {
+            Err(e) if e.kind() == ErrorKind::NotFound => {}
+            bytes => drop(found.insert(name, bytes.expect("a file"))),
+        }
+    }
+    found
+}
+
 /// The pixels of a PNG file as (width, height, RGB bytes).
 pub fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
     let file = std::fs::File::open(path).expect("a PNG file");
@@ -46,7 +97,9 @@ pub fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
 
 /// Exit code and standard error of a run that must fail.
 pub fn refused(arguments: &[&str]) -> (i32, String) {
-    let output = command(&folder("cli-refused"), arguments).output().expect("vibro runs");
+    // Of its own, since tests run side by side.
+    let home = tempfile::tempdir().expect("a folder");
+    let output = command(&home.path().join("out"), arguments).output().expect("vibro runs");
     assert!(output.stdout.is_empty(), "{arguments:?}");
     (output.status.code().expect("a code"), String::from_utf8(output.stderr).expect("text"))
 }

@@ -25,7 +25,7 @@ fn no_such(numbering: Numbering, reference: u32, bases: Bases) -> Problem {
             format!("allowed are those of the model description, from {first} to {last}")
         }
     };
-    Problem::Reference { reference, wanted: bases.name, found }
+    fmi_doors::Problem::Reference { reference, wanted: bases.name, found }.into()
 }
 
 impl Instance {
@@ -41,7 +41,7 @@ impl Instance {
     /// The variable of that reference.
     ///
     /// # Errors
-    /// [`Problem::Reference`] when there is none.
+    /// [`Reference`](fmi_doors::Problem::Reference) when there is none.
     pub fn variable(&self, reference: u32) -> Outcome<&'static Variable> {
         self.look_up(reference, Bases::ANY)
     }
@@ -145,7 +145,7 @@ impl Instance {
         let variable = self.look_up(reference, bases)?;
         self.check_settable(&WRITERS[self.numbering.place(reference)], variable)?;
         if !variable.accepts(value) {
-            return Err(Problem::Value { name: variable.name, value, allowed: variable.allowed() });
+            return Err(Problem::value(variable.name, value, variable.allowed()));
         }
         self.check_load(variable, value)
     }
@@ -154,7 +154,7 @@ impl Instance {
     fn check_load(&self, variable: &Variable, value: f64) -> Outcome {
         if variable.causality == Causality::Input && value != 0.0 && matches!(self.engine, Engine::Closed(_))
         {
-            return Err(Problem::Value { name: variable.name, value, allowed: NO_LOADS });
+            return Err(Problem::value(variable.name, value, NO_LOADS));
         }
         Ok(())
     }
@@ -219,7 +219,8 @@ impl Instance {
             Writer::CONTINUOUS => "inputs and continuous states",
             _ => "inputs and tunable parameters",
         };
-        Err(Problem::NotSettable { name: variable.name, phase: words(self.life.phase), allowed })
+        let (name, phase) = (variable.name.into(), words(self.life.phase));
+        Err(fmi_doors::Problem::NotSettable { name, phase, allowed }.into())
     }
 
     /// Time derivatives of inputs, orders 1 to 3, at the coming step's start.
@@ -234,7 +235,7 @@ impl Instance {
             }
             check_order(order, INPUT_ORDER, "1, 2 or 3")?;
             if !value.is_finite() {
-                return Err(Problem::Value { name: variable.name, value, allowed: "a finite derivative" });
+                return Err(Problem::value(variable.name, value, "a finite derivative"));
             }
             self.check_load(variable, value)?;
         }
@@ -301,7 +302,7 @@ impl Instance {
                 (form.derivatives(), *form.parameters(), [[0.0; 4]; 3], form.theta(), form.values())
             }
             Present::None | Present::Continuous(_) => {
-                return Err(Problem::Sequence { what: "the instance is not initialized" });
+                return Err(Problem::sequence("the instance is not initialized"));
             }
         };
         Ok(jets(&Course { values: &values, motion: &motion, parameters: &parameters, loads: &loads, theta }))
@@ -333,5 +334,5 @@ fn check_order(order: i32, highest: i32, allowed: &'static str) -> Outcome {
     if (1..=highest).contains(&order) {
         return Ok(());
     }
-    Err(Problem::Value { name: "order", value: f64::from(order), allowed })
+    Err(Problem::value("order", f64::from(order), allowed))
 }

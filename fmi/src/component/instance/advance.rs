@@ -67,10 +67,7 @@ impl Instance {
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
         let report: EventObserver = if wanted { Some(&mut show) } else { None };
-        let changes = Changes {
-            parameters: self.parameters_set.then_some(&self.settings.parameters),
-            loads: self.loads_set.then_some(&self.settings.loads),
-        };
+        let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
         let (shown, stand) = match &mut self.engine {
             Engine::Simulation(simulator) => {
                 let shown = event_mode.then(|| Discrete::of_simulator(simulator));
@@ -95,9 +92,7 @@ impl Instance {
         self.events.pending = stand.event;
         self.events.latched = if stand.event { shown } else { None };
         self.events.side = stand.side;
-        (self.parameters_set, self.loads_set) = (false, false);
-        self.slopes_set = [false; 3];
-        self.invalidate();
+        self.taken_over();
         Ok(Advance { time: self.time(), event: stand.event, early: stand.early })
     }
 
@@ -105,9 +100,7 @@ impl Instance {
     pub(super) fn check_advance(&self, point: f64, size: f64) -> Outcome {
         self.check_step(point, size)?;
         if self.events.pending {
-            return Err(Problem::Sequence {
-                what: "the event of the last step must be handled in Event Mode first",
-            });
+            return Err(Problem::sequence("the event of the last step must be handled in Event Mode first"));
         }
         Ok(())
     }
@@ -125,7 +118,7 @@ impl Instance {
 
 /// `check_step` has refused these engines.
 fn unreachable_step<T>() -> Outcome<T> {
-    Err(Problem::Sequence { what: "the instance is not initialized" })
+    Err(Problem::sequence("the instance is not initialized"))
 }
 
 /// One step of the simulator.

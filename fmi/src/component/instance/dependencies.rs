@@ -18,7 +18,7 @@ impl Instance {
     /// present contact, which is less than what is declared: at rest box and block feel each other's loads, in flight not.
     ///
     /// # Errors
-    /// [`Problem::Reference`](crate::component::Problem::Reference) when there is no such variable.
+    /// [`Reference`](fmi_doors::Problem::Reference) when there is no such variable.
     pub fn dependencies(&self, reference: u32) -> Outcome<Vec<Dependency>> {
         let variable = self.variable(reference)?;
         let place = self.numbering.place(reference);

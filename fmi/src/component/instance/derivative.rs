@@ -58,7 +58,7 @@ impl Instance {
                 return Err(no(variable, allowed));
             }
             if !value.is_finite() {
-                return Err(Problem::Value { name: variable.name, value, allowed: "a finite seed" });
+                return Err(Problem::value(variable.name, value, "a finite seed"));
             }
         }
         if initial {

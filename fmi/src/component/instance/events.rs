@@ -7,6 +7,7 @@ use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
 use crate::component::event_state::EventState;
 use crate::component::log::{Category, Log};
+use crate::component::settings::Settings;
 use crate::component::values::Tick;
 use crate::component::variables::Edition;
 use fmi_doors::Handled;
@@ -23,14 +24,22 @@ pub(super) enum Present<'a> {
 }
 
 /// What a step or an event is to take over from the settings.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Changes<'a> {
     pub(super) parameters: Option<&'a Parameters>,
     pub(super) loads: Option<&'a Loads>,
 }
 
-impl Changes<'_> {
-    fn any(&self) -> bool {
+impl<'a> Changes<'a> {
+    /// Of settings of which parameters or loads were set.
+    pub(super) fn of(settings: &'a Settings, (parameters, loads): (bool, bool)) -> Self {
+        Self {
+            parameters: parameters.then_some(&settings.parameters),
+            loads: loads.then_some(&settings.loads),
+        }
+    }
+
+    pub(super) fn any(&self) -> bool {
         self.parameters.is_some() || self.loads.is_some()
     }
 
@@ -60,10 +69,14 @@ impl Instance {
 
     /// What was set and not yet taken over.
     pub(super) fn changes(&self) -> Changes<'_> {
-        Changes {
-            parameters: self.parameters_set.then_some(&self.settings.parameters),
-            loads: self.loads_set.then_some(&self.settings.loads),
-        }
+        Changes::of(&self.settings, (self.parameters_set, self.loads_set))
+    }
+
+    /// All that was set has been taken over, and nothing that was computed holds any longer.
+    pub(super) fn taken_over(&mut self) {
+        (self.parameters_set, self.loads_set) = (false, false);
+        self.slopes_set = [false; 3];
+        self.invalidate();
     }
 
     /// Whether what is read now is what comes after the event at which the host stands.
@@ -122,10 +135,10 @@ impl Instance {
     /// The host comes to handle an event: what changes at events only is shown from now on. There need not be one.
     ///
     /// # Errors
-    /// [`Problem::Sequence`] before initialization.
+    /// [`Sequence`](fmi_doors::Problem::Sequence) before initialization.
     pub fn enter_event(&mut self) -> Outcome {
         match &mut self.engine {
-            Engine::None => return Err(Problem::Sequence { what: "the instance is not initialized" }),
+            Engine::None => return Err(Problem::sequence("the instance is not initialized")),
             Engine::Continuous(continuous) => continuous.accept(),
             Engine::Simulation(_) | Engine::Closed(_) => {}
         }
@@ -187,14 +200,14 @@ impl Instance {
     /// what has changed. One call does all that happens at an instant; a further one does nothing.
     ///
     /// # Errors
-    /// [`Problem::Sequence`] before initialization; what was set and is not possible. Nothing has changed then.
+    /// [`Sequence`](fmi_doors::Problem::Sequence) before initialization; what was set and is not possible. Nothing has changed then.
     pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<Handled> {
         self.end_tick()?;
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
         let mut report: EventObserver = if wanted { Some(&mut show) } else { None };
         let changed = match &mut self.engine {
-            Engine::None => return Err(Problem::Sequence { what: "the instance is not initialized" }),
+            Engine::None => return Err(Problem::sequence("the instance is not initialized")),
             Engine::Continuous(continuous) => continuous.handle_event(&mut |event| {
                 if let Some(report) = &mut report {
                     report(event);
@@ -213,10 +226,7 @@ impl Instance {
 
     /// The same for the simulator; true where an impact has made the states jump.
     fn carry_out(&mut self, mut report: EventObserver<'_, '_>) -> Outcome<bool> {
-        let changes = Changes {
-            parameters: self.parameters_set.then_some(&self.settings.parameters),
-            loads: self.loads_set.then_some(&self.settings.loads),
-        };
+        let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
         let Engine::Simulation(simulator) = &mut self.engine else { return Ok(false) };
         let before = simulator.snapshot();
         let contact = simulator.contact();

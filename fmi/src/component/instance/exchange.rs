@@ -18,7 +18,7 @@ impl Instance {
     /// event.
     ///
     /// # Errors
-    /// [`Problem::Sequence`] before initialization.
+    /// [`Sequence`](fmi_doors::Problem::Sequence) before initialization.
     pub fn complete_integrator_step(&mut self) -> Outcome<bool> {
         let continuous = self.continuous_mut()?;
         continuous.accept();
@@ -30,9 +30,9 @@ impl Instance {
     /// Sets the time; at an event only to the present time, as some hosts do.
     ///
     /// # Errors
-    /// [`Problem::Value`] for a time that is not finite, or at an event another than the present; one too large to resolve.
+    /// [`Value`](fmi_doors::Problem::Value) for a time that is not finite, or at an event another than the present; one too large to resolve.
     pub fn set_time(&mut self, time: f64) -> Outcome {
-        let refuse = |allowed| Err(Problem::Value { name: "time", value: time, allowed });
+        let refuse = |allowed| Err(Problem::value("time", time, allowed));
         if !time.is_finite() {
             return refuse("a finite number");
         }
@@ -47,7 +47,7 @@ impl Instance {
     /// Sets the continuous states, in the order of [`STATES`].
     ///
     /// # Errors
-    /// [`Problem::Value`] for one that is not finite; nothing has changed then.
+    /// [`Value`](fmi_doors::Problem::Value) for one that is not finite; nothing has changed then.
     pub fn set_continuous_states(&mut self, states: &[f64; 6]) -> Outcome {
         let state = check_states(states)?;
         self.continuous_mut()?.set_state(state);
@@ -109,7 +109,7 @@ impl Instance {
     fn continuous_mut(&mut self) -> Outcome<&mut Continuous> {
         match &mut self.engine {
             Engine::Continuous(continuous) => Ok(continuous),
-            _ => Err(Problem::Sequence { what: "the instance is not initialized" }),
+            _ => Err(Problem::sequence("the instance is not initialized")),
         }
     }
 

@@ -32,11 +32,11 @@ impl Instance {
             return Ok((engine, objections));
         }
         if self.life.interface == Interface::ModelExchange {
-            return Err(Problem::Value {
-                name: "mode",
-                value: f64::from(settings.mode.number()),
-                allowed: "1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate",
-            });
+            return Err(Problem::value(
+                "mode",
+                f64::from(settings.mode.number()),
+                "1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate",
+            ));
         }
         let form = self.initial_form(settings)?;
         let objections = form.solution().objections();
@@ -72,7 +72,7 @@ impl Instance {
         for (body, load) in settings.loads.derivatives.iter().enumerate() {
             if let Some(&value) = load.iter().find(|value| **value != 0.0) {
                 let name = input_of(body).map_or("a load", |input| input.name);
-                return Err(Problem::Value { name, value, allowed: NO_LOADS });
+                return Err(Problem::value(name, value, NO_LOADS));
             }
         }
         ClosedForm::new(settings.mode, &settings.parameters, self.start_time())

@@ -27,13 +27,7 @@ impl LastStep {
         let new = || Self { before: simulator.snapshot(), parameters: None, loads: None };
         let step = place.get_or_insert_with(new);
         simulator.snapshot_into(&mut step.before);
-        (step.parameters, step.loads) = (None, None);
-        if let Some(parameters) = changes.parameters {
-            step.parameters = Some(*parameters);
-        }
-        if let Some(loads) = changes.loads {
-            step.loads = Some(*loads);
-        }
+        (step.parameters, step.loads) = (changes.parameters.copied(), changes.loads.copied());
         step
     }
 }
@@ -54,12 +48,8 @@ impl Instance {
         let Ok(Present::Simulation(reached)) = self.present() else { return None };
         let mut replay = Simulator::clone(simulator).without_energy_accounts();
         replay.restore(&step.before).ok()?;
-        if let Some(parameters) = &step.parameters {
-            replay.set_parameters(parameters).ok()?;
-        }
-        if let Some(loads) = &step.loads {
-            replay.set_loads(loads).ok()?;
-        }
+        let LastStep { parameters, loads, .. } = step;
+        Changes { parameters: parameters.as_ref(), loads: loads.as_ref() }.put(&mut replay).ok()?;
         sensitivity::matrices(replay, &reached).ok()
     }
 }

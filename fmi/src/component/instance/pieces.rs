@@ -38,7 +38,7 @@ impl Instance {
             Engine::Simulation(simulator) => (Discrete::of_simulator(simulator), simulator.contact()),
             Engine::Closed(form) => (Discrete::of(&form.values()), Contact::Flight),
             Engine::None | Engine::Continuous(_) => {
-                return Err(Problem::Sequence { what: "there is nothing to step" });
+                return Err(Problem::sequence("there is nothing to step"));
             }
         };
         Ok(Pieces {
@@ -117,7 +117,7 @@ impl Instance {
         }
         (self.parameters_set, self.loads_set) = (false, false);
         if let Engine::Simulation(simulator) = &self.engine {
-            LastStep::begin(&mut self.last_step, simulator, &Changes { parameters: None, loads: None });
+            LastStep::begin(&mut self.last_step, simulator, &Changes::default());
         }
         self.invalidate();
         Ok(())

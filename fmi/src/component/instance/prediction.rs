@@ -43,14 +43,9 @@ impl Instance {
             return Ok(None);
         }
         match &self.engine {
-            Engine::Simulation(simulator) if self.parameters_set || self.loads_set => {
+            Engine::Simulation(simulator) if self.changes().any() => {
                 let mut ahead = (**simulator).clone();
-                if self.parameters_set {
-                    ahead.set_parameters(&self.settings.parameters)?;
-                }
-                if self.loads_set {
-                    ahead.set_loads(&self.settings.loads)?;
-                }
+                self.changes().put(&mut ahead)?;
                 time_of_next(&ahead, horizon)
             }
             Engine::Simulation(simulator) => time_of_next(simulator, horizon),

@@ -1,13 +1,13 @@
 //! Stepping from one communication point to the next.
 
+use super::events::Changes;
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::log::{Category, Log};
 use fmi_doors::{StepOutcome, StepReason};
 use vibro_impact::error::Error;
 use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Loads, Pause, Simulator, Snapshot};
+use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator, Snapshot};
 
 impl Instance {
     /// From the present time to `point + size` exactly. Own time is the truth; `point` may be off by rounding. Where the
@@ -23,9 +23,8 @@ impl Instance {
         let report: EventObserver = if wanted { Some(&mut report) } else { None };
         let reason = match &mut self.engine {
             Engine::Simulation(simulator) => {
-                let parameters = self.parameters_set.then_some(&self.settings.parameters);
-                let loads = self.loads_set.then_some(&self.settings.loads);
-                simulate(simulator, parameters, loads, (point, size), self.settings.stop_at_impact, report)?
+                let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
+                simulate(simulator, &changes, (point, size), self.settings.stop_at_impact, report)?
             }
             Engine::Closed(form) => {
                 if self.parameters_set {
@@ -44,7 +43,7 @@ impl Instance {
     /// Whether a step can be made at all.
     pub(super) fn check_step(&self, point: f64, size: f64) -> Outcome {
         if matches!(self.engine, Engine::None | Engine::Continuous(_)) {
-            return Err(Problem::Sequence { what: "the instance is not initialized" });
+            return Err(Problem::sequence("the instance is not initialized"));
         }
         self.life.check_step(point, size, self.time()).map_err(|problem| match problem {
             fmi_doors::Problem::Time { given, own } if self.life.phase == Phase::StoppedEarly => {
@@ -56,9 +55,7 @@ impl Instance {
 
     /// What a step leaves behind: nothing pending, and the loads as they have become.
     fn finish_step(&mut self, reason: AdvanceOutcome, end: f64) -> StepOutcome {
-        (self.parameters_set, self.loads_set) = (false, false);
-        self.slopes_set = [false; 3];
-        self.invalidate();
+        self.taken_over();
         if let Engine::Simulation(simulator) = &self.engine {
             let slopes = self.settings.loads.derivatives.iter().flat_map(|load| &load[1..]);
             if slopes.into_iter().any(|slope| *slope != 0.0) {
@@ -75,8 +72,7 @@ impl Instance {
 /// One step of the simulator, all or nothing.
 fn simulate(
     simulator: &mut Simulator,
-    parameters: Option<&Parameters>,
-    loads: Option<&Loads>,
+    changes: &Changes<'_>,
     (point, size): (f64, f64),
     stop_at_impact: bool,
     mut report: EventObserver<'_, '_>,
@@ -85,12 +81,7 @@ fn simulate(
     let end = DoubleDouble::sum(point, size);
     let stop = if stop_at_impact { Pause::AfterImpact } else { Pause::Never };
     let mut advance = || {
-        if let Some(parameters) = parameters {
-            simulator.set_parameters(parameters)?;
-        }
-        if let Some(loads) = loads {
-            simulator.set_loads(loads)?;
-        }
+        changes.put(simulator)?;
         match simulator.advance_until(end, stop, report.as_deref_mut()) {
             // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
             Err(Error::Step { .. }) => Ok(AdvanceOutcome::End),

@@ -1,10 +1,8 @@
 //! Constructors of rows that came after the first version: of what is no output, and of what one description alone has.
 
 use super::bases::Edition;
-use super::columns::{
-    Access, Causality, Dependencies, Initial, Initially, Kind, Knowns, Reading, Variability, Variable,
-};
-use super::rows::{UNNUMBERED, derivative_of, event_output, reading, real};
+use super::columns::{Access, Causality, Dependencies, Kind, Knowns, Reading, Variability, Variable};
+use super::rows::{derivative_of, event_output, reading, real, row};
 use super::sections::Section;
 use crate::component::units::{self, RealType};
 use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick};
@@ -18,24 +16,7 @@ const fn local(
     access: Access,
     dependencies: Dependencies,
 ) -> Variable {
-    Variable {
-        reference: UNNUMBERED,
-        name,
-        description,
-        section,
-        edition: Edition::Every,
-        dimensions: &[],
-        symbol: None,
-        causality: Causality::Local,
-        variability: Variability::Continuous,
-        initial: Some(Initial::Calculated),
-        kind,
-        access,
-        dependencies,
-        further: &[],
-        initially: Initially::OnStartAnd(&[]),
-        body: None,
-    }
+    Variable { causality: Causality::Local, ..row(section, name, description, kind, access, dependencies) }
 }
 
 /// What is read of the event that is to come. It is computed when it is read.

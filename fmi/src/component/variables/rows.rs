@@ -49,24 +49,52 @@ const fn state(declared: RealType, derivative_of: Option<&'static str>, reinit: 
 /// The reference of a row before the table numbers it.
 pub(super) const UNNUMBERED: u32 = u32::MAX;
 
+/// What is read and changes any time, a scalar in every description.
+pub(super) const fn row(
+    section: Section,
+    name: &'static str,
+    description: &'static str,
+    kind: Kind,
+    access: Access,
+    dependencies: Dependencies,
+) -> Variable {
+    Variable {
+        reference: UNNUMBERED,
+        name,
+        description,
+        section,
+        edition: Edition::Every,
+        dimensions: &[],
+        symbol: None,
+        causality: Causality::Output,
+        variability: Variability::Continuous,
+        initial: Some(Initial::Calculated),
+        kind,
+        access,
+        dependencies,
+        further: &[],
+        initially: Initially::OnStartAnd(&[]),
+        body: None,
+    }
+}
+
+/// What comes from outside: it follows from nothing.
+const fn given(
+    section: Section,
+    name: &'static str,
+    description: &'static str,
+    kind: Kind,
+    access: Access,
+) -> Variable {
+    let row = row(section, name, description, kind, access, Dependencies::NotUnknown);
+    Variable { initial: None, initially: Initially::AsLater, ..row }
+}
+
 /// Time.
 pub(super) const TIME: Variable = Variable {
-    reference: UNNUMBERED,
-    name: "time",
-    description: "Time",
-    section: Section::Time,
-    edition: Edition::Every,
-    dimensions: &[],
     symbol: Some("t"),
     causality: Causality::Independent,
-    variability: Variability::Continuous,
-    initial: None,
-    kind: real(units::TIME),
-    access: Access::Output(reading!(|m| m.time)),
-    dependencies: Dependencies::NotUnknown,
-    further: &[],
-    initially: Initially::AsLater,
-    body: None,
+    ..given(Section::Time, "time", "Time", real(units::TIME), Access::Output(reading!(|m| m.time)))
 };
 
 fn get_field<const I: usize>(settings: &Settings) -> f64 {
@@ -97,48 +125,25 @@ pub(super) const fn option(
     set: fn(&mut Settings, f64),
 ) -> Variable {
     Variable {
-        reference: UNNUMBERED,
-        name,
-        description,
-        section: Section::Solution,
-        edition: Edition::Every,
-        dimensions: &[],
-        symbol: None,
         causality: Causality::Parameter,
         variability: Variability::Fixed,
         initial: Some(Initial::Exact),
-        kind,
-        access: Access::Setting { get, set },
-        dependencies: Dependencies::NotUnknown,
-        further: &[],
-        initially: Initially::AsLater,
-        body: None,
+        ..given(Section::Solution, name, description, kind, Access::Setting { get, set })
     }
 }
 
 /// An external force on a body.
 pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'static str) -> Variable {
+    let access = Access::Setting {
+        get: |s| s.loads.derivatives[BODY][0],
+        // A new value without derivatives is held.
+        set: |s, value| s.loads.derivatives[BODY] = [value, 0.0, 0.0, 0.0],
+    };
     Variable {
-        reference: UNNUMBERED,
-        name,
-        description,
-        section: Section::Loads,
-        edition: Edition::Every,
-        dimensions: &[],
         symbol: Some(["f1", "f2", "f3"][BODY]),
         causality: Causality::Input,
-        variability: Variability::Continuous,
-        initial: None,
-        kind: real(units::FORCE),
-        access: Access::Setting {
-            get: |s| s.loads.derivatives[BODY][0],
-            // A new value without derivatives is held.
-            set: |s, value| s.loads.derivatives[BODY] = [value, 0.0, 0.0, 0.0],
-        },
-        dependencies: Dependencies::NotUnknown,
-        further: &[],
-        initially: Initially::AsLater,
         body: Some(BODY),
+        ..given(Section::Loads, name, description, real(units::FORCE), access)
     }
 }
 
@@ -204,24 +209,7 @@ pub(super) const fn output(
     reading: Reading,
     knowns: Knowns,
 ) -> Variable {
-    Variable {
-        reference: UNNUMBERED,
-        name,
-        description,
-        section,
-        edition: Edition::Every,
-        dimensions: &[],
-        symbol: None,
-        causality: Causality::Output,
-        variability: Variability::Continuous,
-        initial: Some(Initial::Calculated),
-        kind,
-        access: Access::Output(reading),
-        dependencies: Dependencies::On(knowns),
-        further: &[],
-        initially: Initially::OnStartAnd(&[]),
-        body: None,
-    }
+    row(section, name, description, kind, Access::Output(reading), Dependencies::On(knowns))
 }
 
 /// An output that changes at events only: it holds what the last event made of it, and depends on nothing else.
@@ -246,23 +234,12 @@ const fn derived(
     get: fn(&Derived) -> f64,
     knowns: Knowns,
 ) -> Variable {
+    let row = row(section, name, description, kind, Access::Derived(get), Dependencies::On(knowns));
     Variable {
-        reference: UNNUMBERED,
-        name,
-        description,
-        section,
-        edition: Edition::Every,
-        dimensions: &[],
-        symbol: None,
         causality: Causality::CalculatedParameter,
         variability: Variability::Tunable,
-        initial: Some(Initial::Calculated),
-        kind,
-        access: Access::Derived(get),
-        dependencies: Dependencies::On(knowns),
-        further: &[],
         initially: Initially::AsLater,
-        body: None,
+        ..row
     }
 }
 
@@ -294,7 +271,7 @@ pub(super) const fn steady(
     declared: RealType,
     get: fn(&Derived) -> f64,
 ) -> Variable {
-    derived(Section::Steady, name, description, real(declared), get, DECIDING)
+    derived(Section::Steady, name, description, real(declared), get, STEADY)
 }
 
 /// A test of the steady state.
@@ -303,7 +280,7 @@ pub(super) const fn flag(
     description: &'static str,
     get: fn(&Derived) -> f64,
 ) -> Variable {
-    derived(Section::Steady, name, description, Kind::Boolean, get, DECIDING)
+    derived(Section::Steady, name, description, Kind::Boolean, get, STEADY)
 }
 
 /// A row with further knowns.
@@ -316,41 +293,46 @@ pub(super) const fn at_start(initially: Initially, row: Variable) -> Variable {
     Variable { initially, ..row }
 }
 
+/// Parameters of box and block, of the secondary oscillator, of the coupling, of the stops, of the drive.
+pub(super) const OF_PAIR: [&str; 4] = ["box.m", "box.k", "box.c", "block.m"];
+pub(super) const OF_SECONDARY: [&str; 3] = ["secondary.m", "secondary.k", "secondary.c"];
+pub(super) const OF_COUPLING: [&str; 1] = ["coupling.k"];
+pub(super) const OF_STOPS: [&str; 2] = ["stop.gap", "stop.restitution"];
+pub(super) const OF_DRIVE: [&str; 3] = ["drive.amplitude", "drive.frequency", "drive.phase"];
+
+/// Lists of names as one; `N` is the number of all names.
+pub(super) const fn join<const N: usize>(lists: &[&[&'static str]]) -> [&'static str; N] {
+    let mut all = [""; N];
+    let (mut list, mut place) = (0, 0);
+    while list < lists.len() {
+        let mut i = 0;
+        while i < lists[list].len() {
+            all[place] = lists[list][i];
+            (i, place) = (i + 1, place + 1);
+        }
+        list += 1;
+    }
+    assert!(place == N, "another number of names");
+    all
+}
+
 /// The parameters that decide on a steady state: all but the drive's phase, which only says when it passes where.
-const DECIDING: Knowns = of!(
-    "box.m",
-    "box.k",
-    "box.c",
-    "block.m",
-    "secondary.m",
-    "secondary.k",
-    "secondary.c",
-    "coupling.k",
-    "stop.gap",
-    "stop.restitution",
-    "drive.amplitude",
-    "drive.frequency"
-);
+const DECIDING: [&str; 12] =
+    join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_STOPS, &["drive.amplitude", "drive.frequency"]]);
+
+/// The same as knowns.
+const STEADY: Knowns = &{
+    let mut knowns = [("", Dependent); DECIDING.len()];
+    let mut i = 0;
+    while i < knowns.len() {
+        knowns[i].0 = DECIDING[i];
+        i += 1;
+    }
+    knowns
+};
 
 /// What a closed form follows: in its modes, and with `startOnOrbit`, these decide on the start, and not the start values.
-pub const START: &[&str] = &[
-    "time",
-    "box.m",
-    "box.k",
-    "box.c",
-    "block.m",
-    "secondary.m",
-    "secondary.k",
-    "secondary.c",
-    "coupling.k",
-    "stop.gap",
-    "stop.restitution",
-    "drive.amplitude",
-    "drive.frequency",
-    "drive.phase",
-    "mode",
-    "startOnOrbit",
-];
+pub const START: &[&str] = &join::<16>(&[&DECIDING, &["time", "drive.phase", "mode", "startOnOrbit"]]);
 
 /// Everything: accumulated work and energies.
 pub(super) const ALL: Knowns = &[

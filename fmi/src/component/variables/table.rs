@@ -51,115 +51,35 @@ const SECONDARY: Knowns = &[
 ];
 
 /// The parameters in the box's acceleration: in rest those of both bodies, by multiple scales those of its amplitude.
-const OF_BOX: &[&str] = &[
-    "box.m",
-    "box.k",
-    "box.c",
-    "block.m",
-    "coupling.k",
-    "stop.gap",
-    "stop.restitution",
-    "drive.amplitude",
-    "drive.frequency",
-    "drive.phase",
-    "mode",
-];
+const BOX: [&str; 11] = join(&[&OF_PAIR, &OF_COUPLING, &OF_STOPS, &OF_DRIVE, &["mode"]]);
 
 /// The parameters in the block's acceleration: in rest those of both bodies; by multiple scales it is zero.
-const OF_BLOCK: &[&str] = &[
-    "box.m",
-    "box.k",
-    "box.c",
-    "block.m",
-    "coupling.k",
-    "drive.amplitude",
-    "drive.frequency",
-    "drive.phase",
-    "mode",
-];
+const BLOCK: [&str; 9] = join(&[&OF_PAIR, &OF_COUPLING, &OF_DRIVE, &["mode"]]);
 
 /// The parameters in the contact force.
-const PRESSING: &[&str] = &[
-    "box.m",
-    "box.k",
-    "box.c",
-    "block.m",
-    "coupling.k",
-    "drive.amplitude",
-    "drive.frequency",
-    "drive.phase",
-];
+const PRESSING: [&str; 8] = join(&[&OF_PAIR, &OF_COUPLING, &OF_DRIVE]);
 
 /// The same with the unit in which the pressing acceleration is told.
-const PRESSED: &[&str] = &[
-    "box.m",
-    "box.k",
-    "box.c",
-    "block.m",
-    "coupling.k",
-    "stop.gap",
-    "drive.amplitude",
-    "drive.frequency",
-    "drive.phase",
-];
+const PRESSED: [&str; 9] = join(&[&OF_PAIR, &OF_COUPLING, &["stop.gap"], &OF_DRIVE]);
 
 /// The parameters in the accelerations of all three bodies.
-const OF_BODIES: &[&str] = &[
-    "box.m",
-    "box.k",
-    "box.c",
-    "block.m",
-    "secondary.m",
-    "secondary.k",
-    "secondary.c",
-    "coupling.k",
-    "stop.gap",
-    "stop.restitution",
-    "drive.amplitude",
-    "drive.frequency",
-    "drive.phase",
-    "mode",
-];
+const BODIES: [&str; 14] = join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_STOPS, &OF_DRIVE, &["mode"]]);
 
 /// What decides on contact at an event.
-const OF_CONTACT: &[&str] = &[
-    "time",
-    "box.m",
-    "box.k",
-    "box.c",
-    "block.m",
-    "coupling.k",
-    "stop.gap",
-    "stop.restitution",
-    "drive.amplitude",
-    "drive.frequency",
-    "drive.phase",
-    "box.f",
-    "block.f",
-    "box.s",
-    "box.v",
-    "block.s",
-    "block.v",
-    "secondary.s",
-];
+const CONTACT: [&str; 18] = join(&[
+    &["time"],
+    &OF_PAIR,
+    &OF_COUPLING,
+    &OF_STOPS,
+    &OF_DRIVE,
+    &["box.f", "block.f", "box.s", "box.v", "block.s", "block.v", "secondary.s"],
+]);
 
 /// The parameters of an impact.
 const OF_IMPACT: &[&str] = &["box.m", "block.m", "stop.restitution"];
 
 /// The parameters in the dampers' work since the last accepted step of a host's solver; with them, in the work of the inputs.
-const DAMPED: &[&str] = &[
-    "box.m",
-    "box.k",
-    "box.c",
-    "block.m",
-    "secondary.m",
-    "secondary.k",
-    "secondary.c",
-    "coupling.k",
-    "drive.amplitude",
-    "drive.frequency",
-    "drive.phase",
-];
+const DAMPED: [&str; 11] = join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_DRIVE]);
 
 /// At the start the block's velocity too decides on accelerations and contact force: with it the block rests, or leaves.
 const MOTION_AT_START: Initially = Initially::OnStartAnd(&["block.v"]);
@@ -226,10 +146,10 @@ const TABLE: &[(u32, Variable)] = &[
     // Motion
     (20, position::<0>("box.s", "Displacement of the box (x1)", true, &[("box.s", Constant)])),
     (21, velocity::<0>("box.v", "box.s", "Velocity of the box", true, &[("box.v", Constant)])),
-    (22, by(OF_BOX, at_start(MOTION_AT_START, acceleration::<0>("box.a", "box.v", "Acceleration of the box", PAIR)))),
+    (22, by(&BOX, at_start(MOTION_AT_START, acceleration::<0>("box.a", "box.v", "Acceleration of the box", PAIR)))),
     (23, position::<1>("block.s", "Displacement of the block (x2)", true, &[("block.s", Constant)])),
     (24, velocity::<1>("block.v", "block.s", "Velocity of the block", true, &[("block.v", Constant)])),
-    (25, by(OF_BLOCK, at_start(MOTION_AT_START, acceleration::<1>("block.a", "block.v", "Acceleration of the block", PAIR)))),
+    (25, by(&BLOCK, at_start(MOTION_AT_START, acceleration::<1>("block.a", "block.v", "Acceleration of the block", PAIR)))),
     (26, position::<2>("secondary.s", "Displacement of the secondary oscillator (x3)", false, &[("secondary.s", Constant)])),
     (27, velocity::<2>("secondary.v", "secondary.s", "Velocity of the secondary oscillator", false, &[("secondary.v", Constant)])),
     (28, by(&["secondary.m", "secondary.k", "secondary.c", "coupling.k", "drive.frequency", "mode"],
@@ -240,11 +160,11 @@ const TABLE: &[(u32, Variable)] = &[
         real(units::POSITION), reading!(|m| m.relative.0), GAP))),
     (30, output(Section::Contact, "stop.v", "Velocity of the block relative to the box", real(units::VELOCITY), reading!(|m| m.relative.1),
         &[("box.v", AtEvents), ("block.v", AtEvents)])),
-    (31, by(PRESSING, at_start(MOTION_AT_START, output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
+    (31, by(&PRESSING, at_start(MOTION_AT_START, output(Section::Contact, "stop.force", "Magnitude of the contact force while the block rests against a stop, never negative: it presses \
         the block away from the stop and the box towards it. Forces on the bodies and powers need the sign of the stop, which stop.state tells: the force on the box is \
         +stop.force at the upper stop and -stop.force at the lower one; exactly 0 in flight",
         real(units::FORCE), reading!(|m| m.contact_force), PAIR)))),
-    (32, by(OF_CONTACT, at_start(CONTACT_AT_START, event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
+    (32, by(&CONTACT, at_start(CONTACT_AT_START, event_output(Section::Contact, "stop.state", "Whether the block flies or rests against a stop", Kind::Enumeration(units::CONTACT),
         |m| match m.contact { Contact::Flight => 1.0, Contact::RestUpper => 2.0, Contact::RestLower => 3.0 })))),
     (33, event_output(Section::Contact, "impacts.upper", "Number of impacts on the upper stop since the start", Kind::Integer { min: 0 },
         |m| count(m.impacts.upper))),
@@ -269,9 +189,9 @@ const TABLE: &[(u32, Variable)] = &[
     // Energy
     (40, by(&["box.m", "box.k", "block.m", "secondary.m", "secondary.k", "coupling.k"],
         output(Section::Energy, "energy.mechanical", "Kinetic and elastic energy", real(units::ENERGY), reading!(|m| m.mechanical), STATES))),
-    (41, by(DAMPED, at_start(Initially::On(&[]),
+    (41, by(&DAMPED, at_start(Initially::On(&[]),
         output(Section::Energy, "energy.input", "Work of drive and loads since the start; in Model Exchange what the balance of the energies leaves, the errors of the solver included", real(units::ENERGY), reading!(|m| m.input), ALL)))),
-    (42, by(DAMPED, at_start(Initially::On(&[]),
+    (42, by(&DAMPED, at_start(Initially::On(&[]),
         output(Section::Energy, "energy.damped", "Energy dissipated in the dampers since the start", real(units::ENERGY), reading!(|m| m.damped), ALL)))),
     (43, by(OF_IMPACT, event_output(Section::Energy, "energy.impact", "Energy lost at impacts since the start", real(units::ENERGY), |m| m.impact_loss))),
 
@@ -313,7 +233,7 @@ const TABLE: &[(u32, Variable)] = &[
     (76, rate::<2>("der(secondary.s)", "secondary.s", "Derivative of secondary.s, which is secondary.v", &[("secondary.v", Constant)])),
     (77, by(&["stop.gap"], indicator::<0>("stop.indicator.upper", "Distance of the block from the upper stop in gaps; 1 in rest", GAP))),
     (78, by(&["stop.gap"], indicator::<1>("stop.indicator.lower", "Distance of the block from the lower stop in gaps; 1 in rest", GAP))),
-    (79, by(PRESSED, indicator::<2>("stop.indicator.rest", "In rest, the relative acceleration that presses the block on, in units of the largest that \
+    (79, by(&PRESSED, indicator::<2>("stop.indicator.rest", "In rest, the relative acceleration that presses the block on, in units of the largest that \
         springs and drive make at one gap's displacement; 1 in flight", PAIR))),
 
     // Arrays
@@ -321,7 +241,7 @@ const TABLE: &[(u32, Variable)] = &[
         &[("box.s", Constant), ("block.s", Constant), ("secondary.s", Constant)])),
     (81, bodies("motion.v", "Velocities of box, block and secondary oscillator", units::VELOCITY, |m, i| m.v[i],
         &[("box.v", Constant), ("block.v", Constant), ("secondary.v", Constant)])),
-    (82, by(OF_BODIES, at_start(MOTION_AT_START, bodies("motion.a", "Accelerations of box, block and secondary oscillator", units::ACCELERATION, |m, i| m.acceleration[i], ACCELERATIONS)))),
+    (82, by(&BODIES, at_start(MOTION_AT_START, bodies("motion.a", "Accelerations of box, block and secondary oscillator", units::ACCELERATION, |m, i| m.acceleration[i], ACCELERATIONS)))),
     (83, step_matrix("step.transition", "Derivatives of the states at the end of the last step (rows: box.s, block.s, secondary.s, box.v, \
         block.v, secondary.v) with respect to those at its begin (columns, in the same order), through all its events, in SI units", &[6, 6],
         |m, i| m.transition[i / 6][i % 6])),

@@ -11,8 +11,8 @@ use vibro::{Error, Result};
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{Name, ParameterSet, find_group, numbers};
 use vibro_orbits::{
-    Branch, ConstantLoads, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus,
-    orbit_of, search, settle,
+    Branch, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus, orbit_of,
+    search, settle,
 };
 
 /// Guesses of the phases from which the orbits of a word are sought.
@@ -59,7 +59,7 @@ fn family(set: &ParameterSet, a: &Orbits) -> Result<Family> {
     if !PathOptions::STEPS.contains(&a.step) {
         return Err(Error::form(format!("--step {}", a.step), "a length from 1e-5 to 0.2"));
     }
-    Ok(Family::new(set, ConstantLoads::NONE, span(&range)?)?)
+    Ok(Family::new(set, span(&range)?)?)
 }
 
 /// The values that are marked.
@@ -91,7 +91,7 @@ fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
         marks: marks(a, &span)?,
         ..TreeOptions::default()
     };
-    let kind = StudyKind::Orbits { span, loads: ConstantLoads::NONE, options };
+    let kind = StudyKind::Orbits { span, options };
     perform_as(&LongStudy::new("orbits", kind, set), common, &common.invocation, None)
 }
 
@@ -135,7 +135,7 @@ pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
             "two, e.g. --vary f10=0.5:3 --vary kappa=0.5:0.9",
         ));
     };
-    let family = Family::over_two(set, ConstantLoads::NONE, span(&first)?, span(&second)?)?;
+    let family = Family::over_two(set, span(&first)?, span(&second)?)?;
     let held = second.name.value(set);
     let (mut curves, mut problems) = (Vec::new(), Vec::new());
     for selection in &a.from {

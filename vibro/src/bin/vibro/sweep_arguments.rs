@@ -95,25 +95,17 @@ impl FromStr for AxisArgument {
 }
 
 impl fmt::Display for AxisArgument {
-    /// In words that depend on the values alone, for manifests.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Range(range) => {
-                let (name, (from, to)) = (range.name.name(), range.ends);
-                write!(f, "{name}={from}:{to}")?;
-                range.count.map_or(Ok(()), |count| write!(f, ":{count}"))
-            }
-            Self::List(list) => {
-                let values: Vec<String> = list.values.iter().map(f64::to_string).collect();
-                write!(f, "{}={}", list.name.name(), values.join(","))
-            }
+            Self::Range(range) => range.fmt(f),
+            Self::List(list) => list.fmt(f),
         }
     }
 }
 
 impl InWrittenUnit for AxisArgument {
     fn name(&self) -> Name {
-        self.name()
+        self.written().0
     }
 
     fn unit(&mut self) -> &mut Option<&'static Unit> {
@@ -137,13 +129,6 @@ impl AxisArgument {
         match self {
             Self::Range(range) => (range.name, range.unit),
             Self::List(list) => (list.name, list.unit),
-        }
-    }
-
-    fn name(&self) -> Name {
-        match self {
-            Self::Range(range) => range.name,
-            Self::List(list) => list.name,
         }
     }
 

@@ -125,13 +125,12 @@ impl Drawn {
         ])?;
         for (i, curve) in self.curves.iter().enumerate() {
             let word = &branches[curve.branch].word;
-            let sign = if word.closing() > 0 { "+" } else { "-" };
             for (value, maximum) in &curve.points {
                 table.push([
                     i.to_string(),
                     curve.branch.to_string(),
                     word.to_string(),
-                    sign.into(),
+                    word.sign().into(),
                     word.period().to_string(),
                     curve.stable.to_string(),
                     exact(*value),

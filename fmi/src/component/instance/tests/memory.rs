@@ -50,7 +50,10 @@ fn damaged_and_foreign_bytes_are_refused() {
     let bytes = fmu.save().serialize().unwrap();
     for length in 0..bytes.len() {
         assert!(
-            matches!(SavedState::deserialize(&bytes[..length]), Err(Problem::SavedState { .. })),
+            matches!(
+                SavedState::deserialize(&bytes[..length]),
+                Err(Problem::Door(fmi_doors::Problem::SavedState { .. }))
+            ),
             "{length}"
         );
     }

@@ -2,48 +2,8 @@
 
 use super::*;
 use crate::component::variables::COUNT;
+use crate::random::{CALLS, Random};
 use std::cell::Cell;
-
-/// Calls a run; a fuzzer goes further, this keeps the way open.
-const CALLS: usize = if cfg!(miri) { 60 } else { 4000 };
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, limit: u64) -> u64 {
-        self.next() % limit
-    }
-
-    fn one_in(&mut self, n: u64) -> bool {
-        self.below(n) == 0
-    }
-
-    fn number(&mut self) -> f64 {
-        match self.below(12) {
-            0 => f64::from_bits(self.next()),
-            1 => f64::NAN,
-            2 => f64::INFINITY,
-            3 => 0.0,
-            4 => -1.0,
-            5 => 1e300,
-            6 => 1e-300,
-            7 => self.below(4) as f64,
-            _ => self.below(1000) as f64 / 500.0 - 0.5,
-        }
-    }
-
-    fn integer(&mut self) -> c_int {
-        if self.one_in(4) { self.next() as c_int } else { self.below(5) as c_int }
-    }
-}
 
 /// Buffers of a call: eight elements each, as many as `count` says at most.
 struct Call {
@@ -87,12 +47,6 @@ impl Call {
     fn integers(&self) -> *mut c_int {
         if self.null[2] { null_mut() } else { self.integers.as_ptr().cast() }
     }
-}
-
-/// Step sizes stay small, so that valid steps do not take for ever.
-fn size(random: &mut Random) -> f64 {
-    let size = random.number();
-    if size.is_finite() { size.clamp(-1.0, 5.0) } else { size }
 }
 
 unsafe fn random_call(
@@ -146,7 +100,7 @@ unsafe fn random_call(
             28 => fmi2NewDiscreteStates(c, &mut FmiEventInfo::default()),
             29 => fmi2EnterContinuousTimeMode(c),
             30 => fmi2CompletedIntegratorStep(c, 1, integers, integers),
-            31 => fmi2SetTime(c, near + size(random)),
+            31 => fmi2SetTime(c, near + random.size()),
             32 => fmi2SetContinuousStates(c, reals, if random.one_in(3) { count } else { 6 }),
             33 => fmi2GetDerivatives(c, reals, if random.one_in(3) { count } else { 6 }),
             34 => fmi2GetEventIndicators(c, reals, 3),
@@ -159,7 +113,7 @@ unsafe fn random_call(
             41 => fmi2GetRealStatus(c, random.integer(), reals),
             42 => fmi2GetBooleanStatus(c, random.integer(), integers),
             43 => fmi2GetStringStatus(c, random.integer(), &mut null()),
-            _ => fmi2DoStep(c, near, size(random), random.integer()),
+            _ => fmi2DoStep(c, near, random.size(), random.integer()),
         }
     }
 }

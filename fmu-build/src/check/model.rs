@@ -1,0 +1,110 @@
+//! A model description of either version as what the checks ask of it.
+
+use crate::xml::Element;
+use fmi_doors::Version;
+use std::collections::BTreeSet;
+
+/// What a variable is a value of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Real,
+    Whole,
+    Boolean,
+    Enumeration,
+    Clock,
+}
+
+/// A variable of either version.
+pub(super) struct Variable<'a> {
+    pub(super) element: &'a Element,
+    /// In FMI 2.0 a child has what depends on the type.
+    pub(super) of_type: &'a Element,
+    pub(super) kind: Kind,
+    pub(super) place: u32,
+    /// By what it is listed: its place in FMI 2.0, its value reference in FMI 3.0.
+    pub(super) key: u32,
+    pub(super) name: &'a str,
+    pub(super) causality: &'a str,
+    pub(super) variability: &'a str,
+}
+
+impl<'a> Variable<'a> {
+    pub(super) fn of(element: &'a Element, place: u32, version: Version) -> Option<Self> {
+        let of_type = if version == Version::Fmi2 { element.children.first()? } else { element };
+        let kind = match of_type.name.as_str() {
+            "Real" | "Float64" => Kind::Real,
+            "Integer" | "Int32" => Kind::Whole,
+            "Boolean" => Kind::Boolean,
+            "Enumeration" => Kind::Enumeration,
+            "Clock" => Kind::Clock,
+            _ => return None,
+        };
+        let key = match version {
+            Version::Fmi2 => place,
+            Version::Fmi3 => element.attribute("valueReference")?.parse().ok()?,
+        };
+        let text = |name| element.attribute(name).unwrap_or_default();
+        let (name, causality, variability) = (text("name"), text("causality"), text("variability"));
+        Some(Self { element, of_type, kind, place, key, name, causality, variability })
+    }
+
+    pub(super) fn get(&self, name: &str) -> Option<&'a str> {
+        self.of_type.attribute(name).or_else(|| self.element.attribute(name))
+    }
+
+    /// Key of the state whose derivative this is.
+    pub(super) fn derivative(&self) -> Option<u32> {
+        self.get("derivative").map(|key| key.parse().unwrap_or(u32::MAX))
+    }
+
+    /// Whether its initial value is set.
+    pub(super) fn is_set(&self) -> bool {
+        self.get("initial") == Some("exact") || self.causality == "input"
+    }
+}
+
+/// A description of either version.
+pub(super) struct Model<'a> {
+    pub(super) root: &'a Element,
+    pub(super) version: Version,
+    pub(super) units: &'a [Element],
+    /// Declared types, each with its type specific part.
+    pub(super) types: Vec<(&'a str, &'a Element)>,
+    pub(super) variables: Vec<Variable<'a>>,
+}
+
+impl<'a> Model<'a> {
+    pub(super) fn of(root: &'a Element, version: Version) -> Self {
+        let types = root.within("TypeDefinitions").iter().filter_map(|declared| {
+            let of_type = if version == Version::Fmi2 { declared.children.first()? } else { declared };
+            Some((declared.attribute("name")?, of_type))
+        });
+        let variables = (1..).zip(root.within("ModelVariables"));
+        let variables = variables.filter_map(|(place, element)| Variable::of(element, place, version));
+        let (types, variables) = (types.collect(), variables.collect());
+        Self { root, version, units: root.within("UnitDefinitions"), types, variables }
+    }
+
+    pub(super) fn is_fmi3(&self) -> bool {
+        self.version == Version::Fmi3
+    }
+
+    /// The type that a variable names, if it is of its kind.
+    pub(super) fn type_of(&self, v: &Variable) -> Option<&'a Element> {
+        let declared = v.get("declaredType")?;
+        let fits = |of_type: &Element| match of_type.name.as_str() {
+            "Real" | "Float64Type" => v.kind == Kind::Real,
+            _ => v.kind == Kind::Enumeration,
+        };
+        self.types.iter().find(|(name, of_type)| *name == declared && fits(of_type)).map(|found| found.1)
+    }
+
+    pub(super) fn by_key(&self, key: u32) -> Option<&Variable<'a>> {
+        self.variables.iter().find(|v| v.key == key)
+    }
+
+    /// Keys of variables.
+    pub(super) fn keys(&self, wanted: impl Fn(&Variable) -> bool) -> BTreeSet<u32> {
+        self.variables.iter().filter(|v| wanted(v)).map(|v| v.key).collect()
+    }
+}
