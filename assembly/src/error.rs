@@ -58,6 +58,32 @@ pub enum Error {
         /// What happens, with the elements.
         cause: String,
     },
+    /// A call that would take more sub-steps than it may; a further one goes on from the time reached.
+    #[error("the motion cannot go on at t = {time} s: {cause}")]
+    TooStiff {
+        /// s.
+        time: f64,
+        /// What takes long, with the body.
+        cause: String,
+    },
+    /// Coordinates or rates whose energies would be beyond what a double holds.
+    #[error(
+        "the motion cannot go on at t = {time} s: {name} = {value:e} (SI); allowed are sizes up to 1e100, whose energies are numbers"
+    )]
+    Beyond {
+        /// s.
+        time: f64,
+        /// The body, and whether it is its place or its rate.
+        name: String,
+        /// m, rad, m/s or rad/s.
+        value: f64,
+    },
+    /// Somebody asked for the end of the call; a further one goes on from the time reached.
+    #[error("interrupted at t = {time} s")]
+    Interrupted {
+        /// s.
+        time: f64,
+    },
     /// An end before the present or not a number.
     #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]
     Step {

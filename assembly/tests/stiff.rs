@@ -268,9 +268,9 @@ fn a_motion_too_fast_for_its_end_is_told_with_body_and_sub_step() {
         ..Description::default()
     };
     let mut motion = motion(d).with_most_work(10_000);
-    let Err(Error::Stuck { time, cause }) = motion.advance_to(1.0) else { panic!("{}", motion.time()) };
+    let Err(Error::TooStiff { time, cause }) = motion.advance_to(1.0) else { panic!("{}", motion.time()) };
     assert!(cause.starts_with("10000 sub-steps in one call;") && cause.contains("body.light"), "{cause}");
-    // 10,000 sub-steps of 2/1e9 s, and the next call goes on.
+    // 10,000 sub-steps of 3/1e9 s, and the next call goes on.
     assert!(time == motion.time() && (1e-6..1e-4).contains(&time), "{time:e}");
     assert!((motion.body(1)[0] - 1e-9 * (1e9 * time).sin()).abs() < 1e-9 * 1e-7, "{:e}", motion.body(1)[0]);
     motion.advance_to(time + 1e-6).unwrap();

@@ -11,6 +11,7 @@ use crate::table::{CsvRows, exact};
 use crate::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_analysis::assembly::{NamedEvent, columns, named, values};
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::{Event, EventKind};
@@ -109,27 +110,45 @@ pub enum Ended {
     Stopped,
 }
 
-/// Follows a machine to each of the instants. After each, `goes_on` hears how many are done, and says whether to go on.
+/// Follows a machine to each of the instants, until `asked` is set; `done` hears of each. Where coordinates become too large for numbers, the record
+/// ends with the instant before.
 ///
 /// # Errors
 /// [`Error::Assembly`] for a machine without a motion from its start.
-pub fn record(machine: Description, times: &[f64], goes_on: &mut dyn FnMut(usize) -> bool) -> Result<Record> {
+pub fn record(
+    machine: Description,
+    times: &[f64],
+    asked: &Arc<AtomicBool>,
+    done: &mut dyn FnMut(),
+) -> Result<Record> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let mut events = Vec::new();
     let motion = Motion::new_observed(assembly.clone(), &mut |event| events.push(event.clone()))?;
+    let motion = motion.with_interruption(asked.clone());
     let (kinetic, stored) = motion.kinetic_and_stored();
     let start = kinetic + stored - motion.energy().balance();
     let columns = columns(&assembly.description);
     let mut record = Record { assembly, columns, rows: Vec::new(), events, motion, start, ended: None };
-    for (done, &time) in times.iter().enumerate() {
+    for &time in times {
+        let (before, told) = (record.motion.save(), record.events.len());
         let events = &mut record.events;
-        if let Err(error) = record.motion.advance_observed(time, &mut |event| events.push(event.clone())) {
-            record.ended = Some(Ended::Error(error));
+        let end = record.motion.advance_observed(time, &mut |event| events.push(event.clone()));
+        record.ended = match end {
+            Ok(_) => None,
+            Err(vibro_assembly::Error::Interrupted { .. }) => Some(Ended::Stopped),
+            Err(error) => Some(Ended::Error(error)),
+        };
+        if let Some(Ended::Error(vibro_assembly::Error::Beyond { .. })) = record.ended {
+            record.motion.restore(&before);
+            record.events.truncate(told);
+        }
+        if record.ended.is_some() {
             return Ok(record);
         }
         let row = std::iter::once(record.motion.time()).chain(values(&record.motion)).collect();
         record.rows.push(row);
-        if !goes_on(done + 1) {
+        done();
+        if asked.load(Ordering::Relaxed) {
             record.ended = Some(Ended::Stopped);
             return Ok(record);
         }

@@ -74,6 +74,9 @@ impl Error {
                 | Self::Assembly(
                     vibro_assembly::Error::Jammed { .. }
                         | vibro_assembly::Error::Stuck { .. }
+                        | vibro_assembly::Error::TooStiff { .. }
+                        | vibro_assembly::Error::Beyond { .. }
+                        | vibro_assembly::Error::Interrupted { .. }
                         | vibro_assembly::Error::Violated { .. }
                 )
                 | Self::Analysis(vibro_analysis::Error::Store(_))

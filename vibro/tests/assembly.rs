@@ -190,6 +190,24 @@ fn a_jam_ends_the_run_by_name_and_what_was_computed_is_written() {
 }
 
 #[test]
+fn numbers_beyond_doubles_end_the_run_by_name_and_what_was_computed_is_written() {
+    let text = "name = \"Beyond\"\n[body.a]\nmass = 1.0\n[load.push]\non = \"a\"\nsteps = [[0.25, 1e300]]\n";
+    let path = file("assembly-beyond.toml", text).display().to_string();
+    let out = folder("assembly-beyond");
+    let run = command(&out, &["assembly", "run", &path, "--until", "1", "--samples", "4"]).output().unwrap();
+    let error = String::from_utf8(run.stderr).unwrap();
+    assert!(run.status.code() == Some(1) && error.contains("body.a"), "{error}");
+    assert!(error.contains("allowed are sizes up to 1e100"), "{error}");
+    let rows = table(&out, "states.csv");
+    assert_eq!(rows.len(), 2, "{rows:?}");
+    let account = std::fs::read_to_string(out.join("account.txt")).unwrap();
+    assert!(
+        account.contains("ended early") && !account.contains("NaN") && !account.contains("inf"),
+        "{account}"
+    );
+}
+
+#[test]
 fn every_example_of_the_repository_moves() {
     let files = std::fs::read_dir(example("")).unwrap().map(|entry| entry.unwrap().path());
     let files: Vec<_> = files.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
@@ -197,7 +215,7 @@ fn every_example_of_the_repository_moves() {
     for path in files {
         let description = vibro_assembly::file::read(&path).unwrap_or_else(|e| panic!("{e}"));
         let times = vibro::assembly::even_times(0.5, 20).unwrap();
-        let record = vibro::assembly::record(description, &times, &mut |_| true)
+        let record = vibro::assembly::record(description, &times, &Arc::default(), &mut || ())
             .unwrap_or_else(|e| panic!("{path:?}: {e}"));
         assert!(record.ended.is_none() && record.rows.len() == 21, "{path:?} {:?}", record.ended);
         assert!(record.rows.iter().flatten().all(|x| x.is_finite()), "{path:?}");

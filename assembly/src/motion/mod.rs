@@ -5,6 +5,7 @@ mod contact;
 mod course;
 mod event;
 mod jump;
+mod limits;
 mod lone;
 mod long;
 mod passage;
@@ -29,6 +30,7 @@ use jump::Parted;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use tables::Tables;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
@@ -95,6 +97,8 @@ pub struct Motion {
     is_general: bool,
     /// Sub-steps in one call at most.
     most_work: u64,
+    /// Set where a call is to end early.
+    asked: Option<Arc<AtomicBool>>,
     scratch: Scratch,
     vectors: pulp::Arch,
 }
@@ -190,6 +194,7 @@ impl Motion {
             due: None,
         };
         let mut motion = Self::of(assembly, hybrid);
+        motion.check_sizes()?;
         motion.settle(&[], &Parted::default(), observer)?;
         Ok(motion)
     }
@@ -199,8 +204,18 @@ impl Motion {
         let size = hybrid.z.len();
         let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
         let (tables, vectors) = (Tables::default(), pulp::Arch::new());
-        let most_work = step::MOST_WORK;
-        Self { assembly, hybrid, tables, place: 0, late: 0.0, is_general: false, most_work, scratch, vectors }
+        Self {
+            assembly,
+            hybrid,
+            tables,
+            place: 0,
+            late: 0.0,
+            is_general: false,
+            most_work: step::MOST_WORK,
+            asked: None,
+            scratch,
+            vectors,
+        }
     }
 
     /// The machine.
@@ -318,14 +333,6 @@ impl Motion {
     /// Bytes that the tables of the modes take now.
     pub fn table_memory(&self) -> usize {
         self.tables.bytes()
-    }
-
-    /// The same motion with so many sub-steps in a call at most: a call that needs more ends with [`Error::Stuck`], and a further one goes
-    /// on. Without this it is 20 million.
-    #[must_use]
-    pub fn with_most_work(mut self, sub_steps: u64) -> Self {
-        self.most_work = sub_steps;
-        self
     }
 
     /// The same motion with every event decided by the general law, also where one element alone is concerned: a second way to what follows, for tests

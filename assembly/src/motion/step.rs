@@ -34,8 +34,9 @@ impl Motion {
     /// Advances to a time.
     ///
     /// # Errors
-    /// [`Error::Step`] for an end before the present or not finite; [`Error::Jammed`], [`Error::Violated`] and [`Error::Stuck`]
-    /// where the motion cannot go on: the state then stands at the time reached.
+    /// [`Error::Step`] for an end before the present or not finite; [`Error::Jammed`], [`Error::Violated`], [`Error::Stuck`] and
+    /// [`Error::Beyond`] where the motion cannot go on, [`Error::TooStiff`] where it can in a further call: the state then stands at the
+    /// time reached.
     pub fn advance_to(&mut self, end: f64) -> Result<(), Error> {
         self.advance(end, Pause::Never, &mut None).map(drop)
     }
@@ -110,10 +111,12 @@ impl Motion {
         self.pass_event(observer)?;
         let target = DoubleDouble::new(end);
         let (mut work, mut from) = (WORK.0 as f64, self.time());
-        for _ in 0..self.most_work {
+        for sub_steps in 0..self.most_work {
+            self.hear(sub_steps)?;
             let remaining = target.minus(self.hybrid.time).value();
             if remaining <= 0.0 {
                 self.hybrid.time = target;
+                self.check_sizes()?;
                 return Ok(Outcome::End);
             }
             let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
@@ -123,7 +126,11 @@ impl Motion {
             } else {
                 self.hybrid.due = self.vectors.dispatch(Substep { motion: self, goal, at_knot })?;
             }
+            if self.hybrid.carried == RENEW {
+                self.check_sizes()?;
+            }
             if self.hybrid.due.is_some() {
+                self.check_sizes()?;
                 if pause != Pause::BeforeEvent {
                     self.pass_event(observer)?;
                 }
@@ -139,32 +146,6 @@ impl Motion {
             }
         }
         Err(self.too_stiff())
-    }
-
-    /// The end of a call that would take hours.
-    fn too_stiff(&self) -> Error {
-        let (table, system, n) = (self.table(), &self.assembly.system, self.assembly.system.coordinates);
-        let rate = |k: usize| {
-            let row = table.a.row_of(n + k);
-            row[k].abs().sqrt().max(row[n + k].abs())
-        };
-        let fastest = (0..n).max_by(|i, j| rate(*i).total_cmp(&rate(*j)));
-        let name = fastest.map_or("", |k| &self.assembly.description.bodies[system.bodies_of[k]].name);
-        let cause = format!(
-            "{} sub-steps in one call; here a sub-step is {:e} s for rates up to {:e} rad/s, those of body.{name} by the stiffness and \
-             damping that act on it; softer springs, more damping or a greater mass make them longer, and a further call goes on from here",
-            self.most_work, table.length, table.rate
-        );
-        Error::Stuck { time: self.time(), cause }
-    }
-
-    pub(super) fn stuck(&self, cause: &str) -> Error {
-        let last = self.hybrid.last.map(|watch| self.assembly.name_of(watch));
-        let cause = match last {
-            Some(name) => format!("{cause}; events follow one another at {name}"),
-            None => cause.into(),
-        };
-        Error::Stuck { time: self.time(), cause }
     }
 
     /// A sub-step of at most the table's length towards `goal`, or to the event before which it ends.

@@ -126,10 +126,7 @@ fn follow(a: &Motion, common: &Common) -> Result<bool> {
     // Without a handler Ctrl-C ends the program as well, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
     let progress = Progress::new(times.len(), "samples");
-    let record = assembly::record(machine, &times, &mut |_| {
-        progress.step();
-        !stop.load(Ordering::Relaxed)
-    })?;
+    let record = assembly::record(machine, &times, &stop, &mut || progress.step())?;
     drop(progress);
     let held = destination::hold(&out);
     let account = write(&record, &out, &manifest)?;

@@ -1,0 +1,74 @@
+//! Motions that end early: by request, and where coordinates become too large for energies that are numbers.
+
+mod common;
+
+use common::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use vibro_assembly::description::*;
+use vibro_assembly::{Error, Motion};
+
+/// An undamped body on a stiff spring beside a stop at twice its amplitude: each of its turns must be looked at.
+fn fast() -> Motion {
+    motion(Description {
+        bodies: vec![body("light", 1e-6, 0.0, 1.0)],
+        springs: vec![spring(&[(0, 1.0)], 1e6, 0.0)],
+        stops: vec![rigid("beside", &[(0, 1.0)], 2e-6, 0.5)],
+        ..Description::default()
+    })
+}
+
+#[test]
+fn invariant_a_call_that_is_interrupted_goes_on_in_the_next_with_the_same_bits() {
+    let end = 0.3; // 100,000 sub-steps of 3/1e6 s
+    let asked = Arc::new(AtomicBool::new(true));
+    let (mut motion, mut whole) = (fast().with_interruption(asked.clone()), fast());
+    let Err(Error::Interrupted { time }) = motion.advance_to(end) else { panic!("{}", motion.time()) };
+    assert!(time == motion.time() && (0.1..0.25).contains(&time), "{time}");
+    asked.store(false, Ordering::Relaxed);
+    motion.advance_to(end).unwrap();
+    whole.advance_to(end).unwrap();
+    assert_eq!(motion.save(), whole.save());
+}
+
+/// A body under such a load.
+fn pushed(force: f64) -> Motion {
+    let load = Signal { constant: force, ..Signal::default() };
+    motion(Description {
+        bodies: vec![body("ball", 1.0, 0.0, 0.0)],
+        stops: vec![rigid("wall", &[(0, 1.0)], 1e3, 0.5)],
+        loads: vec![Load { name: "push".into(), body: 0, force: load }],
+        ..Description::default()
+    })
+}
+
+#[test]
+fn coordinates_beyond_energies_are_refused_with_body_and_time() {
+    for force in [-1e101, -1e200, -1e300] {
+        let mut motion = pushed(force);
+        let before = motion.save();
+        let error = motion.advance_to(1.0).unwrap_err();
+        let text = error.to_string();
+        assert!(
+            matches!(error, Error::Beyond { .. }) && text.contains("body.ball") && text.contains("1e100"),
+            "{text}"
+        );
+        motion.restore(&before);
+        assert_eq!(motion.body(0)[..2], [0.0, 0.0]);
+    }
+    // The largest that are allowed have energies.
+    let mut motion = pushed(-1e99);
+    motion.advance_to(1.0).unwrap();
+    let (kinetic, stored) = motion.kinetic_and_stored();
+    assert!((kinetic / 5e197 - 1.0).abs() < 1e-12 && stored == 0.0, "{kinetic:e} {stored:e}");
+}
+
+#[test]
+fn a_start_beyond_energies_is_refused() {
+    let d = Description {
+        bodies: vec![body("ball", 1.0, 0.0, 1e120)],
+        ..pushed(0.0).assembly().description.clone()
+    };
+    let text = Motion::new(Arc::new(vibro_assembly::Assembly::new(d).unwrap())).unwrap_err().to_string();
+    assert!(text.contains("body.ball: v = 1e120"), "{text}");
+}
