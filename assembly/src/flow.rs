@@ -40,7 +40,7 @@ pub const INTERVALS: usize = 8;
 pub const LOCAL: usize = 16;
 /// Up to this many coordinates tables of a sub-step are kept as dense matrices; beyond, a power series of the actual state takes their place. Measured
 /// on chains: the series needs less where modes are new, and up to half as much again where a few come back often, beyond 30 hardly more.
-const DENSE: usize = 20;
+pub(crate) const DENSE: usize = 20;
 /// Within an interval no frequency turns farther than signals are carried on.
 const _: () = assert!(RADIUS / INTERVALS as f64 <= SMALL);
 /// Parts of a sub-step at its intervals' ends.

@@ -3,6 +3,7 @@
 //! its value and derivatives.
 
 use crate::description::{Record, Signal, Step};
+use crate::kernel::Sparse;
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -114,6 +115,8 @@ pub struct Signals {
     pub size: usize,
     /// How many signals take an input.
     pub inputs: usize,
+    /// The rows of the signals' coordinates in z' = A z.
+    rates: Vec<Sparse>,
 }
 
 /// Makes [`Signals`]: first every signal is announced, then each has a row.
@@ -142,6 +145,7 @@ impl Builder {
             knots: Vec::new(),
             size: 0,
             inputs: 0,
+            rates: Vec::new(),
         };
         Self { signals, parts: Vec::new() }
     }
@@ -197,6 +201,9 @@ impl Builder {
             signals.knots.extend(piece.table.iter().flat_map(|t| &t.knots).map(|k| k.0));
         }
         signals.knots.sort_by(f64::total_cmp);
+        let unit = |j: usize| DVector::from_fn(signals.size, |i, _| if i == j { 1.0 } else { 0.0 });
+        let rates = (signals.one..signals.size).map(|j| Sparse::of(signals.derivative(&unit(j)).as_slice()));
+        signals.rates = rates.collect();
         let rows = self.parts.iter().map(|parts| {
             let mut row = DVector::zeros(signals.size);
             row[signals.one] = parts.constant;
@@ -230,6 +237,11 @@ impl Signals {
             }
         }
         rate
+    }
+
+    /// The rows of the signals' coordinates in z' = A z.
+    pub(crate) fn rates(&self) -> &[Sparse] {
+        &self.rates
     }
 
     /// Writes the signals just after a time into the augmented state.

@@ -1,6 +1,7 @@
 //! The linear system of a mode, z' = A z, with the functionals that end it (docs/assembly-law.md (A5)).
 
 use super::{Contact, FrictionState, Mode, StopState, Watch};
+use crate::flow::DENSE;
 use crate::kernel::SparseMatrix;
 use crate::law::ZERO;
 use crate::law::box_qp::triangle;
@@ -33,7 +34,7 @@ pub struct Elastic {
     pub rest: SparseMatrix,
     /// The forces, and what a unit of each takes from z'.
     pub forces: Vec<(Functional, Row)>,
-    /// Whether they tie what is moved by much softer ones; else they may still be what makes the mode fast.
+    /// In a machine that keeps tables, whether they tie what is moved by much softer ones; else they may still be what makes the mode fast.
     pub are_stiff: bool,
 }
 
@@ -120,18 +121,18 @@ impl System {
     /// The linear system of a mode.
     pub fn linear(&self, mode: &Mode) -> Linear {
         let mut acceleration = self.free_acceleration(&mode.stops, &mode.frictions);
-        let mut terms = acceleration.abs();
-        let mut lambda = Vec::new();
+        let (mut lambda, mut terms) = (Vec::new(), None);
         let held = Held::new(self, &mode.basis);
         if !mode.basis.is_empty() {
             let demand = held.demand(self, &acceleration);
-            terms += held.mobility.abs() * demand.abs();
+            terms = Some(self.matrix(&(acceleration.abs() + held.mobility.abs() * demand.abs())));
             held.hold(self, &mut acceleration, &demand);
             lambda.extend(demand.row_iter().map(|row| row.transpose()));
         }
+        let a = self.matrix(&acceleration);
         Linear {
-            a: self.matrix(&acceleration),
-            terms: self.matrix(&terms).abs(),
+            terms: terms.as_ref().unwrap_or(&a).abs(),
+            a,
             watched: self.watched(mode, &lambda),
             lambda,
             elastic: self.elastic(mode, &held),
@@ -146,12 +147,7 @@ impl System {
         let mut a = SparseMatrix::default();
         (0..n).for_each(|k| a.push_row(std::iter::once((n + k, 1.0))));
         (0..n).for_each(|k| a.push_row((0..size).map(|j| (j, acceleration[(k, j)]))));
-        let mut unit = Row::zeros(size);
-        for j in self.signals.one..size {
-            unit[j] = 1.0;
-            a.push_row(self.signals.derivative(&unit).iter().copied().enumerate());
-            unit[j] = 0.0;
-        }
+        self.signals.rates().iter().for_each(|row| a.push_row(row.terms().iter().copied()));
         a
     }
 
@@ -182,8 +178,9 @@ impl System {
             let demand = held.demand(self, &rest);
             held.hold(self, &mut rest, &demand);
         }
-        let are_stiff = !self.stiff_springs.is_empty() || !self.stiff_ties(&pressed).is_empty();
-        Some(Elastic { rest: self.matrix(&rest), forces, are_stiff })
+        let are_stiff = || !self.stiff_springs.is_empty() || !self.stiff_ties(&pressed).is_empty();
+        let is_small = self.signals.size <= DENSE;
+        Some(Elastic { rest: self.matrix(&rest), forces, are_stiff: is_small && are_stiff() })
     }
 
     /// The functionals that end a mode.

@@ -40,7 +40,7 @@ impl Motion {
     /// Refuses coordinates and rates whose energies would not be numbers.
     pub(super) fn check_sizes(&self) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, self.hybrid.z.as_slice());
-        let beyond = z[..system.signals.one].iter().position(|x| !(x.abs() <= MOST));
+        let beyond = z[..system.signals.one].iter().position(|x| x.abs() > MOST || x.is_nan());
         beyond.map_or(Ok(()), |k| {
             let n = system.coordinates;
             let body = &self.assembly.description.bodies[system.bodies_of[k % n]].name;
