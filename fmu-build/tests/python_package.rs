@@ -6,6 +6,7 @@ use fmu_build::kit::Kit;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 use vibro_analysis::basin::{self, InitialValueAxis};
 use vibro_analysis::bifurcation::{Sweep, SweepPoint, diagram};
 use vibro_analysis::lyapunov::{SpectrumOptions, spectrum};
@@ -129,7 +130,8 @@ fn assembly(name: &str, until: f64) -> Value {
     let machine = vibro::assembly::read(&file, &[]).expect("an example");
     let sketch = canvas::svg(&Sketch::new(&machine)).expect("it is drawn");
     let times = vibro::assembly::even_times(until, SAMPLES).expect("some samples");
-    let record = vibro::assembly::record(machine, &times, &mut |_| true).expect("it has a start");
+    let record =
+        vibro::assembly::record(machine, &times, &Arc::default(), &mut || ()).expect("it has a start");
     let text = |csv: vibro::Result<Vec<u8>>| String::from_utf8(csv.expect("a table")).expect("text");
     let kit = Kit::read(&common::python::kit()).expect("a kit");
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("assemblies").join(name).with_extension("fmu");
