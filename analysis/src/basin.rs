@@ -265,7 +265,7 @@ impl Basin {
 
     /// Where a motion ends: on an attractor that is known, or on a new one. `None` where that is not decided.
     fn destination(&mut self, motion: &Followed) -> Result<Option<Destination>> {
-        if motion.attractor.period.is_none() && !motion.wanders() {
+        if !motion.class.is_decided() {
             return Ok(None);
         }
         let found = BasinAttractor { attractor: motion.attractor.clone(), class: motion.class };

@@ -20,6 +20,9 @@ const CHECK: u32 = 4;
 const SIMILAR: f64 = 1e-6;
 /// Differences under this may be round-off, and need not fall.
 const ROUNDING: f64 = 1e-11;
+/// Next to a period doubling a motion takes its way by turns from either side: the part of it that it takes a period is the ratio of the
+/// returns in two periods to those in one. Where that is less, the motion has twice the period.
+pub(crate) const TURNED: f64 = 1e-5;
 /// A motion has settled when its states return to this (units of L and L ω10). While returns of this size do not grow, they add up to as
 /// many times as much as there are of them in the drive periods left out, …
 const STEADY: f64 = 1e-7;
@@ -126,7 +129,9 @@ impl Confirmation {
             && (0..n).all(|k| record.periods[k].pattern == record.periods[k + n].pattern);
         // A shorter period that is nearly one would be found later, or not, by rounding.
         let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, apart));
-        repeats && !(1..n).any(shorter)
+        let most = |lag| (0..=2 * n - lag).map(|k| distance(state(k), state(k + lag))).fold(0.0, f64::max);
+        let by_turns = |lag: usize| n.is_multiple_of(lag) && most(n) >= TURNED * most(lag);
+        repeats && !(1..n).any(|lag| shorter(lag) || by_turns(lag))
     }
 }
 
@@ -181,5 +186,9 @@ mod tests {
         // Nearly of period 1: left to the verdict at the end.
         let nearly = |size: f64| move |k: f64| size * (std::f64::consts::PI * k).cos();
         assert!(!confirmed(2, &nearly(1e-4)) && confirmed(2, &nearly(1.1e-4)));
+        // By turns to an orbit of period 1, in 10,000 periods, and in so many that it has period 2 for all that is observed.
+        let turns =
+            |taken: f64| move |k: f64| 4e-4 * (1.0 - taken).powf(k) * (std::f64::consts::PI * k).cos();
+        assert!(!confirmed(2, &turns(1e-4)) && confirmed(2, &turns(1e-6)));
     }
 }

@@ -10,6 +10,7 @@ use super::error::Result;
 use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
 use super::largest_exponent::LargestExponent;
+use super::settling::TURNED;
 use super::statistics::{Blocks, Likeness};
 use super::trajectories::{Outcome, Program, Start, Workspace};
 use vibro_impact::simulator::{Simulator, Way};
@@ -24,9 +25,7 @@ pub(crate) const LASTS: u32 = 4 * OBSERVED;
 /// The shortest window whose means may become those of an attractor, in drive periods: eight blocks of it hold 128 each.
 const WINDOW: u32 = 1024;
 
-/// The least part of the way that is left which a motion that approaches an orbit is thought to take a period.
-const TAKEN: f64 = 1e-3;
-/// States that return to this (units of L and L ω10) have arrived: with such a part of the way taken a period, what is left is a
+/// States that return to this (units of L and L ω10) have arrived: with a thousandth of the way taken a period, what is left is a
 /// thousand times as much and under what tells two attractors apart.
 const ARRIVED: f64 = 1e-7;
 /// Drive periods after which a damped motion without impacts has come to its limit.
@@ -81,6 +80,7 @@ struct Open {
     impacts: [f64; 2],
     rests: bool,
     arrived: bool,
+    whole: bool,
     /// Drive periods for which it has been followed in all.
     followed: u32,
 }
@@ -163,17 +163,22 @@ struct Seen {
     exponent: Option<LargestExponent>,
     /// Whether a motion with a period returns so exactly that a slow approach has no way left to go, or keeps clear of the stops.
     arrived: bool,
+    /// Whether its period is not that of a way by turns to an orbit of a part of it.
+    whole: bool,
     /// Whether it is proved that no impact will come.
     clear: bool,
     blocks: Blocks,
 }
 
-/// Whether returns after a period are so exact that a slow approach has no way left to go. Beside those after a part of it too: on the
-/// way to an orbit by turns from either side, next to a period doubling, states nearly return in twice its period.
+/// Whether returns after a period are so exact that a slow approach has no way left to go.
 pub(crate) fn has_arrived(record: &StroboscopicRecord, period: u32) -> bool {
-    let parts = (1..period).filter(|part| period.is_multiple_of(*part));
-    let most = parts.map(|part| TAKEN * record.return_distance(part)).fold(ARRIVED, f64::min);
-    record.return_distance(period) < most
+    record.return_distance(period) < ARRIVED && has_no_part(record, period)
+}
+
+/// Whether a period is not that of a way by turns from either side, on which states nearly return in twice the period of the orbit.
+fn has_no_part(record: &StroboscopicRecord, period: u32) -> bool {
+    let mut parts = (1..period).filter(|part| period.is_multiple_of(*part));
+    parts.all(|part| record.return_distance(period) < TURNED * record.return_distance(part))
 }
 
 /// The outcomes in the order of the starts.
@@ -194,10 +199,11 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
                 }
             }
             let arrived = clear || attractor.period.is_some_and(|n| has_arrived(record, n));
+            let whole = clear || attractor.period.is_none_or(|n| has_no_part(record, n));
             if attractor.period.is_none() {
                 record.add_to(&mut blocks);
             }
-            Seen { state, attractor, exponent, arrived, clear, blocks }
+            Seen { state, attractor, exponent, arrived, whole, clear, blocks }
         }));
     });
     // Each motion has an outcome.
@@ -216,9 +222,9 @@ impl Open {
             periods,
             stationary: false,
         };
-        let arrived = seen.arrived;
+        let Seen { arrived, whole, blocks, .. } = seen;
         let mut motion =
-            Self { number, start, found, impacts, rests, blocks: seen.blocks, arrived, followed: OBSERVED };
+            Self { number, start, found, impacts, rests, blocks, arrived, whole, followed: OBSERVED };
         motion.impacts = motion.impacts.map(|rate| rate * f64::from(periods));
         motion
     }
@@ -257,6 +263,10 @@ impl Open {
         let due = self.found.wanders() && (self.followed / OBSERVED).is_power_of_two();
         if !(last || periodic || due) {
             return false;
+        }
+        if has_period && !self.whole && following.limit > 0 {
+            // It is on its way to an orbit of a part of this period, or to one of all of it.
+            self.found.class = MotionClass::Settling;
         }
         if !has_period {
             let [first, second] = self.blocks.halves();

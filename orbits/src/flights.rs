@@ -39,12 +39,14 @@ pub(super) fn pieces(
     let count = system.flight.least_pieces(span);
     let length = span / f64::from(count);
     let (amplitude, angle) = system.wave();
-    let rest = system.rest_positions();
+    let (rest, fallen) = (system.rest_positions(), system.fall_piece(length));
     let mut z = *z;
     (0..count).map(move |i| {
         let phase = phase + f64::from(i) * length;
         let mut x = system.flight.piece(&z, 0.0, length, 0.0);
-        x[1][2] += 0.5 * system.pull() * length * length;
+        for (x, fallen) in x.iter_mut().zip(&fallen) {
+            x.iter_mut().zip(fallen).for_each(|(x, fallen)| *x += fallen);
+        }
         z = Flight::state(&x, 1.0, length);
         // The box swings against the gap.
         add_sine(&mut x[0], -amplitude, length, phase + angle);

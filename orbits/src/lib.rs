@@ -3,6 +3,7 @@
 //!
 //! For given impact phases the motion is linear, so that an orbit of n impacts has n unknowns, whatever it does in between.
 
+mod balance;
 mod branch;
 mod coverage;
 mod curve;

@@ -91,7 +91,7 @@ impl Orbit {
             let clear = clearance >= -flights::PENETRATION_ROUNDING;
             let multipliers = eigenvalues(free).ok_or(Obstacle::NoConvergence)?;
             return Ok(Self {
-                system: *system,
+                system: system.at_rest(),
                 word: word.clone(),
                 phases: Vec::new(),
                 departures,

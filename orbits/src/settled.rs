@@ -20,6 +20,9 @@ const RETURN: f64 = 2e-3;
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
 const MOVE: f64 = 0.05;
 
+/// Most impacts of a word that is tried after a shorter one: the work grows with their cube, to a second for so many.
+const MANY: usize = 512;
+
 /// The phase of the drive at time 0, rad, without the turns by which a large one would leave the phases of impacts few digits.
 pub(super) fn first_phase(p: &Parameters) -> f64 {
     let phase = p.drive_phase;
@@ -60,6 +63,7 @@ pub fn settle(system: &System, start: &State, periods: u32) -> Result<State> {
 ///
 /// Chaos comes near its unstable orbits too, so that what is found need not be stable: its multipliers say. A stable orbit comes first,
 /// since next to a period doubling a settled motion nearly returns in half of its period, by the orbit that has just become unstable.
+/// After the first near return, words of more than 512 impacts are not tried.
 ///
 /// # Errors
 /// [`Error::NoPeriodicMotion`] when the block comes to rest at a stop in its course, when the motion does not return in up to 32 drive
@@ -82,6 +86,10 @@ pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
             _ => rests = true,
         })?;
         if rests {
+            break;
+        }
+        let tried = unstable.is_some() || missed.is_some();
+        if tried && letters.len() > MANY {
             break;
         }
         if distance(&start, &in_drive_units(p, &simulator.state())) < RETURN {

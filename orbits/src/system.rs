@@ -1,10 +1,12 @@
 //! The machine in the units of an orbit: lengths in L, the drive's phase as time (docs/theory.md, sections 9 and 14).
 
+use super::balance::{Balance, balance};
 use super::word::OrbitWord;
 use nalgebra::Complex;
 use vibro_analysis::Result;
 use vibro_impact::State;
-use vibro_impact::parameters::{LOADS, Parameters};
+use vibro_impact::numerics::bernstein::Polynomial;
+use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Loads;
 use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
 
@@ -36,8 +38,8 @@ pub struct System {
     pub(super) flight: Flight,
     /// H of docs/theory.md (71): without impacts the box swings as Im(H e^{iφ}).
     response: Complex<f64>,
-    /// Where the loads hold the three bodies; a block without a spring in the middle of the box.
-    rest: [f64; 3],
+    /// The places to which states refer, and what pushes the bodies there.
+    balance: Balance,
     /// The acceleration of a block without a spring under its load, docs/theory.md (111); 0 where a spring holds it.
     pull: f64,
     /// What a spring hardly holds, so that the state is found with the first contact in place of its return, docs/theory.md (112).
@@ -47,6 +49,9 @@ pub struct System {
 /// Stiffness in parts of mass times ω1² up to which a spring hardly holds a body: beside it the equations of an orbit without an anchor
 /// lose three digits and more.
 const SOFT: f64 = 1e-2;
+
+/// The same of a second spring, beside which states keep so few digits that their equations may count as singular.
+const NEUTRAL: f64 = 1e-8;
 
 /// What moves along without a force where a spring is missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,7 +76,7 @@ impl Anchor {
     }
 
     /// The three, each with the stiffness that holds it in parts of mass times ω1².
-    fn held(p: &Parameters) -> [(Self, f64); 3] {
+    pub(super) fn held(p: &Parameters) -> [(Self, f64); 3] {
         let part = |stiffness: f64, mass: f64| stiffness / (mass * p.drive_frequency.powi(2));
         [
             (Self::Box, part(p.box_stiffness, p.box_mass)),
@@ -98,12 +103,12 @@ impl System {
         let parameters = &Parameters { constant_loads: [0.0; 3], ..*parameters };
         let flight = Flight::new(parameters)?;
         let response = flight.harmonic(parameters)?;
-        let rest = rest(parameters, loads)?;
+        let balance = balance(parameters, loads)?;
         let scale = parameters.block_mass * parameters.stop_gap * parameters.drive_frequency.powi(2);
         let falls = parameters.coupling_stiffness == 0.0;
         let pull = if falls { loads.forces[1] / scale } else { 0.0 };
         let anchor = Anchor::of(std::iter::once(parameters));
-        Ok(Self { parameters: *parameters, loads, flight, response, rest, pull, anchor })
+        Ok(Self { parameters: *parameters, loads, flight, response, balance, pull, anchor })
     }
 
     /// The same machine with its state found by the first contact, as it must be where a spring is missing.
@@ -154,7 +159,13 @@ impl System {
 
     /// w_s, the displacement of the block in the box that the loads cause without impacts, units of L.
     pub fn offset(&self) -> f64 {
-        self.rest[1] - self.rest[0]
+        self.balance.offset()
+    }
+
+    /// The same machine with states that refer to where the springs hold the loads, however far that is: a motion without impacts is
+    /// about there.
+    pub(super) fn at_rest(self) -> Self {
+        Self { balance: self.balance.at_rest(), ..self }
     }
 
     /// Whether the mirror image of a motion is one too: without loads.
@@ -175,19 +186,20 @@ impl System {
     /// The gap w, its rate w' and w'' of the motion without impacts at a phase.
     pub(super) fn forced_gap(&self, phase: f64) -> [f64; 3] {
         let turned = -self.response * Complex::cis(phase);
-        [turned.im + self.offset(), turned.re, -turned.im]
+        let [x1, x2, _] = self.balance.places;
+        [turned.im + (x2 - x1), turned.re, -turned.im]
     }
 
     /// The motion without impacts at a phase.
     pub(super) fn forced(&self, phase: f64) -> Vector6 {
         let turned = self.response * Complex::cis(phase);
-        let [x1, x2, x3] = self.rest;
+        let [x1, x2, x3] = self.balance.places;
         Vector6::new(x1 + turned.im, x2, x3, turned.re, 0.0, 0.0)
     }
 
-    /// The rest positions under the loads.
+    /// The places to which states refer: the rest positions under the loads, where these are not far beyond the stops.
     pub(super) fn rest_positions(&self) -> [f64; 3] {
-        self.rest
+        self.balance.places
     }
 
     /// How far the block keeps from the nearer stop without impacts, units of L; `None` where there is no such motion, since a
@@ -196,19 +208,36 @@ impl System {
         (self.pull == 0.0).then(|| 1.0 - self.amplitude() - self.offset().abs())
     }
 
-    /// The rate of the free part of a state in flight: A z, and the acceleration of a block that falls.
+    /// The rate of the free part of a state in flight: A z, and the accelerations of what falls under its load.
     pub(super) fn rate(&self, z: &Vector6) -> Vector6 {
-        let mut rate = self.flight.rate_of(z, 0.0);
-        rate[4] += self.pull;
-        rate
+        self.flight.rate_of(z, 0.0) + self.balance.push
     }
 
     /// The free part of a state after a flight of a span with its map.
     pub(super) fn flown(&self, transition: &Transition, span: f64, z: &Vector6) -> Vector6 {
-        let mut after = transition.apply(z);
-        after[1] += 0.5 * self.pull * span * span;
-        after[4] += self.pull * span;
-        after
+        let after = transition.apply(z);
+        if self.balance.push == Vector6::zeros() { after } else { after + self.fall(span) }
+    }
+
+    /// What the loads move the bodies by over a flight from rest at the places to which states refer.
+    fn fall(&self, span: f64) -> Vector6 {
+        let pieces = self.flight.least_pieces(span);
+        let length = span / f64::from(pieces);
+        let (one, transition) = (self.fall_piece(length), self.flight.transition(length));
+        let step = Flight::state(&one, 1.0, length);
+        (0..pieces).fold(Vector6::zeros(), |fallen, _| transition.apply(&fallen) + step)
+    }
+
+    /// The same as polynomials over a Taylor piece. Under a constant d in z' = A z + d the state from rest is the integral of that which
+    /// flies freely from d.
+    pub(super) fn fall_piece(&self, length: f64) -> [Polynomial; 3] {
+        let free = self.flight.piece(&self.balance.push, 0.0, length, 0.0);
+        free.map(|x| {
+            std::array::from_fn(|k| match k.checked_sub(1) {
+                None => 0.0,
+                Some(before) => length * x[before] / k as f64,
+            })
+        })
     }
 
     /// The same with the span alone.
@@ -228,15 +257,16 @@ impl System {
     pub(super) fn neutral_parameter(&self) -> (&'static str, f64, &'static str) {
         let p = &self.parameters;
         let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";
-        // A spring so soft, in parts of m ω1², returns a body by no more than rounding.
-        let soft = |k: f64, m: f64| k <= 1e-12 * m * p.drive_frequency * p.drive_frequency;
-        if soft(p.box_stiffness, p.box_mass) {
-            (
-                "box.k",
-                p.box_stiffness,
-                "a larger value, since a box that no spring holds has no place of its own",
-            )
-        } else if soft(p.secondary_stiffness, p.secondary_mass) {
+        // One body that a spring hardly holds is held by the first contact, and two are not.
+        let soft: Vec<Anchor> = Anchor::held(p)
+            .into_iter()
+            .filter(|(_, part)| *part <= NEUTRAL)
+            .map(|(anchor, _)| anchor)
+            .collect();
+        if soft.len() > 1 && soft.contains(&Anchor::Box) {
+            let held = "a larger value, since a box that no spring holds has no place of its own";
+            ("box.k", p.box_stiffness, held)
+        } else if soft.len() > 1 {
             let held =
                 "a larger value, since a secondary oscillator that no spring holds has no place of its own";
             ("secondary.k", p.secondary_stiffness, held)
@@ -248,35 +278,4 @@ impl System {
             ("drive.frequency", p.drive_frequency, "a value away from the resonance of a hardly damped mode")
         }
     }
-}
-
-/// The displacements at which the springs hold the loads, units of L: docs/theory.md (99).
-fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
-    let [f1, f2, f3] = loads.forces;
-    for (field, value) in LOADS.iter().zip(loads.forces) {
-        if !value.is_finite() {
-            let name = field.name;
-            let error = vibro_impact::Error::OutOfRange { name, value, allowed: "a finite number" };
-            return Err(error.into());
-        }
-    }
-    let held = |name, load: f64, stiffness: f64, allowed| {
-        if load == 0.0 {
-            Ok(0.0)
-        } else if stiffness > 0.0 {
-            Ok(load / stiffness)
-        } else {
-            let needed_by = "orbit under a constant load";
-            Err(vibro_impact::Error::Undefined { name, value: stiffness, needed_by, allowed })
-        }
-    };
-    let x1 = held("box.k", f1, p.box_stiffness, "box.k > 0, or load.box = 0")?;
-    let third = |load, allowed| held("secondary.k", load, p.secondary_stiffness, allowed);
-    let x = if p.coupling_stiffness == 0.0 {
-        [x1, x1, third(f3, "secondary.k > 0, or load.secondary = 0")?]
-    } else {
-        let x3 = third(f2 + f3, "secondary.k > 0, or load.block + load.secondary = 0")?;
-        [x1, x3 + f2 / p.coupling_stiffness, x3]
-    };
-    Ok(x.map(|x| x / p.stop_gap))
 }

@@ -62,6 +62,13 @@ fn more_attractors_than_numbers_are_refused() {
 }
 
 #[test]
+fn a_motion_whose_period_is_not_decided_is_no_attractor() {
+    let open = Followed { class: MotionClass::Settling, ..motion(0.5) };
+    let mut found = Basin::default();
+    assert!(found.destination(&open).unwrap().is_none() && found.attractors.is_empty());
+}
+
+#[test]
 fn invariant_rows_put_together_are_the_whole() {
     let cells = [0.1, 0.2, -0.1, 0.3, -0.2, 0.1, -0.3, 0.3];
     let whole = |cells: &[f64]| {

@@ -83,6 +83,30 @@ fn second_method_the_way_to_an_orbit_next_to_a_doubling_is_not_its_double() {
     }
 }
 
+/// So slowly that it takes 20,000 drive periods: the multiplier is -0.99973. Until then its period is not known.
+#[test]
+fn second_method_a_way_by_turns_has_no_period_before_it_has_arrived() {
+    let parameters = Parameters {
+        box_stiffness: 1.8064991404472441,
+        box_damping: 0.20396372155855474,
+        block_mass: 0.0835207114470891,
+        secondary_mass: 0.05968986226172716,
+        secondary_stiffness: 0.1277933263210025,
+        secondary_damping: 0.005752383143478628,
+        coupling_stiffness: 0.03366124874328635,
+        drive_amplitude: 3.577190335233949,
+        drive_frequency: 0.3385084871765463,
+        drive_phase: 8.607799103771834,
+        constant_loads: [-0.29691782502816255, -0.02687982036095258, -0.024040988247657904],
+        ..Parameters::default()
+    };
+    let state = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
+    let class = |discard| verdict(&Start { parameters, state }, discard).unwrap().class;
+    // From 4000 on, the steps in which it is followed take it far enough.
+    assert_eq!(class(300), MotionClass::Settling);
+    assert_eq!([4000, 40_000].map(class), [MotionClass::Periodic(1); 2]);
+}
+
 /// Such a spring does not make a box that a load drives away ever farther, by two gaps a period, a periodic motion.
 #[test]
 fn invariant_a_box_that_drifts_is_not_periodic() {

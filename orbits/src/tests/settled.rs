@@ -1,6 +1,7 @@
 //! The orbit on which a motion has settled, against the simulator's verdict.
 
 use crate::{Orbit, System, orbit_of, settle};
+use std::time::Instant;
 use vibro_analysis::Result;
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::trajectories::Start;
@@ -64,4 +65,18 @@ fn second_method_steps_that_rounding_keeps_up_end() {
     assert!(orbit.word().period() == 1 && orbit.is_stable(), "{}", orbit.word());
     let class = verdict(&Start { parameters: p, state }, 0).unwrap().class;
     assert_eq!(class, MotionClass::Periodic(1));
+}
+
+/// Chaos of a hundred impacts a period nearly returns by an orbit that is not stable. The words of more periods, up to thousands of
+/// impacts, are not tried for a stable one.
+#[test]
+fn second_method_chaos_of_many_impacts_has_its_near_return_soon() {
+    /// Seconds of computing: half of one when nothing else runs, and minutes where all words are tried.
+    const SOON: u64 = 30;
+    let p =
+        Parameters { drive_amplitude: 33.491260524620834, stop_restitution: 0.9, ..Parameters::default() };
+    let begun = Instant::now();
+    let orbit = settled(&p, 4000).unwrap();
+    assert!(!orbit.is_stable() && orbit.word().len() > 100, "{}", orbit.word());
+    assert!(begun.elapsed().as_secs() < SOON, "{:?}", begun.elapsed());
 }

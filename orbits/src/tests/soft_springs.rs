@@ -100,10 +100,82 @@ fn settled_motions_whose_phases_determine_no_orbit_name_the_spring() {
 }
 
 #[test]
+fn second_springs_too_soft_to_hold_a_body_are_named() {
+    for (body, stiffness, amplitude, field) in
+        [("box", 1e-11, 0.908, "box.k"), ("secondary", 1e-12, 0.329, "secondary.k")]
+    {
+        let p =
+            Parameters { coupling_stiffness: 0.0, stop_restitution: 0.9, ..soft(body, stiffness, amplitude) };
+        let system = System::new(&p).unwrap();
+        let error = Orbit::find(&system, &word("UL", 1, 2), &[1.0, 4.1]).unwrap_err().to_string();
+        assert!(error.starts_with(field), "{error}");
+    }
+}
+
+#[test]
 fn words_that_push_a_box_without_a_spring_one_way_are_refused() {
     for (body, field) in [("box", "box.k"), ("secondary", "secondary.k")] {
         let system = System::new(&soft(body, 0.0, 2.0)).unwrap();
         let error = Orbit::find(&system, &word("LL", 1, 2), &[1.0, 3.0]).unwrap_err().to_string();
         assert!(error.contains(field) && error.contains("both stops"), "{error}");
+    }
+}
+
+/// A spring of next to no stiffness would hold a load millions of gaps away: the motion is the one that impacts make of it, and that of a
+/// missing spring where the machine without one can bear the load.
+#[test]
+fn second_method_settled_orbits_under_loads_that_a_soft_spring_bears() {
+    /// What is left of a transient, and the rounding of times after so many periods.
+    const RETURN: f64 = 1e-9;
+    /// What springs of up to 1e-10 N/m do to the bodies within the stops, times the sensitivity of the orbit.
+    const TAKEN_UP: f64 = 1e-8;
+    for (body, amplitude, load) in [
+        ("box", 1.2, [0.01, 0.0, 0.0]),
+        ("block", 0.6, [0.1, 0.004, 0.0]),
+        ("secondary", 0.3, [0.1, 0.0, 0.004]),
+    ] {
+        let mut last: Option<Orbit> = None;
+        for stiffness in [1e-30, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-5] {
+            let p = Parameters { constant_loads: load, ..soft(body, stiffness, amplitude) };
+            let class = verdict(&Start { parameters: p, state: START }, SETTLED).unwrap().class;
+            let system = System::new(&p).unwrap();
+            let found = settle(&system, &START, SETTLED).and_then(|state| orbit_of(&system, &state));
+            let orbit = found.unwrap_or_else(|error| panic!("{body} {stiffness} {class:?}: {error}"));
+            let case = format!("{body} {stiffness}: {} {class:?}", orbit.word());
+            assert_eq!(class, MotionClass::Periodic(orbit.word().period()), "{case}");
+            assert!(orbit.is_stable(), "{case}");
+            let start = orbit.start_state();
+            let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+            simulator.advance_to(f64::from(60 * orbit.word().period()) * p.period()).unwrap();
+            let pairs = simulator.state();
+            let moved = start.x.iter().zip(&pairs.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(moved < RETURN, "{case} {moved}");
+            if let Some(last) = last.filter(|_| stiffness <= 1e-10) {
+                assert!(orbit.is_same(&last, TAKEN_UP), "{case} {:?} {:?}", orbit.phases(), last.phases());
+            }
+            last = Some(orbit);
+        }
+    }
+}
+
+/// The load on a block that a spring of next to no stiffness holds is that on a block without one.
+#[test]
+fn second_method_a_loaded_block_on_a_soft_spring_is_one_without_a_spring() {
+    let loaded =
+        |stiffness: f64| Parameters { constant_loads: [0.1, 0.004, 0.0], ..soft("block", stiffness, 0.6) };
+    let system = System::new(&loaded(0.0)).unwrap();
+    let free = orbit_of(&system, &settle(&system, &START, SETTLED).unwrap()).unwrap();
+    let soft = Orbit::find(&System::new(&loaded(1e-30)).unwrap(), free.word(), free.phases()).unwrap();
+    assert!(
+        soft.is_certified() && soft.is_same(&free, CLOSED_FORM),
+        "{:?} {:?}",
+        soft.phases(),
+        free.phases()
+    );
+    assert!((soft.spectral_radius() - free.spectral_radius()).abs() < CLOSED_FORM);
+    for theta in [0.0, 1.0, 2.5, 4.0] {
+        let (a, b) = (soft.state(theta), free.state(theta));
+        let pairs = a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v));
+        assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < CLOSED_FORM, "{theta}");
     }
 }
