@@ -80,15 +80,20 @@ pub struct Table {
 impl Table {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { a, terms: sizes, lambda, triangle, watched, elastic, loose } = linear;
-        let rate = rate_bound(&a, one).max(LEAST_RATE);
-        let length = RADIUS / rate;
+        let Linear { mut a, terms: sizes, lambda, triangle, watched, elastic, loose } = linear;
+        let mut rate = rate_bound(&a, one).max(LEAST_RATE);
         // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
         let is_small = a.len() <= DENSE;
         let apart = elastic.and_then(|elastic| {
             let is_stiff = !is_small || elastic.are_stiff || rate > STIFF * rate_bound(&elastic.rest, one);
             is_stiff.then(|| Apart::of(elastic))
         });
+        // What contacts hold against such a force would leave its rounding in A, a force from nowhere on all that they hold together.
+        if let (Some(apart), Some(_)) = (&apart, &loose) {
+            a = apart.sum();
+            rate = rate_bound(&a, one).max(LEAST_RATE);
+        }
+        let length = RADIUS / rate;
         let orders = ENDS.map(|end| series_orders(RADIUS * end));
         let watched = watched.into_iter().map(|(watch, row)| WatchTable::new(watch, row, &a));
         let watched = watched.collect();

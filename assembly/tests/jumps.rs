@@ -62,13 +62,18 @@ fn closed_form_base_that_steps_away_from_what_lies_on_it() {
 
 /// A differential: two bodies, the sum of whose ways is that of a prescribed one, and springs that store what a step does.
 fn differential(motion: &str, order: [&str; 2]) -> Motion {
+    differential_with(motion, order, "")
+}
+
+/// The same with more elements.
+fn differential_with(motion: &str, order: [&str; 2], more: &str) -> Motion {
     let bodies: String = order
         .iter()
         .map(|name| format!("[body.{name}]\nmass = {}\n", if *name == "a" { 1.0 } else { 3.0 }))
         .collect();
     text(&format!(
         "name = \"D\"\n{bodies}[body.p]\nmotion = {{ {motion} }}\n[link.l]\narms = {{ a = 1.0, b = 1.0, p = -1.0 }}\n\
-         [spring.k]\nbetween = [\"a\", \"b\"]\nstiffness = 40.0\n[spring.base]\nbetween = [\"p\", \"b\"]\nstiffness = 20.0\n"
+         [spring.k]\nbetween = [\"a\", \"b\"]\nstiffness = 40.0\n[spring.base]\nbetween = [\"p\", \"b\"]\nstiffness = 20.0\n{more}"
     ))
 }
 
@@ -166,4 +171,57 @@ fn invariant_energy_of_impacts_on_bodies_that_links_tie_to_a_moving_one() {
         assert!(!times(&all, |k| matches!(k, EventKind::Impact { .. })).is_empty());
         near(off_balance(&m, kinetic + stored), 0.0);
     }
+}
+
+#[test]
+fn closed_form_stops_on_linked_bodies_see_the_share_of_a_jump() {
+    // A step of 0.4 moves a by 0.3 and b by 0.1, whichever of them is the coordinate: a gap of 0.2 is violated by a, not by b.
+    let stop = |body: &str, gap: f64, order: [&str; 2]| {
+        let mut m = differential_with(
+            "steps = [[0.25, 0.4]]",
+            order,
+            &format!("[stop.r]\narms = {{ {body} = 1.0 }}\ngap = {gap}\nrestitution = 0.5\n"),
+        );
+        m.advance_to(0.25).map_err(|e| e.to_string())
+    };
+    for order in [["a", "b"], ["b", "a"]] {
+        for (body, jump) in [("a", 0.3), ("b", 0.1)] {
+            stop(body, jump + 0.01, order).unwrap();
+            let refused = stop(body, jump - 0.01, order).unwrap_err();
+            assert!(refused.contains("stop.r") && refused.contains("e - gap = 0.0"), "{order:?} {refused}");
+        }
+    }
+}
+
+#[test]
+fn closed_form_changed_numbers_are_judged_after_the_share_of_their_jump() {
+    // The step's height grows from 0 to 0.4 while the machine moves on: a moves by 0.3, so that its gap of 0.35 is kept.
+    for order in [["a", "b"], ["b", "a"]] {
+        let with = |height: f64| {
+            let gap = "[stop.r]\narms = { a = 1.0 }\ngap = 0.35\nrestitution = 0.5\n";
+            differential_with(&format!("steps = [[0.25, {height}]]"), order, gap)
+        };
+        let mut m = with(0.0);
+        m.advance_to(0.5).unwrap();
+        let m = m.changed(with(0.4).assembly().clone()).unwrap();
+        near(m.body(order.iter().position(|n| *n == "a").unwrap())[0], 0.3);
+    }
+}
+
+#[test]
+fn closed_form_inputs_that_are_set_at_once_move_what_touches_together() {
+    // A carriage and the plate that lies on it are both driven: neither violates the other, and nothing is hit.
+    let mut m = text(
+        "name = \"T\"\n[body.plate]\nmotion = { input = true }\n[body.carriage]\nmotion = { input = true }\n\
+         [body.b]\nmass = 1.0\n[stop.r]\nbetween = [\"carriage\", \"plate\"]\ngap = 0.0\nrestitution = 0.5\n\
+         [friction.f]\nbetween = [\"plate\", \"b\"]\nforce = 1.0\n",
+    );
+    m.advance_to(0.25).unwrap();
+    let together = [(0, [0.5, 1.0, 0.0, 0.0]), (1, [0.5, 1.0, 0.0, 0.0])];
+    m.set_inputs(&together).unwrap();
+    assert_eq!((m.body(0)[0], m.body(1)[0], m.impacts(0).0), (0.5, 0.5, 0));
+    // Of several that cannot be together none is set.
+    let before = m.save();
+    assert!(m.set_inputs(&[(0, [2.0, 0.0, 0.0, 0.0]), (1, [1.0, 0.0, 0.0, 0.0])]).is_err());
+    assert!(m.save() == before);
 }

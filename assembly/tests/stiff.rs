@@ -125,6 +125,38 @@ fn closed_form_what_a_stiff_spring_ties_moves_as_a_whole() {
     }
 }
 
+#[test]
+fn closed_form_what_friction_or_a_stop_holds_across_a_stiff_spring_moves_as_one() {
+    // A light body is held to a heavy one, across a spring of 1e10 N/m; both swing on 100 N/m and on nothing else, as 0.1 m cos ωt. A load without force has
+    // knots, up to which parts of sub-steps go. The tie's rounding, 1e10 N/m / 0.01 kg in the light body's row, would be 1e-4/s2 of ω² = 100/s2.
+    let stuck =
+        Description { frictions: vec![friction(&[(0, -1.0), (1, 1.0)], 1e3)], ..Description::default() };
+    let pressed = Description {
+        stops: vec![rigid("held", &[(0, -1.0), (1, 1.0)], 0.0, 0.5)],
+        loads: vec![
+            Load { name: "pull".into(), body: 0, force: constant(-1e2) },
+            Load { name: "push".into(), body: 1, force: constant(1e2) },
+        ],
+        ..Description::default()
+    };
+    for (held, idle) in [(&stuck, 0), (&stuck, 10), (&pressed, 0), (&pressed, 10)] {
+        let mut d = held.clone();
+        d.bodies = vec![body("light", 0.01, 0.1, 0.0), body("heavy", 0.99, 0.1, 0.0)];
+        d.springs = vec![spring(&[(0, 1.0)], 1e2, 0.0), spring(&[(0, -1.0), (1, 1.0)], 1e10, 0.0)];
+        let knots = (0..100).map(|k| (0.037 * f64::from(k), 0.0)).collect();
+        let nothing = Signal { table: Some(Record { knots, cubic: false }), ..Signal::default() };
+        d.loads.push(Load { name: "knots".into(), body: 1, force: nothing });
+        d.bodies.extend((0..idle).map(|i| body(&format!("idle{i}"), 1.0, 0.0, 0.0)));
+        let mut motion = motion(d);
+        motion.advance_to(3.5).unwrap();
+        for i in 0..2 {
+            let [s, v, _] = motion.body(i);
+            let off = [s - 0.1 * 35f64.cos(), v + 35f64.sin()];
+            assert!(off[0].abs() < ROUNDING && off[1].abs() < 10.0 * ROUNDING, "{i}, {idle} idle: {off:?}");
+        }
+    }
+}
+
 /// A load that rises evenly.
 fn ramp(body: usize, from: f64, rise: f64) -> Load {
     let table = Some(Record { knots: vec![(0.0, from), (1.0, from + rise)], cubic: false });

@@ -65,11 +65,8 @@ fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
         vibro_assembly::Motion::resumed(step.assembly.clone(), &step.begin).ok_or_else(none)?
     };
     motion = motion.without_energy_accounts();
-    for (i, input) in step.inputs.iter().enumerate() {
-        if let Some(input) = input {
-            motion.set_input(i, *input)?;
-        }
-    }
+    let given = step.inputs.iter().enumerate().filter_map(|(i, input)| Some((i, (*input)?)));
+    motion.set_inputs(&given.collect::<Vec<_>>())?;
     let mut variations = motion.unit_variations();
     let now = reached.motion.time();
     let late = SAME_TIME * now.abs().max(step.end.abs());

@@ -113,12 +113,10 @@ impl Moving {
         // Without prescribed motions no input changes the energy at once.
         let moves = self.motion.assembly().system().has_motions;
         let residual = if moves { self.unaccounted() - self.origin } else { 0.0 };
-        for (i, input) in inputs.iter().enumerate() {
-            match input {
-                Some(input) if *input != self.motion.input(i) => self.motion.set_input(i, *input)?,
-                _ => {}
-            }
-        }
+        // All at once: bodies that touch may jump together.
+        let given = inputs.iter().enumerate().filter_map(|(i, input)| Some((i, (*input)?)));
+        let new: Vec<(usize, Input)> = given.filter(|(i, input)| *input != self.motion.input(*i)).collect();
+        self.motion.set_inputs(&new)?;
         if moves {
             self.origin = self.unaccounted() - residual;
         }

@@ -36,6 +36,22 @@ impl Apart {
         }
     }
 
+    /// A, each force's part of a row rounded by itself: what it takes from coordinates with opposite signs stays opposite.
+    pub(super) fn sum(&self) -> SparseMatrix {
+        let size = self.rest.len();
+        let (mut a, mut row) = (SparseMatrix::default(), vec![0.0; size]);
+        for i in 0..size {
+            row.fill(0.0);
+            self.rest.row(i).iter().for_each(|&(j, x)| row[j] = x);
+            for (force, by) in &self.forces {
+                let x = by.terms().iter().find(|(k, _)| *k == i).map_or(0.0, |(_, x)| *x);
+                force.terms().iter().for_each(|&(j, f)| row[j] -= x * f);
+            }
+            a.push_row(row.iter().copied().enumerate());
+        }
+        a
+    }
+
     /// A by double-doubles.
     pub(super) fn matrix(&self, size: usize) -> DMatrix<DoubleDouble> {
         let mut a = DMatrix::from_element(size, size, DoubleDouble::default());

@@ -111,9 +111,13 @@ impl<'a> Held<'a> {
         demand
     }
 
-    /// What a unit of an element's force takes from the velocities' rates: M⁻¹ w and what the contacts do against it.
+    /// What a unit of an element's force takes from the velocities' rates: M⁻¹ w and what the contacts do against it; what is rounding is zero.
     fn moved(&self, e: &Elongation) -> DVector<f64> {
-        if self.elongations.is_empty() { e.mobility.clone() } else { &self.loose * &e.mobility }
+        if self.elongations.is_empty() {
+            return e.mobility.clone();
+        }
+        let sizes = self.loose.abs() * e.mobility.abs();
+        (&self.loose * &e.mobility).zip_map(&sizes, |x, size| if x.abs() <= ZERO * size { 0.0 } else { x })
     }
 }
 

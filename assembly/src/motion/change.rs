@@ -52,24 +52,11 @@ impl Motion {
         sizes.0.rows_mut(0, own).copy_from(&old.hybrid.sizes.0.rows(0, own));
         sizes.0.rows_range_mut(own..system.signals.constant_size_until()).fill(1.0);
         sizes.include(z.as_slice());
-        let mut mode = old.hybrid.mode.clone();
-        for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
-            let (excess, zero) = (stop.excess.dot(&z), sizes.zero(&stop.excess));
-            if excess > zero {
-                let stop = assembly.description.stops[i].name.clone();
-                return Err(Error::Violated { stop, time: time.value(), excess });
-            }
-            // A closed stop keeps e; where its gap has grown it touches no more.
-            if excess < -zero {
-                mode.stops[i] = StopState::Open;
-            }
-        }
         let departing = Vec::new();
         let hybrid = Hybrid {
             z,
             since: time.value(),
             sizes,
-            mode,
             departing,
             chain: 0,
             carried: 0,
@@ -82,7 +69,25 @@ impl Motion {
         let mut motion = Self { late, is_general, most_work, ..Self::of(assembly, hybrid) };
         motion.tables.most = old.tables.most;
         let parted = stood.map_or_else(Parted::default, |stood| motion.jump(&stood));
+        motion.open_what_is_off()?;
         motion.settle(&[], &parted, &mut None)?;
         Ok(motion)
+    }
+
+    /// A closed stop keeps e; where its gap has grown it touches no more, and where that is less than e it is violated.
+    fn open_what_is_off(&mut self) -> Result<(), Error> {
+        let (system, sizes) = (&self.assembly.system, &self.hybrid.sizes);
+        let mut off = Vec::new();
+        for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
+            let (excess, zero) = (stop.excess.dot(&self.hybrid.z), sizes.zero_of(&stop.excess));
+            if excess > zero {
+                return Err(self.violated(i, excess));
+            }
+            if excess < -zero {
+                off.push(i);
+            }
+        }
+        off.into_iter().for_each(|i| self.hybrid.mode.stops[i] = StopState::Open);
+        Ok(())
     }
 }

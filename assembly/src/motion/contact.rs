@@ -134,25 +134,11 @@ impl Motion {
         let mut parted = Parted::default();
         if let Some(stood) = stood {
             parted = self.jump(&stood);
+            self.check_jump(&stood)?;
             let work = self.work_of_jump(&stood);
             self.hybrid.energy.impact(0.0, work);
         }
-        self.check_jumps()?;
         self.settle(&[], &parted, observer)
-    }
-
-    /// A jump of a prescribed body must not violate a rigid stop.
-    fn check_jumps(&self) -> Result<(), Error> {
-        let (system, z) = (&self.assembly.system, &self.hybrid.z);
-        for (i, stop) in system.stops.iter().enumerate() {
-            let excess = stop.excess.dot(z);
-            let jumps = stop.excess.rows_range(system.signals.one + 1..).iter().any(|&x| x != 0.0);
-            if jumps && stop.restitution().is_some() && excess > self.hybrid.sizes.zero(&stop.excess) {
-                let stop = self.assembly.description.stops[i].name.clone();
-                return Err(Error::Violated { stop, time: self.time(), excess });
-            }
-        }
-        Ok(())
     }
 
     fn velocities(&self) -> DVector<f64> {

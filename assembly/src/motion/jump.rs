@@ -2,7 +2,9 @@
 //! jumps along (docs/assembly-law.md, section 3, Jumps).
 
 use super::Motion;
+use crate::error::Error;
 use crate::mode::StopState;
+use crate::signals::Input;
 use crate::system::Elongation;
 use nalgebra::DVector;
 
@@ -30,6 +32,46 @@ pub(super) struct Parted {
 }
 
 impl Motion {
+    /// Sets an input from the present time on: value and derivatives of orders 1 to 3, by the place of the input among all.
+    ///
+    /// # Errors
+    /// As [`set_inputs`](Self::set_inputs).
+    pub fn set_input(&mut self, i: usize, derivatives: Input) -> Result<(), Error> {
+        self.set_inputs(&[(i, derivatives)])
+    }
+
+    /// Sets several inputs at once, as [`set_input`](Self::set_input) one: prescribed bodies that touch may jump together.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for what is not finite; [`Error::Violated`] and [`Error::Jammed`] where they move prescribed bodies. Then
+    /// none is set.
+    pub fn set_inputs(&mut self, inputs: &[(usize, Input)]) -> Result<(), Error> {
+        for (i, derivatives) in inputs {
+            if let Some(&value) = derivatives.iter().find(|d| !d.is_finite()) {
+                return Err(Error::OutOfRange {
+                    name: format!("input {i}"),
+                    value,
+                    allowed: "a finite number".into(),
+                });
+            }
+        }
+        if inputs.is_empty() {
+            return Ok(());
+        }
+        let before = self.hybrid.clone();
+        let taken = self.pass_event(&mut None).and_then(|()| self.take_inputs(inputs));
+        taken.inspect_err(|_| self.restore(&before))
+    }
+
+    fn take_inputs(&mut self, inputs: &[(usize, Input)]) -> Result<(), Error> {
+        let stood = self.before_jump();
+        for &(i, derivatives) in inputs {
+            self.hybrid.inputs[i] = (self.time(), derivatives);
+        }
+        self.refill();
+        self.set_anew(stood, &mut None)
+    }
+
     /// How it stands, where prescribed bodies could jump; `None` where there is none.
     pub(super) fn before_jump(&self) -> Option<Before> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
@@ -73,6 +115,24 @@ impl Motion {
             }
         }
         any.then(|| system.inertia.solve(&pull))
+    }
+
+    /// A jump of prescribed bodies, and of what links tie to them, must not violate a rigid stop.
+    pub(super) fn check_jump(&self, before: &Before) -> Result<(), Error> {
+        let (stops, hybrid) = (&self.assembly.system.stops, &self.hybrid);
+        for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
+            let (excess, zero) = (stop.excess.dot(&hybrid.z), hybrid.sizes.zero_of(&stop.excess));
+            if excess > zero && excess - before.excess[i] > zero {
+                return Err(self.violated(i, excess));
+            }
+        }
+        Ok(())
+    }
+
+    /// The error of a rigid stop that a jump has violated.
+    pub(super) fn violated(&self, i: usize, excess: f64) -> Error {
+        let stop = self.assembly.description.stops[i].name.clone();
+        Error::Violated { stop, time: self.time(), excess }
     }
 
     /// The parts of the bodies' rates that prescribed bodies make, (D p')ᵢ.

@@ -348,33 +348,6 @@ impl Motion {
         crate::energy::mechanical(&self.assembly.system, &self.hybrid.z)
     }
 
-    /// Sets an input from the present time on: value and derivatives of orders 1 to 3, by the place of the input among all.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] for what is not finite; [`Error::Violated`] and [`Error::Jammed`] where it moves a prescribed body.
-    pub fn set_input(&mut self, i: usize, derivatives: Input) -> Result<(), Error> {
-        if let Some(&value) = derivatives.iter().find(|d| !d.is_finite()) {
-            return Err(Error::OutOfRange {
-                name: format!("input {i}"),
-                value,
-                allowed: "a finite number".into(),
-            });
-        }
-        let before = self.hybrid.clone();
-        if let Err(error) = self.pass_event(&mut None) {
-            self.restore(&before);
-            return Err(error);
-        }
-        let stood = self.before_jump();
-        self.hybrid.inputs[i] = (self.time(), derivatives);
-        self.refill();
-        if let Err(error) = self.set_anew(stood, &mut None) {
-            self.restore(&before);
-            return Err(error);
-        }
-        Ok(())
-    }
-
     /// The value and the derivatives of an input now.
     pub fn input(&self, i: usize) -> Input {
         let (from, input) = &self.hybrid.inputs[i];
