@@ -325,9 +325,15 @@ impl Table {
         match &self.loose {
             None => self.sizes.rows_times_to(self.one / 2, sizes, time, to),
             Some(loose) => {
+                let first = self.one / 2;
+                let apart = self.apart.as_ref().and_then(|apart| Some((apart, apart.rest_terms()?)));
+                let terms = apart.map_or(&self.sizes, |(_, terms)| terms);
                 all.resize(to.len(), 0.0);
-                self.sizes.rows_times_to(self.one / 2, sizes, time, all);
+                terms.rows_times_to(first, sizes, time, all);
                 loose.rows_times_to(0, all, 1.0, to);
+                if let Some((apart, _)) = apart {
+                    apart.add_sizes(first, sizes, time, to);
+                }
             }
         }
     }

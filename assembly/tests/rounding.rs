@@ -134,3 +134,30 @@ fn closed_form_body_at_rest_at_a_buffers_edge_stays() {
         assert!((m.coordinate(0) - at).abs() < 1e-15 && m.coordinate(2).abs() < 1e-15);
     }
 }
+
+#[test]
+fn invariant_friction_across_a_stiff_spring_stays_within_its_level() {
+    // What friction holds across a spring of 1e6 times the mount has no rounding of that spring's forces, however long it is held: else friction that
+    // comes to rest against a force beyond its level would stay.
+    let machine = parse(
+        "name = \"F\"\n[body.a]\nmass = 0.3765\nstart = { v = -0.614 }\n[body.b]\nmass = 2.4796\nstart = { v = -0.8143 }\n\
+         [spring.mount]\narms = { a = 1.0 }\nstiffness = 170.0\ndamping = 0.5\n\
+         [spring.tie]\narms = { a = -1.0, b = 1.0 }\nstiffness = 1.7e8\ndamping = 100.0\n\
+         [friction.f]\narms = { a = 1.0, b = -1.0 }\nforce = 0.4535\nstatic = 0.6802\n[friction.g]\narms = { a = -1.0, b = 1.0 }\nforce = 0.5631\n\
+         [load.p]\non = \"a\"\nconstant = 21.3\namplitude = 10.8\nfrequency = 1.277\nphase = 1.318\n\
+         [load.q]\non = \"b\"\nsteps = [[0.4375, 11.0], [0.5, -9.6]]\n",
+        "tie.toml",
+        &no_records,
+    );
+    let mut m = motion(machine.unwrap());
+    let mut held = 0;
+    for k in 1..=4000 {
+        m.advance_to(f64::from(k) * 2.5e-4).unwrap();
+        for (i, level) in [(0, 0.6802), (1, 0.5631)] {
+            let [_, rate, force] = m.friction(i);
+            assert!(force.abs() <= level * (1.0 + ROUNDING), "{}: friction {i}: {force}", m.time());
+            held += i32::from(rate == 0.0);
+        }
+    }
+    assert!(held > 1000, "{held}");
+}

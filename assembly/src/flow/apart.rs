@@ -15,15 +15,17 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 pub(super) struct Apart {
     /// A without them.
     rest: SparseMatrix,
+    /// Where there are contacts, the sizes of the terms of its entries.
+    rest_terms: Option<SparseMatrix>,
     /// The forces, and what a unit of each takes from z'.
     forces: Vec<(Functional, Sparse)>,
 }
 
 impl Apart {
     /// Of a mode's elastic forces.
-    pub(super) fn of(Elastic { rest, forces, .. }: Elastic) -> Self {
+    pub(super) fn of(Elastic { rest, rest_terms, forces, .. }: Elastic) -> Self {
         let forces = forces.into_iter().map(|(force, by)| (force, Sparse::of(by.as_slice())));
-        Self { rest, forces: forces.collect() }
+        Self { rest, rest_terms, forces: forces.collect() }
     }
 
     /// `to` = `factor` × A `z` but for the first rows, the forces found first.
@@ -33,6 +35,19 @@ impl Apart {
         for (force, by) in &self.forces {
             let force = factor * force.at(z);
             by.terms().iter().for_each(|&(k, x)| to[k - first] -= force * x);
+        }
+    }
+
+    /// The sizes of the terms of A's entries without these forces, where there are contacts.
+    pub(super) fn rest_terms(&self) -> Option<&SparseMatrix> {
+        self.rest_terms.as_ref()
+    }
+
+    /// Adds `factor` × what these forces do to the rates, in sizes, from the coordinates' sizes, but for the first rows: nothing of what contacts hold.
+    pub(super) fn add_sizes(&self, first: usize, sizes: &[f64], factor: f64, to: &mut [f64]) {
+        for (force, by) in &self.forces {
+            let force = factor * force.size(sizes);
+            by.terms().iter().for_each(|&(k, x)| to[k - first] += force * x.abs());
         }
     }
 
@@ -70,6 +85,7 @@ impl Apart {
     /// Numbers that it holds.
     pub(super) fn numbers(&self) -> usize {
         let by = self.forces.iter().map(|(force, by)| force.len() + force.terms().len() + by.terms().len());
-        2 * self.rest.entries() + 2 * by.sum::<usize>()
+        let terms = self.rest_terms.as_ref().map_or(0, SparseMatrix::entries);
+        2 * (self.rest.entries() + terms) + 2 * by.sum::<usize>()
     }
 }

@@ -32,6 +32,8 @@ pub struct Linear {
 pub struct Elastic {
     /// A without them.
     pub rest: SparseMatrix,
+    /// Where there are contacts, the sizes of the terms of its entries.
+    pub rest_terms: Option<SparseMatrix>,
     /// The forces, and what a unit of each takes from z'.
     pub forces: Vec<(Functional, Row)>,
     /// In a machine that keeps tables, whether they tie what is moved by much softer ones; else they may still be what makes the mode fast.
@@ -178,13 +180,15 @@ impl System {
             return None;
         }
         let mut rest = self.accelerations(self.soft_forces(), &left, &mode.frictions);
+        let mut rest_terms = None;
         if !mode.basis.is_empty() {
             let demand = held.demand(self, &rest);
+            rest_terms = Some(self.matrix(&(rest.abs() + held.mobility.abs() * demand.abs())).abs());
             held.hold(self, &mut rest, &demand);
         }
         let are_stiff = || !self.stiff_springs.is_empty() || !self.stiff_ties(&pressed).is_empty();
         let is_small = self.signals.size <= DENSE;
-        Some(Elastic { rest: self.matrix(&rest), forces, are_stiff: is_small && are_stiff() })
+        Some(Elastic { rest: self.matrix(&rest), rest_terms, forces, are_stiff: is_small && are_stiff() })
     }
 
     /// The functionals that end a mode.

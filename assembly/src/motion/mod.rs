@@ -280,7 +280,8 @@ impl Motion {
             StopState::Closed => self.contact_force(Contact::Stop(i)),
             _ => system.stop_force_at(i, state, z).unwrap_or(0.0),
         };
-        [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force]
+        // Never a pull, by (A13): where it leaves off, rounding is on either side.
+        [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force.max(0.0)]
     }
 
     /// A friction's elongation, its rate and its force.
