@@ -1,5 +1,7 @@
 //! The machine in the units of an orbit: lengths in L, the drive's phase as time (docs/theory.md, sections 9 and 14).
 
+pub(super) use super::balance::Anchor;
+pub use super::balance::ConstantLoads;
 use super::balance::{Balance, balance};
 use super::word::OrbitWord;
 use nalgebra::Complex;
@@ -7,27 +9,7 @@ use vibro_analysis::Result;
 use vibro_impact::State;
 use vibro_impact::numerics::bernstein::Polynomial;
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::Loads;
 use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
-
-/// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the machine, a gap off its centre.
-///
-/// They act on impacts through one number, the displacement w_s of the block in the box that they cause without impacts
-/// (docs/theory.md (100)). A gap whose middle lies b above the centre is the machine under the loads (0, -k23 b, k23 b),
-/// docs/theory.md (97). A block without a spring has no displacement under its load: it falls, and the load's acceleration acts on
-/// its flights instead (docs/theory.md (111)).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ConstantLoads {
-    /// On the box, the block and the secondary oscillator.
-    pub forces: [f64; 3],
-}
-
-impl ConstantLoads {
-    /// The same as loads of the simulator.
-    pub fn loads(&self) -> Loads {
-        Loads { derivatives: self.forces.map(|f| [f, 0.0, 0.0, 0.0]) }
-    }
-}
 
 /// A machine with its constant loads, prepared for orbits. Lengths are in L and a prime is a derivative with respect to the
 /// drive's phase, so that its period is 2π.
@@ -46,51 +28,9 @@ pub struct System {
     anchor: Option<Anchor>,
 }
 
-/// Stiffness in parts of mass times ω1² up to which a spring hardly holds a body: beside it the equations of an orbit without an anchor
-/// lose three digits and more.
-const SOFT: f64 = 1e-2;
-
-/// The same of a second spring, beside which states keep so few digits that their equations may count as singular.
+/// Stiffness of a second spring in parts of mass times ω1², beside which states keep so few digits that their equations may count as
+/// singular.
 const NEUTRAL: f64 = 1e-8;
-
-/// What moves along without a force where a spring is missing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Anchor {
-    /// The box, without a spring to the ground.
-    Box,
-    /// The block, without a spring to the secondary oscillator.
-    Block,
-    /// Block and secondary oscillator, without a spring to the ground.
-    Pair,
-}
-
-impl Anchor {
-    /// The place in a state of the displacement whose return the first contact replaces.
-    pub(super) fn place(self) -> usize {
-        usize::from(self != Self::Box)
-    }
-
-    /// The place of a displacement that moves along with it, whose return is then asked for beside that one.
-    pub(super) fn follower(self) -> Option<usize> {
-        (self == Self::Pair).then_some(2)
-    }
-
-    /// The three, each with the stiffness that holds it in parts of mass times ω1².
-    pub(super) fn held(p: &Parameters) -> [(Self, f64); 3] {
-        let part = |stiffness: f64, mass: f64| stiffness / (mass * p.drive_frequency.powi(2));
-        [
-            (Self::Box, part(p.box_stiffness, p.box_mass)),
-            (Self::Block, part(p.coupling_stiffness, p.block_mass)),
-            (Self::Pair, part(p.secondary_stiffness, p.block_mass + p.secondary_mass)),
-        ]
-    }
-
-    /// The one that is held least in any of some machines, if it is hardly held.
-    pub(super) fn of<'a>(machines: impl Iterator<Item = &'a Parameters>) -> Option<Self> {
-        let least = machines.flat_map(Self::held).min_by(|a, b| a.1.total_cmp(&b.1));
-        least.filter(|(_, stiffness)| *stiffness <= SOFT).map(|(anchor, _)| anchor)
-    }
-}
 
 impl System {
     /// A machine under its drive and its constant loads.
