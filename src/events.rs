@@ -32,21 +32,13 @@ const STRAIGHT: f64 = 0.25;
 const ORDERS: [f64; PADDED] = orders(0);
 const LOWER: [f64; PADDED] = orders(1);
 
-/// The places of coefficients.
-const ORDER: [f64; MAX_COEFFICIENTS.next_multiple_of(4)] = {
-    let mut k = [0.0; MAX_COEFFICIENTS.next_multiple_of(4)];
-    let mut i = 0;
-    while i < k.len() {
-        k[i] = i as f64;
-        i += 1;
-    }
-    k
-};
+/// k for as many coefficients as are searched at most.
+const PLACES: [f64; MAX_COEFFICIENTS.next_multiple_of(4)] = orders(0);
 
-const fn orders(less: usize) -> [f64; PADDED] {
-    let mut k = [0.0; PADDED];
+const fn orders<const N: usize>(less: usize) -> [f64; N] {
+    let mut k = [0.0; N];
     let mut i = 1;
-    while i < PADDED {
+    while i < N {
         k[i] = (i - less) as f64;
         i += 1;
     }
@@ -85,7 +77,7 @@ fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
     // Coefficients of p' with their orders, in four chains each; from the leading ones that dominate nothing is left.
     let d = slope_of(c, 1.0);
     let (mut slopes, mut curvatures) = ([-d[0].abs(), 0.0, 0.0, 0.0], [0.0, -d[1].abs(), 0.0, 0.0]);
-    for (four, orders) in d.chunks(4).zip(ORDER.as_chunks::<4>().0) {
+    for (four, orders) in d.chunks(4).zip(PLACES.as_chunks::<4>().0) {
         for (k, x) in four.iter().enumerate() {
             slopes[k] += x.abs();
             curvatures[k] += orders[k] * x.abs();

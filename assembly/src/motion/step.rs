@@ -126,11 +126,10 @@ impl Motion {
             } else {
                 self.hybrid.due = self.vectors.dispatch(Substep { motion: self, goal, at_knot })?;
             }
-            if self.hybrid.carried == RENEW {
+            if self.hybrid.carried == RENEW || self.hybrid.due.is_some() {
                 self.check_sizes()?;
             }
             if self.hybrid.due.is_some() {
-                self.check_sizes()?;
                 if pause != Pause::BeforeEvent {
                     self.pass_event(observer)?;
                 }
