@@ -18,8 +18,9 @@ pub(super) const RENEW: u32 = 32;
 /// within about a second.
 const WORK_BASE: u64 = 1_000_000;
 /// The further sub-steps that it may take for each sub-step length by which the motion progresses. An ordinary motion, with an impact
-/// or two in that time, takes 1 to 3, so that it never comes near the limit however long the advance is.
-const WORK_PER_SUBSTEP: f64 = 32.0;
+/// or two in that time, takes 1 to 3, so that it never comes near the limit however long the advance is. Alone a bounce takes one, in
+/// lanes two where it is longer than 0.6 intervals, of which there are 27 in that time: with 64 both come to the same end.
+const WORK_PER_SUBSTEP: f64 = 64.0;
 
 /// What an advance carries from sub-step to sub-step; the state in one cache line.
 #[repr(C, align(64))]
