@@ -400,7 +400,7 @@ pub trait Component: Sized + Debug + 'static {
     ///
     /// # Errors
     /// For what is not possible; the step has been taken back then. By default always.
-    fn start_pieces(&mut self, pieces: &mut Self::Pieces) -> Result<Piece, Self::Problem> {
+    fn start_pieces(&mut self, pieces: &mut Self::Pieces, log: &mut dyn Log) -> Result<Piece, Self::Problem> {
         not_offered("intermediate update")
     }
 

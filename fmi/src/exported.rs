@@ -299,8 +299,8 @@ impl Component for Instance {
         }
     }
 
-    fn start_pieces(&mut self, pieces: &mut Pieces) -> Result<Piece, Problem> {
-        Self::start_pieces(self, pieces)
+    fn start_pieces(&mut self, pieces: &mut Pieces, log: &mut dyn Log) -> Result<Piece, Problem> {
+        Self::start_pieces(self, pieces, log)
     }
 
     fn next_piece(

@@ -318,7 +318,7 @@ impl Component for Machine {
         self.hold(reference, value);
     }
 
-    fn start_pieces(&mut self, pieces: &mut Pieces) -> Result<Piece, MachineProblem> {
+    fn start_pieces(&mut self, pieces: &mut Pieces, _: &mut dyn Log) -> Result<Piece, MachineProblem> {
         self.start_course(pieces)
     }
 

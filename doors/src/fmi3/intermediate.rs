@@ -223,7 +223,8 @@ impl<C: Component> Instance<C> {
     }
 
     fn start(&mut self, progress: &mut Progress<C>, sink: &mut dyn Sink) -> Outcome<C, Turn> {
-        match self.component.start_pieces(&mut progress.pieces)? {
+        let mut log = self.log(sink, Function::DoStep.name());
+        match self.component.start_pieces(&mut progress.pieces, &mut log)? {
             Piece::Event => Ok(self.end_step(progress)),
             Piece::End => self.go_on(progress, sink),
         }

@@ -79,7 +79,7 @@ pub struct Instance {
     step_matrices: Option<StepMatrices>,
     /// What the clock of impacts shows.
     tick: Tick,
-    /// Nominal values of the states at the last event.
+    /// Nominal values of the states that the host was told last.
     nominals_told: Option<[f64; 6]>,
     /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
     given: u16,
@@ -235,6 +235,7 @@ impl Instance {
             loads_set: self.loads_set,
             events: self.events,
             tick: self.tick,
+            nominals_told: self.nominals_told,
             stop_by_default: self.initial.stop_at_impact,
             engine: match &self.engine {
                 Engine::None => EngineState::None,
@@ -291,6 +292,7 @@ impl Instance {
         self.last_step = None;
         self.events = saved.events;
         self.tick = saved.tick;
+        self.nominals_told = saved.nominals_told;
         self.invalidate();
         self.meet_own_protocol();
         Ok(())

@@ -7,7 +7,9 @@ use super::variables::{
 use std::collections::BTreeMap;
 
 /// An unknown and what it depends on. The lists hold in every mode: where a closed form and a simulation differ, they name
-/// what either depends on.
+/// what either depends on. Outside initialization the continuous states are knowns, and held: that a parameter which is set at an event
+/// makes them jump there (by the law of an impact, or to another steady state of a closed form) is no dependency, and neither is what
+/// such a jump does to other unknowns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// Its place in the table.

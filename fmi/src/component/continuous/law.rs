@@ -1,7 +1,7 @@
 //! What happens at an event of the model for a host's own solver.
 
 use super::Continuous;
-use vibro_impact::model::{BOX_RATE, Impact, RELATIVE_RATE, SmoothMode};
+use vibro_impact::model::{Augmented, BOX_RATE, Impact, RELATIVE_RATE, SmoothMode};
 use vibro_impact::simulator::{Contact, Event};
 
 /// A block this near to a stop, in gaps, is at it: a solver's root finding leaves it about 1e-10 off. A bounce lower than
@@ -41,53 +41,74 @@ impl Continuous {
         self.data.state != before
     }
 
-    /// At stop `side`: an impact when it is approached, rest when it is pressed on without bouncing.
+    /// At stop `side`: an impact when it is approached, rest when it is pressed on without bouncing. A block that leaves from just
+    /// inside the stop, where the last call has put it, is left alone: a further call at an event does nothing.
     fn touch(&mut self, side: f64, report: &mut dyn FnMut(&Event)) {
         let (time, stop) = (self.data.time, side as i8);
         let mut z = self.augmented();
+        let (past, way) = ((side * self.excess(side, self.model.gap)).max(0.0), self.way_off(side));
         if side * z[RELATIVE_RATE] > 0.0 {
             let Impact { speed, impulse, lost } = self.model.impact(&mut z, side);
             self.data.record.count(side, time, speed, impulse);
             self.data.lost += lost;
             report(&Event::Impact { time, side: stop, speed, impulse });
+        } else if way <= 0.5 * self.shift() {
+            return; // it is where it was put, but for rounding
         }
         let rebound = -side * z[RELATIVE_RATE];
         let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).1;
-        let past = (side * self.excess(side, self.model.gap)).max(0.0);
         // Height of the bounce: rebound²/(2 pressing), of which the block is to make up the way past the stop to which the host's
         // solver has let it go. Dampers bring that of an elastic block down too.
-        if pressing > 0.0 && rebound * rebound <= 2.0 * pressing * (self.contact_width() + past) {
-            self.data.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
-            self.data.lost += self.model.merge(&mut z);
-            self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+        let low = pressing > 0.0 && rebound * rebound <= 2.0 * pressing * (self.contact_width() + past);
+        if low && self.rest(z, side) {
             report(&Event::Rest { time, side: stop });
+            return;
         }
-        let resting = self.data.contact != Contact::Flight;
-        if pressing > 0.0 && !resting {
+        if pressing > 0.0 {
             // On its way to where it is put the block loses speed, of which it has enough by the height above: else low bounces would grow
             // by that way, each of them.
-            let way = (side * self.excess(side, self.model.gap - self.shift())).max(0.0);
-            let slower = (rebound * rebound - 2.0 * pressing * way).sqrt();
+            let slower = (rebound * rebound - 2.0 * pressing * way).max(0.0).sqrt();
             let change = side * (rebound - slower);
             z[RELATIVE_RATE] += change;
             z[BOX_RATE] -= self.model.block_share * change;
             self.data.record.box_impulse -= self.model.reduced_mass * change;
         }
-        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[RELATIVE_RATE]);
-        if resting {
-            self.bring_closer(self.excess(side, self.model.gap));
-            self.data.state.v[1] = self.data.state.v[0];
-        } else {
-            self.keep_off(side);
+        self.set_rates(&z);
+        self.keep_off(side);
+    }
+
+    /// Merges box and block on stop `side` where the stop presses on them then; else nothing happens.
+    fn rest(&mut self, mut z: Augmented, side: f64) -> bool {
+        let before = self.data;
+        self.data.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
+        self.data.lost += self.model.merge(&mut z);
+        self.data.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
+        self.set_rates(&z);
+        self.bring_closer(self.excess(side, self.model.gap));
+        self.data.state.v[1] = self.data.state.v[0];
+        if side * self.accelerations().1 > 0.0 {
+            return true;
         }
+        self.data = before;
+        false
+    }
+
+    /// Takes the velocities of box and block over.
+    fn set_rates(&mut self, z: &Augmented) {
+        (self.data.state.v[0], self.data.state.v[1]) = (z[BOX_RATE], z[BOX_RATE] + z[RELATIVE_RATE]);
     }
 
     /// Puts the block a little off stop `side`; further inside it stays where it is.
     fn keep_off(&mut self, side: f64) {
-        let excess = self.excess(side, self.model.gap - self.shift());
-        if side * excess > 0.0 {
-            self.bring_closer(excess);
+        let way = self.way_off(side);
+        if way > 0.0 {
+            self.bring_closer(side * way);
         }
+    }
+
+    /// How far the block is from where it is put at stop `side`, m; 0 further inside.
+    fn way_off(&self, side: f64) -> f64 {
+        (side * self.excess(side, self.model.gap - self.shift())).max(0.0)
     }
 
     /// How far inside a stop the block is put, m.

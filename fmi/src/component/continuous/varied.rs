@@ -27,6 +27,12 @@ impl Continuous {
             if along.time != 0.0 {
                 rates.damped += along.time * self.damped_with_time(h);
             }
+        } else {
+            let v = self.velocities(&now, [0.0; 3]);
+            rates.damped = along.time * self.power(&v, &v)[0];
+        }
+        if self.values().contact_force == 0.0 {
+            rates.contact_force = 0.0; // at a release that the host has yet to handle it is held at 0
         }
         rates.input = rates.mechanical + rates.damped;
         rates

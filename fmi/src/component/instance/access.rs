@@ -117,19 +117,26 @@ impl Instance {
                 self.check_set(reference, bases, value)?;
             }
         }
-        self.events.carried_out &= references.is_empty();
         // A host's solver sees a set at once, not with the next step.
-        let before =
-            (self.life.interface == Interface::ModelExchange).then_some((self.settings, self.parameters_set));
+        let before = match &self.engine {
+            Engine::Continuous(continuous) => {
+                Some((self.settings, self.parameters_set, self.events, continuous.state()))
+            }
+            _ => None,
+        };
+        self.events.carried_out &= references.is_empty();
         for (i, &reference) in references.iter().enumerate() {
             self.assign(&WRITERS[numbering.place(reference)], read(i));
         }
-        if let (Some((settings, parameters_set)), Engine::Continuous(continuous)) = (before, &mut self.engine)
+        if let (Some((settings, parameters_set, events, state)), Engine::Continuous(continuous)) =
+            (before, &mut self.engine)
         {
             if self.parameters_set
                 && let Err(error) = continuous.set_parameters(&self.settings.parameters)
             {
-                (self.settings, self.parameters_set) = (settings, parameters_set);
+                (self.settings, self.parameters_set, self.events) = (settings, parameters_set, events);
+                continuous.set_state(state);
+                self.invalidate();
                 return Err(error.into());
             }
             self.parameters_set = false;

@@ -79,11 +79,14 @@ impl Instance {
                 (shown, stand)
             }
             Engine::Closed(form) => {
+                let mut next = ClosedForm::clone(form);
                 if let Some(parameters) = changes.parameters {
-                    form.set_parameters(parameters)?;
+                    next.set_parameters(parameters)?;
                 }
-                let shown = event_mode.then(|| Discrete::of(&form.values()));
-                (shown, play(form, (point, size), at_event, report)?)
+                let shown = event_mode.then(|| Discrete::of(&next.values()));
+                let stand = play(&mut next, (point, size), at_event, report)?;
+                **form = next;
+                (shown, stand)
             }
             Engine::None | Engine::Continuous(_) => unreachable_step()?,
         };
@@ -130,19 +133,16 @@ fn run(
     mut report: EventObserver<'_, '_>,
 ) -> Result<Stand, Error> {
     let end = DoubleDouble::sum(point, size);
-    let contact = simulator.contact();
-    changes.put(simulator)?;
-    if at_event == AtEvent::Pass {
-        return match simulator.advance_until(end, Pause::Never, report) {
-            // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
-            Err(Error::Step { .. }) | Ok(_) => Ok(Stand::default()),
-            Err(error) => Err(error),
-        };
-    }
     // A block that an input has let go of, or pressed on, at the step's start.
-    let moved = simulator.contact() != contact;
+    let moved = changes.put(simulator, report.as_deref_mut())?;
+    if at_event == AtEvent::Pass {
+        advance(simulator, end, Pause::Never, report.as_deref_mut())?;
+        pass_event_at_end(simulator, point + size, report)?;
+        return Ok(Stand::default());
+    }
     if at_event == AtEvent::EndBefore && moved {
-        return Ok(Stand { early: true, event: true, ..Stand::default() });
+        let early = point + size - simulator.time() > rounding(point + size);
+        return Ok(Stand { early, event: true, ..Stand::default() });
     }
     let (mut events, mut side) = (usize::from(moved), 0);
     if at_event == AtEvent::Latch {
@@ -158,7 +158,8 @@ fn run(
         let side = if due { 0 } else { side }; // one that is due comes last
         return Ok(Stand { event: due || events > 0, side, ..Stand::default() });
     }
-    let paused = advance(simulator, end, Pause::BeforeEvent, report.as_deref_mut())?;
+    let paused =
+        advance(simulator, end, Pause::BeforeEvent, report.as_deref_mut())? == AdvanceOutcome::EventDue;
     let early = paused && point + size - simulator.time() > rounding(point + size);
     let due = paused || is_at_end(simulator, point + size)?;
     if at_event == AtEvent::EndBefore {
@@ -173,17 +174,16 @@ fn run(
     Ok(Stand { early, ..Stand::default() })
 }
 
-/// Advances; true where it has paused before an event.
+/// Advances to an end, which own time may be past by the rounding that `point` is allowed: nothing is left to do then.
 pub(super) fn advance(
     simulator: &mut Simulator,
     end: DoubleDouble,
     pause: Pause,
     report: EventObserver<'_, '_>,
-) -> Result<bool, Error> {
+) -> Result<AdvanceOutcome, Error> {
     match simulator.advance_until(end, pause, report) {
-        // As above.
-        Err(Error::Step { .. }) => Ok(false),
-        outcome => Ok(outcome? == AdvanceOutcome::EventDue),
+        Err(Error::Step { .. }) => Ok(AdvanceOutcome::End),
+        outcome => outcome,
     }
 }
 
@@ -194,11 +194,25 @@ pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Err
         return Ok(false);
     }
     let (before, late) = (simulator.snapshot(), lateness(simulator, end));
-    if advance(simulator, DoubleDouble::sum(end, late), Pause::BeforeEvent, None)? {
+    let reached = advance(simulator, DoubleDouble::sum(end, late), Pause::BeforeEvent, None)?;
+    if reached == AdvanceOutcome::EventDue {
         return Ok(true);
     }
     simulator.restore(&before)?;
     Ok(false)
+}
+
+/// Carries out an event that lies past a step's end by rounding alone. A master that comes to the time of an event it was
+/// told must have it behind itself: else its next step would end where it began, and it could not get on.
+pub(super) fn pass_event_at_end(
+    simulator: &mut Simulator,
+    end: f64,
+    report: EventObserver<'_, '_>,
+) -> Result<(), Error> {
+    if is_at_end(simulator, end)? {
+        simulator.apply_due_event(report);
+    }
+    Ok(())
 }
 
 /// Whether the block in flight is so far from the stops that it cannot meet one within the rounding of a time: its acceleration

@@ -43,17 +43,39 @@ impl<'a> Changes<'a> {
         self.parameters.is_some() || self.loads.is_some()
     }
 
+    /// Lets the simulator take them over; true where that has changed the contact, which is reported.
+    ///
     /// # Errors
     /// As the simulator's; the first may have been taken over then.
-    pub(super) fn put(&self, simulator: &mut Simulator) -> Result<(), vibro_impact::Error> {
+    pub(super) fn put(
+        &self,
+        simulator: &mut Simulator,
+        report: EventObserver<'_, '_>,
+    ) -> Result<bool, vibro_impact::Error> {
+        let before = simulator.contact();
         if let Some(parameters) = self.parameters {
             simulator.set_parameters(parameters)?;
         }
         if let Some(loads) = self.loads {
             simulator.set_loads(loads)?;
         }
-        Ok(())
+        Ok(report_contact(before, simulator, report))
     }
+}
+
+/// Reports the rest or release that has come of what was set from outside; true where there was one.
+pub(super) fn report_contact(before: Contact, simulator: &Simulator, report: EventObserver<'_, '_>) -> bool {
+    let (time, now) = (simulator.time(), simulator.contact());
+    if now == before {
+        return false;
+    }
+    if let Some(report) = report {
+        report(&match now {
+            Contact::Flight => Event::Release { time, side: before.side() as i8 },
+            rest => Event::Rest { time, side: rest.side() as i8 },
+        });
+    }
+    true
 }
 
 /// All impacts of a record.
@@ -96,7 +118,7 @@ impl Instance {
                 let changes = self.changes();
                 if past && (simulator.due_event().is_some() || changes.any()) {
                     let mut ahead = Simulator::clone(simulator);
-                    changes.put(&mut ahead)?;
+                    changes.put(&mut ahead, None)?;
                     ahead.apply_due_event(None);
                     Present::Simulation(Cow::Owned(ahead))
                 } else {
@@ -229,16 +251,10 @@ impl Instance {
         let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
         let Engine::Simulation(simulator) = &mut self.engine else { return Ok(false) };
         let before = simulator.snapshot();
-        let contact = simulator.contact();
-        if let Err(error) = changes.put(simulator) {
+        if let Err(error) = changes.put(simulator, report.as_deref_mut()) {
             return Err(take_back(simulator, &before, error));
         }
-        let released = contact != Contact::Flight && simulator.contact() == Contact::Flight;
-        let due = simulator.apply_due_event(report.as_deref_mut());
-        if let (true, None, Some(report)) = (released, due, report) {
-            // An input has let go of the block, with no law to apply.
-            report(&Event::Release { time: simulator.time(), side: contact.side() as i8 });
-        }
+        let due = simulator.apply_due_event(report);
         Ok(matches!(due, Some(DueEvent::Impact { .. })))
     }
 

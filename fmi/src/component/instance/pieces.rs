@@ -1,7 +1,7 @@
 //! A step in pieces from event to event, for a host that looks into it, sets inputs for its course, or ends it early.
 
 use super::advance::{AtEvent, advance, is_at_end, side_of};
-use super::events::Changes;
+use super::events::{Changes, report_contact};
 use super::last_step::LastStep;
 use super::step::{describe, rounding, take_back};
 use super::{Engine, Instance, Outcome, Phase, Problem, SavedState};
@@ -9,7 +9,7 @@ use crate::component::event_state::Discrete;
 use crate::component::log::{Category, Log};
 use fmi_doors::{Advance, Piece};
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{Contact, Event, EventObserver, Pause};
+use vibro_impact::simulator::{AdvanceOutcome, Contact, Event, EventObserver, Pause};
 
 /// A step in progress.
 #[derive(Debug)]
@@ -89,12 +89,17 @@ impl Instance {
     ///
     /// # Errors
     /// For what is not possible; the step has been taken back then.
-    pub fn start_pieces(&mut self, pieces: &mut Pieces) -> Outcome<Piece> {
+    pub fn start_pieces(&mut self, pieces: &mut Pieces, log: &mut dyn Log) -> Outcome<Piece> {
         if let Err(problem) = self.take_over() {
             return Err(self.take_back_for(pieces, problem));
         }
-        let moved =
-            matches!(&self.engine, Engine::Simulation(simulator) if simulator.contact() != pieces.contact);
+        let wanted = log.wants(Category::Events);
+        let mut show = |event: &Event| log.log(Category::Events, &describe(event));
+        let report: EventObserver = if wanted { Some(&mut show) } else { None };
+        let moved = match &self.engine {
+            Engine::Simulation(simulator) => report_contact(pieces.contact, simulator, report),
+            _ => false,
+        };
         pieces.events = usize::from(moved);
         Ok(if moved && pieces.at_event == AtEvent::EndBefore { Piece::Event } else { Piece::End })
     }
@@ -142,6 +147,7 @@ impl Instance {
             Engine::Simulation(simulator) => {
                 let before = simulator.snapshot();
                 advance(simulator, end, Pause::BeforeEvent, report)
+                    .map(|reached| reached == AdvanceOutcome::EventDue)
                     .and_then(|due| Ok(due || until.is_none() && is_at_end(simulator, pieces.end_value)?))
                     .map_err(|error| take_back(simulator, &before, error))
             }

@@ -45,7 +45,7 @@ impl Instance {
         match &self.engine {
             Engine::Simulation(simulator) if self.changes().any() => {
                 let mut ahead = (**simulator).clone();
-                self.changes().put(&mut ahead)?;
+                self.changes().put(&mut ahead, None)?;
                 time_of_next(&ahead, horizon)
             }
             Engine::Simulation(simulator) => time_of_next(simulator, horizon),

@@ -1,9 +1,12 @@
 //! Stepping from one communication point to the next.
 
+use super::advance::{advance, pass_event_at_end};
 use super::events::Changes;
 use super::{Engine, Instance, Outcome, Phase, Problem};
+use crate::component::closed_form::ClosedForm;
 use crate::component::log::{Category, Log};
 use fmi_doors::{StepOutcome, StepReason};
+use vibro_impact::State;
 use vibro_impact::error::Error;
 use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -27,11 +30,12 @@ impl Instance {
                 simulate(simulator, &changes, (point, size), self.settings.stop_at_impact, report)?
             }
             Engine::Closed(form) => {
+                let mut next = ClosedForm::clone(form);
                 if self.parameters_set {
-                    form.set_parameters(&self.settings.parameters)?;
+                    next.set_parameters(&self.settings.parameters)?;
                 }
-                let (reason, unreported) = form.advance(point, size, self.settings.stop_at_impact, report)?;
-                left_out = unreported;
+                let (reason, unreported) = next.advance(point, size, self.settings.stop_at_impact, report)?;
+                (**form, left_out) = (next, unreported);
                 reason
             }
             Engine::None | Engine::Continuous(_) => AdvanceOutcome::End,
@@ -80,23 +84,19 @@ fn simulate(
     let before = simulator.snapshot();
     let end = DoubleDouble::sum(point, size);
     let stop = if stop_at_impact { Pause::AfterImpact } else { Pause::Never };
-    let mut advance = || {
-        changes.put(simulator)?;
-        match simulator.advance_until(end, stop, report.as_deref_mut()) {
-            // Own time is past the end by the rounding that `point` is allowed: nothing is left to do.
-            Err(Error::Step { .. }) => Ok(AdvanceOutcome::End),
-            Ok(AdvanceOutcome::End) if stop_at_impact => {
-                impact_at(simulator, point + size, report.as_deref_mut())?;
-                Ok(AdvanceOutcome::End)
+    let mut run = || {
+        changes.put(simulator, report.as_deref_mut())?;
+        if advance(simulator, end, stop, report.as_deref_mut())? == AdvanceOutcome::Impact {
+            if point + size - simulator.time() > rounding(point + size) {
+                return Ok(AdvanceOutcome::Impact);
             }
             // At the end but for rounding.
-            Ok(AdvanceOutcome::Impact) if point + size - simulator.time() <= rounding(point + size) => {
-                simulator.advance_until(end, Pause::Never, report.as_deref_mut())
-            }
-            reason => reason,
+            advance(simulator, end, Pause::Never, report.as_deref_mut())?;
         }
+        pass_event_at_end(simulator, point + size, report.as_deref_mut())?;
+        Ok(AdvanceOutcome::End)
     };
-    advance().map_err(|error| take_back(simulator, &before, error))
+    run().map_err(|error| take_back(simulator, &before, error))
 }
 
 /// Takes back a step that failed, and says why it did, or that it could not be taken back.
@@ -123,25 +123,17 @@ pub(super) fn rounding(end: f64) -> f64 {
 /// impact by as much over the speed (docs/numerics.md, section 2, *The root*): a slow block that is a few units in the last place
 /// before a stop at the time that a master was told is at it.
 pub(super) fn lateness(simulator: &Simulator, end: f64) -> f64 {
-    const UNITS: f64 = 4.0; // of the last place of w
+    /// Of the last place of w, which each of the steps since the time was told may have moved by a unit.
+    const UNITS: f64 = 256.0;
     /// At most so long, in parts of the fastest time constant: the slower bounces are the last of a chatter run. Also in parts of a
     /// master's time, of which it is a tenth of what own time may be off ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).
     const LONGEST: f64 = 1e-10;
     let (parameters, (_, rate)) = (simulator.parameters(), simulator.relative_motion());
     let fastest = Model::new(parameters).map_or(f64::INFINITY, |model| model.rate);
+    let State { x, v } = simulator.state();
+    let size = parameters.stop_gap + x[0].abs() + x[2].abs() + (v[0].abs() + v[2].abs()) / fastest;
     let longest = LONGEST * end.abs().max(1.0).min(1.0 / fastest);
-    rounding(end) + (UNITS * f64::EPSILON * parameters.stop_gap / rate.abs()).min(longest)
-}
-
-/// Takes an impact that lies past a step's end by rounding alone. A master that comes to the time of an impact it was
-/// told must have it behind itself: else its next step would end where it began, and it could not get on.
-fn impact_at(simulator: &mut Simulator, end: f64, report: EventObserver<'_, '_>) -> Result<(), Error> {
-    let before = simulator.snapshot();
-    let late = lateness(simulator, end);
-    match simulator.advance_until(DoubleDouble::sum(end, late), Pause::AfterImpact, report)? {
-        AdvanceOutcome::Impact => Ok(()),
-        AdvanceOutcome::End | AdvanceOutcome::EventDue => simulator.restore(&before),
-    }
+    rounding(end) + (UNITS * f64::EPSILON * size / rate.abs()).min(longest)
 }
 
 /// Tells how many impacts of a steady state a long step has not listed.

@@ -221,7 +221,7 @@ const TABLE: &[(u32, Variable)] = &[
         |d| d.steady.spectral_radius)),
 
     // The event to come
-    (72, prediction("impacts.nextTime", "Time of the next impact, rest or release with the inputs and parameters as they are, in \
+    (72, prediction("impacts.nextTime", "Time of the next impact, rest or release after the present, with the inputs and parameters as they are, in \
         Co-Simulation; where none comes within two drive periods (or 1e4 of the fastest time constant, if that is shorter), the \
         end of that span. Model Exchange predicts nothing",
         real(units::TIME), Continuous, |p| p.time)),

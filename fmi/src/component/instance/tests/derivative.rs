@@ -186,3 +186,42 @@ fn dependencies_are_those_of_the_derivatives() {
         }
     }
 }
+
+/// At a point that a solver has just accepted nothing has been damped since, but it will be from there on.
+#[test]
+fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
+    const STEP: f64 = 1e-3; // s
+    /// What a central difference leaves out, of powers of 0.1 W.
+    const SAME: f64 = 1e-6;
+    let protocol = Protocol { edition: Edition::Extended, ..Protocol::default() };
+    let mut fmu = Instance::of_protocol(Interface::ModelExchange, protocol);
+    for (name, value) in [("box.v", 0.4), ("secondary.v", 0.5), ("block.s", 0.3)] {
+        set(&mut fmu, name, value).unwrap();
+    }
+    let mut fmu = initialize(fmu);
+    fmu.handle_events(&mut Silence).unwrap();
+    fmu.enter_continuous();
+    for accepted in [true, false] {
+        if !accepted {
+            fmu.set_time(0.01).unwrap();
+        }
+        let names = ["energy.damped", "energy.input"];
+        let exact = derivative(&mut fmu, &names, &["time"], &[1.0]);
+        let now = fmu.time();
+        let mut at = |time: f64| {
+            fmu.set_time(time).unwrap();
+            names.map(|name| get(&mut fmu, name))
+        };
+        let (later, before) = (at(now + STEP), at(now - STEP));
+        at(now);
+        for i in 0..2 {
+            let quotient = (later[i] - before[i]) / (2.0 * STEP);
+            assert!(
+                quotient > 0.01 && (quotient - exact[i]).abs() < SAME,
+                "{} {quotient} {}",
+                names[i],
+                exact[i]
+            );
+        }
+    }
+}

@@ -378,3 +378,94 @@ fn invariant_eulers_rule_stays_bounded_over_the_default_experiment() {
     let (settled, grown) = (largest(1.0), largest(4.0));
     assert!(settled < 5.0 && grown > 20.0, "{settled} {grown}");
 }
+
+/// A set of several variables of which one is refused leaves the states as they were too.
+#[test]
+fn a_refused_set_in_event_mode_changes_no_state() {
+    let handling = EventHandling { event_mode: true, early_return: true };
+    let mut fmu =
+        Instance::of_protocol(Interface::ModelExchange, Protocol { handling, ..Protocol::default() });
+    fmu.set_experiment(None, 0.0, None).unwrap();
+    fmu.enter_initialization();
+    fmu.exit_initialization(&mut Silence).unwrap();
+    fmu.handle_events(&mut Silence).unwrap();
+    let before = fmu.save();
+    let (references, values) = ([reference("secondary.s"), reference("box.k")], [0.5, 1e30]);
+    let refused = fmu.set(ANY, &references, |i| values[i]);
+    assert!(refused.is_err());
+    assert_eq!(fmu.save(), before);
+}
+
+/// What nominal values a host was told belongs to a saved state.
+#[test]
+fn invariant_changed_nominal_values_are_told_after_a_restored_state_too() {
+    let mut fmu = exchange();
+    fmu.set_experiment(None, 0.0, None).unwrap();
+    fmu.enter_initialization();
+    fmu.exit_initialization(&mut Silence).unwrap();
+    fmu.handle_events(&mut Silence).unwrap();
+    let saved = fmu.save();
+    let mut other = exchange();
+    other.restore(&saved).unwrap();
+    for fmu in [&mut fmu, &mut other] {
+        for _ in 0..2 {
+            set(fmu, "drive.frequency", 2.0).unwrap();
+            assert!(fmu.handle_events(&mut Silence).unwrap().nominals);
+            assert!(!fmu.handle_events(&mut Silence).unwrap().nominals);
+            fmu.restore(&saved).unwrap();
+        }
+    }
+}
+
+/// One call does all that happens at an instant: wherever a host puts the block at a stop, and however it is pressed, a second call finds
+/// nothing to do, and what is at rest is pressed on.
+#[test]
+fn invariant_a_second_call_at_an_event_does_nothing() {
+    const CASES: usize = 20_000;
+    let mut random = 1_u64;
+    let mut uniform = || {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        random as f64 / u64::MAX as f64
+    };
+    let (mut rests, mut flights) = (0, 0);
+    for _ in 0..CASES {
+        let mut fmu = exchange();
+        let choose = |u: f64, of: &[f64]| of[((u * of.len() as f64) as usize).min(of.len() - 1)];
+        let restitution = choose(uniform(), &[0.0, 0.3, 0.75, 1.0]);
+        let damping = choose(uniform(), &[0.0, 0.1, 2.0]);
+        for (name, value) in
+            [("stop.restitution", restitution), ("box.c", damping), ("drive.phase", 6.0 * uniform())]
+        {
+            set(&mut fmu, name, value).unwrap();
+        }
+        fmu.set_experiment(None, 0.0, None).unwrap();
+        fmu.enter_initialization();
+        fmu.exit_initialization(&mut Silence).unwrap();
+        fmu.handle_events(&mut Silence).unwrap();
+        fmu.enter_continuous();
+        // Before the stop, on it, or past it as a late host comes; fast, slowly, or not at all.
+        let depth = choose(uniform(), &[-5e-10, -1e-12, 0.0, 1e-14, 1e-10, 1e-6, 0.2]);
+        let rate = choose(uniform(), &[-0.1, -1e-7, 0.0, 1e-12, 1e-7, 1e-4, 0.3]) * uniform();
+        let side = choose(uniform(), &[-1.0, 1.0]);
+        let (x, v) = (uniform() - 0.5, uniform() - 0.5);
+        fmu.set_continuous_states(&[x, x + side * (1.0 + depth), uniform(), v, v + side * rate, 0.0])
+            .unwrap();
+        // The pressing: some of it, hardly any, none, and away.
+        let free = fmu.state_derivatives().unwrap();
+        let pressing = choose(uniform(), &[-1e-3, -1e-9, 0.0, 1e-12, 1e-9, 1e-6, 0.1]) * side * uniform();
+        let mass = Parameters::default().block_mass;
+        set(&mut fmu, "block.f", mass * (free[3] - free[4] + pressing)).unwrap();
+        fmu.enter_event().unwrap();
+        fmu.handle_events(&mut Silence).unwrap();
+        let first = fmu.save();
+        let again = fmu.handle_events(&mut Silence).unwrap();
+        assert!(!again.states && fmu.save() == first, "{depth} {rate} {pressing} {restitution} {damping}");
+        let indicators = fmu.event_indicators().unwrap();
+        assert!(indicators.iter().all(|z| *z > 0.0), "{indicators:?}");
+        let rest = get(&mut fmu, "stop.state") != 1.0;
+        (rests, flights) = (rests + usize::from(rest), flights + usize::from(!rest));
+    }
+    assert!(rests > CASES / 20 && flights > CASES / 2, "{rests} {flights}");
+}

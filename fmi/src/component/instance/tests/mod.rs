@@ -7,6 +7,7 @@ use crate::component::variables::{
 };
 use fmi_doors::{Advance, StepOutcome, StepReason};
 
+mod announced;
 mod closed;
 mod dependencies;
 mod derivative;

@@ -185,3 +185,25 @@ fn a_step_that_cannot_be_taken_back_is_reported() {
     assert!(said.contains(&cause().to_string()) && said.contains("could not be taken back"), "{said}");
     assert_eq!(simulator.snapshot(), before);
 }
+
+/// A step that a closed form refuses leaves the parameters for the next one, and the motion as it was.
+#[test]
+fn a_refused_step_of_a_closed_form_is_taken_back() {
+    for mode in [2.0, 3.0] {
+        for by_advance in [false, true] {
+            let mut fmu = instance();
+            set(&mut fmu, "mode", mode).unwrap();
+            let mut fmu = initialize(fmu);
+            step(&mut fmu, 0.0, 1.0).unwrap();
+            let (before, amplitude) = (fmu.save().engine, get(&mut fmu, "drive.amplitude"));
+            set(&mut fmu, "drive.amplitude", 1.1 * amplitude).unwrap();
+            let far = 1e17; // beyond it a double does not tell two moments of the motion
+            let refused = match by_advance {
+                true => fmu.advance(1.0, far, &mut Silence).err(),
+                false => fmu.step(1.0, far, &mut Silence).err(),
+            };
+            assert!(refused.is_some());
+            assert_eq!(fmu.save().engine, before);
+        }
+    }
+}
