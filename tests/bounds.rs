@@ -186,9 +186,9 @@ fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
         power *= REACH / k;
         // The bound on the coefficient of order k of w, in S.
         let bound = if k == 1.0 { 1.0 } else { k.max(2.5 + 0.5 * k) };
-        entries += (5.5 * k + 1.5) * bound * power;
+        entries += (5.5 * k + 0.5 * k + 1.0) * bound * power;
     }
-    assert!(entries < 650.0, "{entries}");
+    assert!(entries < 690.0, "{entries}");
     assert!(entries + 10.5 * TERMS < SAMPLE_ROUNDING, "{entries}");
 }
 
@@ -259,12 +259,40 @@ fn divided(x: DoubleDouble, n: f64) -> DoubleDouble {
     DoubleDouble::new(first).plus(rest / n)
 }
 
-/// In a search for an event in flight the sizes of the coefficients add up to at most eight sizes of the motion where the series is
+/// The table's bound holds for |w''| throughout a sub-step, between the interval centres too, where it comes from the growth of a row.
+#[test]
+fn invariant_the_bound_holds_between_the_samples() {
+    /// Places in an interval on each side of its centre.
+    const PLACES: i32 = 5;
+    let mut next = random(6);
+    let mut most = 0.0f64;
+    for _ in 0..2_000 {
+        let (model, z, _) = any_start(&any_machine(&mut next), &mut next);
+        let mut table = Box::new(Table::<CORE>::zero());
+        table.fill(pulp::Scalar, &model, SmoothMode::Flight, substep(&model));
+        let (bound, radius) = (table.curvature(&z), 0.5 * substep(&model) / INTERVALS as f64);
+        for columns in &table.centre {
+            let mut centre = [0.0; 8];
+            Table::transit(columns, &z, &mut centre);
+            let series = Series::<CENTRED>::expand(&model, SmoothMode::Flight, &centre, None, radius);
+            for place in -PLACES..=PLACES {
+                let u = f64::from(place) / f64::from(PLACES);
+                let terms = series.states.iter().enumerate().skip(2);
+                let bend: f64 =
+                    terms.map(|(k, c)| (k * (k - 1)) as f64 * c[RELATIVE] * u.powi(k as i32 - 2)).sum();
+                most = most.max(bend.abs() / (radius * radius * bound));
+            }
+        }
+    }
+    assert!(most > 0.9 && most <= 1.0, "{most}");
+}
+
+/// In a search for an event in flight the sizes of the coefficients add up to little more than two sizes of the motion where the series is
 /// formed (docs/numerics.md, "Second stage"): random fast blocks from which no longer steps are taken than `MAX_REACH` allows, at the
 /// centres of all intervals up to the first past a stop.
 #[test]
-fn invariant_searched_coefficients_stay_under_eight_sizes() {
-    const MOST: f64 = 8.0;
+fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
+    const MOST: f64 = 2.3;
     /// `MAX_REACH`, in gaps.
     const REACH: f64 = 4.0;
     let mut next = random(5);

@@ -33,6 +33,20 @@ fn bounce((kappa, rate): (f64, f64), u: f64, derivatives: [f64; 4], span: f64) -
     (simulator, events)
 }
 
+/// A run is closed at the impact from which on the bounces move the block by no more than 2⁻⁵³ gaps: those of a first rebound u at
+/// constant acceleration a add up to u²/((1 - κ²) a), and (18) asks for no more than half of that times 1 + κ.
+#[test]
+fn closed_form_runs_are_closed_by_the_way_that_is_left() {
+    let (kappa, a0) = (0.5, 1e-3);
+    let limit = (0.5 * (1.0 - kappa) * CLOSED * a0).sqrt();
+    assert!(limit * limit / ((1.0 - kappa * kappa) * a0) <= CLOSED);
+    for (part, closed) in [(0.5, true), (0.99, true), (1.01, false), (1.9, false)] {
+        let (_, events) = bounce((kappa, 1.0), part * limit, [a0, 0.0, 0.0, 0.0], 1e-12);
+        assert!(matches!(events[0], Event::Impact { .. }), "{events:?}");
+        assert_eq!(matches!(events.get(1), Some(Event::Rest { .. })), closed, "{part}: {events:?}");
+    }
+}
+
 /// With the load a0 - c t², whose jerk is zero at first, the acceleration turns before the block is back: it never comes back.
 #[test]
 fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {

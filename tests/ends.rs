@@ -127,6 +127,41 @@ fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of 1512: {:?}", added.len(), &added[..added.len().min(5)]);
 }
 
+/// Nor does a step that ends where a release was foretold, or a unit in the last place beside it.
+#[test]
+fn invariant_steps_that_end_at_a_release_add_no_impact() {
+    let (mut releases, mut added) = (0, Vec::new());
+    for n in 0..600 {
+        let (amplitude, frequency) = (0.1 + 0.01 * f64::from(n % 53), 0.3 + 0.07 * f64::from(n % 23));
+        let p = Parameters {
+            stop_restitution: 0.1 * f64::from(n % 5),
+            drive_amplitude: amplitude,
+            drive_frequency: frequency,
+            ..Parameters::default()
+        };
+        let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
+        while simulator.time() < 400.0 {
+            let Some(event) = simulator.next_event(400.0).unwrap() else { break };
+            if let Event::Release { time, .. } = event {
+                let impacts_after = |first: f64| {
+                    let mut divided = simulator.clone();
+                    divided.advance_to(first).unwrap();
+                    divided.advance_to(time + 0.01).unwrap();
+                    *divided.impacts()
+                };
+                releases += 1;
+                let whole = impacts_after(time + 0.01);
+                let ends = [time.next_down(), time, time.next_up(), time.next_up().next_up()];
+                added.extend(ends.into_iter().filter(|end| impacts_after(*end) != whole));
+            }
+            simulator.advance_until(400.0, Pause::BeforeEvent, None).unwrap();
+            simulator.apply_due_event(None);
+        }
+    }
+    assert!(releases > 8000, "{releases}");
+    assert!(added.is_empty(), "{} of {releases} releases", added.len());
+}
+
 /// Loads that are set right after a release decide anew whether the block rests, by an acceleration that is rounding. Another release
 /// may be reported, but the motion is the same.
 #[test]

@@ -232,3 +232,39 @@ fn invariant_mirror_image_of_an_off_centre_gap() {
     assert_eq!(above.x.map(|x| -x), below.x);
     assert_eq!(above.v.map(|v| -v), below.v);
 }
+
+/// A block that its load holds on a stop, by a force that falls as (t - t0)² - d and rises again: it is let go where that is zero, however
+/// short the dip and wherever it lies between two samples, and not at all where the force stays above zero.
+#[test]
+fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
+    /// Of the time at which the force falls through zero, by its rounding over its slope.
+    const TIME: f64 = 1e-14;
+    let p =
+        Parameters { drive_frequency: 1.0, stop_gap: 1.0, block_mass: 1.0, stop_restitution: 0.0, ..free() };
+    for side in [1.0, -1.0] {
+        for exponent in 2..=10 {
+            for place in 0..40 {
+                let (depth, lowest) = (10f64.powi(-exponent), 0.7 + 0.017 * f64::from(place));
+                for depth in [depth, -depth] {
+                    let at_stop = State { x: [0.0, side, 0.0], v: [0.0; 3] };
+                    let mut simulator = Simulator::new(&p, &at_stop, 0.0).unwrap();
+                    let force = [lowest * lowest - depth, -2.0 * lowest, 2.0, 0.0].map(|f| side * f);
+                    simulator.set_loads(&Loads { derivatives: [[0.0; 4], force, [0.0; 4]] }).unwrap();
+                    let mut releases = Vec::new();
+                    let mut keep = |event: &Event| {
+                        if let Event::Release { time, .. } = event {
+                            releases.push(*time);
+                        }
+                    };
+                    simulator.advance_observed(2.4, &mut keep).unwrap();
+                    let exact = (depth > 0.0).then(|| lowest - depth.sqrt());
+                    assert_eq!(releases.first().is_some(), exact.is_some(), "{depth:e} at {lowest}");
+                    if let Some(exact) = exact {
+                        let error = (releases[0] - exact).abs();
+                        assert!(error <= TIME / depth.sqrt(), "{depth:e} at {lowest}: {error:e}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -17,6 +17,9 @@ const START_ROUNDING: f64 = 1e-9;
 /// (docs/numerics.md, section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
+/// The rounding of w'', in ε times the bound on |w''|: that of the sums it is made of, and of the state's coordinates in them.
+const RATE_ROUNDING: f64 = 16.0;
+
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
@@ -123,7 +126,9 @@ impl Simulator {
         let order = self.hybrid.departing;
         self.advance_to_point(z, start, &arrival);
         if order > 0 && side.is_none() {
-            self.hybrid.departing = self.order_still_departing(z, &series, order, start.z[RELATIVE].signum());
+            let side = start.z[RELATIVE].signum();
+            let rounding = RATE_ROUNDING * f64::EPSILON * start.bound * span;
+            self.hybrid.departing = self.order_still_departing(z, &series, (order, side), rounding);
         }
         if side.is_none() && span >= remaining {
             self.hybrid.time = end;
@@ -131,31 +136,30 @@ impl Simulator {
         side
     }
 
-    /// The order of departure after a step in which the block has left stop `side` with `order` and has met no stop. It is 0, unless
+    /// The order of departure after a step in which the block has left a stop with an order, and has met no stop. It is 0, unless
     /// the step was so short that w still rounds to the stop; then the zero of w at the next step's start is no return either.
+    /// `rounding` is what the rounding of w'' may have put into w' in the step, m/s.
     fn order_still_departing(
         &self,
         z: &mut Augmented,
         series: &Series<ANCHORED>,
-        order: u8,
-        side: f64,
+        (order, side): (u8, f64),
+        rounding: f64,
     ) -> u8 {
         if side * z[RELATIVE] < self.model.gap {
             return 0;
         }
         z[RELATIVE] = side * self.model.gap;
-        if side * z[RELATIVE_RATE] < 0.0 {
-            return 1;
-        }
+        let inward = -side * z[RELATIVE_RATE];
         // A block that let go without speed may still have none that rounding does not hide: w'' is zero at a release but for
         // rounding. The terms that are not zero tell whether it is on its way out or has just come back.
         let orders = series.states.iter().enumerate().skip(usize::from(order));
         let rate: f64 = orders.map(|(k, state)| k as f64 * (side * state[RELATIVE])).sum();
-        if order == 1 || rate >= 0.0 {
-            return 0;
+        if order > 1 && inward <= rounding && rate < 0.0 {
+            z[RELATIVE_RATE] = 0.0;
+            return order;
         }
-        z[RELATIVE_RATE] = 0.0;
-        order
+        u8::from(inward > 0.0)
     }
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.

@@ -2,7 +2,7 @@
 
 use super::{Contact, DueEvent, HybridState, State};
 use crate::error::{Error, Result};
-use crate::model::Model;
+use crate::model::{Forces, Model};
 use crate::parameters::Parameters;
 
 /// A start this close to a stop, in units of the rounding of the displacements, is on the stop.
@@ -14,8 +14,7 @@ const MAX_DRIFT: f64 = 1e10;
 const MAX_VIOLENCE: f64 = 1e12;
 
 /// What is said of a load that is too large for the system.
-pub(super) const VIOLENT_LOAD: &str =
-    "load over its body's mass, stop.gap and the square of the fastest rate";
+const VIOLENT_LOAD: &str = "load over its body's mass, stop.gap and the square of the fastest rate";
 
 /// The highest order of the first derivative that leads away from a stop.
 const MAX_DEPARTING: u8 = 8;
@@ -33,23 +32,33 @@ pub fn check_time(rate: f64, time: f64) -> Result<()> {
     Err(Error::PrecisionLost { what: "time times the fastest rate", value, limit: MAX_TIME })
 }
 
-pub(super) fn limit(what: &'static str, value: f64) -> Result<()> {
+fn limit(what: &'static str, value: f64) -> Result<()> {
     if value.abs() <= MAX_VIOLENCE {
         return Ok(());
     }
     Err(Error::PrecisionLost { what, value: value.abs(), limit: MAX_VIOLENCE })
 }
 
-/// Speeds, the secondary's place, the drive and constant loads against what the gap and the system's rates can resolve.
+/// The drive, constant loads and loads that are set against what the gap and the system's rates can resolve.
+pub(super) fn check_forces(model: &Model, loads: &Forces) -> Result<()> {
+    let unit = model.gap * model.rate * model.rate;
+    limit("drive.amplitude over box.m, stop.gap and the square of the fastest rate", model.drive / unit)?;
+    let constant = model.constant_loads.map(|load| [load, 0.0, 0.0, 0.0]);
+    for loads in [&constant, loads] {
+        for (derivatives, inverse_mass) in loads.iter().zip(&model.inverse_mass) {
+            let mut unit = unit;
+            for derivative in derivatives {
+                limit(VIOLENT_LOAD, derivative * inverse_mass / unit)?;
+                unit *= model.rate;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Speeds and the secondary's place against what the gap and the system's rates can resolve.
 pub(super) fn check_speeds(model: &Model, state: &State) -> Result<()> {
     let (gap, rate) = (model.gap, model.rate);
-    limit(
-        "drive.amplitude over box.m, stop.gap and the square of the fastest rate",
-        model.drive / (gap * rate * rate),
-    )?;
-    for (load, inverse_mass) in model.constant_loads.iter().zip(&model.inverse_mass) {
-        limit(VIOLENT_LOAD, load * inverse_mass / (gap * rate * rate))?;
-    }
     limit("secondary.s over stop.gap", state.x[2] / gap)?;
     let speeds = [state.v[0], state.v[2], state.v[1] - state.v[0]];
     speeds

@@ -47,7 +47,7 @@ use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
 pub use crate::state::State;
 pub use limits::check_time;
-use limits::{VIOLENT_LOAD, check_speeds, coordinates, limit};
+use limits::{check_forces, check_speeds, coordinates};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use tables::ModeTables;
@@ -77,7 +77,8 @@ impl HybridState {
             return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
         }
         check_time(model.rate, time)?;
-        let y = coordinates(parameters, state)?;
+        let (y, loads) = (coordinates(parameters, state)?, [[0.0; 4]; 3]);
+        check_forces(model, &loads)?;
         check_speeds(model, state)?;
         Ok(Self {
             time: DoubleDouble::new(time),
@@ -86,7 +87,7 @@ impl HybridState {
             departing: 0,
             due: None,
             phase: DrivePhase::new(parameters.drive_phase),
-            loads: [[0.0; 4]; 3],
+            loads,
             loads_from: DoubleDouble::new(time),
             record: ImpactRecord::default(),
             sums: Sums::default(),
@@ -203,6 +204,7 @@ impl Simulator {
         }
         let model = Model::new(parameters)?;
         check_time(model.rate, self.time())?;
+        check_forces(&model, &self.hybrid.loads)?;
         check_speeds(&model, &self.state())?;
         let gap_changed = parameters.stop_gap != self.parameters.stop_gap;
         let y = if gap_changed { coordinates(parameters, &self.state())? } else { self.hybrid.y };
@@ -240,13 +242,7 @@ impl Simulator {
                 return Err(Error::OutOfRange { name, value, allowed: "a finite number" });
             }
         }
-        for (derivatives, inverse_mass) in loads.derivatives.iter().zip(&self.model.inverse_mass) {
-            let mut unit = self.model.gap * self.model.rate * self.model.rate;
-            for derivative in derivatives {
-                limit(VIOLENT_LOAD, derivative * inverse_mass / unit)?;
-                unit *= self.model.rate;
-            }
-        }
+        check_forces(&self.model, &loads.derivatives)?;
         let before =
             flow::shifted(&self.hybrid.loads, self.hybrid.time.minus(self.hybrid.loads_from).value());
         let unchanged = before == loads.derivatives;

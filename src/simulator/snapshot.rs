@@ -1,8 +1,9 @@
 //! A point of a motion, kept to come back to.
 
-use super::limits::{check_contact, check_time};
+use super::limits::{check_contact, check_forces, check_time};
 use super::{HybridState, Simulator};
 use crate::error::{Error, Result};
+use crate::flow::shifted;
 use crate::model::Model;
 use crate::numerics::double_double::DoubleDouble;
 use crate::parameters::Parameters;
@@ -16,7 +17,8 @@ pub struct Snapshot {
     hybrid: HybridState,
 }
 
-/// No motion comes to displacements and speeds above this: starts are refused beyond 1e100. The squares in its energies would overflow.
+/// No motion comes to displacements, speeds and loads above this: starts are refused beyond 1e100. The squares in its energies would
+/// overflow.
 const MAX_NUMBER: f64 = 1e150;
 
 impl Simulator {
@@ -49,8 +51,14 @@ impl Simulator {
         {
             return Err(Error::OutOfRange { name: "snapshot", value: f64::NAN, allowed: "finite numbers" });
         }
-        if let Some(&value) = hybrid.y.iter().find(|x| x.abs() > MAX_NUMBER) {
-            return Err(Error::OutOfRange { name: "snapshot", value, allowed: "states up to 1e150" });
+        let loads = shifted(&hybrid.loads, hybrid.time.minus(hybrid.loads_from).value());
+        let mut numbers = hybrid.y.iter().chain(loads.iter().flatten());
+        if let Some(&value) = numbers.find(|x| x.is_nan() || x.abs() > MAX_NUMBER) {
+            return Err(Error::OutOfRange {
+                name: "snapshot",
+                value,
+                allowed: "states and loads up to 1e150",
+            });
         }
         let gap = snapshot.parameters.stop_gap;
         if hybrid.y[1].abs() > gap {
@@ -60,10 +68,12 @@ impl Simulator {
         if snapshot.parameters != self.parameters {
             let model = Model::new(&snapshot.parameters)?;
             check_time(model.rate, hybrid.time.value())?;
+            check_forces(&model, &hybrid.loads)?;
             self.hybrid = hybrid;
             self.install(&snapshot.parameters, model);
         } else {
             check_time(self.model.rate, hybrid.time.value())?;
+            check_forces(&self.model, &hybrid.loads)?;
             self.hybrid = hybrid;
             self.prepare_load_tables();
         }
@@ -86,6 +96,27 @@ mod tests {
             let refused = simulator.restore(&damaged);
             assert!(
                 matches!(refused, Err(Error::OutOfRange { name: "snapshot", value: -1e160, .. })),
+                "{refused:?}"
+            );
+            assert_eq!(simulator.snapshot(), sound);
+        }
+    }
+
+    #[test]
+    fn a_snapshot_whose_loads_would_overflow_is_refused() {
+        let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
+        let sound = simulator.snapshot();
+        let damages: [fn(&mut Snapshot); 3] = [
+            |damaged| damaged.parameters.constant_loads[2] = 6.9e274,
+            |damaged| damaged.hybrid.loads[1][2] = 2.9e273,
+            |damaged| (damaged.hybrid.loads[1][3], damaged.hybrid.loads_from.hi) = (1.0, -1.8e108),
+        ];
+        for damage in damages {
+            let mut damaged = sound;
+            damage(&mut damaged);
+            let refused = simulator.restore(&damaged);
+            assert!(
+                matches!(refused, Err(Error::OutOfRange { .. } | Error::PrecisionLost { .. })),
                 "{refused:?}"
             );
             assert_eq!(simulator.snapshot(), sound);
