@@ -258,7 +258,7 @@ fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
                     };
                     simulator.advance_observed(2.4, &mut keep).unwrap();
                     let exact = (depth > 0.0).then(|| lowest - depth.sqrt());
-                    assert_eq!(releases.first().is_some(), exact.is_some(), "{depth:e} at {lowest}");
+                    assert_eq!(!releases.is_empty(), exact.is_some(), "{depth:e} at {lowest}");
                     if let Some(exact) = exact {
                         let error = (releases[0] - exact).abs();
                         assert!(error <= TIME / depth.sqrt(), "{depth:e} at {lowest}: {error:e}");

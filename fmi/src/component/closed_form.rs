@@ -26,6 +26,11 @@ pub(crate) const MOST_REPORTED: f64 = 1000.0;
 /// Rounding of a drive phase, relative to itself: a few units in the last place from time, frequency and offset.
 const PHASE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
+/// By how much an angle since the last impact may be off, rad.
+fn phase_rounding(angle: f64) -> f64 {
+    PHASE_ROUNDING * (angle.abs() + TAU)
+}
+
 /// What changes in time, as plain data; the solution follows from it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Data {
@@ -267,14 +272,20 @@ impl ClosedForm {
         self.impact_time(if self.is_due() { now } else { now + 1.0 }).value().max(self.time())
     }
 
-    /// Displacements and velocities, at an impact those of the limit that is shown.
+    /// Displacements and velocities, at an impact those of the limit that is shown: of one that is counted as past, within the rounding
+    /// of the phase, those after it.
     fn state(&self) -> State {
         let mut state = self.solution.state(self.theta());
-        let side = if self.halves(self.data.time).0 % 2.0 == 0.0 { 1.0 } else { -1.0 };
-        let before = side * (state.v[1] - state.v[0]) > 0.0;
+        let (halves, since) = self.halves(self.data.time);
+        let side = if halves % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        let past = since <= phase_rounding(halves * PI);
+        // In the middle between the approach and the rebound, which may be none.
+        let restitution = self.data.parameters.stop_restitution;
+        let before = side * (state.v[1] - state.v[0]) > 0.5 * (1.0 - restitution) * self.speed;
         let push = match (self.data.limit, before) {
             (Limit::Before, false) => -side * self.impulse,
             (Limit::After, true) => side * self.impulse,
+            (Limit::Any, true) if past => side * self.impulse,
             _ => return state,
         };
         state.v[0] += push / self.data.parameters.box_mass;
@@ -287,8 +298,7 @@ impl ClosedForm {
     fn halves(&self, time: DoubleDouble) -> (f64, f64) {
         let total = self.offset + self.data.parameters.drive_frequency * time.minus(self.data.from).value();
         // An impact a rounding error ahead has happened: a step that ends at an impact must not meet it again.
-        let rounding = PHASE_ROUNDING * (total.abs() + TAU);
-        let whole = ((total + rounding) / PI).floor();
+        let whole = ((total + phase_rounding(total)) / PI).floor();
         (whole, (total - whole * PI).max(0.0))
     }
 

@@ -240,10 +240,12 @@ fn play(
             }
         };
         let (_, left_out) = form.advance(point, size, false, Some(&mut count))?;
-        let latch = at_event == AtEvent::Latch;
-        let due = latch && form.meet(rounding(point + size));
+        let (latch, due) = (at_event == AtEvent::Latch, form.meet(rounding(point + size)));
+        if due && !latch {
+            form.apply_due_event(Some(&mut count));
+        }
         let side = if due { 0 } else { side }; // one that is due comes last
-        return Ok(Stand { early: false, event: due || latch && events > 0, side, left_out });
+        return Ok(Stand { early: false, event: latch && (due || events > 0), side, left_out });
     }
     let due = form.advance_before_event(point, size, rounding(point + size))?;
     let early = due && point + size - form.time() > rounding(point + size);

@@ -1,5 +1,6 @@
 //! What depends on what in the present contact.
 
+use super::events::Present;
 use super::{Engine, Instance, Outcome};
 use crate::component::continuous::Continuous;
 use crate::component::settings::Settings;
@@ -35,9 +36,10 @@ impl Instance {
             None if variable.dimensions.is_empty() => Vec::new(),
             None => structure::declared(variable),
         };
-        let contact = match (&self.engine, initial) {
-            (Engine::Simulation(simulator), false) => Some(simulator.contact()),
-            (Engine::Continuous(continuous), false) => Some(continuous.contact()),
+        // At an event that after it, as it is shown.
+        let contact = match self.present() {
+            Ok(Present::Simulation(simulator)) => Some(simulator.contact()),
+            Ok(Present::Continuous(continuous)) => Some(continuous.contact()),
             _ => None,
         };
         let mut found = Vec::new();

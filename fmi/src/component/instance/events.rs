@@ -146,10 +146,13 @@ impl Instance {
 
     /// The steady state after the impact at which it stands, with the parameters that were set since.
     fn form_after_event(&self, form: &ClosedForm, report: EventObserver<'_, '_>) -> Outcome<ClosedForm> {
-        let mut ahead = form.clone();
-        ahead.apply_due_event(report);
+        let (mut ahead, mut impact) = (form.clone(), None);
+        ahead.apply_due_event(Some(&mut |event| impact = Some(*event)));
         if self.parameters_set {
             ahead.set_parameters(&self.settings.parameters)?;
+        }
+        if let (Some(event), Some(report)) = (impact, report) {
+            report(&event);
         }
         Ok(ahead)
     }

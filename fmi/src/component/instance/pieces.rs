@@ -85,6 +85,18 @@ impl Instance {
         self.loads_set = true;
     }
 
+    /// Lets each load that has followed a polynomial through a step hold from its end on the value that it has there.
+    pub(super) fn hold_loads(&mut self) {
+        let Engine::Simulation(simulator) = &self.engine else { return };
+        for body in 0..3 {
+            if self.settings.loads.derivatives[body][1..] != [0.0; 3] {
+                self.settings.loads.derivatives[body] =
+                    [simulator.loads().derivatives[body][0], 0.0, 0.0, 0.0];
+                self.loads_set = true;
+            }
+        }
+    }
+
     /// Takes over what was set; where that has changed the contact, the step of a host that handles events ends here.
     ///
     /// # Errors
@@ -202,15 +214,7 @@ impl Instance {
         };
         let event = self.life.handling.event_mode && (due || pieces.events > 0);
         let early = pieces.end_value - time > rounding(pieces.end_value);
-        if let Engine::Simulation(simulator) = &self.engine {
-            let now = simulator.loads().derivatives;
-            for (load, now) in self.settings.loads.derivatives.iter_mut().zip(now) {
-                if load[1..] != [0.0; 3] {
-                    *load = [now[0], 0.0, 0.0, 0.0];
-                    self.loads_set = true;
-                }
-            }
-        }
+        self.hold_loads();
         self.life.phase = Phase::Step;
         self.events.pending = event;
         self.events.latched = event.then_some(pieces.shown);

@@ -23,7 +23,7 @@ impl Instance {
         let end = point + size;
         let (wanted, mut left_out) = (log.wants(Category::Events), 0.0);
         let mut report = |event: &Event| log.log(Category::Events, &describe(event));
-        let report: EventObserver = if wanted { Some(&mut report) } else { None };
+        let mut report: EventObserver = if wanted { Some(&mut report) } else { None };
         let reason = match &mut self.engine {
             Engine::Simulation(simulator) => {
                 let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
@@ -34,7 +34,11 @@ impl Instance {
                 if self.parameters_set {
                     next.set_parameters(&self.settings.parameters)?;
                 }
-                let (reason, unreported) = next.advance(point, size, self.settings.stop_at_impact, report)?;
+                let stop = self.settings.stop_at_impact;
+                let (reason, unreported) = next.advance(point, size, stop, report.as_deref_mut())?;
+                if reason == AdvanceOutcome::End && next.meet(rounding(end)) {
+                    next.apply_due_event(report);
+                }
                 (**form, left_out) = (next, unreported);
                 reason
             }
@@ -60,12 +64,7 @@ impl Instance {
     /// What a step leaves behind: nothing pending, and the loads as they have become.
     fn finish_step(&mut self, reason: AdvanceOutcome, end: f64) -> StepOutcome {
         self.taken_over();
-        if let Engine::Simulation(simulator) = &self.engine {
-            let slopes = self.settings.loads.derivatives.iter().flat_map(|load| &load[1..]);
-            if slopes.into_iter().any(|slope| *slope != 0.0) {
-                self.settings.loads = simulator.loads();
-            }
-        }
+        self.hold_loads();
         let time = self.time();
         let early = reason == AdvanceOutcome::Impact && time < end;
         self.life.phase = if early { Phase::StoppedEarly } else { Phase::Step };

@@ -154,3 +154,41 @@ fn a_release_by_an_input_is_logged_by_each_protocol() {
     fmu.step(0.0, 0.05, &mut messages).unwrap();
     assert_eq!(leaves(&messages), 1, "{:?}", messages.0);
 }
+
+/// The impacts of a closed form too are behind the step that ends at their announced time, late starts among them.
+#[test]
+fn announced_impacts_of_a_closed_form_are_behind_the_step_by_each_protocol() {
+    const BEGIN: f64 = 7244.0;
+    /// Rounding of a drive's phase of thousands of turns.
+    const SAME: f64 = 1e-11;
+    for frequency in 0..20 {
+        for stop in [0.0, 1.0] {
+            let mut found = Vec::new();
+            for by_step in [true, false] {
+                let mut fmu = instance();
+                let frequency = 1.0 + 0.003 * f64::from(frequency);
+                for (name, value) in [("mode", 3.0), ("drive.frequency", frequency), ("stopAtImpact", stop)] {
+                    set(&mut fmu, name, value).unwrap();
+                }
+                fmu.set_experiment(None, BEGIN, None).unwrap();
+                fmu.enter_initialization();
+                fmu.exit_initialization(&mut Silence).unwrap();
+                let mut messages = Messages::default();
+                for n in 1..=20 {
+                    let (now, next) = (fmu.time(), get(&mut fmu, "impacts.nextTime"));
+                    assert!(next > now, "{frequency}: the impact after {now} is announced for {next}");
+                    if by_step {
+                        fmu.step(now, next - now, &mut messages).unwrap();
+                    } else {
+                        fmu.advance(now, next - now, &mut messages).unwrap();
+                    }
+                    let met = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
+                    assert_eq!(met, f64::from(n), "{frequency}: announced for {next}");
+                    assert_eq!(messages.0.len(), n as usize);
+                }
+                found.push(get(&mut fmu, "block.v"));
+            }
+            assert!((found[0] - found[1]).abs() < SAME, "{found:?}");
+        }
+    }
+}

@@ -297,3 +297,29 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
     check(&structure::derivatives(Edition::Clocked), listed, moves, &knowns);
     check(&structure::event_indicators(), listed, moves, &knowns);
 }
+
+/// Before the law of an event is carried out the values after it are shown, and the dependencies are theirs.
+#[test]
+fn dependencies_at_an_event_are_those_after_it() {
+    let handling = EventHandling { event_mode: true, early_return: true };
+    let mut fmu =
+        Instance::of_protocol(Interface::CoSimulation, Protocol { handling, ..Protocol::default() });
+    for (name, value) in [("stop.restitution", 0.0), ("drive.amplitude", 1.0), ("stopAtImpact", 1.0)] {
+        set(&mut fmu, name, value).unwrap();
+    }
+    let mut fmu = initialize(fmu);
+    fmu.handle_events(&mut Silence).unwrap();
+    fmu.leave_event(&mut Silence).unwrap();
+    let mut rests = 0;
+    while rests < 3 {
+        let now = fmu.time();
+        fmu.advance(now, 100.0, &mut Silence).unwrap();
+        fmu.enter_event().unwrap();
+        let shown = (get(&mut fmu, "stop.state"), fmu.dependencies(reference("block.a")).unwrap());
+        fmu.handle_events(&mut Silence).unwrap();
+        let after = (get(&mut fmu, "stop.state"), fmu.dependencies(reference("block.a")).unwrap());
+        assert_eq!(shown, after);
+        rests += usize::from(shown.0 != 1.0);
+        fmu.leave_event(&mut Silence).unwrap();
+    }
+}

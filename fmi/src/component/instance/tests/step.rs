@@ -207,3 +207,22 @@ fn a_refused_step_of_a_closed_form_is_taken_back() {
         }
     }
 }
+
+/// An input that followed a polynomial through a step is held from its end on, unless its derivatives are set again.
+#[test]
+fn an_input_with_derivatives_is_held_after_its_step() {
+    let mut fmu = initialized();
+    fmu.set_input_derivatives(&[reference("box.f")], &[1], &[1.0]).unwrap();
+    step(&mut fmu, 0.0, 0.5).unwrap();
+    assert_eq!(get(&mut fmu, "box.f"), 0.5);
+    let mut held = instance();
+    held.restore(&fmu.save()).unwrap();
+    set(&mut held, "box.f", 0.5).unwrap();
+    set(&mut fmu, "block.f", 0.0).unwrap();
+    for fmu in [&mut fmu, &mut held] {
+        step(fmu, 0.5, 0.5).unwrap();
+        step(fmu, 1.0, 0.5).unwrap();
+        assert_eq!(get(fmu, "box.f"), 0.5);
+    }
+    assert_eq!(motion(&mut fmu), motion(&mut held));
+}
