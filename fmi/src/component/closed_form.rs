@@ -276,8 +276,7 @@ impl ClosedForm {
     /// of the phase, those after it.
     fn state(&self) -> State {
         let mut state = self.solution.state(self.theta());
-        let (halves, since) = self.halves(self.data.time);
-        let side = if halves % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        let ((halves, since), side) = (self.halves(self.data.time), self.last_side());
         let past = since <= phase_rounding(halves * PI);
         // In the middle between the approach and the rebound, which may be none.
         let restitution = self.data.parameters.stop_restitution;
@@ -291,6 +290,11 @@ impl ClosedForm {
         state.v[0] += push / self.data.parameters.box_mass;
         state.v[1] -= push / self.data.parameters.block_mass;
         state
+    }
+
+    /// The stop of the last impact, or of that which is due: +1 the upper, -1 the lower.
+    pub(crate) fn last_side(&self) -> f64 {
+        if self.halves(self.data.time).0 % 2.0 == 0.0 { 1.0 } else { -1.0 }
     }
 
     /// Half periods since the last upper impact before the solution came into force, as a whole number, and the drive

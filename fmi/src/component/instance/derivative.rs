@@ -17,6 +17,8 @@ use vibro_impact::simulator::{self, Contact};
 /// Step of the differences in initialization, relative to the known value: the fourth-order formula leaves about its
 /// fourth power of truncation and 1e-16 over it of rounding.
 const STEP: f64 = 1e-3;
+/// A shorter step in parts of that: it leaves 1e-10 of rounding.
+const SHORTER: f64 = 1e-3;
 
 /// Values at the perturbed starts.
 type Sample = (OutputValues, Derived);
@@ -123,7 +125,8 @@ impl Instance {
         self.differences(&parameters, &along)
     }
 
-    /// Weighted samples whose sum is the derivative: central differences, or one-sided where a range ends.
+    /// Weighted samples whose sum is the derivative: central differences, or one-sided where a range ends, or where an impact of a closed
+    /// form lies between, which jumps: beside it samples on one side have it on the same side.
     fn differences(&self, knowns: &[u32], seed: &[f64]) -> Outcome<Vec<(f64, Sample)>> {
         const FORMULAS: [&[(f64, f64)]; 3] = [
             &[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)],
@@ -145,7 +148,10 @@ impl Instance {
             return Ok(Vec::new());
         }
         let mut outcome = Ok(Vec::new());
-        for formula in FORMULAS {
+        // Shorter ones where neither side is free of impacts.
+        let attempts =
+            [step, SHORTER * step].into_iter().flat_map(|step| FORMULAS.map(|formula| (formula, step)));
+        for (formula, step) in attempts {
             outcome = formula
                 .iter()
                 .map(|&(place, weight)| {
@@ -166,8 +172,11 @@ impl Instance {
 
     fn sample(&self, settings: &Settings, contact: Contact) -> Outcome<Sample> {
         if let Present::Closed(form) = self.present()? {
-            let mut form = form.into_owned();
+            let (side, mut form) = (form.last_side(), form.into_owned());
             form.set_parameters(&settings.parameters)?;
+            if form.last_side() != side {
+                return Err(Problem::sequence("an impact is as near as a difference is wide"));
+            }
             return Ok((form.values(), Derived::default()));
         }
         let values = if settings.mode == SolutionMode::EventDriven && !settings.start_on_orbit {

@@ -225,3 +225,43 @@ fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
         }
     }
 }
+
+/// Beside an impact of a closed form differences do not reach over it: the derivatives are those of the motion on this side, which change
+/// steadily with time.
+#[test]
+fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
+    /// Between two moments 10 ms apart, of derivatives of order one.
+    const SAME: f64 = 0.1;
+    let protocol = Protocol {
+        edition: Edition::Extended,
+        handling: EventHandling { event_mode: true, early_return: true },
+        ..Protocol::default()
+    };
+    let known = ["box.k", "stop.restitution", "drive.amplitude", "drive.frequency"];
+    for mode in [2.0, 3.0] {
+        let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
+        for (name, value) in [("mode", mode), ("stopAtImpact", 1.0)] {
+            set(&mut fmu, name, value).unwrap();
+        }
+        let mut fmu = initialize(fmu);
+        fmu.handle_events(&mut Silence).unwrap();
+        fmu.leave_event(&mut Silence).unwrap();
+        fmu.advance(0.0, 100.0, &mut Silence).unwrap();
+        fmu.enter_event().unwrap();
+        fmu.handle_events(&mut Silence).unwrap();
+        for known in known {
+            let at_impact = derivative(&mut fmu, &["block.v", "box.v", "block.s"], &[known], &[1.0]);
+            let mut later = Instance::of_protocol(Interface::CoSimulation, protocol);
+            later.restore(&fmu.save()).unwrap();
+            later.leave_event(&mut Silence).unwrap();
+            let now = later.time();
+            for step in 0..10 {
+                later.advance(now + 1e-3 * f64::from(step), 1e-3, &mut Silence).unwrap();
+                let then = derivative(&mut later, &["block.v", "box.v", "block.s"], &[known], &[1.0]);
+                for (a, b) in at_impact.iter().zip(&then) {
+                    assert!((a - b).abs() < SAME * (1.0 + a.abs()), "{known} {mode}: {at_impact:?} {then:?}");
+                }
+            }
+        }
+    }
+}
