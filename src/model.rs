@@ -108,7 +108,9 @@ const MAX_RATE_RATIO: f64 = 1e7;
 /// Below this rate (1/s) nothing of the system happens in minutes; it keeps the sub-step finite.
 const MIN_RATE: f64 = 1e-3;
 /// Above this the squares and products of the theory overflow, and those of gaps and speeds under its reciprocal are lost.
-const MAX_RATE: f64 = 1e100;
+const MAX_PRODUCT: f64 = 1e100;
+/// Above this energies of the largest speeds, and the fifth derivatives of the largest displacements, overflow (1/s, kg).
+const MAX_RATE: f64 = 1e40;
 
 impl Model {
     /// The constant loads with their derivatives, where there are any.
@@ -145,14 +147,20 @@ impl Model {
         model.rate = model.norm().max(model.omega).max(MIN_RATE);
         let [one, two, three] = model.inverse_mass;
         let gap = [1.0 / model.gap, model.gap * model.rate.max(1.0)];
-        let numbers = [model.drive, one, two, three, gap[0], gap[1]];
-        let largest = numbers.iter().fold(model.rate, |most, n| most.max(n.abs()));
-        if largest > MAX_RATE {
-            return Err(Error::PrecisionLost {
-                what: "largest of sqrt(k/m), c/m, 1/m, drive.amplitude/box.m, 1/stop.gap and stop.gap times the fastest rate",
-                value: largest,
-                limit: MAX_RATE,
-            });
+        let powers = [model.rate, m1, m2, m3];
+        let products = [model.drive, one, two, three, gap[0], gap[1]];
+        for (what, numbers, limit) in [
+            ("largest of sqrt(k/m), c/m, drive.frequency and the masses", &powers[..], MAX_RATE),
+            (
+                "largest of 1/m, drive.amplitude/box.m, 1/stop.gap and stop.gap times the fastest rate",
+                &products[..],
+                MAX_PRODUCT,
+            ),
+        ] {
+            let value = numbers.iter().fold(0.0f64, |most, n| most.max(n.abs()));
+            if value > limit {
+                return Err(Error::PrecisionLost { what, value, limit });
+            }
         }
         let ratio = model.rate / model.omega;
         if model.omega > 0.0 && ratio > MAX_RATE_RATIO {

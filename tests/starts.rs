@@ -249,3 +249,21 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     let huge = Loads { derivatives: [[0.0; 4], [0.0; 4], [4.8e97, 0.0, 0.0, 0.0]] };
     assert!(matches!(simulator.set_loads(&huge), Err(Error::PrecisionLost { .. })));
 }
+
+/// Masses and rates of which energies and derivatives would overflow are refused by name.
+#[test]
+fn masses_and_rates_beyond_all_machines_are_refused() {
+    for (p, what) in [
+        (Parameters { secondary_mass: 1e41, ..Parameters::default() }, "masses"),
+        (Parameters { drive_frequency: 1e41, ..Parameters::default() }, "drive.frequency"),
+    ] {
+        let refused = Simulator::new(&p, &State::default(), 0.0).unwrap_err();
+        assert!(
+            matches!(refused, Error::PrecisionLost { .. }) && refused.to_string().contains(what),
+            "{refused}"
+        );
+    }
+    let p = Parameters { drive_frequency: 1e40, ..Parameters::default() };
+    let simulator = Simulator::new(&p, &State { x: [0.0, 0.5, 0.0], v: [0.0; 3] }, 0.0).unwrap();
+    assert!(simulator.derivatives().iter().flatten().all(|d| d.is_finite()));
+}

@@ -17,8 +17,8 @@ pub struct Snapshot {
     hybrid: HybridState,
 }
 
-/// No motion comes to displacements, speeds and loads above this: starts are refused beyond 1e100. The squares in its energies would
-/// overflow.
+/// Above this the squares in energies overflow. No motion of a start that is allowed comes to such displacements and speeds, unless loads
+/// drive it there for 1e8 of its time constants and longer; nor do loads, which a time constant may not change by more than 1e12.
 const MAX_NUMBER: f64 = 1e150;
 
 impl Simulator {

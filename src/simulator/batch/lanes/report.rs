@@ -72,7 +72,9 @@ impl Reporter {
 
     /// Sets the number of the next sample, to a later one where its time is not after `now`.
     fn set_next(&mut self, number: u32, now: f64) {
-        self.next = number;
+        // Near the number that is asked for, or near `now`, whichever is later.
+        let passed = ((now - self.reports.origin) / self.reports.step).floor() - 1.0;
+        self.next = number.max(passed as u32);
         while self.next < u32::MAX && self.next_sample() <= now {
             self.next += 1;
         }
