@@ -16,6 +16,10 @@ const LOCATION: f64 = 1e-14;
 /// circle of a pair of multipliers that may cross it so near.
 const ROUGHLY: f64 = 1e-4;
 const NEAR_CIRCLE: f64 = 0.1;
+/// The distance from the unit circle at which it is certain on which side a multiplier is.
+const CERTAIN: f64 = 1e-6;
+/// The shortest step that is halved to tell two special points of one kind apart.
+const HIDING: f64 = 1e-4;
 
 /// A special point within a step.
 struct Found {
@@ -54,6 +58,25 @@ impl Follower<'_> {
             points.push(Point { stable, ..self.point(&position, Some(Special::of(label))) });
         }
         Ok(points)
+    }
+
+    /// Whether more multipliers pass the unit circle in a step than its special points tell: two that pass at one place of the circle leave
+    /// the sign of its test as it was.
+    pub(super) fn hides_changes(&self, last: &Position, next: &Position, between: &[Point]) -> bool {
+        let passed: usize = between
+            .iter()
+            .map(|point| match point.label() {
+                Some(Label::NeimarkSacker) => 2,
+                Some(Label::UserValue) | None => 0,
+                Some(_) => 1,
+            })
+            .sum();
+        // Of those on the circle but for rounding it is not certain on which side they are.
+        let certain =
+            [last, next].iter().all(|p| p.multipliers.iter().all(|m| (m.norm() - 1.0).abs() > CERTAIN));
+        let length = last.tangent.dot(&(&next.u - &last.u));
+        let [before, after] = [last, next].map(|p| outside(&p.multipliers));
+        certain && length > HIDING && before.abs_diff(after) > passed
     }
 
     /// The branch's point in the plane across the last tangent at a distance from the last point.

@@ -5,7 +5,7 @@ use crate::{
     TreeOptions, branch, locus, orbit_of, settle, tree,
 };
 use vibro_analysis::stroboscopic::moving_block;
-use vibro_analysis::{ParameterSet, find_group};
+use vibro_analysis::{ParameterSet, find_field, find_group};
 use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::continuation::{self, Special};
@@ -308,4 +308,54 @@ fn starts_of_curves_that_cannot_be_are_refused() {
     }
     assert!(Family::over_two(&ParameterSet::basic(), first, first).is_err());
     assert!(Span::new(find_group("kappa").unwrap(), 0.5, 1.5).is_err());
+}
+
+/// The branch of the motion from the standard start, along a parameter of the machine.
+fn settled_branch(set: &ParameterSet, name: &str, (from, to): (f64, f64), value: f64) -> Branch {
+    let field = find_field(name).unwrap();
+    let family = Family::new(set, Span::new(field, from, to).unwrap()).unwrap();
+    let system = family.system(&[value]).unwrap();
+    let settled = settle(&system, &State { x: [0.0; 3], v: [0.0, 0.5, 0.0] }, 1200).unwrap();
+    let orbit = orbit_of(&system, &settled).unwrap();
+    branch(&family, orbit.word(), orbit.phases(), value, &PathOptions::default(), &[]).unwrap()
+}
+
+fn machine(values: &[(&str, f64)]) -> ParameterSet {
+    values.iter().fold(ParameterSet::basic(), |set, (name, value)| {
+        set.with(find_field(name).unwrap(), *value).unwrap()
+    })
+}
+
+/// A fold right before a touch is one: the parameter turns there.
+#[test]
+fn invariant_where_the_parameter_turns_before_a_touch_is_a_fold() {
+    let set = machine(&[
+        ("drive.amplitude", 0.2890365406359685),
+        ("drive.frequency", 0.8419615584575438),
+        ("stop.restitution", 0.47258588839990295),
+        ("box.c", 0.1),
+    ]);
+    let branch = settled_branch(&set, "box.c", (0.01, 0.4), 0.1);
+    let turns = |w: &[Point]| (w[1].value - w[0].value) * (w[2].value - w[1].value) < 0.0;
+    let turning: Vec<_> = branch.points.windows(3).filter(|w| turns(w)).map(|w| w[1].label()).collect();
+    assert!(turning.contains(&Some(Label::Fold)), "{turning:?}");
+    assert!(!turning.contains(&Some(Label::BranchPoint)), "{turning:?}");
+}
+
+/// Between two points of a branch without a special point as many multipliers are outside the unit circle, also where two doublings lie
+/// within one of the longest steps.
+#[test]
+fn invariant_stability_changes_at_special_points_alone() {
+    let set = machine(&[
+        ("load.block", 0.002),
+        ("drive.amplitude", 0.7628006163840688),
+        ("stop.restitution", 0.908136294857699),
+        ("drive.frequency", 1.4213961423350312),
+    ]);
+    let branch = settled_branch(&set, "drive.frequency", (0.4, 2.2), 1.4213961423350312);
+    assert!(labelled(&branch, Label::PeriodDoubling).count() >= 4, "{}", branch.points.len());
+    for pair in branch.points.windows(2).filter(|pair| pair.iter().all(|p| p.special.is_none())) {
+        let [a, b] = [0, 1].map(|i| pair[i].multipliers.iter().filter(|m| m.norm() > 1.0).count());
+        assert_eq!(a, b, "between {} and {}", pair[0].value, pair[1].value);
+    }
 }
