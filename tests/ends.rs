@@ -162,6 +162,52 @@ fn invariant_steps_that_end_at_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of {releases} releases", added.len());
 }
 
+/// A block that a force of rounding's size takes off its stop, or lets go ever so slowly, leaves it in short steps as in one advance: what
+/// is too little for w to show in a step adds up.
+#[test]
+fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
+    const STEP: f64 = 0.1;
+    /// Of the way; the roundings of ten thousand steps.
+    const SAME: f64 = 0.02;
+    for (load, end) in [
+        ([-2e-15, 0.0, 0.0, 0.0], 1e3),
+        ([-4e-15, 0.0, 0.0, 0.0], 1e3),
+        ([1e-15, -1e-15, 0.0, 0.0], 1e2),
+        ([1e-16, -1e-16, 0.0, 0.0], 1e3),
+    ] {
+        // The box's spring holds its load, so that only what acts on the block moves anything.
+        let p = Parameters {
+            box_mass: 1.0,
+            box_stiffness: 1.0,
+            box_damping: 0.0,
+            block_mass: 1.0,
+            secondary_mass: 1.0,
+            secondary_stiffness: 0.0,
+            secondary_damping: 0.0,
+            coupling_stiffness: 0.0,
+            stop_gap: 1.0,
+            stop_restitution: 0.5,
+            drive_amplitude: 0.0,
+            drive_frequency: 0.0,
+            constant_loads: [1.0, 0.0, 0.0],
+            ..Parameters::default()
+        };
+        let at_stop = State { x: [1.0, 2.0, 0.0], v: [0.0; 3] };
+        let mut whole = Simulator::new(&p, &at_stop, 0.0).unwrap();
+        whole.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
+        let mut divided = whole.clone();
+        whole.advance_to(end).unwrap();
+        for n in 1..=(end / STEP).round() as u32 {
+            divided.advance_to(f64::from(n) * STEP).unwrap();
+        }
+        let [way, expected] = [&divided, &whole].map(|s| 1.0 - s.relative_motion().0);
+        assert!(
+            expected > 1e-11 && (way - expected).abs() < SAME * expected,
+            "{load:?}: {way:e} {expected:e}"
+        );
+    }
+}
+
 /// Loads that are set right after a release decide anew whether the block rests, by an acceleration that is rounding. Another release
 /// may be reported, but the motion is the same.
 #[test]

@@ -18,7 +18,7 @@ const START_ROUNDING: f64 = 1e-9;
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
 /// The rounding of w'', in ε times the bound on |w''|: that of the sums it is made of, and of the state's coordinates in them.
-const RATE_ROUNDING: f64 = 16.0;
+const BEND_ROUNDING: f64 = 16.0;
 
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
@@ -127,8 +127,8 @@ impl Simulator {
         self.advance_to_point(z, start, &arrival);
         if order > 0 && side.is_none() {
             let side = start.z[RELATIVE].signum();
-            let rounding = RATE_ROUNDING * f64::EPSILON * start.bound * span;
-            self.hybrid.departing = self.order_still_departing(z, &series, (order, side), rounding);
+            self.hybrid.departing =
+                self.order_still_departing(z, &series, (order, side), (start.bound, span));
         }
         if side.is_none() && span >= remaining {
             self.hybrid.time = end;
@@ -136,30 +136,37 @@ impl Simulator {
         side
     }
 
-    /// The order of departure after a step in which the block has left a stop with an order, and has met no stop. It is 0, unless
-    /// the step was so short that w still rounds to the stop; then the zero of w at the next step's start is no return either.
-    /// `rounding` is what the rounding of w'' may have put into w' in the step, m/s.
+    /// The order of departure after a step of length `span` in which the block has left a stop with an order, and has met no stop. It is
+    /// 0, unless the step was so short that w still rounds to the stop; then the zero of w at the next step's start is no return either.
+    /// `bound` is that on |w''|.
     fn order_still_departing(
         &self,
         z: &mut Augmented,
         series: &Series<ANCHORED>,
         (order, side): (u8, f64),
-        rounding: f64,
+        (bound, span): (f64, f64),
     ) -> u8 {
         if side * z[RELATIVE] < self.model.gap {
             return 0;
         }
         z[RELATIVE] = side * self.model.gap;
         let inward = -side * z[RELATIVE_RATE];
-        // A block that let go without speed may still have none that rounding does not hide: w'' is zero at a release but for
-        // rounding. The terms that are not zero tell whether it is on its way out or has just come back.
-        let orders = series.states.iter().enumerate().skip(usize::from(order));
-        let rate: f64 = orders.map(|(k, state)| k as f64 * (side * state[RELATIVE])).sum();
-        if order > 1 && inward <= rounding && rate < 0.0 {
-            z[RELATIVE_RATE] = 0.0;
-            return order;
+        // Of a block that let go without speed w'' is zero but for rounding. The terms that are not zero tell whether it is on its way out
+        // or has just come back; w'' tells it when it is beyond rounding, and is what let go where the order is 2.
+        let outward = |from: usize, factor: fn(f64) -> f64| -> f64 {
+            let orders = series.states.iter().enumerate().skip(from);
+            orders.map(|(k, state)| factor(k as f64) * (side * state[RELATIVE])).sum()
+        };
+        let comes_back = outward(usize::from(order), |k| k) >= 0.0;
+        let rounding = BEND_ROUNDING * f64::EPSILON * bound * span * span;
+        let lets_go = || order == 2 || outward(2, |k| k * (k - 1.0)) < -rounding;
+        if order == 1 || comes_back || inward > 0.0 && lets_go() {
+            return u8::from(inward > 0.0);
         }
-        u8::from(inward > 0.0)
+        if inward < 0.0 {
+            z[RELATIVE_RATE] = 0.0;
+        }
+        order
     }
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
