@@ -17,8 +17,9 @@ const START_ROUNDING: f64 = 1e-9;
 /// (docs/numerics.md, section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
-/// The rounding of w'', in ε times the bound on |w''|: that of the sums it is made of, and of the state's coordinates in them.
-const BEND_ROUNDING: f64 = 16.0;
+/// A w'' larger than this, in ε times the bound on |w''|, is no rounding, and none of the next step turns it round: the sums of some eight
+/// products, with the rounding of the state's coordinates in them, are off by less than half.
+const BEND_CERTAIN: f64 = 16.0;
 
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
@@ -158,7 +159,7 @@ impl Simulator {
             orders.map(|(k, state)| factor(k as f64) * (side * state[RELATIVE])).sum()
         };
         let comes_back = outward(usize::from(order), |k| k) >= 0.0;
-        let rounding = BEND_ROUNDING * f64::EPSILON * bound * span * span;
+        let rounding = BEND_CERTAIN * f64::EPSILON * bound * span * span;
         let lets_go = || order == 2 || outward(2, |k| k * (k - 1.0)) < -rounding;
         if order == 1 || comes_back || inward > 0.0 && lets_go() {
             return u8::from(inward > 0.0);
