@@ -241,6 +241,11 @@ impl ClosedForm {
         Ok(due)
     }
 
+    /// Moves to another moment of the same steady state, some time from now (s).
+    pub(crate) fn shift(&mut self, by: f64) {
+        (self.data.time, self.data.limit) = (self.data.time.plus(by), Limit::Any);
+    }
+
     /// Goes on to an impact that is later than now by no more than `late` (s), which is then due; without one nothing happens.
     pub(crate) fn meet(&mut self, late: f64) -> bool {
         let next = self.halves(self.data.time).0 + 1.0;

@@ -3,6 +3,7 @@
 use super::events::Present;
 use super::initial::forces;
 use super::{Engine, Instance, Outcome, Problem};
+use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
 use crate::component::settings::{Derived, Settings, SolutionMode};
 use crate::component::steady;
@@ -17,8 +18,11 @@ use vibro_impact::simulator::{self, Contact};
 /// Step of the differences in initialization, relative to the known value: the fourth-order formula leaves about its
 /// fourth power of truncation and 1e-16 over it of rounding.
 const STEP: f64 = 1e-3;
-/// A shorter step in parts of that: it leaves 1e-10 of rounding.
-const SHORTER: f64 = 1e-3;
+/// Shorter steps of a closed form, in parts of that, where neither side is free of impacts: they leave 1e-10 of rounding. With each how
+/// far from now samples are taken, in periods: where no step will do, the derivative is drawn out from there, which leaves the square
+/// of that.
+const ATTEMPTS: [(f64, f64); 6] =
+    [(1.0, 0.0), (1e-3, 0.0), (1e-3, 1e-5), (1e-3, -1e-5), (1e-3, 1e-3), (1e-3, -1e-3)];
 
 /// Values at the perturbed starts.
 type Sample = (OutputValues, Derived);
@@ -126,7 +130,8 @@ impl Instance {
     }
 
     /// Weighted samples whose sum is the derivative: central differences, or one-sided where a range ends, or where an impact of a closed
-    /// form lies between, which jumps: beside it samples on one side have it on the same side.
+    /// form lies between, which jumps: beside it samples on one side have it on the same side. Where a range ends just there, the
+    /// derivative is drawn out from two moments a little away from the impact.
     fn differences(&self, knowns: &[u32], seed: &[f64]) -> Outcome<Vec<(f64, Sample)>> {
         const FORMULAS: [&[(f64, f64)]; 3] = [
             &[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)],
@@ -138,56 +143,92 @@ impl Instance {
             SolutionMode::EventDriven => self.initial_simulator(&self.settings)?.0.contact(),
             _ => Contact::Flight,
         };
-        let mut step = f64::INFINITY;
+        let mut full = f64::INFINITY;
         for (&reference, &value) in knowns.iter().zip(seed).filter(|(_, value)| **value != 0.0) {
             let variable = self.look_up(reference, Bases::REAL)?;
             let size = read(&self.settings, variable).abs();
-            step = step.min(STEP * if size > 0.0 { size } else { 1.0 } / value.abs());
+            full = full.min(STEP * if size > 0.0 { size } else { 1.0 } / value.abs());
         }
-        if step == f64::INFINITY {
+        if full == f64::INFINITY {
             return Ok(Vec::new());
         }
-        let mut outcome = Ok(Vec::new());
-        // Shorter ones where neither side is free of impacts.
-        let attempts =
-            [step, SHORTER * step].into_iter().flat_map(|step| FORMULAS.map(|formula| (formula, step)));
-        for (formula, step) in attempts {
-            outcome = formula
-                .iter()
-                .map(|&(place, weight)| {
+        let mut refused = None;
+        let attempts = match self.settings.mode {
+            SolutionMode::EventDriven if self.settings.start_on_orbit => 2,
+            SolutionMode::EventDriven => 1,
+            _ => ATTEMPTS.len(),
+        };
+        for (step, away) in &ATTEMPTS[..attempts] {
+            let (step, away) = (step * full, away * self.settings.parameters.period());
+            for formula in FORMULAS {
+                let sampled = formula.iter().map(|&(place, weight)| {
                     let mut settings = self.settings;
                     for (&reference, &value) in knowns.iter().zip(seed) {
                         add(&mut settings, self.look_up(reference, Bases::REAL)?, place * step * value);
                     }
                     settings.parameters.validate()?;
-                    Ok((weight / step, self.sample(&settings, contact)?))
-                })
-                .collect();
-            if outcome.is_ok() {
-                break;
+                    let moments: &[_] = if away == 0.0 { &[(0.0, 1.0)] } else { &[(1.0, 2.0), (2.0, -1.0)] };
+                    let samples = moments.iter().map(|(times, part)| {
+                        Ok((part * weight / step, self.sample(&settings, contact, times * away)?))
+                    });
+                    samples.collect::<Outcome<Vec<_>>>()
+                });
+                match sampled.collect::<Outcome<Vec<_>>>() {
+                    Ok(samples) => return Ok(samples.into_iter().flatten().collect()),
+                    Err(problem) => refused = Some(problem),
+                }
             }
         }
-        outcome
+        Err(refused.unwrap_or_else(|| Problem::sequence("there is nothing to differentiate")))
     }
 
-    fn sample(&self, settings: &Settings, contact: Contact) -> Outcome<Sample> {
-        if let Present::Closed(form) = self.present()? {
-            let (side, mut form) = (form.last_side(), form.into_owned());
-            form.set_parameters(&settings.parameters)?;
-            if form.last_side() != side {
-                return Err(Problem::sequence("an impact is as near as a difference is wide"));
+    /// The closed form that is played, or that would be from the start.
+    fn form(&self) -> Outcome<Option<ClosedForm>> {
+        match self.present()? {
+            Present::Closed(form) => Ok(Some(form.into_owned())),
+            Present::None if self.settings.mode != SolutionMode::EventDriven => {
+                Ok(Some(self.initial_form(&self.settings)?))
             }
-            return Ok((form.values(), Derived::default()));
+            _ => Ok(None),
+        }
+    }
+
+    /// What is read with other settings, of a closed form some time from now.
+    fn sample(&self, settings: &Settings, contact: Contact, away: f64) -> Outcome<Sample> {
+        if let Some(form) = self.form()? {
+            let (side, initial) = (form.last_side(), matches!(self.engine, Engine::None));
+            let mut there = if initial { self.initial_form(settings)? } else { form };
+            if !initial {
+                there.set_parameters(&settings.parameters)?;
+            }
+            if away != 0.0 {
+                there.shift(away);
+            }
+            if there.last_side() != side {
+                return Err(over_an_impact());
+            }
+            let derived = if initial { steady::derived(&settings.parameters) } else { Derived::default() };
+            return Ok((there.values(), derived));
         }
         let values = if settings.mode == SolutionMode::EventDriven && !settings.start_on_orbit {
             // The contact is held: a start at a stop must not change sides.
             let (p, time) = (&settings.parameters, self.start_time());
             Continuous::at(p, settings.start, time, contact, forces(settings))?.values()
         } else {
+            let orbit =
+                |s: &Settings| ClosedForm::new(SolutionMode::ExactOrbit, &s.parameters, self.start_time());
+            if orbit(settings)?.last_side() != orbit(&self.settings)?.last_side() {
+                return Err(over_an_impact());
+            }
             self.initial_values(settings)?
         };
         Ok((values, steady::derived(&settings.parameters)))
     }
+}
+
+/// A difference would reach over a jump.
+fn over_an_impact() -> Problem {
+    Problem::sequence("an impact is as near as a difference is wide")
 }
 
 /// Whether a variable is the derivative of a state and nothing else.

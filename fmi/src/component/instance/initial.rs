@@ -68,7 +68,7 @@ impl Instance {
         Ok((form.values().state(), form.solution().objections()))
     }
 
-    fn initial_form(&self, settings: &Settings) -> Outcome<ClosedForm> {
+    pub(super) fn initial_form(&self, settings: &Settings) -> Outcome<ClosedForm> {
         for (body, load) in settings.loads.derivatives.iter().enumerate() {
             if let Some(&value) = load.iter().find(|value| **value != 0.0) {
                 let name = input_of(body).map_or("a load", |input| input.name);

@@ -265,3 +265,43 @@ fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
         }
     }
 }
+
+/// At an impact there is a derivative with respect to a parameter at the end of its range too, before and after the start of a motion.
+#[test]
+fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
+    /// Of derivatives of order one, between the impact and 10 ms later.
+    const SAME: f64 = 0.1;
+    let protocol = Protocol {
+        edition: Edition::Extended,
+        handling: EventHandling { event_mode: true, early_return: true },
+        ..Protocol::default()
+    };
+    let unknowns = ["block.v", "box.v", "block.s"];
+    for (name, value) in [("stop.restitution", 1.0), ("secondary.c", 0.0), ("coupling.k", 0.006)] {
+        let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
+        for (name, value) in [("mode", 3.0), ("stopAtImpact", 1.0), (name, value)] {
+            set(&mut fmu, name, value).unwrap();
+        }
+        let mut start = Instance::of_protocol(Interface::CoSimulation, protocol);
+        start.restore(&fmu.save()).unwrap();
+        let mut fmu = initialize(fmu);
+        fmu.handle_events(&mut Silence).unwrap();
+        fmu.leave_event(&mut Silence).unwrap();
+        let impact = fmu.advance(0.0, 100.0, &mut Silence).unwrap().time;
+        fmu.enter_event().unwrap();
+        fmu.handle_events(&mut Silence).unwrap();
+        let at_impact = derivative(&mut fmu, &unknowns, &[name], &[1.0]);
+        fmu.leave_event(&mut Silence).unwrap();
+        fmu.advance(impact, 0.01, &mut Silence).unwrap();
+        let later = derivative(&mut fmu, &unknowns, &[name], &[1.0]);
+        let close = |a: &f64, b: &f64| (a - b).abs() < SAME * (1.0 + a.abs());
+        assert!(at_impact.iter().zip(&later).all(|(a, b)| close(a, b)), "{name}: {at_impact:?} {later:?}");
+        // In initialization right after an impact, and later.
+        let [near, far] = [1e-3, 1e-2].map(|after| {
+            start.set_experiment(None, impact + after, None).unwrap();
+            start.enter_initialization();
+            derivative(&mut start, &unknowns, &[name], &[1.0])
+        });
+        assert!(near.iter().zip(&far).all(|(a, b)| close(a, b)), "{name}: {near:?} {far:?}");
+    }
+}
