@@ -278,23 +278,23 @@ impl ClosedForm {
     }
 
     /// Displacements and velocities, at an impact those of the limit that is shown: of one that is counted as past, within the rounding
-    /// of the phase, those after it.
+    /// of the phase, those after it. Where rounding has the other limit, the velocities that jump are those as much beside the impact.
     fn state(&self) -> State {
-        let mut state = self.solution.state(self.theta());
-        let ((halves, since), side) = (self.halves(self.data.time), self.last_side());
-        let past = since <= phase_rounding(halves * PI);
+        let (theta, side) = (self.theta(), self.last_side());
+        let (halves, since) = self.halves(self.data.time);
+        let rounding = phase_rounding(halves * PI);
+        let state = self.solution.state(theta);
         // In the middle between the approach and the rebound, which may be none.
         let restitution = self.data.parameters.stop_restitution;
         let before = side * (state.v[1] - state.v[0]) > 0.5 * (1.0 - restitution) * self.speed;
-        let push = match (self.data.limit, before) {
-            (Limit::Before, false) => -side * self.impulse,
-            (Limit::After, true) => side * self.impulse,
-            (Limit::Any, true) if past => side * self.impulse,
+        let way = match (self.data.limit, before) {
+            (Limit::Before, false) => -2.0 * rounding,
+            (Limit::After, true) => 2.0 * rounding,
+            (Limit::Any, true) if since <= rounding => 2.0 * rounding,
             _ => return state,
         };
-        state.v[0] += push / self.data.parameters.box_mass;
-        state.v[1] -= push / self.data.parameters.block_mass;
-        state
+        let beside = self.solution.state(theta + way).v;
+        State { x: state.x, v: [beside[0], beside[1], state.v[2]] }
     }
 
     /// The stop of the last impact, or of that which is due: +1 the upper, -1 the lower.
