@@ -278,6 +278,14 @@ impl StroboscopicRecord {
         last.iter().zip(last.iter().skip(lag)).map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
     }
 
+    /// The largest distance between a state and the mirror image of the one half an odd `period` before it, over the last period.
+    pub(crate) fn mirror_distance(&self, period: u32) -> f64 {
+        let (first, half) = (self.periods.len().saturating_sub(period as usize), period as usize / 2);
+        let images = &self.halves[first.saturating_sub(half)..];
+        let pairs = self.periods[first..].iter().zip(images);
+        pairs.map(|(own, image)| distance(&own.state, image)).fold(0.0, f64::max)
+    }
+
     /// Adds the recorded periods to a window of the motion.
     pub(crate) fn add_to(&self, blocks: &mut Blocks) {
         self.periods.iter().zip(&self.halves).for_each(|(whole, half)| blocks.add(&whole.state, half));
@@ -390,7 +398,8 @@ impl Attractor {
         self.statistics = Some(pooled);
     }
 
-    /// Whether it is its own mirror image.
+    /// Whether it is its own mirror image, as far as it has come: where the motion is still [settling](MotionClass::Settling), that is
+    /// not decided.
     pub fn is_symmetric(&self) -> bool {
         if self.mirror_states.is_empty() {
             return false;

@@ -5,7 +5,7 @@
 //! transient has an end, and so has a slow approach. What is undecided at the limit is *not settled*, and no attractor.
 //! docs/studies.md, "When a verdict is decided", has the reasons.
 
-use super::attractor::{Attractor, MotionClass, OBSERVED, StroboscopicRecord};
+use super::attractor::{Attractor, MotionClass, OBSERVED, SAME, StroboscopicRecord};
 use super::error::Result;
 use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
@@ -13,6 +13,7 @@ use super::largest_exponent::LargestExponent;
 use super::settling::TURNED;
 use super::statistics::{Blocks, Likeness};
 use super::trajectories::{Outcome, Program, Start, Workspace};
+use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 
 /// Most drive periods for which a motion is followed after the discarded ones, but for the last of the growing steps.
@@ -171,14 +172,18 @@ struct Seen {
 }
 
 /// Whether returns after a period are so exact that a slow approach has no way left to go.
-pub(crate) fn has_arrived(record: &StroboscopicRecord, period: u32) -> bool {
-    record.return_distance(period) < ARRIVED && has_no_part(record, period)
+pub(crate) fn has_arrived(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool {
+    record.return_distance(period) < ARRIVED && has_no_part(record, period, p)
 }
 
-/// Whether a period is not that of a way by turns from either side, on which states nearly return in twice the period of the orbit.
-fn has_no_part(record: &StroboscopicRecord, period: u32) -> bool {
+/// Whether a period is not that of a way by turns from either side, on which states nearly return in twice the period of the orbit, or, to
+/// a symmetric one, in its period without having come to half of it with the mirror image. Only an odd period has such a half.
+fn has_no_part(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool {
+    let own = record.return_distance(period);
+    let half = record.mirror_distance(period);
+    let mirrored = p.is_symmetric() && !period.is_multiple_of(2) && half >= SAME;
     let mut parts = (1..period).filter(|part| period.is_multiple_of(*part));
-    parts.all(|part| record.return_distance(period) < TURNED * record.return_distance(part))
+    parts.all(|part| own < TURNED * record.return_distance(part)) && (!mirrored || own < TURNED * half)
 }
 
 /// The outcomes in the order of the starts.
@@ -198,8 +203,8 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
                     attractor = far.attractor(p);
                 }
             }
-            let arrived = clear || attractor.period.is_some_and(|n| has_arrived(record, n));
-            let whole = clear || attractor.period.is_none_or(|n| has_no_part(record, n));
+            let arrived = clear || attractor.period.is_some_and(|n| has_arrived(record, n, p));
+            let whole = clear || attractor.period.is_none_or(|n| has_no_part(record, n, p));
             if attractor.period.is_none() {
                 record.add_to(&mut blocks);
             }
