@@ -335,11 +335,11 @@ pub(crate) fn nears<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool 
     })
 }
 
-/// The largest difference between coordinates of two states; of displacements over 10⁶, in parts of a millionth of the largest, and so
-/// of speeds, since 10⁻⁷ of a unit is no more than their rounding: so are speeds in units of L ω10 where the box has a spring of next
+/// The largest difference between coordinates of two states; of displacements over 10⁵, in parts of 10⁻⁵ of the largest, and so of
+/// speeds, since 10⁻⁷ of a unit is no more than their rounding over a period of several impacts: so are speeds in units of L ω10 where the box has a spring of next
 /// to no stiffness.
 pub fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
-    const LARGE: f64 = 1e6;
+    const LARGE: f64 = 1e5;
     let of = |[a, b]: [&[f64]; 2]| {
         let largest = a.iter().filter(|x| x.is_finite()).fold(LARGE, |largest, x| x.abs().max(largest));
         a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / (largest / LARGE)

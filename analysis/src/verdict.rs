@@ -81,7 +81,6 @@ struct Open {
     impacts: [f64; 2],
     rests: bool,
     arrived: bool,
-    whole: bool,
     /// Drive periods for which it has been followed in all.
     followed: u32,
 }
@@ -164,8 +163,6 @@ struct Seen {
     exponent: Option<LargestExponent>,
     /// Whether a motion with a period returns so exactly that a slow approach has no way left to go, or keeps clear of the stops.
     arrived: bool,
-    /// Whether its period is not that of a way by turns to an orbit of a part of it.
-    whole: bool,
     /// Whether it is proved that no impact will come.
     clear: bool,
     blocks: Blocks,
@@ -204,11 +201,10 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
                 }
             }
             let arrived = clear || attractor.period.is_some_and(|n| has_arrived(record, n, p));
-            let whole = clear || attractor.period.is_none_or(|n| has_no_part(record, n, p));
             if attractor.period.is_none() {
                 record.add_to(&mut blocks);
             }
-            Seen { state, attractor, exponent, arrived, whole, clear, blocks }
+            Seen { state, attractor, exponent, arrived, clear, blocks }
         }));
     });
     // Each motion has an outcome.
@@ -227,9 +223,8 @@ impl Open {
             periods,
             stationary: false,
         };
-        let Seen { arrived, whole, blocks, .. } = seen;
-        let mut motion =
-            Self { number, start, found, impacts, rests, blocks, arrived, whole, followed: OBSERVED };
+        let Seen { arrived, blocks, .. } = seen;
+        let mut motion = Self { number, start, found, impacts, rests, blocks, arrived, followed: OBSERVED };
         motion.impacts = motion.impacts.map(|rate| rate * f64::from(periods));
         motion
     }
@@ -269,8 +264,8 @@ impl Open {
         if !(last || periodic || due) {
             return false;
         }
-        if has_period && !self.whole && following.limit > 0 {
-            // It is on its way to an orbit of a part of this period, or to one of all of it.
+        if has_period && !self.arrived && following.limit > 0 {
+            // It is on its way to an orbit of this period or of a part of it, or past the place of one that has vanished.
             self.found.class = MotionClass::Settling;
         }
         if !has_period {
