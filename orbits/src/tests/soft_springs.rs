@@ -112,6 +112,21 @@ fn second_springs_too_soft_to_hold_a_body_are_named() {
     }
 }
 
+/// Such a spring would hold a load so far away that places are no numbers: it is named, with the largest distance.
+#[test]
+fn loads_that_are_held_beyond_all_numbers_name_the_spring() {
+    let basic = Parameters::default();
+    for (p, loads, name) in [
+        (Parameters { secondary_stiffness: 1e-300, ..basic }, [0.0, 0.0, 1e10], "secondary.k"),
+        (Parameters { secondary_stiffness: 1e-320, ..basic }, [0.0, 0.01, 0.0], "secondary.k"),
+        (Parameters { box_stiffness: 1e-320, ..basic }, [0.01, 0.0, 0.0], "box.k"),
+        (Parameters { coupling_stiffness: 1e-320, ..basic }, [0.0, 0.01, -0.01], "coupling.k"),
+    ] {
+        let error = System::new(&Parameters { constant_loads: loads, ..p }).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("{name} = ")) && error.contains("1e100"), "{error}");
+    }
+}
+
 #[test]
 fn words_that_push_a_box_without_a_spring_one_way_are_refused() {
     for (body, field) in [("box", "box.k"), ("secondary", "secondary.k")] {
