@@ -151,9 +151,10 @@ impl Orbit {
         self.clear && self.speeds.iter().all(|speed| *speed > 0.0)
     }
 
-    /// Whether it attracts its neighbourhood.
+    /// Whether it attracts its neighbourhood. Without impacts the machine decides, since the multipliers of what no spring holds or nothing
+    /// damps have the modulus 1 but for rounding.
     pub fn is_stable(&self) -> bool {
-        self.spectral_radius() < 1.0
+        if self.word.is_empty() { self.system.holds_and_damps() } else { self.spectral_radius() < 1.0 }
     }
 
     /// The same orbit with the word passed twice, closing with +1.

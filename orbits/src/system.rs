@@ -87,6 +87,19 @@ impl System {
         }
     }
 
+    /// Whether the motion without impacts attracts its neighbourhood: springs hold all bodies, and dampers reach them.
+    pub(super) fn holds_and_damps(&self) -> bool {
+        let p = &self.parameters;
+        let needed = [
+            p.box_stiffness,
+            p.box_damping,
+            p.coupling_stiffness,
+            p.secondary_stiffness,
+            p.secondary_damping,
+        ];
+        needed.iter().all(|c| *c > 0.0)
+    }
+
     /// The machine's parameters, without its [loads](Self::loads).
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
