@@ -67,6 +67,23 @@ fn second_method_steps_that_rounding_keeps_up_end() {
     assert_eq!(class, MotionClass::Periodic(1));
 }
 
+/// Chaos of 900 impacts a period has no word that is tried: of more than 1024 impacts the equations are not set up, which would take hours.
+#[test]
+fn words_of_more_than_a_thousand_impacts_are_not_tried() {
+    let p = Parameters {
+        box_damping: 1.8795186817407998,
+        block_mass: 0.00718511127032136,
+        secondary_damping: 0.004826389512857791,
+        coupling_stiffness: 0.04773359740113498,
+        stop_restitution: 0.9964692760367297,
+        drive_amplitude: 5.160435214912685,
+        drive_frequency: 0.06567821074714303,
+        ..Parameters::default()
+    };
+    let error = settled(&p, 20).unwrap_err().to_string();
+    assert!(error.contains("within 1024 impacts"), "{error}");
+}
+
 /// Chaos of a hundred impacts a period nearly returns by an orbit that is not stable. The words of more periods, up to thousands of
 /// impacts, are not tried for a stable one.
 #[test]
