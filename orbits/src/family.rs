@@ -3,8 +3,9 @@
 use super::curve::{Equations, Linearization};
 use super::cycle::{Cycle, Functional};
 use super::obstacle::Obstacle;
+use super::orbit::{Orbit, unfolded_phases};
 use super::system::{Anchor, System};
-use super::word::OrbitWord;
+use super::word::{OrbitWord, REPETITION};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use vibro_analysis::Error;
@@ -134,6 +135,17 @@ impl Family {
     /// Whether mirror images of orbits are orbits.
     pub fn is_symmetric(&self) -> bool {
         self.set.parameters().constant_loads == [0.0; 3] && !self.spans.iter().any(|span| span.name.is_load())
+    }
+
+    /// An orbit's shortest word in the family, with its phases: half of a symmetric orbit is one only where no machine has loads.
+    pub(super) fn shortest(&self, orbit: &Orbit) -> (OrbitWord, Vec<f64>) {
+        let (word, phases) = (orbit.word(), orbit.phases());
+        let mirror = self.is_symmetric();
+        if word.closing() < 0 && !mirror {
+            word.unfolded().reduced(&unfolded_phases(word, phases), mirror, REPETITION)
+        } else {
+            word.reduced(phases, mirror, REPETITION)
+        }
     }
 
     /// The parameters' values at a point of a curve, which holds the phases and then the parameters in their units.

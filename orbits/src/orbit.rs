@@ -73,9 +73,7 @@ impl Orbit {
             if guess.len() != word.len() {
                 return Err(Obstacle::Order);
             }
-            if word.closing() < 0 && !system.is_symmetric() {
-                return Err(Obstacle::Asymmetric);
-            }
+            system.admits(word)?;
             let phases = newton(system, word, guess)?;
             Self::at(system, word, &phases)
         };
