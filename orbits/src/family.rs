@@ -1,6 +1,6 @@
 //! The machines along one parameter or two, and the equations of orbits over them.
 
-use super::curve::{Equations, Linearization};
+use super::curve::{Equations, Linearization, slope};
 use super::cycle::{Cycle, Functional};
 use super::obstacle::Obstacle;
 use super::orbit::{Orbit, unfolded_phases};
@@ -165,7 +165,7 @@ impl Family {
         Ok(self.system(&self.values(u))?)
     }
 
-    /// The change of a quantity of the cycle with each parameter, by differences: central where both sides are allowed.
+    /// The change of a quantity of the cycle with each parameter, by differences.
     pub(super) fn by_parameters(
         &self,
         u: &DVector<f64>,
@@ -179,20 +179,9 @@ impl Family {
             let system = self.system_at(&moved)?;
             Ok(quantity(&cycle.in_system(&system)?))
         };
-        let column = |k: usize| {
-            let h = DIFFERENCE * u[first + k].abs().max(1.0);
-            let (below, above) = match (at(k, -h), at(k, h)) {
-                (Ok(a), Ok(b)) => return Ok(difference(&a, &b, 2.0 * h)),
-                (below, above) => (below.or_else(|_| at(k, 0.0))?, above.or_else(|_| at(k, 0.0))?),
-            };
-            Ok(difference(&below, &above, h))
-        };
-        (0..self.spans.len()).map(column).collect()
+        let step = |k: usize| DIFFERENCE * u[first + k].abs().max(1.0);
+        (0..self.spans.len()).map(|k| slope(step(k), |by| at(k, by))).collect()
     }
-}
-
-fn difference(below: &[f64], above: &[f64], step: f64) -> DVector<f64> {
-    DVector::from_iterator(below.len(), below.iter().zip(above).map(|(a, b)| (b - a) / step))
 }
 
 /// The equations of contact of a word over a family: as many as impacts.

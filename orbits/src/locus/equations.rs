@@ -1,6 +1,6 @@
 //! The equations of a curve in two parameters: those of contact, and one that says which bifurcation or touch the orbit has.
 
-use crate::curve::{Equations, Linearization, least_vectors};
+use crate::curve::{Equations, Linearization, least_vectors, slope};
 use crate::cycle::{Cycle, Functional};
 use crate::family::{Contacts, Family};
 use crate::grazing::Touching;
@@ -138,10 +138,8 @@ impl Equations for Locus<'_> {
                 moved[k] += by;
                 self.tests(&moved)
             };
-            let (below, above) = (at(-DIFFERENCE)?, at(DIFFERENCE)?);
-            for (i, (a, b)) in below.iter().zip(&above).enumerate() {
-                matrix[(n + i, k)] = (b - a) / (2.0 * DIFFERENCE);
-            }
+            let column = slope(DIFFERENCE, at)?;
+            matrix.view_mut((n, k), (column.len(), 1)).copy_from(&column);
         }
         Ok(Linearization { value, matrix })
     }
