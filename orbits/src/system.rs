@@ -52,10 +52,10 @@ impl System {
         Ok(Self { parameters: *parameters, loads, flight, response, balance, pull, anchor })
     }
 
-    /// The same machine with its state found by the first contact, as it must be where a spring is missing.
+    /// The same machine with its state found as that of another one, whose equations those of this one are then compared with.
     #[must_use]
-    pub(super) fn anchored(self, anchor: Anchor) -> Self {
-        Self { anchor: Some(anchor), ..self }
+    pub(super) fn anchored(self, anchor: Option<Anchor>) -> Self {
+        Self { anchor, ..self }
     }
 
     /// What the first contact holds, where the state is found so.

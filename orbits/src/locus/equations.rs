@@ -6,6 +6,7 @@ use crate::family::{Contacts, Family};
 use crate::grazing::Touching;
 use crate::obstacle::Obstacle;
 use crate::orbit::is_clear;
+use crate::system::Anchor;
 use crate::word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
@@ -62,9 +63,9 @@ impl Locus<'_> {
         self.word.len()
     }
 
-    /// The values of a bifurcation's condition at a point.
-    fn tests(&self, u: &DVector<f64>) -> Result<Vec<f64>, Obstacle> {
-        let system = self.family.system_at(u)?;
+    /// The values of a bifurcation's condition at a point, by equations of this form.
+    fn tests(&self, u: &DVector<f64>, anchor: Option<Anchor>) -> Result<Vec<f64>, Obstacle> {
+        let system = self.family.system_at(u)?.anchored(anchor);
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
         let found = match &self.condition {
             Condition::Real(factor, border) => {
@@ -125,7 +126,7 @@ impl Equations for Locus<'_> {
         for (k, column) in by_parameters.iter().enumerate() {
             matrix.view_mut((0, columns - 2 + k), (n, 1)).copy_from(column);
         }
-        let tests = self.tests(u)?;
+        let tests = self.tests(u, system.anchor())?;
         tests.iter().enumerate().for_each(|(i, test)| value[n + i] = *test);
         if let Some(known) = known {
             let rows = columns - 1 - n;
@@ -136,7 +137,7 @@ impl Equations for Locus<'_> {
             let at = |by: f64| {
                 let mut moved = u.clone();
                 moved[k] += by;
-                self.tests(&moved)
+                self.tests(&moved, system.anchor())
             };
             let column = slope(DIFFERENCE, at)?;
             matrix.view_mut((n, k), (column.len(), 1)).copy_from(&column);
