@@ -20,6 +20,9 @@ const RETURN: f64 = 2e-3;
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
 const MOVE: f64 = 0.05;
 
+/// Differences of the phases of two passages, rad, that may be what Newton's method has left of them next to a period doubling.
+const ALIKE: f64 = 1e-5;
+
 /// Most impacts of a word that is tried after a shorter one: the work grows with their cube, to a second for so many.
 const MANY: usize = 512;
 
@@ -153,6 +156,10 @@ fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, m
 }
 
 /// The certified orbit near the impacts of q drive periods, in its shortest word, whose phases differ from theirs by so much at most.
+///
+/// Next to a period doubling the equations of the word passed twice are nearly singular, and Newton's method comes so slowly to the orbit
+/// that is passed twice that it leaves the passages apart, or does not arrive: those of the word passed once tell. Where the passages are
+/// apart, it is meant if it is stable.
 pub(super) fn near(
     system: &System,
     letters: &[i8],
@@ -162,16 +169,38 @@ pub(super) fn near(
 ) -> std::result::Result<Orbit, Obstacle> {
     let word = OrbitWord::of(letters.to_vec(), 1, 2 * q);
     let mirror = system.is_symmetric();
-    let (word, phases) = if word.is_empty() {
+    if word.is_empty() {
         let word = if mirror { OrbitWord::of(Vec::new(), -1, 1) } else { OrbitWord::of(Vec::new(), 1, 2) };
-        (word, Vec::new())
-    } else {
-        let found = newton(system, &word, phases)?;
-        if phases.iter().zip(&found).any(|(a, b)| (a - b).abs() > most) {
-            return Err(Obstacle::NoConvergence);
-        }
-        word.reduced(&found, mirror, REPETITION)
-    };
-    let orbit = Orbit::at(system, &word, &phases)?;
+        return certified(Orbit::at(system, &word, &[])?);
+    }
+    let found = newton_near(system, &word, phases, most);
+    let own = found.as_ref().map_or(word.clone(), |found| word.reduced(found, mirror, REPETITION).0);
+    let (guess, tolerance) = found.as_ref().map_or((phases, most), |found| (found.as_slice(), ALIKE));
+    let (short, guess) = word.reduced(guess, mirror, tolerance);
+    if short != word
+        && let Ok(phases) = newton_near(system, &short, &guess, most)
+        && let Ok(orbit) = Orbit::at(system, &short, &phases).and_then(certified)
+        && (short == own || orbit.is_stable())
+    {
+        return Ok(orbit);
+    }
+    let (word, phases) = word.reduced(&found?, mirror, REPETITION);
+    certified(Orbit::at(system, &word, &phases)?)
+}
+
+/// The phases of an orbit that differ from a guess by so much at most.
+fn newton_near(
+    system: &System,
+    word: &OrbitWord,
+    guess: &[f64],
+    most: f64,
+) -> std::result::Result<Vec<f64>, Obstacle> {
+    let found = newton(system, word, guess)?;
+    let far = guess.iter().zip(&found).any(|(a, b)| (a - b).abs() > most);
+    if far { Err(Obstacle::NoConvergence) } else { Ok(found) }
+}
+
+/// An orbit, unless it is none of the machine.
+fn certified(orbit: Orbit) -> std::result::Result<Orbit, Obstacle> {
     if orbit.is_certified() { Ok(orbit) } else { Err(Obstacle::NoConvergence) }
 }

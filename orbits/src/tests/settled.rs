@@ -2,10 +2,10 @@
 
 use crate::{Orbit, System, orbit_of, settle};
 use std::time::Instant;
-use vibro_analysis::Result;
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::trajectories::Start;
 use vibro_analysis::verdict::verdict;
+use vibro_analysis::{ParameterSet, Result, find_group};
 use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
 
@@ -32,6 +32,20 @@ fn second_method_orbits_next_to_a_doubling() {
         assert!(orbit.is_stable() && orbit.word().period() == period, "{amplitude} {}", orbit.word());
         let class = verdict(&Start { parameters: p, state: START }, 2000).unwrap().class;
         assert_eq!(class, MotionClass::Periodic(period), "{amplitude}");
+    }
+}
+
+/// A period doubling of UUL+ is at f10 = 2.802205439. So near to it the settled motion nearly returns in two periods alone, and Newton's method
+/// leaves the two passages apart by more than rounding, or by so much that they are off their stops.
+#[test]
+fn invariant_an_orbit_next_to_its_doubling_is_not_passed_twice() {
+    for below in [1e-5, 1e-6, 1e-7] {
+        let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.802205439 - below).unwrap();
+        for periods in [3000, 10_000] {
+            let orbit = settled(set.parameters(), periods).unwrap();
+            let found = (orbit.word().len(), orbit.word().period(), orbit.is_stable());
+            assert_eq!(found, (3, 1, true), "{below} {periods} {}", orbit.word());
+        }
     }
 }
 
