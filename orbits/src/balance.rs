@@ -170,8 +170,9 @@ fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
         (2, "secondary.k", p.secondary_stiffness),
         (1, "coupling.k", p.coupling_stiffness),
     ];
-    // Not so for NaN either.
-    match springs.into_iter().find(|(body, ..)| !(places[*body].abs() <= FARTHEST)) {
+    // NaN is within no range.
+    let told = |place: f64| (-FARTHEST..=FARTHEST).contains(&place);
+    match springs.into_iter().find(|(body, ..)| !told(places[*body])) {
         None => Ok(places),
         Some((_, name, value)) => {
             let (needed_by, allowed) =

@@ -202,7 +202,7 @@ impl Orbit {
     }
 
     /// The state at phase θ (rad) of the drive; just after the impact at an impact. A motion of several drive periods has as many
-    /// states at one phase of the drive: θ counts from the first period of its [`phases`](Self::phases).
+    /// states at one phase of the drive: θ, which must be finite, counts from the first period of its [`phases`](Self::phases).
     pub fn state(&self, theta: f64) -> State {
         self.system.si(&self.dimensionless_state(theta))
     }
