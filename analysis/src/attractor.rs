@@ -336,8 +336,8 @@ pub(crate) fn nears<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool 
 }
 
 /// The largest difference between coordinates of two states; of displacements over 10⁵, in parts of 10⁻⁵ of the largest, and so of
-/// speeds, since 10⁻⁷ of a unit is no more than their rounding over a period of several impacts: so are speeds in units of L ω10 where the box has a spring of next
-/// to no stiffness.
+/// speeds, since 10⁻⁷ of a unit is no more than their rounding over a period of several impacts: so are speeds in units of L ω10
+/// where the box has a spring of next to no stiffness.
 pub fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
     const LARGE: f64 = 1e5;
     let of = |[a, b]: [&[f64]; 2]| {
