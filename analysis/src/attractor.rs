@@ -278,6 +278,14 @@ impl StroboscopicRecord {
         last.iter().zip(last.iter().skip(lag)).map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
     }
 
+    /// The largest distance between a state and the mirror image of the one half an odd `period` before it, over the last period.
+    pub(crate) fn mirror_distance(&self, period: u32) -> f64 {
+        let (first, half) = (self.periods.len().saturating_sub(period as usize), period as usize / 2);
+        let images = &self.halves[first.saturating_sub(half)..];
+        let pairs = self.periods[first..].iter().zip(images);
+        pairs.map(|(own, image)| distance(&own.state, image)).fold(0.0, f64::max)
+    }
+
     /// Adds the recorded periods to a window of the motion.
     pub(crate) fn add_to(&self, blocks: &mut Blocks) {
         self.periods.iter().zip(&self.halves).for_each(|(whole, half)| blocks.add(&whole.state, half));
@@ -327,11 +335,11 @@ pub(crate) fn nears<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool 
     })
 }
 
-/// The largest difference between coordinates of two states; of displacements over 10⁶, in parts of a millionth of the largest, and so
-/// of speeds, since 10⁻⁷ of a unit is no more than their rounding: so are speeds in units of L ω10 where the box has a spring of next
-/// to no stiffness.
+/// The largest difference between coordinates of two states; of displacements over 10⁵, in parts of 10⁻⁵ of the largest, and so of
+/// speeds, since 10⁻⁷ of a unit is no more than their rounding over a period of several impacts: so are speeds in units of L ω10
+/// where the box has a spring of next to no stiffness.
 pub fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
-    const LARGE: f64 = 1e6;
+    const LARGE: f64 = 1e5;
     let of = |[a, b]: [&[f64]; 2]| {
         let largest = a.iter().filter(|x| x.is_finite()).fold(LARGE, |largest, x| x.abs().max(largest));
         a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / (largest / LARGE)
@@ -390,7 +398,8 @@ impl Attractor {
         self.statistics = Some(pooled);
     }
 
-    /// Whether it is its own mirror image.
+    /// Whether it is its own mirror image, as far as it has come: where the motion is still [settling](MotionClass::Settling), that is
+    /// not decided.
     pub fn is_symmetric(&self) -> bool {
         if self.mirror_states.is_empty() {
             return false;

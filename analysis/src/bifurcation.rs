@@ -213,7 +213,7 @@ fn observe_all(
         if let Ok(outcome) = &outcome {
             ends[number] = outcome.state;
             let period = outcome.attractor.as_ref().and_then(|attractor| attractor.period);
-            arrived[number] = period.is_none_or(|n| has_arrived(outcome.record, n));
+            arrived[number] = period.is_none_or(|n| has_arrived(outcome.record, n, &start.parameters));
         }
         match outcome.and_then(|outcome| point(starts[index].value, &start.parameters, outcome, sweep)) {
             Ok(point) => points[index] = point,

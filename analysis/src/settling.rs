@@ -4,7 +4,7 @@
 //! whole drive periods are looked at, and have the last word. docs/studies.md, "What has settled is not simulated further", says why
 //! the verdict at the end would be the same.
 
-use super::attractor::{RETURN, StroboscopicRecord, appended, distance};
+use super::attractor::{RETURN, SAME, StroboscopicRecord, appended, distance};
 use super::stroboscopic::StroboscopicState;
 
 /// The longest period that is recognized early, in drive periods.
@@ -21,7 +21,8 @@ const SIMILAR: f64 = 1e-6;
 /// Differences under this may be round-off, and need not fall.
 const ROUNDING: f64 = 1e-11;
 /// Next to a period doubling a motion takes its way by turns from either side: the part of it that it takes a period is the ratio of the
-/// returns in two periods to those in one. Where that is less, the motion has twice the period.
+/// returns in two periods to those in one. Where that is less, the motion has twice the period. Next to a symmetry breaking half a period
+/// with the mirror image is such a part of a period.
 pub(crate) const TURNED: f64 = 1e-5;
 /// A motion has settled when its states return to this (units of L and L ω10). While returns of this size do not grow, they add up to as
 /// many times as much as there are of them in the drive periods left out, …
@@ -29,10 +30,10 @@ const STEADY: f64 = 1e-7;
 /// … at least so many are reckoned with, …
 const RETURNS: f64 = 1000.0;
 
-/// … and a state and the one that it nearly returns to may each move by that: where a shorter period is this far from a return, it stays
-/// farther than [`RETURN`] through as many returns.
-fn apart(returns: f64) -> f64 {
-    RETURN + 2.0 * returns.max(RETURNS) * STEADY
+/// … and a state and the one that it nearly returns to may each move by that: where a shorter period is farther from a return than this
+/// beside [`RETURN`], it stays farther than that through as many returns. So does the mirror image beside [`SAME`].
+fn moves(returns: f64) -> f64 {
+    2.0 * returns.max(RETURNS) * STEADY
 }
 
 /// The impacts of one drive period.
@@ -119,19 +120,24 @@ impl Confirmation {
     }
 
     /// Whether the states of two periods since `start` and the order of impacts repeat with the period and with no shorter one, so that
-    /// they still will after `left` drive periods.
-    pub(crate) fn holds(&self, record: &StroboscopicRecord, left: u32) -> bool {
+    /// they still will after `left` drive periods, and whether it is decided if a motion of a `symmetric` machine is its own mirror image.
+    pub(crate) fn holds(&self, record: &StroboscopicRecord, left: u32, symmetric: bool) -> bool {
         let n = self.period as usize;
-        let apart = apart(f64::from(left) / f64::from(self.period));
+        let moves = moves(f64::from(left) / f64::from(self.period));
         let state = |k: usize| if k == 0 { &self.start } else { &record.periods[k - 1].state };
         let same = |lag: usize, k: usize, near: f64| distance(state(k), state(k + lag)) < near;
         let repeats = (0..=n).all(|k| same(n, k, STEADY))
             && (0..n).all(|k| record.periods[k].pattern == record.periods[k + n].pattern);
         // A shorter period that is nearly one would be found later, or not, by rounding.
-        let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, apart));
+        let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, RETURN + moves));
         let most = |lag| (0..=2 * n - lag).map(|k| distance(state(k), state(k + lag))).fold(0.0, f64::max);
         let by_turns = |lag: usize| n.is_multiple_of(lag) && most(n) >= TURNED * most(lag);
-        repeats && !(1..n).any(|lag| shorter(lag) || by_turns(lag))
+        // Half of an odd period with the mirror image either returns as exactly, or stays away and is no part of it.
+        let half = record.mirror_distance(self.period);
+        let decided = half < STEADY || (half > SAME + moves && most(n) < TURNED * half);
+        repeats
+            && (!symmetric || n.is_multiple_of(2) || decided)
+            && !(1..n).any(|lag| shorter(lag) || by_turns(lag))
     }
 }
 
@@ -165,13 +171,28 @@ mod tests {
     #[test]
     fn closed_form_confirmation_of_made_up_states() {
         let mut record = StroboscopicRecord::default();
-        let mut confirmed_for = |left: u32, period: u32, coordinate: &dyn Fn(f64) -> f64| {
+        let mut confirmed_of = |symmetric: bool, left: u32, period: u32, coordinate: &dyn Fn(f64) -> f64| {
             record.clear();
             let confirmation = Confirmation { period, first: 0, start: [coordinate(0.0); 6] };
             for j in 1..=confirmation.last() {
                 record.sample(j, [coordinate(0.5 * f64::from(j)); 6]);
             }
-            confirmation.holds(&record, left)
+            confirmation.holds(&record, left, symmetric)
+        };
+        // Of a symmetric motion, and by turns to one in 10,000 periods, in so many that it is none for all that is observed, and so near to
+        // it that the verdict at the end would call it symmetric.
+        let breaking = |size: f64, taken: f64| move |k: f64| size * (1.0 - taken).powf(2.0 * k);
+        assert!(confirmed_of(true, 0, 3, &|k| (std::f64::consts::TAU * k / 3.0).cos()));
+        assert!(
+            !confirmed_of(true, 0, 1, &breaking(1e-3, 2e-5))
+                && confirmed_of(true, 0, 1, &breaking(1e-3, 5e-6))
+        );
+        assert!(
+            confirmed_of(false, 0, 1, &breaking(1e-3, 2e-5))
+                && !confirmed_of(true, 0, 1, &breaking(4e-4, 5e-6))
+        );
+        let mut confirmed_for = |left: u32, period: u32, coordinate: &dyn Fn(f64) -> f64| {
+            confirmed_of(false, left, period, coordinate)
         };
         // Nearly of period 1, as the next ones: the more periods are left out, the farther from it it must be.
         let far = |size: f64| move |k: f64| size * (std::f64::consts::PI * k).cos();

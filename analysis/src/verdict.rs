@@ -5,7 +5,7 @@
 //! transient has an end, and so has a slow approach. What is undecided at the limit is *not settled*, and no attractor.
 //! docs/studies.md, "When a verdict is decided", has the reasons.
 
-use super::attractor::{Attractor, MotionClass, OBSERVED, StroboscopicRecord};
+use super::attractor::{Attractor, MotionClass, OBSERVED, SAME, StroboscopicRecord};
 use super::error::Result;
 use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
@@ -13,6 +13,7 @@ use super::largest_exponent::LargestExponent;
 use super::settling::TURNED;
 use super::statistics::{Blocks, Likeness};
 use super::trajectories::{Outcome, Program, Start, Workspace};
+use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 
 /// Most drive periods for which a motion is followed after the discarded ones, but for the last of the growing steps.
@@ -80,7 +81,6 @@ struct Open {
     impacts: [f64; 2],
     rests: bool,
     arrived: bool,
-    whole: bool,
     /// Drive periods for which it has been followed in all.
     followed: u32,
 }
@@ -163,22 +163,24 @@ struct Seen {
     exponent: Option<LargestExponent>,
     /// Whether a motion with a period returns so exactly that a slow approach has no way left to go, or keeps clear of the stops.
     arrived: bool,
-    /// Whether its period is not that of a way by turns to an orbit of a part of it.
-    whole: bool,
     /// Whether it is proved that no impact will come.
     clear: bool,
     blocks: Blocks,
 }
 
 /// Whether returns after a period are so exact that a slow approach has no way left to go.
-pub(crate) fn has_arrived(record: &StroboscopicRecord, period: u32) -> bool {
-    record.return_distance(period) < ARRIVED && has_no_part(record, period)
+pub(crate) fn has_arrived(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool {
+    record.return_distance(period) < ARRIVED && has_no_part(record, period, p)
 }
 
-/// Whether a period is not that of a way by turns from either side, on which states nearly return in twice the period of the orbit.
-fn has_no_part(record: &StroboscopicRecord, period: u32) -> bool {
+/// Whether a period is not that of a way by turns from either side, on which states nearly return in twice the period of the orbit, or, to
+/// a symmetric one, in its period without having come to half of it with the mirror image. Only an odd period has such a half.
+fn has_no_part(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool {
+    let own = record.return_distance(period);
+    let half = record.mirror_distance(period);
+    let mirrored = p.is_symmetric() && !period.is_multiple_of(2) && half >= SAME;
     let mut parts = (1..period).filter(|part| period.is_multiple_of(*part));
-    parts.all(|part| record.return_distance(period) < TURNED * record.return_distance(part))
+    parts.all(|part| own < TURNED * record.return_distance(part)) && (!mirrored || own < TURNED * half)
 }
 
 /// The outcomes in the order of the starts.
@@ -198,12 +200,11 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
                     attractor = far.attractor(p);
                 }
             }
-            let arrived = clear || attractor.period.is_some_and(|n| has_arrived(record, n));
-            let whole = clear || attractor.period.is_none_or(|n| has_no_part(record, n));
+            let arrived = clear || attractor.period.is_some_and(|n| has_arrived(record, n, p));
             if attractor.period.is_none() {
                 record.add_to(&mut blocks);
             }
-            Seen { state, attractor, exponent, arrived, whole, clear, blocks }
+            Seen { state, attractor, exponent, arrived, clear, blocks }
         }));
     });
     // Each motion has an outcome.
@@ -222,9 +223,8 @@ impl Open {
             periods,
             stationary: false,
         };
-        let Seen { arrived, whole, blocks, .. } = seen;
-        let mut motion =
-            Self { number, start, found, impacts, rests, blocks, arrived, whole, followed: OBSERVED };
+        let Seen { arrived, blocks, .. } = seen;
+        let mut motion = Self { number, start, found, impacts, rests, blocks, arrived, followed: OBSERVED };
         motion.impacts = motion.impacts.map(|rate| rate * f64::from(periods));
         motion
     }
@@ -264,8 +264,8 @@ impl Open {
         if !(last || periodic || due) {
             return false;
         }
-        if has_period && !self.whole && following.limit > 0 {
-            // It is on its way to an orbit of a part of this period, or to one of all of it.
+        if has_period && !self.arrived && following.limit > 0 {
+            // It is on its way to an orbit of this period or of a part of it, or past the place of one that has vanished.
             self.found.class = MotionClass::Settling;
         }
         if !has_period {

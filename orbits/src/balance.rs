@@ -72,6 +72,9 @@ impl Anchor {
 /// and no motion without impacts keeps within the stops.
 const FAR: f64 = 100.0;
 
+/// The farthest place, units of L: differences of places and their products with rates of a machine remain numbers.
+const FARTHEST: f64 = 1e100;
+
 /// Places of the bodies, units of L, and what pushes them there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Balance {
@@ -102,7 +105,7 @@ impl Balance {
 /// The places for a machine under loads.
 ///
 /// # Errors
-/// A load that is not finite, or on what no spring holds.
+/// A load that is not finite, on what no spring holds, or on what a spring holds farther away than numbers tell.
 pub(super) fn balance(p: &Parameters, loads: ConstantLoads) -> Result<Balance> {
     let held = rest(p, loads)?;
     let anchor = Anchor::of(std::iter::once(p)).filter(|_| (held[1] - held[0]).abs() > FAR);
@@ -161,5 +164,20 @@ fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
         let x3 = third(f2 + f3, "secondary.k > 0, or load.block + load.secondary = 0")?;
         [x1, x3 + f2 / p.coupling_stiffness, x3]
     };
-    Ok(x.map(|x| x / p.stop_gap))
+    let places = x.map(|x| x / p.stop_gap);
+    let springs = [
+        (0, "box.k", p.box_stiffness),
+        (2, "secondary.k", p.secondary_stiffness),
+        (1, "coupling.k", p.coupling_stiffness),
+    ];
+    // NaN is within no range.
+    let told = |place: f64| (-FARTHEST..=FARTHEST).contains(&place);
+    match springs.into_iter().find(|(body, ..)| !told(places[*body])) {
+        None => Ok(places),
+        Some((_, name, value)) => {
+            let (needed_by, allowed) =
+                ("orbit under a constant load", "a larger value, which holds the load within 1e100 gaps");
+            Err(vibro_impact::Error::Undefined { name, value, needed_by, allowed }.into())
+        }
+    }
 }

@@ -152,7 +152,23 @@ pub(super) fn axis(length: usize, index: usize) -> DVector<f64> {
     DVector::from_fn(length, |i, _| if i == index { 1.0 } else { 0.0 })
 }
 
-/// The gradient of a function of a point by central differences, where the function is defined on both sides.
+/// The derivative at 0 by differences: central where the function is defined on both sides, and else to the side where it is.
+///
+/// # Errors
+/// Where it is defined on neither.
+pub(super) fn slope(
+    step: f64,
+    at: impl Fn(f64) -> Result<Vec<f64>, Obstacle>,
+) -> Result<DVector<f64>, Obstacle> {
+    let (below, above, width) = match (at(-step), at(step)) {
+        (Ok(below), Ok(above)) => (below, above, 2.0 * step),
+        (Ok(below), Err(_)) => (below, at(0.0)?, step),
+        (Err(_), above) => (at(0.0)?, above?, step),
+    };
+    Ok(DVector::from_iterator(below.len(), below.iter().zip(&above).map(|(a, b)| (b - a) / width)))
+}
+
+/// The gradient of a function of a point by differences.
 pub(super) fn gradient(
     u: &DVector<f64>,
     step: f64,
@@ -162,9 +178,9 @@ pub(super) fn gradient(
         let at = |by: f64| {
             let mut moved = u.clone();
             moved[k] += by;
-            function(&moved)
+            Ok(vec![function(&moved)?])
         };
-        Ok((at(step)? - at(-step)?) / (2.0 * step))
+        Ok(slope(step, at)?[0])
     };
     let components: Result<Vec<f64>, Obstacle> = (0..u.len()).map(component).collect();
     Ok(DVector::from_vec(components?))

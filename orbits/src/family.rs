@@ -1,10 +1,11 @@
 //! The machines along one parameter or two, and the equations of orbits over them.
 
-use super::curve::{Equations, Linearization};
+use super::curve::{Equations, Linearization, slope};
 use super::cycle::{Cycle, Functional};
 use super::obstacle::Obstacle;
-use super::system::{Anchor, System};
-use super::word::OrbitWord;
+use super::orbit::{Orbit, unfolded_phases};
+use super::system::System;
+use super::word::{OrbitWord, REPETITION};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use vibro_analysis::Error;
@@ -58,8 +59,6 @@ impl Span {
 pub struct Family {
     set: ParameterSet,
     spans: Vec<Span>,
-    /// What a spring hardly holds in one of the machines at the corners: the equations are then the same for all.
-    anchor: Option<Anchor>,
 }
 
 impl Family {
@@ -86,18 +85,12 @@ impl Family {
     fn over(set: &ParameterSet, spans: Vec<Span>) -> Result<Self, Error> {
         // A span has public fields, so that it need not come from `Span::new`.
         spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
-        let family = Self { set: set.clone(), spans, anchor: None };
+        let family = Self { set: set.clone(), spans };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
-        let ends = [family.system(&from)?, family.system(&to)?];
-        // Of two parameters two corners remain, which may be no machines.
-        let crossed = [[from.first(), to.last()], [to.first(), from.last()]];
-        let others = crossed.iter().filter(|_| from.len() == 2).filter_map(|values| {
-            let values: Vec<f64> = values.iter().copied().flatten().copied().collect();
-            family.system(&values).ok()
-        });
-        let corners: Vec<System> = ends.into_iter().chain(others).collect();
-        let anchor = Anchor::of(corners.iter().map(System::parameters));
-        Ok(Self { anchor, ..family })
+        // Of two parameters the other corners may be no machines.
+        family.system(&from)?;
+        family.system(&to)?;
+        Ok(family)
     }
 
     /// The parameters that vary.
@@ -127,13 +120,23 @@ impl Family {
     /// # Errors
     /// As [`System::new`] and the range that a value violates.
     pub fn system(&self, values: &[f64]) -> Result<System, Error> {
-        let system = System::new(self.parameter_set(values)?.parameters())?;
-        Ok(self.anchor.map_or(system, |anchor| system.anchored(anchor)))
+        System::new(self.parameter_set(values)?.parameters())
     }
 
     /// Whether mirror images of orbits are orbits.
     pub fn is_symmetric(&self) -> bool {
         self.set.parameters().constant_loads == [0.0; 3] && !self.spans.iter().any(|span| span.name.is_load())
+    }
+
+    /// An orbit's shortest word in the family, with its phases: half of a symmetric orbit is one only where no machine has loads.
+    pub(super) fn shortest(&self, orbit: &Orbit) -> (OrbitWord, Vec<f64>) {
+        let (word, phases) = (orbit.word(), orbit.phases());
+        let mirror = self.is_symmetric();
+        if word.closing() < 0 && !mirror {
+            word.unfolded().reduced(&unfolded_phases(word, phases), mirror, REPETITION)
+        } else {
+            word.reduced(phases, mirror, REPETITION)
+        }
     }
 
     /// The parameters' values at a point of a curve, which holds the phases and then the parameters in their units.
@@ -153,7 +156,7 @@ impl Family {
         Ok(self.system(&self.values(u))?)
     }
 
-    /// The change of a quantity of the cycle with each parameter, by differences: central where both sides are allowed.
+    /// The change of a quantity of the cycle with each parameter, by differences between machines whose equations have its form.
     pub(super) fn by_parameters(
         &self,
         u: &DVector<f64>,
@@ -164,23 +167,12 @@ impl Family {
         let at = |k: usize, by: f64| -> Result<Vec<f64>, Obstacle> {
             let mut moved = u.clone();
             moved[first + k] += by;
-            let system = self.system_at(&moved)?;
+            let system = self.system_at(&moved)?.anchored(cycle.system.anchor());
             Ok(quantity(&cycle.in_system(&system)?))
         };
-        let column = |k: usize| {
-            let h = DIFFERENCE * u[first + k].abs().max(1.0);
-            let (below, above) = match (at(k, -h), at(k, h)) {
-                (Ok(a), Ok(b)) => return Ok(difference(&a, &b, 2.0 * h)),
-                (below, above) => (below.or_else(|_| at(k, 0.0))?, above.or_else(|_| at(k, 0.0))?),
-            };
-            Ok(difference(&below, &above, h))
-        };
-        (0..self.spans.len()).map(column).collect()
+        let step = |k: usize| DIFFERENCE * u[first + k].abs().max(1.0);
+        (0..self.spans.len()).map(|k| slope(step(k), |by| at(k, by))).collect()
     }
-}
-
-fn difference(below: &[f64], above: &[f64], step: f64) -> DVector<f64> {
-    DVector::from_iterator(below.len(), below.iter().zip(above).map(|(a, b)| (b - a) / step))
 }
 
 /// The equations of contact of a word over a family: as many as impacts.

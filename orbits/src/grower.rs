@@ -197,8 +197,7 @@ impl<'a> Grower<'a> {
 
     /// Queues a start in the order of depth, unless it is out of bounds.
     fn offer(&mut self, start: Start) {
-        let TreeOptions { depth, longest_period, most_letters, .. } = *self.options;
-        if start.depth > depth || start.word.period() > longest_period || start.word.len() > most_letters {
+        if start.depth > self.options.depth || !self.options.admits(&start.word) {
             return;
         }
         let place = self.queue.partition_point(|s| s.depth <= start.depth);

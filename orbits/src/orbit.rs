@@ -73,9 +73,7 @@ impl Orbit {
             if guess.len() != word.len() {
                 return Err(Obstacle::Order);
             }
-            if word.closing() < 0 && !system.is_symmetric() {
-                return Err(Obstacle::Asymmetric);
-            }
+            system.admits(word)?;
             let phases = newton(system, word, guess)?;
             Self::at(system, word, &phases)
         };
@@ -151,9 +149,10 @@ impl Orbit {
         self.clear && self.speeds.iter().all(|speed| *speed > 0.0)
     }
 
-    /// Whether it attracts its neighbourhood.
+    /// Whether it attracts its neighbourhood. Without impacts the machine decides, since the multipliers of what no spring holds or nothing
+    /// damps have the modulus 1 but for rounding.
     pub fn is_stable(&self) -> bool {
-        self.spectral_radius() < 1.0
+        if self.word.is_empty() { self.system.holds_and_damps() } else { self.spectral_radius() < 1.0 }
     }
 
     /// The same orbit with the word passed twice, closing with +1.
@@ -203,7 +202,7 @@ impl Orbit {
     }
 
     /// The state at phase θ (rad) of the drive; just after the impact at an impact. A motion of several drive periods has as many
-    /// states at one phase of the drive: θ counts from the first period of its [`phases`](Self::phases).
+    /// states at one phase of the drive: θ, which must be finite, counts from the first period of its [`phases`](Self::phases).
     pub fn state(&self, theta: f64) -> State {
         self.system.si(&self.dimensionless_state(theta))
     }

@@ -49,7 +49,7 @@ pub struct SearchedValue {
     /// The parameter.
     pub value: f64,
     /// The period, in drive periods, of the orbit on which the motion settled with the parameter rising; `None` where it settled on
-    /// none that was found stable.
+    /// none that was found stable within the tree's limits.
     pub rising: Option<u32>,
     /// The same with the parameter falling.
     pub falling: Option<u32>,
@@ -112,7 +112,7 @@ pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Err
             ..SearchedValue::default()
         })
         .collect();
-    let passed = wide(family, options.starts, &boxes, &mut values)?;
+    let passed = wide(family, options, &boxes, &mut values)?;
     let settled = chains.into_iter().flatten().filter_map(|link| link.place).collect();
     let searched = Searched { values, periods: PERIODS, followed: 0, islands: 0 };
     Ok(Seeds { settled, passed, searched })
@@ -132,7 +132,7 @@ fn chain(
     value: &(impl Fn(usize) -> f64 + Sync),
     rising: bool,
 ) -> Result<Vec<Link>, Error> {
-    let count = options.seeds;
+    let (count, limits) = (options.seeds, options.limits());
     let mut links = vec![Link { place: None, visited: NOTHING }; count];
     let mut last = None;
     for k in 0..count {
@@ -148,14 +148,15 @@ fn chain(
         if options.starts > 0 {
             links[i].visited = visited(&system, &state).unwrap_or(NOTHING);
         }
-        let orbit = settled::orbit_of(&system, &state).ok().filter(|orbit| !orbit.word().is_empty());
-        links[i].place = orbit.map(|orbit| place(&orbit, value));
+        let orbit =
+            settled::orbit_within(&system, &state, limits).ok().filter(|orbit| !orbit.word().is_empty());
+        links[i].place = orbit.and_then(|orbit| {
+            let (word, phases) = family.shortest(&orbit);
+            let place = Place { word, phases, value, stable: orbit.is_stable() };
+            options.admits(&place.word).then_some(place)
+        });
     }
     Ok(links)
-}
-
-fn place(orbit: &Orbit, value: f64) -> Place {
-    Place { word: orbit.word().clone(), phases: orbit.phases().to_vec(), value, stable: orbit.is_stable() }
 }
 
 /// The box of the states of a motion at whole drive periods, without loads with their mirror images.
@@ -178,11 +179,11 @@ fn visited(system: &System, state: &State) -> Result<Hull, Error> {
 /// orbit, where a diagram has few rows. Each is a value with a state in the box that is visited at neighbouring values, widened.
 fn wide(
     family: &Family,
-    starts: usize,
+    options: &TreeOptions,
     boxes: &[Hull],
     values: &mut [SearchedValue],
 ) -> Result<Vec<Place>, Error> {
-    let cells = values.len().saturating_sub(1);
+    let (starts, cells) = (options.starts, values.len().saturating_sub(1));
     if starts == 0 || cells == 0 {
         return Ok(Vec::new());
     }
@@ -220,8 +221,10 @@ fn wide(
             .then(|| (cell, value, from_drive_units(system.parameters(), &state)))
     };
     let all: Vec<(usize, f64, State)> = (0..starts).filter_map(start).collect();
-    let found: Vec<Vec<Place>> =
-        all.par_iter().map(|(_, value, state)| passes(family, *value, state)).collect::<Result<_, _>>()?;
+    let found: Vec<Vec<Place>> = all
+        .par_iter()
+        .map(|(_, value, state)| passes(family, *value, state, options))
+        .collect::<Result<_, _>>()?;
     let unit = (values[cells].value - values[0].value) / PLACES;
     let mut kept: Vec<Place> = Vec::new();
     for ((cell, ..), places) in all.iter().zip(found) {
@@ -241,14 +244,13 @@ fn wide(
 
 /// The orbits near which a motion passes, in their shortest canonical words, one of each: those to which Newton's method leads from
 /// near returns on its way, and the one on which it has settled in the end.
-fn passes(family: &Family, value: f64, start: &State) -> Result<Vec<Place>, Error> {
-    let system = family.system(&[value])?;
-    let mirror = system.is_symmetric();
+fn passes(family: &Family, value: f64, start: &State, options: &TreeOptions) -> Result<Vec<Place>, Error> {
+    let (system, limits) = (family.system(&[value])?, options.limits());
     let mut found: Vec<Place> = Vec::new();
     let mut keep = |orbit: Orbit| {
-        let (orbit, _) = orbit.shortest();
-        let (word, phases) = canonical(orbit.word(), orbit.phases(), mirror);
-        if !word.is_empty() && !found.iter().any(|place| place.word == word) {
+        let (word, phases) = family.shortest(&orbit);
+        let (word, phases) = canonical(&word, &phases, family.is_symmetric());
+        if !word.is_empty() && options.admits(&word) && !found.iter().any(|place| place.word == word) {
             found.push(Place { word, phases, value, stable: orbit.is_stable() });
         }
     };
@@ -261,8 +263,11 @@ fn passes(family: &Family, value: f64, start: &State) -> Result<Vec<Place>, Erro
         if course.advance(&mut simulator, &p).is_err() {
             return Ok(found);
         }
-        for q in 1..=LONGEST.min(course.ends.len()) {
-            let Some((letters, phases)) = course.near_return(q) else { continue };
+        for q in 1..=LONGEST.min(limits.periods as usize).min(course.ends.len()) {
+            let Some((letters, phases)) = course.near_return(q).filter(|(l, _)| l.len() <= limits.impacts)
+            else {
+                continue;
+            };
             let key = (q, letters.to_vec());
             if tried.contains(&key) {
                 continue;
@@ -273,7 +278,7 @@ fn passes(family: &Family, value: f64, start: &State) -> Result<Vec<Place>, Erro
             tried.push(key);
         }
     }
-    let end = settled::orbit_of(&system, &simulator.state());
+    let end = settled::orbit_within(&system, &simulator.state(), limits);
     if let Some(orbit) = end.ok().filter(Orbit::is_stable) {
         keep(orbit);
     }

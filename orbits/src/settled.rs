@@ -3,7 +3,7 @@
 use super::obstacle::Obstacle;
 use super::orbit::{Orbit, newton};
 use super::system::System;
-use super::word::{OrbitWord, REPETITION};
+use super::word::{MOST_LETTERS, OrbitWord, REPETITION};
 use std::f64::consts::TAU;
 use vibro_analysis::attractor::distance;
 use vibro_analysis::stroboscopic::StroboscopicState;
@@ -12,7 +12,7 @@ use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Event, Simulator, State};
 
 /// The longest period that is looked for, in drive periods.
-const LONGEST: u32 = 32;
+pub(super) const LONGEST: u32 = 32;
 
 /// A motion counts as near a return when no coordinate (units of L and L ω1) differs by more: Newton's method does the rest.
 const RETURN: f64 = 2e-3;
@@ -20,8 +20,24 @@ const RETURN: f64 = 2e-3;
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
 const MOVE: f64 = 0.05;
 
+/// Differences of the phases of two passages, rad, that may be what Newton's method has left of them next to a period doubling.
+const ALIKE: f64 = 1e-5;
+
 /// Most impacts of a word that is tried after a shorter one: the work grows with their cube, to a second for so many.
 const MANY: usize = 512;
+
+/// How far a motion is followed to its return.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Most drive periods.
+    pub periods: u32,
+    /// Most impacts.
+    pub impacts: usize,
+}
+
+impl Limits {
+    const WIDEST: Self = Self { periods: LONGEST, impacts: MOST_LETTERS };
+}
 
 /// The phase of the drive at time 0, rad, without the turns by which a large one would leave the phases of impacts few digits.
 pub(super) fn first_phase(p: &Parameters) -> f64 {
@@ -63,13 +79,18 @@ pub fn settle(system: &System, start: &State, periods: u32) -> Result<State> {
 ///
 /// Chaos comes near its unstable orbits too, so that what is found need not be stable: its multipliers say. A stable orbit comes first,
 /// since next to a period doubling a settled motion nearly returns in half of its period, by the orbit that has just become unstable.
-/// After the first near return, words of more than 512 impacts are not tried.
+/// Words of more than 1024 impacts are not tried, and after the first near return none of more than 512.
 ///
 /// # Errors
 /// [`Error::NoPeriodicMotion`] when the block comes to rest at a stop in its course, when the motion does not return in up to 32 drive
-/// periods, and when it does but no orbit is found there; an error with the parameter's name where phases do not determine the orbit, as
+/// periods and 1024 impacts, and when it does but no orbit is found there; an error with the parameter's name where phases do not determine the orbit, as
 /// where springs are missing; what the simulator refuses.
 pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
+    orbit_within(system, state, Limits::WIDEST)
+}
+
+/// The same within limits.
+pub(super) fn orbit_within(system: &System, state: &State, limits: Limits) -> Result<Orbit> {
     let p = system.parameters();
     let mut simulator = simulator(system, state)?;
     let (start, first) = (in_drive_units(p, &simulator.state()), first_phase(p));
@@ -77,7 +98,8 @@ pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
     let (mut unstable, mut missed) = (None, None);
     // A block that a load holds at a stop throughout has no event.
     let mut rests = simulator.contact() != Contact::Flight;
-    for q in 1..=LONGEST {
+    let mut many = false;
+    for q in 1..=limits.periods {
         simulator.advance_observed(f64::from(q) * p.period(), &mut |event| match *event {
             Event::Impact { time, side, .. } => {
                 phases.push(first + p.drive_frequency * time);
@@ -89,7 +111,8 @@ pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
             break;
         }
         let tried = unstable.is_some() || missed.is_some();
-        if tried && letters.len() > MANY {
+        many = letters.len() > if tried { MANY.min(limits.impacts) } else { limits.impacts };
+        if many {
             break;
         }
         if distance(&start, &in_drive_units(p, &simulator.state())) < RETURN {
@@ -101,7 +124,7 @@ pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
             }
         }
     }
-    unstable.ok_or_else(|| if rests { at_rest() } else { not_found(system, missed) })
+    unstable.ok_or_else(|| if rests { at_rest() } else { not_found(system, missed, limits, many) })
 }
 
 /// Why a motion with rest has no orbit.
@@ -111,8 +134,11 @@ fn at_rest() -> Error {
     Error::NoPeriodicMotion { reason: reason.into() }
 }
 
-/// Why no orbit was found, with the first near return that led to none, if there was one.
-fn not_found(system: &System, missed: Option<(u32, Obstacle)>) -> Error {
+/// Why no orbit was found, with the first near return that led to none, if there was one, and whether there were too `many` impacts.
+fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, many: bool) -> Error {
+    let Limits { periods, impacts } = limits;
+    let within =
+        if many { format!("within {impacts} impacts") } else { format!("in up to {periods} drive periods") };
     let reason = match missed {
         Some((q, obstacle @ (Obstacle::Singular | Obstacle::Refused(_)))) => {
             return obstacle.error(system, &OrbitWord::of(Vec::new(), 1, 2 * q));
@@ -122,7 +148,7 @@ fn not_found(system: &System, missed: Option<(u32, Obstacle)>) -> Error {
              grazes a stop; more periods, another start or another value may help"
         ),
         None => format!(
-            "does not return in up to {LONGEST} drive periods: it is chaotic, quasi-periodic or not settled; more periods, another \
+            "does not return {within}: it is chaotic, quasi-periodic or not settled; more periods, another \
              start or another value may help"
         ),
     };
@@ -130,6 +156,10 @@ fn not_found(system: &System, missed: Option<(u32, Obstacle)>) -> Error {
 }
 
 /// The certified orbit near the impacts of q drive periods, in its shortest word, whose phases differ from theirs by so much at most.
+///
+/// Next to a period doubling the equations of the word passed twice are nearly singular, and Newton's method comes so slowly to the orbit
+/// that is passed twice that it leaves the passages apart, or does not arrive: those of the word passed once tell. Where the passages are
+/// apart, it is meant if it is stable.
 pub(super) fn near(
     system: &System,
     letters: &[i8],
@@ -139,16 +169,38 @@ pub(super) fn near(
 ) -> std::result::Result<Orbit, Obstacle> {
     let word = OrbitWord::of(letters.to_vec(), 1, 2 * q);
     let mirror = system.is_symmetric();
-    let (word, phases) = if word.is_empty() {
+    if word.is_empty() {
         let word = if mirror { OrbitWord::of(Vec::new(), -1, 1) } else { OrbitWord::of(Vec::new(), 1, 2) };
-        (word, Vec::new())
-    } else {
-        let found = newton(system, &word, phases)?;
-        if phases.iter().zip(&found).any(|(a, b)| (a - b).abs() > most) {
-            return Err(Obstacle::NoConvergence);
-        }
-        word.reduced(&found, mirror, REPETITION)
-    };
-    let orbit = Orbit::at(system, &word, &phases)?;
+        return certified(Orbit::at(system, &word, &[])?);
+    }
+    let found = newton_near(system, &word, phases, most);
+    let own = found.as_ref().map_or(word.clone(), |found| word.reduced(found, mirror, REPETITION).0);
+    let (guess, tolerance) = found.as_ref().map_or((phases, most), |found| (found.as_slice(), ALIKE));
+    let (short, guess) = word.reduced(guess, mirror, tolerance);
+    if short != word
+        && let Ok(phases) = newton_near(system, &short, &guess, most)
+        && let Ok(orbit) = Orbit::at(system, &short, &phases).and_then(certified)
+        && (short == own || orbit.is_stable())
+    {
+        return Ok(orbit);
+    }
+    let (word, phases) = word.reduced(&found?, mirror, REPETITION);
+    certified(Orbit::at(system, &word, &phases)?)
+}
+
+/// The phases of an orbit that differ from a guess by so much at most.
+fn newton_near(
+    system: &System,
+    word: &OrbitWord,
+    guess: &[f64],
+    most: f64,
+) -> std::result::Result<Vec<f64>, Obstacle> {
+    let found = newton(system, word, guess)?;
+    let far = guess.iter().zip(&found).any(|(a, b)| (a - b).abs() > most);
+    if far { Err(Obstacle::NoConvergence) } else { Ok(found) }
+}
+
+/// An orbit, unless it is none of the machine.
+fn certified(orbit: Orbit) -> std::result::Result<Orbit, Obstacle> {
     if orbit.is_certified() { Ok(orbit) } else { Err(Obstacle::NoConvergence) }
 }

@@ -3,6 +3,7 @@
 pub(super) use super::balance::Anchor;
 pub use super::balance::ConstantLoads;
 use super::balance::{Balance, balance};
+use super::obstacle::Obstacle;
 use super::word::OrbitWord;
 use nalgebra::Complex;
 use vibro_analysis::Result;
@@ -51,10 +52,10 @@ impl System {
         Ok(Self { parameters: *parameters, loads, flight, response, balance, pull, anchor })
     }
 
-    /// The same machine with its state found by the first contact, as it must be where a spring is missing.
+    /// The same machine with its state found as that of another one, whose equations those of this one are then compared with.
     #[must_use]
-    pub(super) fn anchored(self, anchor: Anchor) -> Self {
-        Self { anchor: Some(anchor), ..self }
+    pub(super) fn anchored(self, anchor: Option<Anchor>) -> Self {
+        Self { anchor, ..self }
     }
 
     /// What the first contact holds, where the state is found so.
@@ -72,9 +73,20 @@ impl System {
         self.pull
     }
 
+    /// Refuses a word that no orbit of the machine has, whatever its phases are.
+    ///
+    /// # Errors
+    /// [`Obstacle::Asymmetric`] for half a symmetric orbit under loads, [`Obstacle::Unbalanced`] for impulses that cannot balance.
+    pub(super) fn admits(&self, word: &OrbitWord) -> std::result::Result<(), Obstacle> {
+        if word.closing() < 0 && !self.is_symmetric() {
+            return Err(Obstacle::Asymmetric);
+        }
+        if self.balances(word) { Ok(()) } else { Err(Obstacle::Unbalanced) }
+    }
+
     /// Whether the impulses of a word can balance the load on what no spring holds over a round, docs/theory.md (113): without
     /// a load they need both stops, with one the stop towards which it pulls.
-    pub(super) fn balances(&self, word: &OrbitWord) -> bool {
+    fn balances(&self, word: &OrbitWord) -> bool {
         let p = &self.parameters;
         let has = |side: i8| word.letters().contains(&side);
         let held = p.box_stiffness > 0.0 && p.coupling_stiffness > 0.0 && p.secondary_stiffness > 0.0;
@@ -85,6 +97,19 @@ impl System {
         } else {
             has(if self.pull > 0.0 { 1 } else { -1 })
         }
+    }
+
+    /// Whether the motion without impacts attracts its neighbourhood: springs hold all bodies, and dampers reach them.
+    pub(super) fn holds_and_damps(&self) -> bool {
+        let p = &self.parameters;
+        let needed = [
+            p.box_stiffness,
+            p.box_damping,
+            p.coupling_stiffness,
+            p.secondary_stiffness,
+            p.secondary_damping,
+        ];
+        needed.iter().all(|c| *c > 0.0)
     }
 
     /// The machine's parameters, without its [loads](Self::loads).

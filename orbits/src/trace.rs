@@ -12,7 +12,7 @@ use super::seeds::seeds;
 use super::switching;
 use super::tree::{Traced, Tree};
 use super::tree_options::TreeOptions;
-use super::word::{OrbitWord, REPETITION};
+use super::word::OrbitWord;
 use rayon::prelude::*;
 use vibro_analysis::Error;
 use vibro_analysis::parts::{NoStore, PartStore, Task};
@@ -83,7 +83,7 @@ pub fn tree_in_parts(
 
 /// The branch of one orbit, followed in both directions without switching to others; points at the values `marks` of the parameter
 /// are labelled UZ. Its word is the orbit's shortest: of UL closing with + on a symmetric orbit that is U closing with -, whose
-/// symmetry may break, and which is followed beyond.
+/// symmetry may break, and which is followed beyond. Along a load it is UL, since under a load no orbit is symmetric.
 ///
 /// ```
 /// use vibro_orbits::{Family, Label, OrbitWord, PathOptions, Span, branch};
@@ -124,7 +124,7 @@ pub fn branch(
         let found = free::branches(family, marks)?.into_iter().map(|b| b.0).find(around);
         return found.ok_or_else(|| Obstacle::NoConvergence.error(&system, word));
     }
-    let (word, phases) = word.reduced(orbit.phases(), family.is_symmetric(), REPETITION);
+    let (word, phases) = family.shortest(&orbit);
     let followed = || {
         let (word, both) = switching::both_ways(family, &word, &phases, value)?;
         let start = Start { depth: 0, parent: None, word, departures: both.to_vec(), island: false };

@@ -1,7 +1,8 @@
 //! What is traced of a family's branches, and how far.
 
 use super::path::PathOptions;
-use super::word::MOST_LETTERS;
+use super::settled::{LONGEST, Limits};
+use super::word::{MOST_LETTERS, OrbitWord};
 use serde::{Deserialize, Serialize};
 use vibro_analysis::Error;
 
@@ -57,6 +58,17 @@ impl TreeOptions {
             return refused(format!("{} letters", self.most_letters), "up to 1024");
         }
         Ok(())
+    }
+
+    /// Whether a word is within the limits of period and letters.
+    pub(super) fn admits(&self, word: &OrbitWord) -> bool {
+        word.period() <= self.longest_period && word.len() <= self.most_letters
+    }
+
+    /// Those within which a motion shows any such word, which may be half of its orbit.
+    pub(super) fn limits(&self) -> Limits {
+        let impacts = self.most_letters.saturating_mul(2).min(MOST_LETTERS);
+        Limits { periods: self.longest_period.min(LONGEST), impacts }
     }
 }
 

@@ -157,7 +157,8 @@ impl LaneRecord {
             return ControlFlow::Continue(number + 1);
         }
         // Left out are what is still to be discarded and the observation.
-        if confirmation.holds(&self.stroboscopic, (discard - number / 2).saturating_add(OBSERVED)) {
+        let left = (discard - number / 2).saturating_add(OBSERVED);
+        if confirmation.holds(&self.stroboscopic, left, self.parameters.is_symmetric()) {
             self.stage = Stage::Settled(*state);
             return ControlFlow::Break(());
         }

@@ -4,7 +4,7 @@ use crate::attractor::Relation;
 use crate::basin::{Basin, InitialValueRange, Request, basin};
 use crate::motion::settled_simulator;
 use crate::parts::Task;
-use crate::stroboscopic::{dimensional, moving_block};
+use crate::stroboscopic::{dimensional, dimensionless, moving_block};
 use vibro_impact::{Parameters, State};
 
 fn set(assignments: &[&str]) -> ParameterSet {
@@ -102,9 +102,40 @@ fn second_method_a_way_by_turns_has_no_period_before_it_has_arrived() {
     };
     let state = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
     let class = |discard| verdict(&Start { parameters, state }, discard).unwrap().class;
-    // From 4000 on, the steps in which it is followed take it far enough.
-    assert_eq!(class(300), MotionClass::Settling);
-    assert_eq!([4000, 40_000].map(class), [MotionClass::Periodic(1); 2]);
+    // From 40,000 on, the steps in which it is followed take it far enough.
+    assert_eq!([300, 4000].map(class), [MotionClass::Settling; 2]);
+    assert_eq!(class(40_000), MotionClass::Periodic(1));
+}
+
+/// Next to its breaking at f10 = 2.039588865238 the symmetric orbit of the closed form is stable. Half a period with the mirror image has
+/// multipliers of -0.99991 and -0.99997, and a motion differs from its mirror image by 10,000 returns after a period and more on its way there.
+#[test]
+fn second_method_a_way_by_turns_to_a_symmetric_orbit_is_not_asymmetric() {
+    for (f10, class) in [(2.039558865238, MotionClass::Periodic(1)), (2.039578865238, MotionClass::Settling)]
+    {
+        let p = *ParameterSet::basic().with(crate::find_group("f10").unwrap(), f10).unwrap().parameters();
+        let orbit = vibro_impact::steady::exact_orbit::solve(&p).unwrap().upper.unwrap();
+        assert!(orbit.is_stable() && orbit.spectral_radius() > 0.9999);
+        let found = verdict(&Start { parameters: p, state: moving_block(&p) }, 400).unwrap();
+        assert_eq!((found.class, found.attractor.period), (class, Some(1)), "{f10}");
+        if class.is_decided() {
+            let start = orbit.initial_state();
+            assert!(found.attractor.is_symmetric());
+            assert!(found.attractor.passes(&dimensionless(&p, &State { x: start.x, v: start.v })));
+        }
+    }
+}
+
+/// The fold of the orbit of two drive periods with four impacts at the upper stop and two at the lower is at f10 = 2.914356570079 (the orbits'
+/// branches): below it there is no such orbit, and motions take thousands of returns to pass its place, none of them as exact as 1e-7.
+#[test]
+fn second_method_the_place_of_an_orbit_that_has_vanished_is_no_period() {
+    for below in [1e-6, 4e-6, 1e-5] {
+        let set = ParameterSet::basic().with(crate::find_group("f10").unwrap(), 2.914356570079 - below);
+        let p = *set.unwrap().parameters();
+        let found = verdict(&Start { parameters: p, state: moving_block(&p) }, 400).unwrap();
+        assert!(!matches!(found.class, MotionClass::Periodic(_)), "{below}: {:?}", found.class);
+    }
 }
 
 /// Such a spring does not make a box that a load drives away ever farther, by two gaps a period, a periodic motion.

@@ -1,11 +1,12 @@
 //! The equations of a curve in two parameters: those of contact, and one that says which bifurcation or touch the orbit has.
 
-use crate::curve::{Equations, Linearization, least_vectors};
+use crate::curve::{Equations, Linearization, least_vectors, slope};
 use crate::cycle::{Cycle, Functional};
 use crate::family::{Contacts, Family};
 use crate::grazing::Touching;
 use crate::obstacle::Obstacle;
 use crate::orbit::is_clear;
+use crate::system::Anchor;
 use crate::word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
@@ -62,9 +63,9 @@ impl Locus<'_> {
         self.word.len()
     }
 
-    /// The values of a bifurcation's condition at a point.
-    fn tests(&self, u: &DVector<f64>) -> Result<Vec<f64>, Obstacle> {
-        let system = self.family.system_at(u)?;
+    /// The values of a bifurcation's condition at a point, by equations of this form.
+    fn tests(&self, u: &DVector<f64>, anchor: Option<Anchor>) -> Result<Vec<f64>, Obstacle> {
+        let system = self.family.system_at(u)?.anchored(anchor);
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
         let found = match &self.condition {
             Condition::Real(factor, border) => {
@@ -125,7 +126,7 @@ impl Equations for Locus<'_> {
         for (k, column) in by_parameters.iter().enumerate() {
             matrix.view_mut((0, columns - 2 + k), (n, 1)).copy_from(column);
         }
-        let tests = self.tests(u)?;
+        let tests = self.tests(u, system.anchor())?;
         tests.iter().enumerate().for_each(|(i, test)| value[n + i] = *test);
         if let Some(known) = known {
             let rows = columns - 1 - n;
@@ -136,12 +137,10 @@ impl Equations for Locus<'_> {
             let at = |by: f64| {
                 let mut moved = u.clone();
                 moved[k] += by;
-                self.tests(&moved)
+                self.tests(&moved, system.anchor())
             };
-            let (below, above) = (at(-DIFFERENCE)?, at(DIFFERENCE)?);
-            for (i, (a, b)) in below.iter().zip(&above).enumerate() {
-                matrix[(n + i, k)] = (b - a) / (2.0 * DIFFERENCE);
-            }
+            let column = slope(DIFFERENCE, at)?;
+            matrix.view_mut((n, k), (column.len(), 1)).copy_from(&column);
         }
         Ok(Linearization { value, matrix })
     }

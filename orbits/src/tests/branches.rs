@@ -229,17 +229,18 @@ fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     assert!(error.to_string().contains("rests at a stop"), "{error}");
 }
 
-/// The curve of a special point of the symmetric branch over force and restitution coefficient.
-fn curve(label: Label) -> Vec<crate::LocusPoint> {
-    let one = family(0.5, 3.0);
+/// The curve of a special point of the symmetric branch over force and restitution coefficient, from a value of the latter on.
+fn curve(label: Label, kappa: f64, [from, to]: [f64; 2]) -> Vec<crate::LocusPoint> {
+    let [f10, second] = ["f10", "kappa"].map(|name| find_group(name).unwrap());
+    let set = ParameterSet::basic().with(second, kappa).unwrap();
+    let one = Family::new(&set, Span::new(f10, 0.3, 3.0).unwrap()).unwrap();
     let found = branch(&one, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[]).unwrap();
     let point = labelled(&found, label).next().unwrap();
-    let spans = [("f10", 0.4, 3.0), ("kappa", 0.6, 0.9)];
     let [first, second] =
-        spans.map(|(name, from, to)| Span::new(find_group(name).unwrap(), from, to).unwrap());
-    let two = Family::over_two(&ParameterSet::basic(), first, second).unwrap();
+        [(f10, 0.3, 3.0), (second, from, to)].map(|(n, from, to)| Span::new(n, from, to).unwrap());
+    let two = Family::over_two(&set, first, second).unwrap();
     let start =
-        LocusStart { label, word: symmetric(), phases: point.phases.clone(), values: [point.value, 0.75] };
+        LocusStart { label, word: symmetric(), phases: point.phases.clone(), values: [point.value, kappa] };
     locus(&two, &start).unwrap()
 }
 
@@ -256,7 +257,7 @@ fn closed_form_of_curves_in_two_parameters() {
     /// A multiplier at a simple crossing.
     const MULTIPLIER: f64 = 1e-9;
     for label in [Label::Fold, Label::BranchPoint, Label::NeimarkSacker, Label::Grazing] {
-        let points = curve(label);
+        let points = curve(label, 0.75, [0.6, 0.9]);
         assert!(points.len() > 10, "{label}: {}", points.len());
         let reached = |end: f64| points.iter().any(|p| (p.values[1] - end).abs() < 1e-9);
         assert!(reached(0.6) && reached(0.9), "{label}: {:?}", points.first().zip(points.last()));
@@ -288,6 +289,26 @@ fn closed_form_of_curves_in_two_parameters() {
             }
         }
         assert!(points.iter().all(|p| p.end != Some(LocusEnd::NoConvergence)));
+    }
+}
+
+/// Beyond the bounds of a parameter there is no machine, and differences are taken to one side: a curve runs to them, and may begin there.
+#[test]
+fn closed_form_curves_run_to_the_bounds_of_a_parameter_and_begin_there() {
+    /// The discriminant is of order one over the curve.
+    const ROUNDING: f64 = 1e-11;
+    for kappa in [0.75, 1.0] {
+        for label in [Label::Fold, Label::NeimarkSacker] {
+            let points = curve(label, kappa, [0.5, 1.0]);
+            let ends = [&points[0], &points[points.len() - 1]];
+            assert!(ends.iter().all(|end| end.end == Some(LocusEnd::Range)), "{label} {kappa} {ends:?}");
+            assert!(
+                points.len() > 10 && ends.iter().any(|end| end.values[1] == 1.0),
+                "{label} {kappa} {ends:?}"
+            );
+            let off = |p: &crate::LocusPoint| exact(p.values).discriminant().abs();
+            assert!(label != Label::Fold || points.iter().all(|p| off(p) < ROUNDING), "{kappa}");
+        }
     }
 }
 

@@ -223,6 +223,34 @@ fn specials(branch: &Branch) -> Vec<(&'static str, f64)> {
     found
 }
 
+/// The equations of a missing spring may be singular beside a spring that holds: a family from one to the other has each machine's own.
+#[test]
+fn closed_form_the_branch_from_a_missing_spring_on_runs_through_the_range() {
+    let mut set = ParameterSet::basic();
+    let machine = [
+        "drive.amplitude=0.1969705266193168",
+        "drive.frequency=1.066793689779902",
+        "stop.restitution=0.7536452108372163",
+        "coupling.k=0.018702293272055373",
+        "secondary.k=0.15",
+    ];
+    set.apply(&machine.map(String::from)).unwrap();
+    let along = Name::find("secondary.k").unwrap();
+    let family = Family::new(&set, Span::new(along, 0.0, 0.4).unwrap()).unwrap();
+    let start = exact_orbit::solve(set.parameters()).unwrap().upper.unwrap().drive_phase();
+    let found = branch(&family, &word("U", -1, 1), &[start], 0.15, &PathOptions::default(), &[]).unwrap();
+    let ends = [&found.points[0], &found.points[found.points.len() - 1]];
+    assert!(ends.iter().all(|p| p.label() == Some(Label::EndPoint)), "{ends:?}");
+    let mut values = ends.map(|p| p.value);
+    values.sort_by(f64::total_cmp);
+    assert_eq!(values, [0.0, 0.4]);
+    for point in &found.points {
+        let exact = exact_orbit::solve(set.with(along, point.value).unwrap().parameters()).unwrap();
+        let apart = (point.phases[0] - exact.upper.unwrap().drive_phase()).rem_euclid(std::f64::consts::PI);
+        assert!(apart.min(std::f64::consts::PI - apart) < CLOSED_FORM, "{} {apart}", point.value);
+    }
+}
+
 #[test]
 fn invariant_special_points_do_not_depend_on_which_equations_are_solved_for_the_state() {
     /// The same point by two eliminations.

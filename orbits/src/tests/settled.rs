@@ -2,10 +2,10 @@
 
 use crate::{Orbit, System, orbit_of, settle};
 use std::time::Instant;
-use vibro_analysis::Result;
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::trajectories::Start;
 use vibro_analysis::verdict::verdict;
+use vibro_analysis::{ParameterSet, Result, find_group};
 use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
 
@@ -32,6 +32,20 @@ fn second_method_orbits_next_to_a_doubling() {
         assert!(orbit.is_stable() && orbit.word().period() == period, "{amplitude} {}", orbit.word());
         let class = verdict(&Start { parameters: p, state: START }, 2000).unwrap().class;
         assert_eq!(class, MotionClass::Periodic(period), "{amplitude}");
+    }
+}
+
+/// A period doubling of UUL+ is at f10 = 2.802205439. So near to it the settled motion nearly returns in two periods alone, and Newton's method
+/// leaves the two passages apart by more than rounding, or by so much that they are off their stops.
+#[test]
+fn invariant_an_orbit_next_to_its_doubling_is_not_passed_twice() {
+    for below in [1e-5, 1e-6, 1e-7] {
+        let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.802205439 - below).unwrap();
+        for periods in [3000, 10_000] {
+            let orbit = settled(set.parameters(), periods).unwrap();
+            let found = (orbit.word().len(), orbit.word().period(), orbit.is_stable());
+            assert_eq!(found, (3, 1, true), "{below} {periods} {}", orbit.word());
+        }
     }
 }
 
@@ -65,6 +79,23 @@ fn second_method_steps_that_rounding_keeps_up_end() {
     assert!(orbit.word().period() == 1 && orbit.is_stable(), "{}", orbit.word());
     let class = verdict(&Start { parameters: p, state }, 0).unwrap().class;
     assert_eq!(class, MotionClass::Periodic(1));
+}
+
+/// Chaos of 900 impacts a period has no word that is tried: of more than 1024 impacts the equations are not set up, which would take hours.
+#[test]
+fn words_of_more_than_a_thousand_impacts_are_not_tried() {
+    let p = Parameters {
+        box_damping: 1.8795186817407998,
+        block_mass: 0.00718511127032136,
+        secondary_damping: 0.004826389512857791,
+        coupling_stiffness: 0.04773359740113498,
+        stop_restitution: 0.9964692760367297,
+        drive_amplitude: 5.160435214912685,
+        drive_frequency: 0.06567821074714303,
+        ..Parameters::default()
+    };
+    let error = settled(&p, 20).unwrap_err().to_string();
+    assert!(error.contains("within 1024 impacts"), "{error}");
 }
 
 /// Chaos of a hundred impacts a period nearly returns by an orbit that is not stable. The words of more periods, up to thousands of

@@ -167,7 +167,7 @@ fn invariant_determinants_of_the_monodromy_and_of_the_residual() {
     const TOLERANCE: f64 = 1e-11;
     let with_spring = [symmetric(1.5).0, symmetric(3.0).0, unequal(), unequal().unfolded().unwrap()];
     let anchored = [Anchor::Box, Anchor::Block, Anchor::Pair].into_iter().flat_map(|anchor| {
-        with_spring.iter().map(move |orbit| (orbit.system().anchored(anchor), orbit.clone()))
+        with_spring.iter().map(move |orbit| (orbit.system().anchored(Some(anchor)), orbit.clone()))
     });
     let free = [(&[0.0][..], -1), (&[0.0, std::f64::consts::PI], 1)].map(|(turns, closing)| {
         let p = Parameters { coupling_stiffness: 0.0, ..parameters(1.5) };

@@ -64,6 +64,31 @@ fn closed_form_of_the_symmetric_orbit_beside_a_missing_spring() {
     }
 }
 
+/// A damped body without a spring may stand anywhere, so that nothing brings it back: its multiplier is 1, and what is computed of it is
+/// more or less by rounding. The same holds of a body that nothing damps.
+#[test]
+fn closed_form_without_impacts_a_neutral_body_makes_no_stable_orbit() {
+    let held = Parameters { drive_amplitude: 0.05, ..Parameters::default() };
+    for damping in [0.02, 0.05, 0.1, 0.15] {
+        let held = Parameters { box_damping: damping, ..held };
+        for drive_frequency in [0.8, 1.0, 1.04, 1.3] {
+            for (p, stable) in [
+                (held, true),
+                (Parameters { box_stiffness: 0.0, ..held }, false),
+                (Parameters { secondary_stiffness: 0.0, ..held }, false),
+                (Parameters { coupling_stiffness: 0.0, ..held }, false),
+                (Parameters { secondary_damping: 0.0, ..held }, false),
+            ] {
+                let system = System::new(&Parameters { drive_frequency, ..p }).unwrap();
+                for (closing, half_periods) in [(-1, 1), (1, 2)] {
+                    let orbit = Orbit::find(&system, &word("", closing, half_periods), &[]).unwrap();
+                    assert_eq!(orbit.is_stable(), stable, "{p:?} {drive_frequency}");
+                }
+            }
+        }
+    }
+}
+
 /// What a diagram calls a motion and what the orbit is that it has settled on are one, however little holds a body.
 #[test]
 fn second_method_settled_orbits_have_the_period_of_the_verdict() {
@@ -109,6 +134,21 @@ fn second_springs_too_soft_to_hold_a_body_are_named() {
         let system = System::new(&p).unwrap();
         let error = Orbit::find(&system, &word("UL", 1, 2), &[1.0, 4.1]).unwrap_err().to_string();
         assert!(error.starts_with(field), "{error}");
+    }
+}
+
+/// Such a spring would hold a load so far away that places are no numbers: it is named, with the largest distance.
+#[test]
+fn loads_that_are_held_beyond_all_numbers_name_the_spring() {
+    let basic = Parameters::default();
+    for (p, loads, name) in [
+        (Parameters { secondary_stiffness: 1e-300, ..basic }, [0.0, 0.0, 1e10], "secondary.k"),
+        (Parameters { secondary_stiffness: 1e-320, ..basic }, [0.0, 0.01, 0.0], "secondary.k"),
+        (Parameters { box_stiffness: 1e-320, ..basic }, [0.01, 0.0, 0.0], "box.k"),
+        (Parameters { coupling_stiffness: 1e-320, ..basic }, [0.0, 0.01, -0.01], "coupling.k"),
+    ] {
+        let error = System::new(&Parameters { constant_loads: loads, ..p }).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("{name} = ")) && error.contains("1e100"), "{error}");
     }
 }
 

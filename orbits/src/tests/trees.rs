@@ -11,6 +11,7 @@ use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{Error, Result};
 use vibro_analysis::{Name, ParameterSet, find_group};
 use vibro_impact::Simulator;
+use vibro_impact::parameters::Parameters;
 
 /// Under a constant load.
 fn loaded(from: f64, to: f64, load: &str, force: f64) -> Family {
@@ -267,6 +268,53 @@ fn second_method_the_whole_tree_by_half_the_step() {
     for (a, b) in whole.iter().zip(&half) {
         assert_eq!((&a.0, a.1, a.2), (&b.0, b.1, b.2));
         assert!((a.3 - b.3).abs() < 1e-9, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn branches_of_settled_and_passed_orbits_keep_the_limits_of_a_tree_too() {
+    let family = family(2.0, 3.0);
+    let options =
+        TreeOptions { seeds: 11, starts: 16, longest_period: 2, most_letters: 4, depth: 0, ..options() };
+    let found = grow(&family, &options);
+    assert!(found.branches.len() > 3, "{}", found.branches.len());
+    for branch in &found.branches {
+        assert!(branch.word.len() <= 4 && branch.word.period() <= 2, "{}", branch.word.signed());
+    }
+    let periods = found.searched.values.iter().flat_map(|v| [v.rising, v.falling]).flatten();
+    assert!(periods.max() <= Some(2));
+}
+
+/// A motion that settles without a load is on a symmetric orbit, of which a word holds half. Along a load it goes on with its whole word.
+#[test]
+fn second_method_branches_along_a_load_from_a_symmetric_orbit_return_in_the_simulator() {
+    /// Rounding of a period of flights and of the phases that were followed.
+    const RETURN: f64 = 1e-9;
+    for (load, coupling) in [("load.block", 0.0), ("load.block", 0.006), ("load.box", 0.006)] {
+        let set = ParameterSet::basic().with(Name::find("coupling.k").unwrap(), coupling).unwrap();
+        let family = Family::new(&set, Span::new(Name::find(load).unwrap(), -0.02, 0.02).unwrap()).unwrap();
+        let system = family.system(&[0.0]).unwrap();
+        let settled = settle(&system, &moving_block(system.parameters()), 2000).unwrap();
+        let orbit = orbit_of(&system, &settled).unwrap();
+        assert_eq!(orbit.word().closing(), -1);
+        let options = TreeOptions { seeds: 3, depth: 0, ..options() };
+        let mut branches = grow(&family, &options).branches;
+        branches.retain(|branch| !branch.word.is_empty());
+        let path = PathOptions::default();
+        branches.push(branch(&family, orbit.word(), orbit.phases(), 0.0, &path, &[]).unwrap());
+        for branch in branches {
+            assert!(branch.word.closing() > 0 && branch.points.len() > 10, "{load} {}", branch.word.signed());
+            for point in branch.points.iter().filter(|p| p.special.is_none()).step_by(10) {
+                let orbit = branch.orbit(&family, point).unwrap();
+                let (system, start) = (orbit.system(), orbit.start_state());
+                let p = Parameters { constant_loads: system.loads().forces, ..*system.parameters() };
+                let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+                simulator.advance_to(f64::from(orbit.word().period()) * p.period()).unwrap();
+                let end = simulator.state();
+                let moved = start.x.iter().zip(end.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(moved < RETURN, "{load} {} {}: {moved:e}", branch.word, point.value);
+            }
+        }
     }
 }
 

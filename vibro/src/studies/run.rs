@@ -202,7 +202,8 @@ fn class(simulator: &mut Simulator) -> Result<String> {
     let found = verdict(&trajectories::Start { parameters, state: ahead.state() }, 0)?;
     let (class, attractor) = (found.class, &found.attractor);
     let mut words = format!("class: {}, as it goes on after the run", class.name());
-    if attractor.period.is_some() {
+    // Of one that is settling the symmetry is not decided.
+    if matches!(class, MotionClass::Periodic(_)) {
         words.push_str(if attractor.is_symmetric() { "; its own mirror image" } else { "; not symmetric" });
     }
     if class == MotionClass::NotSettled {

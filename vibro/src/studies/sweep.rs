@@ -111,7 +111,9 @@ fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[bool]) -> Table
             let mut row = vec![exact(p.value), direction.into(), p.class.name()];
             row.push(a.period.map_or(String::new(), |n| n.to_string()));
             row.extend(a.impacts.map(exact));
-            let symmetric = if a.period.is_some() { a.is_symmetric().to_string() } else { String::new() };
+            // Of a motion that is settling the symmetry is not decided.
+            let periodic = matches!(p.class, MotionClass::Periodic(_));
+            let symmetric = if periodic { a.is_symmetric().to_string() } else { String::new() };
             row.extend([a.rests.to_string(), symmetric, apart.to_string()]);
             match &p.spectrum {
                 Some(s) => {
