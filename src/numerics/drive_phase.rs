@@ -9,6 +9,9 @@ const TAU: DoubleDouble = DoubleDouble { hi: std::f64::consts::TAU, lo: 2.449_29
 const INVERSE_TAU: DoubleDouble =
     DoubleDouble { hi: 0.159_154_943_091_895_35, lo: -9.839_338_440_020_25e-18 };
 
+/// Later than any time of a motion, s: 1e15 time constants of a slow one.
+const LATEST: f64 = 1e30;
+
 /// The drive's phase in turns: `turns(t) = turns0 + ω (t - t0)/2π`, re-based when ω changes so that it stays continuous.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivePhase {
@@ -41,9 +44,10 @@ impl DrivePhase {
         self.turns(omega, time).times(TAU).value()
     }
 
-    /// Whether all parts are finite numbers, as in every phase that was not damaged.
-    pub fn is_finite(&self) -> bool {
-        [self.base, self.from].iter().all(|e| e.hi.is_finite() && e.lo.is_finite())
+    /// Whether it is less than a turn from a time that a motion can reach, as every phase that was not damaged.
+    pub fn is_sound(&self) -> bool {
+        let within = |e: &DoubleDouble, most: f64| e.hi.abs() <= most && e.lo.abs() <= e.hi.abs();
+        within(&self.base, 1.0) && within(&self.from, LATEST)
     }
 
     /// Goes on from `time` with another frequency (set by the caller) and a jump from one phase to another, rad.

@@ -47,8 +47,7 @@ impl Simulator {
         let sums_of_impulses = [&hybrid.record.total_impulse, &hybrid.record.box_impulse];
         let plain = numbers.chain(sums_of_impulses).all(|x| x.is_finite());
         let sums = [&hybrid.sums.input, &hybrid.sums.damped, &hybrid.sums.impact].into_iter().all(finite);
-        if !(plain && sums && finite(&hybrid.time) && finite(&hybrid.loads_from) && hybrid.phase.is_finite())
-        {
+        if !(plain && sums && finite(&hybrid.time) && finite(&hybrid.loads_from) && hybrid.phase.is_sound()) {
             return Err(Error::OutOfRange { name: "snapshot", value: f64::NAN, allowed: "finite numbers" });
         }
         if let Some(&value) = hybrid.y.iter().find(|x| x.abs() > MAX_NUMBER) {

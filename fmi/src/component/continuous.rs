@@ -46,7 +46,7 @@ impl Data {
         let ImpactRecord { total_impulse, box_impulse, .. } = self.record;
         let sums = [self.initial, self.damped, self.lost, total_impulse, box_impulse];
         match numbers.chain(&sums).find(|x| !x.is_finite()) {
-            None if self.phase.is_finite() => Ok(()),
+            None if self.phase.is_sound() => Ok(()),
             found => {
                 let value = found.copied().unwrap_or(f64::NAN);
                 Err(Error::OutOfRange { name: "saved state", value, allowed: "finite numbers" })

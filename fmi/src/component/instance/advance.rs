@@ -96,6 +96,7 @@ impl Instance {
         self.events.latched = if stand.event { shown } else { None };
         self.events.side = stand.side;
         self.taken_over();
+        self.hold_loads();
         Ok(Advance { time: self.time(), event: stand.event, early: stand.early })
     }
 

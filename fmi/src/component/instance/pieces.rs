@@ -85,6 +85,15 @@ impl Instance {
         self.loads_set = true;
     }
 
+    /// Takes the loads as they have become on their polynomials.
+    pub(super) fn carry_loads(&mut self) {
+        let Engine::Simulation(simulator) = &self.engine else { return };
+        let slopes = self.settings.loads.derivatives.iter().flat_map(|load| &load[1..]);
+        if slopes.into_iter().any(|slope| *slope != 0.0) {
+            self.settings.loads = simulator.loads();
+        }
+    }
+
     /// Lets each load that has followed a polynomial through a step hold from its end on the value that it has there.
     pub(super) fn hold_loads(&mut self) {
         let Engine::Simulation(simulator) = &self.engine else { return };

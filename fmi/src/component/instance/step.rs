@@ -64,9 +64,14 @@ impl Instance {
     /// What a step leaves behind: nothing pending, and the loads as they have become.
     fn finish_step(&mut self, reason: AdvanceOutcome, end: f64) -> StepOutcome {
         self.taken_over();
-        self.hold_loads();
         let time = self.time();
         let early = reason == AdvanceOutcome::Impact && time < end;
+        if early {
+            // The rest of the step follows the same polynomials.
+            self.carry_loads();
+        } else {
+            self.hold_loads();
+        }
         self.life.phase = if early { Phase::StoppedEarly } else { Phase::Step };
         StepOutcome { time, reason: if early { StepReason::Stopped } else { StepReason::EndReached } }
     }

@@ -226,3 +226,31 @@ fn an_input_with_derivatives_is_held_after_its_step() {
     }
     assert_eq!(motion(&mut fmu), motion(&mut held));
 }
+
+/// A step that stops at an impact is not at its end: the rest of it follows the same polynomial, as without the stop.
+#[test]
+fn an_input_with_derivatives_goes_on_after_an_impact_in_its_step() {
+    /// Of loads and places of order one after a few impacts.
+    const SAME: f64 = 1e-9;
+    let [mut whole, mut stopping] = [0.0, 1.0].map(|stop| {
+        let mut fmu = instance();
+        for (name, value) in [("stopAtImpact", stop), ("block.s", 0.9), ("block.v", 0.5)] {
+            set(&mut fmu, name, value).unwrap();
+        }
+        initialize(fmu)
+    });
+    for fmu in [&mut whole, &mut stopping] {
+        fmu.set_input_derivatives(&[reference("box.f")], &[1], &[0.01]).unwrap();
+    }
+    step(&mut whole, 0.0, 12.0).unwrap();
+    let mut stops = 0;
+    while stopping.time() < 12.0 {
+        let now = stopping.time();
+        stops += usize::from(step(&mut stopping, now, 12.0 - now).unwrap().reason == StepReason::Stopped);
+    }
+    assert!(stops > 1, "{stops}");
+    for name in ["box.f", "box.s", "block.s"] {
+        let (a, b) = (get(&mut whole, name), get(&mut stopping, name));
+        assert!((a - b).abs() < SAME, "{name}: {a} {b}");
+    }
+}
