@@ -4,7 +4,9 @@
 use super::{Contact, Simulator};
 use crate::events::first_crossing;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
-use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
+use crate::model::{
+    Augmented, BOX, BOX_RATE, Forces, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
+};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd::value;
 use std::sync::Arc;
@@ -17,8 +19,8 @@ const START_ROUNDING: f64 = 1e-9;
 /// (docs/numerics.md, section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
-/// A w'' larger than this, in ε times the bound on |w''|, is no rounding, and none of the next step turns it round: the sums of some eight
-/// products, with the rounding of the state's coordinates in them, are off by less than half.
+/// A w'' larger than this, in ε r² S with the size S of docs/numerics.md, section 1, is no rounding, and none of the next step turns it
+/// round: the sums of some eight products, with the rounding of the state's coordinates in them, are off by less than half.
 const BEND_CERTAIN: f64 = 16.0;
 
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
@@ -128,8 +130,7 @@ impl Simulator {
         self.advance_to_point(z, start, &arrival);
         if order > 0 && side.is_none() {
             let side = start.z[RELATIVE].signum();
-            self.hybrid.departing =
-                self.order_still_departing(z, &series, (order, side), (start.bound, span));
+            self.hybrid.departing = self.order_still_departing(z, &series, (order, side), start, span);
         }
         if side.is_none() && span >= remaining {
             self.hybrid.time = end;
@@ -139,13 +140,13 @@ impl Simulator {
 
     /// The order of departure after a step of length `span` in which the block has left a stop with an order, and has met no stop. It is
     /// 0, unless the step was so short that w still rounds to the stop; then the zero of w at the next step's start is no return either.
-    /// `bound` is that on |w''|.
-    fn order_still_departing(
+    fn order_still_departing<const LOADS: usize>(
         &self,
         z: &mut Augmented,
         series: &Series<ANCHORED>,
         (order, side): (u8, f64),
-        (bound, span): (f64, f64),
+        start: &SubstepStart<LOADS>,
+        span: f64,
     ) -> u8 {
         if side * z[RELATIVE] < self.model.gap {
             return 0;
@@ -159,7 +160,7 @@ impl Simulator {
             orders.map(|(k, state)| factor(k as f64) * (side * state[RELATIVE])).sum()
         };
         let comes_back = outward(usize::from(order), |k| k) >= 0.0;
-        let rounding = BEND_CERTAIN * f64::EPSILON * bound * span * span;
+        let rounding = BEND_CERTAIN * f64::EPSILON * self.largest_acceleration(start) * span * span;
         let lets_go = || order == 2 || outward(2, |k| k * (k - 1.0)) < -rounding;
         if order == 1 || comes_back || inward > 0.0 && lets_go() {
             return u8::from(inward > 0.0);
@@ -168,6 +169,18 @@ impl Simulator {
             z[RELATIVE_RATE] = 0.0;
         }
         order
+    }
+
+    /// r² S, which the terms of an acceleration are of (docs/numerics.md, section 1); they may cancel.
+    fn largest_acceleration<const LOADS: usize>(&self, start: &SubstepStart<LOADS>) -> f64 {
+        let (model, z) = (&self.model, &start.z);
+        let place = model.gap + z[BOX].abs().max(z[SECONDARY].abs());
+        let rate = z[BOX_RATE].abs().max(z[SECONDARY_RATE].abs()).max(z[RELATIVE_RATE].abs());
+        let loads = |forces: &Forces| -> f64 {
+            forces.iter().zip(&model.inverse_mass).map(|(f, inverse)| f[0].abs() * inverse).sum()
+        };
+        let pushed = model.drive.abs() + start.forces().map_or(0.0, loads);
+        model.rate * (model.rate * place + rate) + pushed
     }
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
