@@ -256,6 +256,12 @@ impl Simulator {
         Ok(())
     }
 
+    /// r, the fastest rate of the system, 1/s (docs/numerics.md, section 1).
+    #[doc(hidden)]
+    pub fn fastest_rate(&self) -> f64 {
+        self.model.rate
+    }
+
     /// Present time, s.
     pub fn time(&self) -> f64 {
         self.hybrid.time.value()

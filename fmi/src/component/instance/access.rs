@@ -120,7 +120,7 @@ impl Instance {
         // A host's solver sees a set at once, not with the next step.
         let before = match &self.engine {
             Engine::Continuous(continuous) => {
-                Some((self.settings, self.parameters_set, self.events, continuous.state()))
+                Some((self.settings, (self.parameters_set, self.loads_set), self.events, continuous.state()))
             }
             _ => None,
         };
@@ -128,13 +128,14 @@ impl Instance {
         for (i, &reference) in references.iter().enumerate() {
             self.assign(&WRITERS[numbering.place(reference)], read(i));
         }
-        if let (Some((settings, parameters_set, events, state)), Engine::Continuous(continuous)) =
+        if let (Some((settings, set, events, state)), Engine::Continuous(continuous)) =
             (before, &mut self.engine)
         {
             if self.parameters_set
                 && let Err(error) = continuous.set_parameters(&self.settings.parameters)
             {
-                (self.settings, self.parameters_set, self.events) = (settings, parameters_set, events);
+                (self.settings, self.events) = (settings, events);
+                (self.parameters_set, self.loads_set) = set;
                 continuous.set_state(state);
                 self.invalidate();
                 return Err(error.into());

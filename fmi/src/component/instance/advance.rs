@@ -2,7 +2,7 @@
 
 use super::events::Changes;
 use super::last_step::LastStep;
-use super::step::{describe, lateness, log_left_out, rounding, take_back};
+use super::step::{describe, lateness, log_left_out, rounding, size, take_back};
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::event_state::Discrete;
@@ -216,12 +216,20 @@ pub(super) fn pass_event_at_end(
     Ok(())
 }
 
-/// Whether the block in flight is so far from the stops that it cannot meet one within the rounding of a time: its acceleration
-/// moves it by far less than the margin in that.
+/// Whether no event can come within the rounding of a time: the block in flight is so far from the stops that its acceleration moves
+/// it by far less than the margin in that, or it is pressed on by far more than the force can lose.
 fn is_clear(simulator: &Simulator, late: f64) -> bool {
-    const MARGIN: f64 = 1e-6; // gaps
-    let ((w, rate), gap) = (simulator.relative_motion(), simulator.parameters().stop_gap);
-    simulator.contact() == Contact::Flight && gap - w.abs() > MARGIN * gap + 4.0 * late * rate.abs()
+    const MARGIN: f64 = 1e-6; // gaps, and parts of the forces that sizes and rates of the motion make
+    let ((w, rate), parameters) = (simulator.relative_motion(), simulator.parameters());
+    let gap = parameters.stop_gap;
+    if simulator.contact() == Contact::Flight {
+        return gap - w.abs() > MARGIN * gap + 4.0 * late * rate.abs();
+    }
+    let fastest = simulator.fastest_rate();
+    let loads: f64 = simulator.loads().derivatives.iter().flatten().map(|load| load.abs()).sum();
+    let pair = 1.0 / (1.0 / parameters.box_mass + 1.0 / parameters.block_mass);
+    let forces = pair * fastest * fastest * size(simulator) + loads * fastest.max(1.0);
+    simulator.contact_force() > (MARGIN + 8.0 * late * fastest) * forces
 }
 
 /// One step of a steady state.

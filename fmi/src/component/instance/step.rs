@@ -8,7 +8,6 @@ use crate::component::log::{Category, Log};
 use fmi_doors::{StepOutcome, StepReason};
 use vibro_impact::State;
 use vibro_impact::error::Error;
-use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator, Snapshot};
 
@@ -132,12 +131,17 @@ pub(super) fn lateness(simulator: &Simulator, end: f64) -> f64 {
     /// At most so long, in parts of the fastest time constant: the slower bounces are the last of a chatter run. Also in parts of a
     /// master's time, of which it is a tenth of what own time may be off ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).
     const LONGEST: f64 = 1e-10;
-    let (parameters, (_, rate)) = (simulator.parameters(), simulator.relative_motion());
-    let fastest = Model::new(parameters).map_or(f64::INFINITY, |model| model.rate);
+    let (_, rate) = simulator.relative_motion();
+    let longest = LONGEST * end.abs().max(1.0).min(1.0 / simulator.fastest_rate());
+    rounding(end) + (UNITS * f64::EPSILON * size(simulator) / rate.abs()).min(longest)
+}
+
+/// S of docs/numerics.md, section 1, but for what loads add: the size of the motion, m.
+pub(super) fn size(simulator: &Simulator) -> f64 {
+    let (parameters, fastest) = (simulator.parameters(), simulator.fastest_rate());
     let State { x, v } = simulator.state();
-    let size = parameters.stop_gap + x[0].abs() + x[2].abs() + (v[0].abs() + v[2].abs()) / fastest;
-    let longest = LONGEST * end.abs().max(1.0).min(1.0 / fastest);
-    rounding(end) + (UNITS * f64::EPSILON * size / rate.abs()).min(longest)
+    let pushed = parameters.drive_amplitude.abs() / (parameters.box_mass * fastest * fastest);
+    parameters.stop_gap + x[0].abs() + x[2].abs() + (v[0].abs() + v[2].abs()) / fastest + pushed
 }
 
 /// Tells how many impacts of a steady state a long step has not listed.
