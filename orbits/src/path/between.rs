@@ -12,14 +12,14 @@ use nalgebra::Complex;
 
 /// Accuracy of a special point in the arc: rounding of the points themselves is of this size.
 const LOCATION: f64 = 1e-14;
+/// Differences of the parameter, in its unit of the curve, that may be rounding.
+const ROUNDING: f64 = 1e-12;
 /// Accuracy, in parts of a step, with which a change of sign is located that may be none of interest, and the distance from the unit
 /// circle of a pair of multipliers that may cross it so near.
 const ROUGHLY: f64 = 1e-4;
 const NEAR_CIRCLE: f64 = 0.1;
-/// The distance from the unit circle at which it is certain on which side a multiplier is.
-const CERTAIN: f64 = 1e-6;
-/// The shortest step that is halved to tell two special points of one kind apart.
-const HIDING: f64 = 1e-4;
+/// Largest multiplier beside which those on the unit circle keep ten digits.
+const RESOLVED: f64 = 1e6;
 
 /// A special point within a step.
 struct Found {
@@ -31,6 +31,28 @@ struct Found {
 /// The number of multipliers outside the unit circle.
 fn outside(multipliers: &[Complex<f64>; 6]) -> usize {
     multipliers.iter().filter(|m| m.norm() > 1.0).count()
+}
+
+/// By how much that number changes in a step.
+fn crossings(last: &Position, next: &Position) -> usize {
+    let [before, after] = [last, next].map(|p| outside(&p.multipliers));
+    before.abs_diff(after)
+}
+
+/// Whether a test changes its sign in a step, where it is known at both ends.
+fn changes(last: &Position, next: &Position, index: usize) -> bool {
+    let signs = [last, next].map(|p| p.tests[index].map_or(0.0, |t| t.sign));
+    signs[0] * signs[1] < 0.0
+}
+
+/// What a change of the pair's test says in a step that has no pair on the unit circle: nothing, as the place is a neutral saddle's, unless
+/// two real multipliers cross the circle at 1 or at -1, which leaves the signs of the tests for these as they were. The step is too long
+/// then. Multipliers must be so small that none is rounding beside the largest.
+fn neutral<T>(last: &Position, next: &Position) -> Result<Option<T>, Obstacle> {
+    let resolved = |p: &Position| p.multipliers[0].norm() < RESOLVED;
+    let single = [UNIT, DOUBLING].iter().any(|index| changes(last, next, *index));
+    let hidden = !single && crossings(last, next) >= 2 && resolved(last) && resolved(next);
+    if hidden { Err(Obstacle::NoConvergence) } else { Ok(None) }
 }
 
 impl Follower<'_> {
@@ -58,25 +80,6 @@ impl Follower<'_> {
             points.push(Point { stable, ..self.point(&position, Some(Special::of(label))) });
         }
         Ok(points)
-    }
-
-    /// Whether more multipliers pass the unit circle in a step than its special points tell: two that pass at one place of the circle leave
-    /// the sign of its test as it was.
-    pub(super) fn hides_changes(&self, last: &Position, next: &Position, between: &[Point]) -> bool {
-        let passed: usize = between
-            .iter()
-            .map(|point| match point.label() {
-                Some(Label::NeimarkSacker) => 2,
-                Some(Label::UserValue) | None => 0,
-                Some(_) => 1,
-            })
-            .sum();
-        // Of those on the circle but for rounding it is not certain on which side they are.
-        let certain =
-            [last, next].iter().all(|p| p.multipliers.iter().all(|m| (m.norm() - 1.0).abs() > CERTAIN));
-        let length = last.tangent.dot(&(&next.u - &last.u));
-        let [before, after] = [last, next].map(|p| outside(&p.multipliers));
-        certain && length > HIDING && before.abs_diff(after) > passed
     }
 
     /// The branch's point in the plane across the last tangent at a distance from the last point.
@@ -109,22 +112,30 @@ impl Follower<'_> {
         if index == PAIR
             && !self.may_be_torus(last, next, |tolerance| special::zero(&value, length, ends, tolerance))?
         {
-            return Ok(None);
+            return neutral(last, next);
         }
         let arc = special::zero(&value, length, ends, LOCATION).ok_or(Obstacle::NoConvergence)?;
         let at = self.at_arc(last, next, arc)?;
-        let turns = last.tangent[self.word.len()] * next.tangent[self.word.len()] < 0.0;
         let label = match index {
-            UNIT if turns => Label::Fold,
+            UNIT if self.turns(last, next, &at) => Label::Fold,
             UNIT => Label::BranchPoint,
             DOUBLING if self.word.closing() > 0 => Label::PeriodDoubling,
             DOUBLING => Label::BranchPoint,
             _ => Label::NeimarkSacker,
         };
         if index == PAIR && !special::is_torus(self.family, self.word, &at.u)? {
-            return Ok(None);
+            return neutral(last, next);
         }
         Ok(Some(Found { arc, at, label }))
+    }
+
+    /// Whether the parameter turns round at a point within a step: by the tangents at the step's ends, of which a touch and a birth have
+    /// none of their own, or by the values there, which lie on one side of the point's.
+    fn turns(&self, last: &Position, next: &Position, at: &CurvePoint) -> bool {
+        let n = self.word.len();
+        let sides = [last, next].map(|p| p.u[n] - at.u[n]);
+        let beside = sides[0] * sides[1] > 0.0 && sides.iter().all(|side| side.abs() > ROUNDING);
+        last.tangent[n] * next.tangent[n] < 0.0 || beside
     }
 
     /// Whether a pair of multipliers may cross the unit circle in a step in which the pair's test changes its sign; `zero` gives the
@@ -136,13 +147,8 @@ impl Follower<'_> {
         next: &Position,
         zero: impl Fn(f64) -> Option<f64>,
     ) -> Result<bool, Obstacle> {
-        let changes = |index: usize| {
-            let signs = [last, next].map(|p| p.tests[index].map_or(0.0, |t| t.sign));
-            signs[0] * signs[1] < 0.0
-        };
         // A pair changes the number of multipliers outside the circle by two; a real multiplier may do so in the same step.
-        let [before, after] = [last, next].map(|p| outside(&p.multipliers));
-        if !changes(UNIT) && !changes(DOUBLING) && before.abs_diff(after) < 2 {
+        if !changes(last, next, UNIT) && !changes(last, next, DOUBLING) && crossings(last, next) < 2 {
             return Ok(false);
         }
         let length = last.tangent.dot(&(&next.u - &last.u));

@@ -70,9 +70,6 @@ impl Follower<'_> {
             return self.end_at_primary(last, primary);
         }
         let between = self.between(last, &next)?;
-        if self.hides_changes(last, &next, &between) {
-            return Err(Obstacle::NoConvergence);
-        }
         let end = label.map(|_| PathEnd::Plain);
         Ok(Advance { between, next, label: label.map(Special::of), end })
     }
@@ -114,9 +111,7 @@ impl Follower<'_> {
         let without = Contact::of(self.family, &touch);
         let phases = &without.u.as_slice()[..without.shorter.len()];
         let multipliers = Orbit::at(&system, &without.shorter, phases)?.multipliers();
-        // Behind a fold in this step it leads the other way.
-        let tangent = curve::tangent(&self.contacts(), &u, &last.tangent);
-        let tangent = tangent.unwrap_or_else(|_| last.tangent.clone());
+        let tangent = last.tangent.clone();
         let at = Position { u, tangent, steps: 3, multipliers, stable: false, tests };
         let between = self.between(last, &at)?;
         let label = if pressed { Label::Chatter } else { Label::Grazing };
