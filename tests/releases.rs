@@ -84,3 +84,42 @@ fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
         );
     }
 }
+
+/// A force that lets go of the block a little and turns before w shows it: no impact comes of the turn, and the block goes on with the speed
+/// that it was given.
+#[test]
+fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
+    const STEP: f64 = 1e-3;
+    const LET_GO: f64 = 3e-15; // N, and m/s² of a block of 1 kg
+    const TIME: f64 = 10.0;
+    /// Of the speed: the rounding of the force.
+    const SAME: f64 = 0.2;
+    let bend = 8.0 * LET_GO / (TIME * TIME);
+    let p = Parameters {
+        box_mass: 1.0,
+        box_stiffness: 1.0,
+        block_mass: 1.0,
+        secondary_mass: 1.0,
+        secondary_stiffness: 0.0,
+        secondary_damping: 0.0,
+        coupling_stiffness: 0.0,
+        box_damping: 0.0,
+        drive_amplitude: 0.0,
+        drive_frequency: 0.0,
+        ..Parameters::default()
+    };
+    let mut simulator = Simulator::new(&p, &State { x: [0.0, 1.0, 0.0], v: [0.0; 3] }, 0.0).unwrap();
+    // bend (t - 0.6 TIME)²/2 - LET_GO, which is negative from 0.1 to 1.1 TIME.
+    let load = [0.18 * bend * TIME * TIME - LET_GO, -0.6 * bend * TIME, bend, 0.0];
+    simulator.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
+    for n in 1..=11_000 {
+        simulator.advance_to(f64::from(n) * STEP).unwrap();
+    }
+    let speed = -2.0 / 3.0 * LET_GO * TIME;
+    assert_eq!(simulator.impacts().upper, 0);
+    assert!(
+        (simulator.relative_motion().1 - speed).abs() < SAME * -speed,
+        "{:?}",
+        simulator.relative_motion()
+    );
+}

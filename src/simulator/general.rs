@@ -154,14 +154,16 @@ impl Simulator {
         z[RELATIVE] = side * self.model.gap;
         let inward = -side * z[RELATIVE_RATE];
         // Of a block that let go without speed w'' is zero but for rounding. The terms that are not zero tell whether it is on its way out
-        // or has just come back; w'' tells it when it is beyond rounding, and is what let go where the order is 2.
+        // or has just come back; w'' tells it when it is beyond rounding, and is what let go where the order is 2. Where the jerk turns,
+        // what has come together until then is what leads away.
         let outward = |from: usize, factor: fn(f64) -> f64| -> f64 {
             let orders = series.states.iter().enumerate().skip(from);
             orders.map(|(k, state)| factor(k as f64) * (side * state[RELATIVE])).sum()
         };
         let comes_back = outward(usize::from(order), |k| k) >= 0.0;
         let rounding = BEND_CERTAIN * f64::EPSILON * self.largest_acceleration(start) * span * span;
-        let lets_go = || order == 2 || outward(2, |k| k * (k - 1.0)) < -rounding;
+        let turns = || outward(3, |k| k * (k - 1.0) * (k - 2.0)) >= 0.0;
+        let lets_go = || order == 2 || turns() || outward(2, |k| k * (k - 1.0)) < -rounding;
         if order == 1 || comes_back || inward > 0.0 && lets_go() {
             return u8::from(inward > 0.0);
         }
