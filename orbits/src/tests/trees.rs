@@ -373,3 +373,14 @@ fn symmetric_orbits_of_a_machine_under_loads_are_refused() {
     let settled = settle(&system, &moving_block(system.parameters()), 1000).unwrap();
     assert_eq!(orbit_of(&system, &settled).unwrap().word().closing(), 1);
 }
+
+/// What a tree costs: twice as many orbits tell that steps are cut where nothing asks for it.
+#[test]
+fn invariant_a_tree_takes_no_more_steps_than_it_needs() {
+    const ORBITS: usize = 3000;
+    let options = TreeOptions { seeds: 21, starts: 0, ..TreeOptions::default() };
+    let tree = grow(&family(2.0, 3.0), &options);
+    let orbits: usize = tree.branches.iter().map(|branch| branch.points.len()).sum();
+    println!("{orbits} of {} branches", tree.branches.len());
+    assert!(orbits > ORBITS / 3 && orbits < ORBITS, "{orbits}");
+}
