@@ -18,7 +18,7 @@ pub struct Snapshot {
 }
 
 /// Above this the squares in energies overflow. No motion of a start that is allowed comes to such displacements and speeds, unless loads
-/// drive it there for 1e8 of its time constants and longer.
+/// drive it there for 1e8 of its time constants and longer, or stay in force for a machine for which they would be refused.
 const MAX_NUMBER: f64 = 1e150;
 
 impl Simulator {
