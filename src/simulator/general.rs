@@ -358,9 +358,12 @@ impl Simulator {
         let side = start.z[RELATIVE].signum();
         let mut found = None;
         if order > 1 || start.z[RELATIVE_RATE].abs() <= 0.5 * start.bound * span {
-            let p = series.excess_polynomial(side, self.model.gap);
+            let mut p = series.excess_polynomial(side, self.model.gap);
+            // A w' that has come together since a release leads away; only what lies between it and the order is rounding then.
+            let first = if order > 2 && p[1] < 0.0 { 1 } else { order };
+            p[first..order].iter_mut().skip(1).for_each(|rounding| *rounding = 0.0);
             let mut q = [0.0; ANCHORED];
-            q[..ANCHORED - order].copy_from_slice(&p[order..]);
+            q[..ANCHORED - first].copy_from_slice(&p[first..]);
             q[0] = q[0].min(-f64::MIN_POSITIVE); // it leaves, whatever round-off says
             found = first_crossing(&q, 0.0, 1.0, &mut self.work.iterations).map(|u| (u, side));
         }
