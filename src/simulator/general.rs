@@ -178,8 +178,14 @@ impl Simulator {
         let (model, z) = (&self.model, &start.z);
         let place = model.gap + z[BOX].abs().max(z[SECONDARY].abs());
         let rate = z[BOX_RATE].abs().max(z[SECONDARY_RATE].abs()).max(z[RELATIVE_RATE].abs());
+        // Of loads that were set some time ago the terms of their polynomials.
+        let since = self.hybrid.time.minus(self.hybrid.loads_from).value().abs();
+        let grown = |[f0, f1, f2, f3]: &[f64; 4]| {
+            f0.abs() + since * (f1.abs() + since / 2.0 * (f2.abs() + since / 3.0 * f3.abs()))
+        };
         let loads = |forces: &Forces| -> f64 {
-            forces.iter().zip(&model.inverse_mass).map(|(f, inverse)| f[0].abs() * inverse).sum()
+            let each = forces.iter().zip(&self.hybrid.loads).zip(&model.inverse_mass);
+            each.map(|((now, set), inverse)| now[0].abs().max(grown(set)) * inverse).sum()
         };
         let pushed = model.drive.abs() + start.forces().map_or(0.0, loads);
         model.rate * (model.rate * place + rate) + pushed
