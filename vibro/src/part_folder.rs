@@ -11,6 +11,7 @@ use crate::{Error, Result};
 use std::fs::{File, TryLockError};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock};
 use vibro_analysis::parts::PartStore;
 
 const MANIFEST: &str = "manifest.toml";
@@ -158,12 +159,21 @@ impl PartFolder {
     }
 }
 
+/// Held by each part that is being written, and by who lets no further one become whole.
+static SAVING: RwLock<()> = RwLock::new(());
+
+/// Lets no part become whole as long as what is returned lives: for a program that counts the parts it keeps and ends.
+pub fn stop_saving() -> impl Drop {
+    SAVING.write().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl PartStore for PartFolder {
     fn load(&self, index: usize) -> Option<Vec<u8>> {
         std::fs::read(self.path(index)).ok()
     }
 
     fn save(&self, index: usize, bytes: &[u8]) -> vibro_analysis::Result<()> {
+        let _saving = SAVING.read();
         write_whole(&self.path(index), bytes).map_err(vibro_analysis::Error::store)
     }
 

@@ -4,7 +4,7 @@ use crate::invocation::as_typed;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::{Mutex, Once};
-use vibro::part_folder::{PartFolder, parts_in_words};
+use vibro::part_folder::{PartFolder, parts_in_words, stop_saving};
 
 /// Exit code of a program that Ctrl-C has ended, as shells have it: 128 + SIGINT.
 pub const INTERRUPTED: i32 = 130;
@@ -31,6 +31,7 @@ pub fn announce(name: &str, home: PathBuf, folders: Vec<PathBuf>, count: usize) 
 }
 
 fn end() {
+    let _held = stop_saving();
     let words = WORK.lock().ok().and_then(|work| work.as_ref().map(words)).unwrap_or_default();
     let mut errors = std::io::stderr();
     // The line of the progress bar ends here.
