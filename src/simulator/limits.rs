@@ -39,18 +39,20 @@ fn limit(what: &'static str, value: f64) -> Result<()> {
     Err(Error::PrecisionLost { what, value: value.abs(), limit: MAX_VIOLENCE })
 }
 
-/// The drive, constant loads and loads that are set against what the gap and the system's rates can resolve.
-pub(super) fn check_forces(model: &Model, loads: &Forces) -> Result<()> {
+/// The drive and constant loads against what the gap and the system's rates can resolve.
+pub(super) fn check_constant_forces(model: &Model) -> Result<()> {
     let unit = model.gap * model.rate * model.rate;
     limit("drive.amplitude over box.m, stop.gap and the square of the fastest rate", model.drive / unit)?;
-    let constant = model.constant_loads.map(|load| [load, 0.0, 0.0, 0.0]);
-    for loads in [&constant, loads] {
-        for (derivatives, inverse_mass) in loads.iter().zip(&model.inverse_mass) {
-            let mut unit = unit;
-            for derivative in derivatives {
-                limit(VIOLENT_LOAD, derivative * inverse_mass / unit)?;
-                unit *= model.rate;
-            }
+    check_loads(model, &model.constant_loads.map(|load| [load, 0.0, 0.0, 0.0]))
+}
+
+/// Loads with their derivatives against the same.
+pub(super) fn check_loads(model: &Model, loads: &Forces) -> Result<()> {
+    for (derivatives, inverse_mass) in loads.iter().zip(&model.inverse_mass) {
+        let mut unit = model.gap * model.rate * model.rate;
+        for derivative in derivatives {
+            limit(VIOLENT_LOAD, derivative * inverse_mass / unit)?;
+            unit *= model.rate;
         }
     }
     Ok(())

@@ -47,7 +47,7 @@ use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
 pub use crate::state::State;
 pub use limits::check_time;
-use limits::{check_forces, check_speeds, coordinates};
+use limits::{check_constant_forces, check_loads, check_speeds, coordinates};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use tables::ModeTables;
@@ -77,8 +77,8 @@ impl HybridState {
             return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
         }
         check_time(model.rate, time)?;
-        let (y, loads) = (coordinates(parameters, state)?, [[0.0; 4]; 3]);
-        check_forces(model, &loads)?;
+        let y = coordinates(parameters, state)?;
+        check_constant_forces(model)?;
         check_speeds(model, state)?;
         Ok(Self {
             time: DoubleDouble::new(time),
@@ -87,7 +87,7 @@ impl HybridState {
             departing: 0,
             due: None,
             phase: DrivePhase::new(parameters.drive_phase),
-            loads,
+            loads: [[0.0; 4]; 3],
             loads_from: DoubleDouble::new(time),
             record: ImpactRecord::default(),
             sums: Sums::default(),
@@ -205,7 +205,7 @@ impl Simulator {
         }
         let model = Model::new(parameters)?;
         check_time(model.rate, self.time())?;
-        check_forces(&model, &[[0.0; 4]; 3])?;
+        check_constant_forces(&model)?;
         check_speeds(&model, &self.state())?;
         let gap_changed = parameters.stop_gap != self.parameters.stop_gap;
         let y = if gap_changed { coordinates(parameters, &self.state())? } else { self.hybrid.y };
@@ -243,7 +243,7 @@ impl Simulator {
                 return Err(Error::OutOfRange { name, value, allowed: "a finite number" });
             }
         }
-        check_forces(&self.model, &loads.derivatives)?;
+        check_loads(&self.model, &loads.derivatives)?;
         let before =
             flow::shifted(&self.hybrid.loads, self.hybrid.time.minus(self.hybrid.loads_from).value());
         let unchanged = before == loads.derivatives;

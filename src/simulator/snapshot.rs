@@ -1,6 +1,6 @@
 //! A point of a motion, kept to come back to.
 
-use super::limits::{check_contact, check_forces, check_time};
+use super::limits::{check_constant_forces, check_contact, check_time};
 use super::{HybridState, Simulator};
 use crate::error::{Error, Result};
 use crate::flow::shifted;
@@ -75,7 +75,7 @@ impl Simulator {
 /// The time, and what acts on the bodies from outside, against what a machine can carry.
 fn check_motion(model: &Model, hybrid: &HybridState) -> Result<()> {
     check_time(model.rate, hybrid.time.value())?;
-    check_forces(model, &[[0.0; 4]; 3])?;
+    check_constant_forces(model)?;
     let loads = shifted(&hybrid.loads, hybrid.time.minus(hybrid.loads_from).value());
     for derivatives in loads {
         let mut most = MAX_NUMBER;
