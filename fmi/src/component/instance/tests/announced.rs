@@ -2,22 +2,6 @@
 
 use super::*;
 
-/// A component for a host that handles events, takes early returns, or neither.
-fn with_handling(event_mode: bool, early_return: bool, start: &[(&str, f64)]) -> Instance {
-    let handling = EventHandling { event_mode, early_return };
-    let mut fmu =
-        Instance::of_protocol(Interface::CoSimulation, Protocol { handling, ..Protocol::default() });
-    for (name, value) in start {
-        set(&mut fmu, name, *value).unwrap();
-    }
-    let mut fmu = initialize(fmu);
-    if event_mode {
-        fmu.handle_events(&mut Messages::default()).unwrap();
-        fmu.leave_event(&mut Messages::default()).unwrap();
-    }
-    fmu
-}
-
 /// Handles the event at which a step has ended, if there is one.
 fn handle(fmu: &mut Instance, event: bool, messages: &mut Messages) {
     if event {

@@ -273,18 +273,10 @@ fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_othe
 fn closed_form_both_limits_of_a_plastic_impact_are_shown() {
     /// Of speeds of order one.
     const SAME: f64 = 1e-9;
-    let handling = EventHandling { event_mode: true, early_return: true };
     for mode in [2.0, 3.0] {
-        let protocol = Protocol { handling, ..Protocol::default() };
-        let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
-        for (name, value) in
-            [("mode", mode), ("stop.restitution", 0.0), ("drive.amplitude", 0.2), ("stopAtImpact", 1.0)]
-        {
-            set(&mut fmu, name, value).unwrap();
-        }
-        let mut fmu = initialize(fmu);
-        fmu.handle_events(&mut Silence).unwrap();
-        fmu.leave_event(&mut Silence).unwrap();
+        let plastic =
+            [("mode", mode), ("stop.restitution", 0.0), ("drive.amplitude", 0.2), ("stopAtImpact", 1.0)];
+        let mut fmu = with_handling(true, true, &plastic);
         for _ in 0..40 {
             let now = fmu.time();
             assert!(fmu.advance(now, 100.0, &mut Silence).unwrap().event);
@@ -303,15 +295,7 @@ fn closed_form_both_limits_of_a_plastic_impact_are_shown() {
 /// An impact that is not carried out, since parameters that were set at it leave no steady state, is not logged.
 #[test]
 fn an_impact_of_a_refused_update_is_logged_when_it_is_carried_out() {
-    let handling = EventHandling { event_mode: true, early_return: true };
-    let mut fmu =
-        Instance::of_protocol(Interface::CoSimulation, Protocol { handling, ..Protocol::default() });
-    for (name, value) in [("mode", 3.0), ("stopAtImpact", 1.0)] {
-        set(&mut fmu, name, value).unwrap();
-    }
-    let mut fmu = initialize(fmu);
-    fmu.handle_events(&mut Silence).unwrap();
-    fmu.leave_event(&mut Silence).unwrap();
+    let mut fmu = with_handling(true, true, &[("mode", 3.0), ("stopAtImpact", 1.0)]);
     fmu.advance(0.0, 100.0, &mut Silence).unwrap();
     fmu.enter_event().unwrap();
     let (mut messages, amplitude) = (Messages::default(), get(&mut fmu, "drive.amplitude"));

@@ -301,15 +301,8 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
 /// Before the law of an event is carried out the values after it are shown, and the dependencies are theirs.
 #[test]
 fn dependencies_at_an_event_are_those_after_it() {
-    let handling = EventHandling { event_mode: true, early_return: true };
-    let mut fmu =
-        Instance::of_protocol(Interface::CoSimulation, Protocol { handling, ..Protocol::default() });
-    for (name, value) in [("stop.restitution", 0.0), ("drive.amplitude", 1.0), ("stopAtImpact", 1.0)] {
-        set(&mut fmu, name, value).unwrap();
-    }
-    let mut fmu = initialize(fmu);
-    fmu.handle_events(&mut Silence).unwrap();
-    fmu.leave_event(&mut Silence).unwrap();
+    let start = [("stop.restitution", 0.0), ("drive.amplitude", 1.0), ("stopAtImpact", 1.0)];
+    let mut fmu = with_handling(true, true, &start);
     let mut rests = 0;
     while rests < 3 {
         let now = fmu.time();

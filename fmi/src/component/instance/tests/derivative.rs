@@ -24,6 +24,12 @@ fn derivative(fmu: &mut Instance, unknowns: &[&str], knowns: &[&str], seed: &[f6
     values
 }
 
+/// A host that handles events, of a description that has parameters and time as knowns.
+fn with_events() -> Protocol {
+    let handling = EventHandling { event_mode: true, early_return: true };
+    Protocol { edition: Edition::Extended, handling, ..Protocol::default() }
+}
+
 fn exchange(prepare: impl Fn(&mut Instance)) -> Instance {
     let mut fmu = Instance::new(Interface::ModelExchange);
     prepare(&mut fmu);
@@ -232,20 +238,10 @@ fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
 fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
     /// Between two moments 10 ms apart, of derivatives of order one.
     const SAME: f64 = 0.1;
-    let protocol = Protocol {
-        edition: Edition::Extended,
-        handling: EventHandling { event_mode: true, early_return: true },
-        ..Protocol::default()
-    };
+    let protocol = with_events();
     let known = ["box.k", "stop.restitution", "drive.amplitude", "drive.frequency"];
     for mode in [2.0, 3.0] {
-        let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
-        for (name, value) in [("mode", mode), ("stopAtImpact", 1.0)] {
-            set(&mut fmu, name, value).unwrap();
-        }
-        let mut fmu = initialize(fmu);
-        fmu.handle_events(&mut Silence).unwrap();
-        fmu.leave_event(&mut Silence).unwrap();
+        let mut fmu = stepping(protocol, &[("mode", mode), ("stopAtImpact", 1.0)]);
         for known in [known, known, known].concat() {
             let now = fmu.time();
             fmu.advance(now, 100.0, &mut Silence).unwrap();
@@ -273,22 +269,13 @@ fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
 fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
     /// Of derivatives of order one, between the impact and 10 ms later.
     const SAME: f64 = 0.1;
-    let protocol = Protocol {
-        edition: Edition::Extended,
-        handling: EventHandling { event_mode: true, early_return: true },
-        ..Protocol::default()
-    };
+    let protocol = with_events();
     let unknowns = ["block.v", "box.v", "block.s"];
     for (name, value) in [("stop.restitution", 1.0), ("secondary.c", 0.0), ("coupling.k", 0.006)] {
-        let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
-        for (name, value) in [("mode", 3.0), ("stopAtImpact", 1.0), (name, value)] {
-            set(&mut fmu, name, value).unwrap();
-        }
+        let values = [("mode", 3.0), ("stopAtImpact", 1.0), (name, value)];
         let mut start = Instance::of_protocol(Interface::CoSimulation, protocol);
-        start.restore(&fmu.save()).unwrap();
-        let mut fmu = initialize(fmu);
-        fmu.handle_events(&mut Silence).unwrap();
-        fmu.leave_event(&mut Silence).unwrap();
+        values.iter().for_each(|(name, value)| set(&mut start, name, *value).unwrap());
+        let mut fmu = stepping(protocol, &values);
         let impact = fmu.advance(0.0, 100.0, &mut Silence).unwrap().time;
         fmu.enter_event().unwrap();
         fmu.handle_events(&mut Silence).unwrap();

@@ -64,6 +64,26 @@ fn initialize(mut instance: Instance) -> Instance {
     instance
 }
 
+/// A component with start values of its own, for a host that handles events, takes early returns, or neither; in Step Mode.
+fn with_handling(event_mode: bool, early_return: bool, start: &[(&str, f64)]) -> Instance {
+    let handling = EventHandling { event_mode, early_return };
+    stepping(Protocol { handling, ..Protocol::default() }, start)
+}
+
+/// The same of a protocol.
+fn stepping(protocol: Protocol, start: &[(&str, f64)]) -> Instance {
+    let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
+    for (name, value) in start {
+        set(&mut fmu, name, *value).unwrap();
+    }
+    let mut fmu = initialize(fmu);
+    if protocol.handling.event_mode {
+        fmu.handle_events(&mut Silence).unwrap();
+        fmu.leave_event(&mut Silence).unwrap();
+    }
+    fmu
+}
+
 fn get(instance: &mut Instance, name: &str) -> f64 {
     let mut value = f64::NAN;
     instance.get(ANY, &[reference(name)], |_, v| value = v).unwrap();
