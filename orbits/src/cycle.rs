@@ -100,7 +100,7 @@ impl<'a> Cycle<'a> {
         phases: &'a [f64],
         transitions: Vec<Transition>,
     ) -> Result<Self, Obstacle> {
-        system.admits(word)?;
+        Obstacle::check(system, word)?;
         let n = phases.len();
         let forced = |i: usize| system.forced_gap(arrival(word, phases, i));
         let span = |i: usize| arrival(word, phases, i) - phases[i];

@@ -30,6 +30,18 @@ impl From<Error> for Obstacle {
 }
 
 impl Obstacle {
+    /// Refuses a word that no orbit of a machine has, whatever its phases are.
+    ///
+    /// # Errors
+    /// [`Asymmetric`](Self::Asymmetric) for half a symmetric orbit under loads, [`Unbalanced`](Self::Unbalanced) for impulses that cannot
+    /// balance.
+    pub fn check(system: &System, word: &OrbitWord) -> Result<(), Self> {
+        if word.closing() < 0 && !system.is_symmetric() {
+            return Err(Self::Asymmetric);
+        }
+        if system.balances(word) { Ok(()) } else { Err(Self::Unbalanced) }
+    }
+
     /// The error that it means for a search of an orbit.
     pub fn error(self, system: &System, word: &OrbitWord) -> Error {
         let no_orbit = |reason: &str| word.no_orbit(reason);

@@ -73,7 +73,7 @@ impl Orbit {
             if guess.len() != word.len() {
                 return Err(Obstacle::Order);
             }
-            system.admits(word)?;
+            Obstacle::check(system, word)?;
             let phases = newton(system, word, guess)?;
             Self::at(system, word, &phases)
         };

@@ -1,5 +1,6 @@
 //! Orbits of a word without a guess of their phases.
 
+use super::obstacle::Obstacle;
 use super::orbit::Orbit;
 use super::system::System;
 use super::word::OrbitWord;
@@ -21,7 +22,7 @@ pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit
         ))
     };
     let n = word.len();
-    system.admits(word).map_err(|obstacle| obstacle.error(system, word))?;
+    Obstacle::check(system, word).map_err(|obstacle| obstacle.error(system, word))?;
     if n == 0 {
         let orbit = Orbit::find(system, word, &[])?;
         return if orbit.is_certified() { Ok(vec![orbit]) } else { Err(none()) };

@@ -3,7 +3,6 @@
 pub(super) use super::balance::Anchor;
 pub use super::balance::ConstantLoads;
 use super::balance::{Balance, balance};
-use super::obstacle::Obstacle;
 use super::word::OrbitWord;
 use nalgebra::Complex;
 use vibro_analysis::Result;
@@ -73,20 +72,9 @@ impl System {
         self.pull
     }
 
-    /// Refuses a word that no orbit of the machine has, whatever its phases are.
-    ///
-    /// # Errors
-    /// [`Obstacle::Asymmetric`] for half a symmetric orbit under loads, [`Obstacle::Unbalanced`] for impulses that cannot balance.
-    pub(super) fn admits(&self, word: &OrbitWord) -> std::result::Result<(), Obstacle> {
-        if word.closing() < 0 && !self.is_symmetric() {
-            return Err(Obstacle::Asymmetric);
-        }
-        if self.balances(word) { Ok(()) } else { Err(Obstacle::Unbalanced) }
-    }
-
     /// Whether the impulses of a word can balance the load on what no spring holds over a round, docs/theory.md (113): without
     /// a load they need both stops, with one the stop towards which it pulls.
-    fn balances(&self, word: &OrbitWord) -> bool {
+    pub(super) fn balances(&self, word: &OrbitWord) -> bool {
         let p = &self.parameters;
         let has = |side: i8| word.letters().contains(&side);
         let held = p.box_stiffness > 0.0 && p.coupling_stiffness > 0.0 && p.secondary_stiffness > 0.0;

@@ -6,6 +6,7 @@
 
 mod access;
 mod advance;
+mod arrival;
 mod dependencies;
 mod derivative;
 mod events;

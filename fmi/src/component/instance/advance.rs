@@ -1,8 +1,8 @@
 //! Stepping for a host that may handle events itself or take steps that end early.
 
-use super::events::Changes;
+use super::arrival::{advance, is_at_end, pass_event_at_end, rounding, take_back};
+use super::events::{Changes, describe, log_left_out};
 use super::last_step::LastStep;
-use super::step::{describe, lateness, log_left_out, rounding, size, take_back};
 use super::{Engine, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::event_state::Discrete;
@@ -10,7 +10,7 @@ use crate::component::log::{Category, Log};
 use fmi_doors::Advance;
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::simulator::{AdvanceOutcome, Contact, Event, EventObserver, Pause, Simulator};
+use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator};
 
 /// What a step does at an event inside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -173,63 +173,6 @@ fn run(
         }
     }
     Ok(Stand { early, ..Stand::default() })
-}
-
-/// Advances to an end, which own time may be past by the rounding that `point` is allowed: nothing is left to do then.
-pub(super) fn advance(
-    simulator: &mut Simulator,
-    end: DoubleDouble,
-    pause: Pause,
-    report: EventObserver<'_, '_>,
-) -> Result<AdvanceOutcome, Error> {
-    match simulator.advance_until(end, pause, report) {
-        Err(Error::Step { .. }) => Ok(AdvanceOutcome::End),
-        outcome => outcome,
-    }
-}
-
-/// Goes on to an event that lies past a step's end by rounding alone and stands before it; without one nothing happens. A
-/// host that comes to the time of an event it was told must find it there.
-pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Error> {
-    if is_clear(simulator, rounding(end)) {
-        return Ok(false);
-    }
-    let (before, late) = (simulator.snapshot(), lateness(simulator, end));
-    let reached = advance(simulator, DoubleDouble::sum(end, late), Pause::BeforeEvent, None)?;
-    if reached == AdvanceOutcome::EventDue {
-        return Ok(true);
-    }
-    simulator.restore(&before)?;
-    Ok(false)
-}
-
-/// Carries out an event that lies past a step's end by rounding alone. A master that comes to the time of an event it was
-/// told must have it behind itself: else its next step would end where it began, and it could not get on.
-pub(super) fn pass_event_at_end(
-    simulator: &mut Simulator,
-    end: f64,
-    report: EventObserver<'_, '_>,
-) -> Result<(), Error> {
-    if is_at_end(simulator, end)? {
-        simulator.apply_due_event(report);
-    }
-    Ok(())
-}
-
-/// Whether no event can come within the rounding of a time: the block in flight is so far from the stops that its acceleration moves
-/// it by far less than the margin in that, or it is pressed on by far more than the force can lose.
-fn is_clear(simulator: &Simulator, late: f64) -> bool {
-    const MARGIN: f64 = 1e-6; // gaps, and parts of the forces that sizes and rates of the motion make
-    let ((w, rate), parameters) = (simulator.relative_motion(), simulator.parameters());
-    let gap = parameters.stop_gap;
-    if simulator.contact() == Contact::Flight {
-        return gap - w.abs() > MARGIN * gap + 4.0 * late * rate.abs();
-    }
-    let fastest = simulator.fastest_rate();
-    let loads: f64 = simulator.loads().derivatives.iter().flatten().map(|load| load.abs()).sum();
-    let pair = 1.0 / (1.0 / parameters.box_mass + 1.0 / parameters.block_mass);
-    let forces = pair * fastest * fastest * size(simulator) + loads * fastest.max(1.0);
-    simulator.contact_force() > (MARGIN + 8.0 * late * fastest) * forces
 }
 
 /// One step of a steady state.

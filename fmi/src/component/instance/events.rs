@@ -1,7 +1,7 @@
 //! Events of co-simulation as a host sees them that handles them itself: the component pauses before an event, shows both of
 //! its limits, and applies its law when it is told to. A solver's events (Model Exchange) are handled in the same two calls.
 
-use super::step::{describe, take_back};
+use super::arrival::take_back;
 use super::{Engine, EventHandling, Instance, Outcome, Phase, Problem};
 use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
@@ -284,5 +284,28 @@ impl Instance {
         }
         self.life.go_on();
         Ok(())
+    }
+}
+
+/// Tells how many impacts of a steady state a long step has not listed.
+pub(super) fn log_left_out(impacts: f64, end: f64, log: &mut dyn Log) {
+    if impacts > 0.0 && log.wants(Category::Events) {
+        let message = format!("{impacts} more impacts up to t = {end} s are not listed one by one");
+        log.log(Category::Events, &message);
+    }
+}
+
+/// An event in words.
+pub(super) fn describe(event: &Event) -> String {
+    let stop = |side: i8| if side > 0 { "upper" } else { "lower" };
+    match *event {
+        Event::Impact { time, side, speed, impulse } => format!(
+            "impact on the {} stop at t = {time} s: approach speed {speed} m/s, impulse {impulse} N.s",
+            stop(side)
+        ),
+        Event::Rest { time, side } => {
+            format!("the block comes to rest on the {} stop at t = {time} s", stop(side))
+        }
+        Event::Release { time, side } => format!("the block leaves the {} stop at t = {time} s", stop(side)),
     }
 }

@@ -1,9 +1,9 @@
 //! A step in pieces from event to event, for a host that looks into it, sets inputs for its course, or ends it early.
 
-use super::advance::{AtEvent, advance, is_at_end, side_of};
-use super::events::{Changes, report_contact};
+use super::advance::{AtEvent, side_of};
+use super::arrival::{advance, is_at_end, rounding, take_back};
+use super::events::{Changes, describe, report_contact};
 use super::last_step::LastStep;
-use super::step::{describe, rounding, take_back};
 use super::{Engine, Instance, Outcome, Phase, Problem, SavedState};
 use crate::component::event_state::Discrete;
 use crate::component::log::{Category, Log};

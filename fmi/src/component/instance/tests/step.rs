@@ -165,7 +165,7 @@ fn a_slow_impact_is_behind_the_step_that_ends_at_its_announced_time() {
 /// A step is taken back by restoring the state before it. Where that state is refused the failure is reported with its cause.
 #[test]
 fn a_step_that_cannot_be_taken_back_is_reported() {
-    use crate::component::instance::step::take_back;
+    use crate::component::instance::arrival::take_back;
     use vibro_impact::Error;
     use vibro_impact::parameters::Parameters;
     use vibro_impact::simulator::{Simulator, Snapshot};
