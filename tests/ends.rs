@@ -127,15 +127,14 @@ fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of 1512: {:?}", added.len(), &added[..added.len().min(5)]);
 }
 
-/// Loads that are set right after a release decide anew whether the block rests, by an acceleration that is rounding. Another release
-/// may be reported, but the motion is the same.
+/// Loads that are set right after a release decide anew whether the block rests: not by an acceleration that is rounding, but by the jerk,
+/// which leads away. No other release is reported, and the motion is the same.
 #[test]
 fn invariant_loads_set_right_after_a_release_move_nothing() {
     /// Of the displacements, gaps: what is decided differs by the rounding of the acceleration.
     const ROUNDING: f64 = 1e-12;
     /// Newtons on the block: nothing beside its weight of one in the drive's force, but not zero.
     const NOTHING: f64 = 1e-25;
-    let mut again = 0;
     for f10 in [2.0, 3.0, 4.0] {
         let p = machine(f10, 0.0);
         let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
@@ -157,18 +156,15 @@ fn invariant_loads_set_right_after_a_release_move_nothing() {
                         further += usize::from(matches!(event, Event::Release { .. }));
                     })
                     .unwrap();
-                assert!(further <= 1 && short.impacts() == whole.impacts());
+                assert!(further == 0 && short.impacts() == whole.impacts());
                 assert_eq!(short.contact(), whole.contact());
                 let (found, expected) = (short.state(), whole.state());
                 for (found, expected) in found.x.iter().zip(expected.x) {
                     assert!((found - expected).abs() < ROUNDING * p.stop_gap, "{found} {expected}");
                 }
-                again += further;
             }
         }
     }
-    println!("{again} further releases in 360");
-    assert!(again > 0, "no further release is reported: docs/guarantees.md says that one may be");
 }
 
 /// A block without springs under a constant load, which rises to a stop: where its path turns within rounding of the stop, the impact

@@ -1,6 +1,8 @@
 //! A block that lets go of its stop without speed, in steps that end right then or are too short for its way to show.
 
-use vibro_impact::simulator::{Event, Loads, Pause};
+use vibro_impact::flow::Series;
+use vibro_impact::model::{Model, RELATIVE, SmoothMode};
+use vibro_impact::simulator::{AdvanceOutcome, Contact, DoubleDouble, Event, Loads, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// A step that ends where a release was foretold, or a unit in the last place beside it, adds no impact to the motion.
@@ -123,4 +125,182 @@ fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
         assert_eq!(simulator.impacts().upper, 0, "{phase}");
         assert!((reached - speed).abs() < SAME * -speed, "{phase}: {reached:e} {speed:e}");
     }
+}
+
+/// Loads on the block with which the derivatives of w from the second to below the `order`-th are zero at the start, and that one leads away
+/// from the stop with the size `away` m/sᵏ; `None` where rounding leaves no such loads.
+fn loads_of_order(simulator: &Simulator, order: usize, away: f64) -> Option<Loads> {
+    let (model, side) = (Model::new(simulator.parameters()).unwrap(), simulator.relative_motion().0.signum());
+    let mut derivatives = [[0.0; 4]; 3];
+    let derivative = |loads: &[[f64; 4]; 3], k: usize| {
+        let z = simulator.augmented();
+        let series = Series::<9>::expand(&model, SmoothMode::Flight, &z, Some(loads), 1.0 / model.rate);
+        let [of_box, of_block, _] = series.derivatives::<9>(model.rate);
+        (series.states[k][RELATIVE], of_block[k] - of_box[k])
+    };
+    for k in 2..order {
+        let load = derivative(&derivatives, k).1 / model.inverse_mass[1];
+        let zero = (-40..=40).map(|units: i64| f64::from_bits((load.to_bits() as i64 + units) as u64));
+        derivatives[1][k - 2] = zero.map(|load| -load).find(|load| {
+            derivatives[1][k - 2] = *load;
+            derivative(&derivatives, k).0 == 0.0
+        })?;
+    }
+    derivatives[1][order - 2] = -(derivative(&derivatives, order).1 + side * away) / model.inverse_mass[1];
+    Some(Loads { derivatives })
+}
+
+/// A block on a moving box that its loads follow to some order leaves by the next one, in steps of any shortness, though all derivatives
+/// below are rounding as soon as it has left.
+#[test]
+fn second_method_departures_of_high_orders_in_steps_of_any_shortness() {
+    let mut departures = [0; 6];
+    for n in 0..1800 {
+        let number = f64::from(n);
+        let p = Parameters {
+            box_mass: 2.0,
+            box_stiffness: 0.3176919137341083,
+            block_mass: 0.125,
+            coupling_stiffness: 0.0,
+            stop_restitution: f64::from(n % 2) * 0.5,
+            drive_phase: number,
+            ..Parameters::default()
+        };
+        let (x, v, side) = ((0.7 * number).sin(), (0.9 * number).cos(), if n % 4 < 2 { 1.0 } else { -1.0 });
+        let start = State { x: [x, x + side, 0.3], v: [v, v, 0.0] };
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        let order = 3 + n as usize % 3;
+        let Some(loads) = loads_of_order(&simulator, order, 0.1) else { continue };
+        simulator.set_loads(&loads).unwrap();
+        if simulator.contact() != Contact::Flight {
+            continue;
+        }
+        departures[order] += 1;
+        let step = 10f64.powf(-17.0 + 10.0 * (0.37 * number).fract());
+        let steps = (1..50).map(|n| f64::from(n) * step);
+        for end in steps.chain([1e-3]) {
+            simulator.advance_to(end).unwrap();
+        }
+        assert_eq!(simulator.impacts().upper + simulator.impacts().lower, 0, "{n}: {order}, {step:e} s");
+        assert_eq!(simulator.contact(), Contact::Flight, "{n}: {order}, {step:e} s");
+    }
+    assert!(departures[3..].iter().all(|count| *count > 100), "{departures:?}");
+}
+
+/// A block that its load lets go by a jerk that the next derivative turns late in a longer step: what little speed it has from some short steps
+/// before is no impact.
+#[test]
+fn second_method_a_longer_step_after_short_ones_finds_no_impact_at_its_start() {
+    let mut added = Vec::new();
+    for n in 1..400 {
+        let p =
+            Parameters { box_damping: 0.0, drive_amplitude: 0.0, stop_gap: 0.01, ..Parameters::default() };
+        let mut simulator = Simulator::new(&p, &State { x: [0.0, 0.01, 0.0], v: [0.0; 3] }, 0.0).unwrap();
+        let turn = 1e-4 * f64::from(n); // s; the block returns after three times that
+        let load = [p.coupling_stiffness * p.stop_gap, -1e-2 * turn, 1e-2, 0.0];
+        simulator.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
+        let mut whole = simulator.clone();
+        let end = 2.5 * turn;
+        for step in 1..=30 {
+            simulator.advance_to(f64::from(step) * 1.3e-14).unwrap();
+        }
+        simulator.advance_to(end).unwrap();
+        whole.advance_to(end).unwrap();
+        assert_eq!(whole.impacts().upper, 0, "{n}");
+        if simulator.impacts().upper != 0 {
+            added.push(n);
+        }
+    }
+    assert!(added.is_empty(), "{added:?}");
+}
+
+/// A machine at rest under the largest force of its drive, with the block at a stop: the force's rate is the rounding of the cosine, and what
+/// follows it decides. On one side the block is pressed and rests, on the other it is let go.
+#[test]
+fn closed_form_a_start_at_the_static_deflection_of_the_drive() {
+    use std::f64::consts::PI;
+    const END: f64 = 0.01;
+    /// Of the way, which the box's spring and damper change in this time.
+    const SAME: f64 = 0.02;
+    for (mass, stiffness, damping, frequency) in
+        [(1.0, 1.0, 0.1, 1.04), (3.0, 1.0, 0.1, 0.3), (0.7, 100.0, 0.0, 1.04), (2.0, 100.0, 0.1, 1.0)]
+    {
+        for restitution in [0.0, 0.5, 0.75, 0.9] {
+            for (phase, toward) in [(0.5 * PI, 1.0), (1.5 * PI, -1.0), (-0.5 * PI, -1.0), (2.5 * PI, 1.0)] {
+                for side in [1.0, -1.0] {
+                    let p = Parameters {
+                        box_mass: mass,
+                        box_stiffness: stiffness,
+                        box_damping: damping,
+                        coupling_stiffness: 0.0,
+                        stop_restitution: restitution,
+                        drive_frequency: frequency,
+                        drive_phase: phase,
+                        ..Parameters::default()
+                    };
+                    let x = p.drive_amplitude * phase.sin() / stiffness;
+                    let start = State { x: [x, x + side * p.stop_gap, 0.0], v: [0.0; 3] };
+                    let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+                    for step in [1e-17, 1e-15, 3e-14, 1e-12, 1e-9, END] {
+                        simulator.advance_to(step).unwrap();
+                    }
+                    let said = format!("{mass} {stiffness} κ {restitution} phase {phase} side {side}");
+                    assert_eq!(simulator.impacts().upper + simulator.impacts().lower, 0, "{said}");
+                    if side == toward {
+                        assert_eq!(simulator.contact().side(), side, "{said}");
+                    } else {
+                        // The box follows the cosine's curvature, and the block stays.
+                        let way = p.stop_gap - side * simulator.relative_motion().0;
+                        let expected = p.drive_amplitude * frequency * frequency / mass * END.powi(4) / 24.0;
+                        assert_eq!(simulator.contact(), Contact::Flight, "{said}");
+                        assert!((way - expected).abs() < SAME * expected, "{said}: {way:e} {expected:e}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// While w rounds to the stop that the block has left, a step is a part of the one step from the departure to its end: with its very bits,
+/// from a restored state too.
+#[test]
+fn invariant_short_steps_after_a_departure_have_the_bits_of_one() {
+    /// Of energies of some joules: the roundings of a sum for each of some hundred steps.
+    const ENERGIES: f64 = 1e-12;
+    let mut compared = 0;
+    for n in 0..40 {
+        let p = Parameters {
+            stop_restitution: 0.2 * f64::from(n % 4),
+            drive_amplitude: 0.2 + 0.013 * f64::from(n),
+            ..Parameters::default()
+        };
+        let mut simulator =
+            Simulator::new(&p, &State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] }, 0.0).unwrap();
+        for _ in 0..20 {
+            simulator.advance_until(f64::from(n) + 400.0, Pause::BeforeEvent, None).unwrap();
+            if simulator.apply_due_event(None).is_none() {
+                break;
+            }
+            let mut divided = simulator.clone();
+            let mut end = DoubleDouble::sum(simulator.time(), 0.0);
+            let mut way = 1e-17;
+            let mut touches = simulator.contact() == Contact::Flight;
+            while touches {
+                end = end.plus(way);
+                way *= 1.5;
+                let mut whole = simulator.clone();
+                let [one, other] = [&mut whole, &mut divided]
+                    .map(|s| s.advance_until(end, Pause::BeforeEvent, None).unwrap());
+                assert_eq!((whole.state(), one), (divided.state(), other));
+                let [a, b] = [&whole, &divided].map(Simulator::energy_accounts);
+                assert!((a.input - b.input).abs() < ENERGIES && (a.damped - b.damped).abs() < ENERGIES);
+                touches = divided.relative_motion().0.abs() == p.stop_gap && other == AdvanceOutcome::End;
+                let mut restored = Simulator::new(&p, &State::default(), 0.0).unwrap();
+                restored.restore(&divided.snapshot()).unwrap();
+                divided = restored;
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 10_000, "{compared}");
 }

@@ -38,7 +38,8 @@ impl Simulator {
         if self.hybrid.contact != Contact::Flight {
             z[RELATIVE_RATE] = 0.0;
             self.hybrid.contact = Contact::Flight;
-            self.hybrid.departing = 3; // w' and w'' are zero, the jerk leads away
+            // w' and w'' are zero and the jerk leads away, or, where it is rounding, what follows it.
+            self.hybrid.departing = self.flight_from_stop(z).1.map_or(3, |order| order.max(3)) as u8;
             report(observer, Event::Release { time, side: stop });
             return false;
         }
@@ -51,7 +52,7 @@ impl Simulator {
         self.hybrid.departing = 1;
         let rebound = z[RELATIVE_RATE].abs();
         if rebound == 0.0 {
-            self.rest_or_depart(*z, side);
+            self.rest_or_depart(z, side);
             if self.hybrid.contact != Contact::Flight {
                 report(observer, Event::Rest { time, side: stop });
             }
@@ -59,8 +60,7 @@ impl Simulator {
             self.hybrid.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];
             let lost = self.model.merge(z);
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
-            self.hybrid.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-            self.hybrid.departing = 0;
+            (self.hybrid.contact, self.hybrid.departing) = (Contact::at(side), 0);
             // The impacts accumulate this much later; the state rests from now on, which differs by round-off.
             report(observer, Event::Rest { time: time + left, side: stop });
         }
@@ -105,12 +105,12 @@ impl Simulator {
         part * self.model.gap
     }
 
-    /// Sets contact, `departing` and the due event anew from state, parameters and loads; called whenever one of these is set
+    /// Sets contact, departure and the due event anew from state, parameters and loads; called whenever one of these is set
     /// from outside.
     pub(super) fn classify_contact(&mut self) {
         let (gap, y) = (self.model.gap, &mut self.hybrid.y);
         let due = self.hybrid.due.take();
-        self.hybrid.departing = 0;
+        (self.hybrid.departing, self.hybrid.departure) = (0, None);
         self.hybrid.contact = Contact::Flight;
         if y[1].abs() < gap {
             return;
@@ -127,16 +127,14 @@ impl Simulator {
             self.hybrid.departing = 1;
             return;
         }
-        self.rest_or_depart(self.augmented(), side);
+        self.rest_or_depart(&self.augmented(), side);
     }
 
     /// Rest or departure at stop `side` with w' = 0.
-    fn rest_or_depart(&mut self, z: Augmented, side: f64) {
-        let forces = self.forces_now();
-        let radius = 1.0 / self.model.rate;
-        let series = Series::<9>::expand(&self.model, SmoothMode::Flight, &z, Some(&forces), radius);
+    fn rest_or_depart(&mut self, z: &Augmented, side: f64) {
+        let (series, certain) = self.flight_from_stop(z);
         let excess = series.excess_polynomial(side, self.model.gap);
-        let first = (2..9).find(|&k| excess[k] != 0.0);
+        let first = certain.or_else(|| (2..9).find(|&k| excess[k] != 0.0));
         match first {
             Some(order) if excess[order] < 0.0 => {
                 self.hybrid.contact = Contact::Flight;
@@ -144,8 +142,7 @@ impl Simulator {
             }
             // Pressed, or at rest relative to the box with nothing that moves it.
             _ => {
-                self.hybrid.contact = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-                self.hybrid.departing = 0;
+                (self.hybrid.contact, self.hybrid.departing) = (Contact::at(side), 0);
             }
         }
     }

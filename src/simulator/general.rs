@@ -1,12 +1,11 @@
 //! Sub-steps of any kind (short ones, rest, motion under loads): prove that no event falls in one and pass over it, or go
 //! to the first event. The sub-step of plain flight has its own faster way in `flight`.
 
+use super::departure::first_certain;
 use super::{Contact, Simulator};
 use crate::events::first_crossing;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
-use crate::model::{
-    Augmented, BOX, BOX_RATE, Forces, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
-};
+use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd::value;
 use std::sync::Arc;
@@ -18,10 +17,6 @@ const START_ROUNDING: f64 = 1e-9;
 /// A step shorter than this part of an interval moves the state by a sum of its own, so that the roundings of many of them do not add up
 /// (docs/numerics.md, section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
-
-/// A w'' larger than this, in ε r² S with the size S of docs/numerics.md, section 1, is no rounding, and none of the next step turns it
-/// round: the sums of some eight products, with the rounding of the state's coordinates in them, are off by less than half.
-const BEND_CERTAIN: f64 = 16.0;
 
 /// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
 /// steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
@@ -70,6 +65,7 @@ impl Simulator {
         mut z: Augmented,
         remaining: f64,
         end: DoubleDouble,
+        doubtful: bool,
     ) -> (Augmented, Option<f64>) {
         if self.hybrid.contact != Contact::Flight && !self.rest.core_ready {
             let rest = Arc::make_mut(&mut self.rest);
@@ -85,8 +81,8 @@ impl Simulator {
         }
         let interval = self.interval();
         let wild = self.hybrid.contact == Contact::Flight && self.exceeds_reach(&z, start.bound);
-        let side = if remaining <= interval || wild {
-            self.substep_within_interval(&mut z, &start, remaining.min(interval), remaining, end)
+        let side = if remaining <= interval || wild || doubtful {
+            self.substep_within_interval(&mut z, &start, remaining.min(interval), remaining, end, doubtful)
         } else {
             self.substep_by_tables(&mut z, &start, remaining, end)
         };
@@ -102,6 +98,7 @@ impl Simulator {
         mut span: f64,
         remaining: f64,
         end: DoubleDouble,
+        doubtful: bool,
     ) -> Option<f64> {
         let gap = self.model.gap;
         let mut near = [true; 2];
@@ -123,72 +120,25 @@ impl Simulator {
                 series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
             }
         }
-        let passage = self.first_event_from_start(&series, start, near, span);
-        let (u, side) = passage.map_or((1.0, None), |(u, side)| (u, Some(side)));
-        let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
+        // What is zero at a departure is so but for rounding, which would lead the block here or there.
         let order = self.hybrid.departing;
+        let zero = usize::from(order);
+        series.states.iter_mut().take(zero).skip(1).for_each(|state| state[RELATIVE] = 0.0);
+        series.states.iter_mut().take(zero.saturating_sub(1)).for_each(|state| state[RELATIVE_RATE] = 0.0);
+        let passage = self.first_event_from_start(&series, start, near, span);
+        // What brings the block back where nothing but rounding had moved it is rounding, too: it stays.
+        let stays = doubtful && passage.is_some();
+        let (u, side) = passage.filter(|_| !stays).map_or((1.0, None), |(u, side)| (u, Some(side)));
+        let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
         self.advance_to_point(z, start, &arrival);
-        if order > 0 && side.is_none() {
-            let side = start.z[RELATIVE].signum();
-            self.hybrid.departing = self.order_still_departing(z, &series, (order, side), start, span);
+        if stays {
+            (z[RELATIVE], z[RELATIVE_RATE]) = (start.z[RELATIVE], 0.0);
+            self.hybrid.departing = order;
         }
         if side.is_none() && span >= remaining {
             self.hybrid.time = end;
         }
         side
-    }
-
-    /// The order of departure after a step of length `span` in which the block has left a stop with an order, and has met no stop. It is
-    /// 0, unless the step was so short that w still rounds to the stop; then the zero of w at the next step's start is no return either.
-    fn order_still_departing<const LOADS: usize>(
-        &self,
-        z: &mut Augmented,
-        series: &Series<ANCHORED>,
-        (order, side): (u8, f64),
-        start: &SubstepStart<LOADS>,
-        span: f64,
-    ) -> u8 {
-        if side * z[RELATIVE] < self.model.gap {
-            return 0;
-        }
-        z[RELATIVE] = side * self.model.gap;
-        let inward = -side * z[RELATIVE_RATE];
-        // Of a block that let go without speed w'' is zero but for rounding. The terms that are not zero tell whether it is on its way out
-        // or has just come back; w'' tells it when it is beyond rounding, and is what let go where the order is 2. Where the jerk turns,
-        // what has come together until then is what leads away.
-        let outward = |from: usize, factor: fn(f64) -> f64| -> f64 {
-            let orders = series.states.iter().enumerate().skip(from);
-            orders.map(|(k, state)| factor(k as f64) * (side * state[RELATIVE])).sum()
-        };
-        let comes_back = outward(usize::from(order), |k| k) >= 0.0;
-        let rounding = BEND_CERTAIN * f64::EPSILON * self.largest_acceleration(start) * span * span;
-        let turns = || outward(3, |k| k * (k - 1.0) * (k - 2.0)) >= 0.0;
-        let lets_go = || order == 2 || turns() || outward(2, |k| k * (k - 1.0)) < -rounding;
-        if order == 1 || comes_back || inward > 0.0 && lets_go() {
-            return u8::from(inward > 0.0);
-        }
-        if inward < 0.0 {
-            z[RELATIVE_RATE] = 0.0;
-        }
-        order
-    }
-
-    /// r² S, which the terms of an acceleration are of (docs/numerics.md, section 1); they may cancel.
-    fn largest_acceleration<const LOADS: usize>(&self, start: &SubstepStart<LOADS>) -> f64 {
-        let (model, z) = (&self.model, &start.z);
-        let place = model.gap + z[BOX].abs().max(z[SECONDARY].abs());
-        let rate = z[BOX_RATE].abs().max(z[SECONDARY_RATE].abs()).max(z[RELATIVE_RATE].abs());
-        // Of loads that were set some time ago the terms of their polynomials.
-        let since = self.hybrid.time.minus(self.hybrid.loads_from).value().abs();
-        let grown = |[f0, f1, f2, f3]: &[f64; 4]| {
-            f0.abs() + since * (f1.abs() + since / 2.0 * (f2.abs() + since / 3.0 * f3.abs()))
-        };
-        let loads = |forces: &Forces| -> f64 {
-            let each = forces.iter().zip(&self.hybrid.loads).zip(&model.inverse_mass);
-            each.map(|((now, set), inverse)| now[0].abs().max(grown(set)) * inverse).sum()
-        };
-        let pushed = model.drive.abs() + start.forces().map_or(0.0, loads);
-        model.rate * (model.rate * place + rate) + pushed
     }
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
@@ -358,18 +308,18 @@ impl Simulator {
     ) -> Option<(f64, f64)> {
         let order = usize::from(self.hybrid.departing);
         if order == 0 {
-            let functional = series.functional(self.mode());
+            let mut functional = series.functional(self.mode());
+            if self.hybrid.contact != Contact::Flight {
+                self.divide_where_pressed(&mut functional, start, span);
+            }
             return self.first_event(&functional, 0.0, 1.0, near);
         }
         let side = start.z[RELATIVE].signum();
         let mut found = None;
         if order > 1 || start.z[RELATIVE_RATE].abs() <= 0.5 * start.bound * span {
-            let mut p = series.excess_polynomial(side, self.model.gap);
-            // A w' that has come together since a release leads away; only what lies between it and the order is rounding then.
-            let first = if order > 2 && p[1] < 0.0 { 1 } else { order };
-            p[first..order].iter_mut().skip(1).for_each(|rounding| *rounding = 0.0);
+            let p = series.excess_polynomial(side, self.model.gap);
             let mut q = [0.0; ANCHORED];
-            q[..ANCHORED - first].copy_from_slice(&p[first..]);
+            q[..ANCHORED - order].copy_from_slice(&p[order..]);
             q[0] = q[0].min(-f64::MIN_POSITIVE); // it leaves, whatever round-off says
             found = first_crossing(&q, 0.0, 1.0, &mut self.work.iterations).map(|u| (u, side));
         }
@@ -380,6 +330,27 @@ impl Simulator {
             found = other.map(|u| (u, -side)).or(found);
         }
         found
+    }
+
+    /// A contact force that is rounding at the start, and whose first derivative beyond rounding presses, is divided by that power of u: it
+    /// does not fall there, whatever round-off says.
+    fn divide_where_pressed<const LOADS: usize>(
+        &self,
+        functional: &mut [f64; ANCHORED],
+        start: &SubstepStart<LOADS>,
+        span: f64,
+    ) {
+        let pressed = self.hybrid.contact.side() * functional[0];
+        if pressed > functional[1..].iter().map(|a| a.abs()).sum() {
+            return; // and does not fall to zero in this span
+        }
+        let size = self.largest_acceleration(&start.z, start.forces().unwrap_or(&[[0.0; 4]; 3]));
+        if let Some(first) = first_certain(functional, size, self.model.rate * span)
+            && self.hybrid.contact.side() * functional[first] > 0.0
+        {
+            functional.rotate_left(first);
+            functional[ANCHORED - first..].fill(0.0);
+        }
     }
 
     /// Moves to a point of a series: state, time and energy accounts.

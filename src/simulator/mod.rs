@@ -19,6 +19,7 @@ mod account;
 mod advance;
 mod batch;
 mod contact;
+mod departure;
 mod flight;
 mod general;
 mod limits;
@@ -46,6 +47,7 @@ pub use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
 pub use crate::state::State;
+use departure::Departure;
 pub use limits::check_time;
 use limits::{check_constant_forces, check_loads, check_speeds, coordinates};
 use serde::{Deserialize, Serialize};
@@ -61,6 +63,8 @@ struct HybridState {
     contact: Contact,
     /// In flight from a stop: the order of the first derivative of w that leads away from it; else 0.
     departing: u8,
+    /// The departure, where w still rounds to that stop.
+    departure: Option<Departure>,
     /// The event at which the motion stands, its law not yet applied.
     due: Option<DueEvent>,
     phase: DrivePhase,
@@ -85,6 +89,7 @@ impl HybridState {
             y,
             contact: Contact::Flight,
             departing: 0,
+            departure: None,
             due: None,
             phase: DrivePhase::new(parameters.drive_phase),
             loads: [[0.0; 4]; 3],

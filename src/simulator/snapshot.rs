@@ -1,5 +1,6 @@
 //! A point of a motion, kept to come back to.
 
+use super::departure::check_departure;
 use super::limits::{check_constant_forces, check_contact, check_time};
 use super::{HybridState, Simulator};
 use crate::error::{Error, Result};
@@ -19,7 +20,7 @@ pub struct Snapshot {
 
 /// Above this the squares in energies overflow. No motion of a start that is allowed comes to such displacements and speeds, unless loads
 /// drive it there for 1e8 of its time constants and longer, or stay in force for a machine for which they would be refused.
-const MAX_NUMBER: f64 = 1e150;
+pub(super) const MAX_NUMBER: f64 = 1e150;
 
 impl Simulator {
     /// All that is needed to come back to this point.
@@ -76,6 +77,7 @@ impl Simulator {
 fn check_motion(model: &Model, hybrid: &HybridState) -> Result<()> {
     check_time(model.rate, hybrid.time.value())?;
     check_constant_forces(model)?;
+    check_departure(model, hybrid)?;
     let loads = shifted(&hybrid.loads, hybrid.time.minus(hybrid.loads_from).value());
     for derivatives in loads {
         let mut most = MAX_NUMBER;
@@ -92,6 +94,7 @@ fn check_motion(model: &Model, hybrid: &HybridState) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::departure::Departure;
     use super::*;
     use crate::State;
 
@@ -107,6 +110,32 @@ mod tests {
                 matches!(refused, Err(Error::OutOfRange { name: "snapshot", value: -1e160, .. })),
                 "{refused:?}"
             );
+            assert_eq!(simulator.snapshot(), sound);
+        }
+    }
+
+    #[test]
+    fn a_snapshot_whose_departure_is_another_ones_is_refused() {
+        let p = Parameters { stop_restitution: 0.5, ..Parameters::default() };
+        let start = State { x: [0.0, p.stop_gap, 0.0], v: [0.0, -1.0, 0.0] };
+        let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+        simulator.advance_to(1e-20).unwrap();
+        let sound = simulator.snapshot();
+        assert!(sound.hybrid.departure.is_some());
+        simulator.restore(&sound).unwrap();
+        let damages: [fn(&mut Departure); 6] = [
+            |departure| departure.time.hi = 1.0,
+            |departure| departure.time.hi = -1e3,
+            |departure| departure.time.lo = f64::NAN,
+            |departure| departure.z[1] = -departure.z[1],
+            |departure| departure.z[7] = f64::NAN,
+            |departure| departure.gained[1] = f64::INFINITY,
+        ];
+        for damage in damages {
+            let mut damaged = sound;
+            damage(damaged.hybrid.departure.as_mut().unwrap());
+            let refused = simulator.restore(&damaged);
+            assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{refused:?}");
             assert_eq!(simulator.snapshot(), sound);
         }
     }

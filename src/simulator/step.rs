@@ -152,7 +152,15 @@ impl Simulator {
             return ControlFlow::Break(Ok(AdvanceOutcome::End));
         }
         self.renew(advance);
+        let mut departing = None;
+        if self.is_departing(remaining) {
+            departing = Some(self.return_to_departure(&mut advance.z));
+            remaining = end.minus(self.hybrid.time).value();
+        }
         let passage = self.substep::<S, LOADS, ACCOUNTS>(simd, &mut advance.z, remaining, end);
+        if let Some(begun) = &departing {
+            self.keep_departure(&mut advance.z, begun, passage, end);
+        }
         let (contact, speed) = (self.hybrid.contact, advance.z[BOX_RATE]);
         let going = self.finish_substep::<LOADS>(advance, passage, pause, observer);
         if ACCOUNTS && LOADS == 0 && passage.is_some() {
@@ -274,7 +282,8 @@ impl Simulator {
         end: DoubleDouble,
     ) -> Option<f64> {
         self.work.substeps += 1;
-        if LOADS == 0 && self.hybrid.contact == Contact::Flight {
+        let doubtful = self.hybrid.departing > 1 && self.is_in_doubt(z);
+        if LOADS == 0 && self.hybrid.contact == Contact::Flight && !doubtful {
             let interval = self.interval();
             let bound = simd::weigh::<S>(z, &self.flight.core.bound);
             if !self.exceeds_reach(z, bound) {
@@ -289,7 +298,7 @@ impl Simulator {
                 }
             }
         }
-        let (arrived, side) = self.general_substep::<LOADS>(*z, remaining, end);
+        let (arrived, side) = self.general_substep::<LOADS>(*z, remaining, end, doubtful);
         *z = arrived;
         side
     }

@@ -160,6 +160,11 @@ impl Contact {
         }
     }
 
+    /// Rest at the stop `side`, +1 or -1.
+    pub(super) fn at(side: f64) -> Self {
+        if side > 0.0 { Self::RestUpper } else { Self::RestLower }
+    }
+
     /// +1 at the upper stop, -1 at the lower, 0 in flight.
     pub fn side(self) -> f64 {
         match self {

@@ -373,6 +373,7 @@ impl Simulator {
         self.hybrid.contact == Contact::Flight
             && !self.loaded()
             && self.hybrid.departing <= 1
+            && self.hybrid.departure.is_none()
             && (self.hybrid.departing == 1 || z[RELATIVE].abs() < self.model.gap)
             && end.minus(self.hybrid.time).value() >= self.substep + self.interval()
     }

@@ -1,0 +1,160 @@
+//! The first moments of a departure from a stop, in which w still rounds to the stop.
+//!
+//! A state at such a moment tells only to rounding, or not at all, that the block is on its way out. So a sub-step that would begin there
+//! begins at the departure itself, where w and the derivatives that are zero are exactly so (docs/numerics.md, section 2).
+
+use super::snapshot::MAX_NUMBER;
+use super::{HybridState, Simulator};
+use crate::error::{Error, Result};
+use crate::flow::{Series, shifted, substep};
+use crate::model::{
+    Augmented, BOX, BOX_RATE, Forces, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
+};
+use crate::numerics::double_double::DoubleDouble;
+use serde::{Deserialize, Serialize};
+
+/// A derivative of w of order k larger than this times k², in ε rᵏ S with the size S of docs/numerics.md, section 1, is no rounding: a w''
+/// is a sum of some eight products, with the rounding of the state's coordinates in them, and off by less than half of it.
+const CERTAIN: f64 = 4.0;
+
+/// Where the block has left the stop that w still rounds to, less than a sub-step ago.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Departure {
+    pub(super) time: DoubleDouble,
+    pub(super) z: Augmented,
+    /// What input and damped energy have gained from there to the present, J.
+    pub(super) gained: [f64; 2],
+}
+
+/// A sub-step that begins at a departure.
+pub(super) struct Departing {
+    from: Departure,
+    order: u8,
+    /// The time at which the sub-step would have begun.
+    present: DoubleDouble,
+    /// The accounts at the departure.
+    accounts: [DoubleDouble; 2],
+}
+
+/// Whether the departure of a snapshot is one from which its state can have come.
+pub(super) fn check_departure(model: &Model, hybrid: &HybridState) -> Result<()> {
+    let Some(Departure { time, z, gained }) = hybrid.departure else { return Ok(()) };
+    let since = hybrid.time.minus(time).value();
+    let sound = z.iter().chain(&gained).all(|x| x.abs() <= MAX_NUMBER);
+    let fits =
+        hybrid.departing > 0 && z[RELATIVE] == hybrid.y[RELATIVE] && (0.0..substep(model)).contains(&since);
+    if sound && fits {
+        return Ok(());
+    }
+    let allowed = "0 to a sub-step, from a state at the same stop";
+    Err(Error::OutOfRange { name: "snapshot: time since departure", value: since, allowed })
+}
+
+/// The first order, up to 6, in which a_w with the coefficients `free` over a time of `reach`/r is no rounding, where its terms are of the
+/// `size` r² S.
+pub(super) fn first_certain<const N: usize>(free: &[f64; N], size: f64, reach: f64) -> Option<usize> {
+    let mut rounding = CERTAIN * f64::EPSILON * size; // of the order i, over (i + 2)²
+    free.iter().take(7).enumerate().position(|(i, a)| {
+        let order = (i + 2) as f64;
+        let certain = a.abs() > order * order * rounding;
+        rounding *= reach / (i + 1) as f64;
+        certain
+    })
+}
+
+impl Simulator {
+    /// Whether the next sub-step, of at most `remaining` s, begins at a departure that has to be known at its end: its end may be so near
+    /// that w still rounds to the stop.
+    #[inline(always)]
+    pub(super) fn is_departing(&self, remaining: f64) -> bool {
+        match self.hybrid.departing {
+            0 => false,
+            1 => remaining <= self.interval() || self.hybrid.departure.is_some(),
+            _ => true,
+        }
+    }
+
+    /// Goes back to the departure, if the block has left a stop that w still rounds to; `z` becomes the state there.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn return_to_departure(&mut self, z: &mut Augmented) -> Departing {
+        let present = self.hybrid.time;
+        let here = Departure { time: present, z: *z, gained: [0.0; 2] };
+        let from = self.hybrid.departure.take().unwrap_or(here);
+        (self.hybrid.time, *z) = (from.time, from.z);
+        let sums = &mut self.hybrid.sums;
+        (sums.input, sums.damped) = (sums.input.plus(-from.gained[0]), sums.damped.plus(-from.gained[1]));
+        Departing { from, order: self.hybrid.departing, present, accounts: self.accounts() }
+    }
+
+    /// Ends a sub-step that began at a departure. If it has come to `end`, and w still rounds to the stop there, the next one
+    /// begins at the same departure, unless that is a whole sub-step ago.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn keep_departure(
+        &mut self,
+        z: &mut Augmented,
+        begun: &Departing,
+        passage: Option<f64>,
+        end: DoubleDouble,
+    ) {
+        let Departing { from, order, present, accounts } = begun;
+        if passage.is_some() {
+            // Another way of rounding may find an event a little earlier than where none was found before.
+            if self.hybrid.time.minus(*present).value() < 0.0 {
+                self.hybrid.time = *present;
+            }
+            return;
+        }
+        let stop = from.z[RELATIVE];
+        let touches = z[RELATIVE] * stop.signum() >= self.model.gap;
+        if touches && self.hybrid.time == end && end.minus(from.time).value() < self.substep {
+            z[RELATIVE] = stop;
+            let now = self.accounts();
+            let gained = [0, 1].map(|account| now[account].minus(accounts[account]).value());
+            self.hybrid.departing = *order;
+            self.hybrid.departure = Some(Departure { gained, ..*from });
+        }
+    }
+
+    /// The flight from a stop at which the block has no speed: its series over 1/r, and the order of the first derivative of w, from the
+    /// second to the eighth, that is no rounding.
+    pub(super) fn flight_from_stop(&self, z: &Augmented) -> (Series<9>, Option<usize>) {
+        let forces = self.forces_now();
+        let radius = 1.0 / self.model.rate;
+        let series = Series::<9>::expand(&self.model, SmoothMode::Flight, z, Some(&forces), radius);
+        let certain = first_certain(&series.free, self.largest_acceleration(z, &forces), 1.0);
+        (series, certain.map(|order| order + 2))
+    }
+
+    /// Whether the block is at a stop without speed, and nothing but rounding moves it.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn is_in_doubt(&self, z: &Augmented) -> bool {
+        self.flight_from_stop(z).1.is_none()
+    }
+
+    /// r² S, which the terms of an acceleration are of (docs/numerics.md, section 1); they may cancel.
+    pub(super) fn largest_acceleration(&self, z: &Augmented, forces: &Forces) -> f64 {
+        let model = &self.model;
+        let place = model.gap + z[BOX].abs().max(z[SECONDARY].abs());
+        let rate = z[BOX_RATE].abs().max(z[SECONDARY_RATE].abs()).max(z[RELATIVE_RATE].abs());
+        // Of loads that were set some time ago the terms of their polynomials, and of all of them the derivatives over r.
+        let since = self.hybrid.time.minus(self.hybrid.loads_from).value().abs();
+        let terms = shifted(&self.hybrid.loads.map(|f| f.map(f64::abs)), since);
+        let load = |now: &[f64; 4], terms: &[f64; 4]| {
+            let orders = now.iter().zip(terms).rev();
+            orders.fold(0.0, |sum, (now, terms)| sum / model.rate + now.abs().max(*terms))
+        };
+        let loads = forces.iter().zip(&terms).zip(&model.inverse_mass);
+        let pushed: f64 = loads.map(|((now, terms), inverse)| load(now, terms) * inverse).sum();
+        model.rate * (model.rate * place + rate) + model.drive.abs() + pushed
+    }
+
+    /// Input and damped energy with what is pending.
+    fn accounts(&self) -> [DoubleDouble; 2] {
+        let mut sums = self.hybrid.sums;
+        sums.settle(&mut self.pending.clone());
+        [sums.input, sums.damped]
+    }
+}
