@@ -196,7 +196,7 @@ impl Instance {
     /// What is read with other settings, of a closed form some time from now.
     fn sample(&self, settings: &Settings, contact: Contact, away: f64) -> Outcome<Sample> {
         if let Some(form) = self.form()? {
-            let (side, initial) = (form.last_side(), matches!(self.engine, Engine::None));
+            let (side, initial) = (form.counted_side(), matches!(self.engine, Engine::None));
             let mut there = if initial { self.initial_form(settings)? } else { form };
             if !initial {
                 there.set_parameters(&settings.parameters)?;
@@ -204,7 +204,7 @@ impl Instance {
             if away != 0.0 {
                 there.shift(away);
             }
-            if there.last_side() != side {
+            if there.counted_side() != side {
                 return Err(over_an_impact());
             }
             let derived = if initial { steady::derived(&settings.parameters) } else { Derived::default() };
@@ -217,7 +217,7 @@ impl Instance {
         } else {
             let orbit =
                 |s: &Settings| ClosedForm::new(SolutionMode::ExactOrbit, &s.parameters, self.start_time());
-            if orbit(settings)?.last_side() != orbit(&self.settings)?.last_side() {
+            if orbit(settings)?.counted_side() != orbit(&self.settings)?.counted_side() {
                 return Err(over_an_impact());
             }
             self.initial_values(settings)?

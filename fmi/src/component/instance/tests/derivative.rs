@@ -264,6 +264,34 @@ fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
     }
 }
 
+/// Before the law of an impact getters show the limit before it, and derivatives are those of that limit.
+#[test]
+fn second_method_derivatives_before_the_law_of_an_impact_are_those_before_it() {
+    /// Between the impact and 1 ms before, of derivatives of order one.
+    const SAME: f64 = 0.02;
+    let names = ["box.s", "block.v", "box.v", "stop.v"];
+    for mode in [2.0, 3.0] {
+        for known in ["box.k", "stop.restitution", "drive.amplitude", "drive.frequency", "drive.phase"] {
+            let mut fmu = stepping(with_events(), &[("mode", mode), ("stopAtImpact", 1.0)]);
+            for _ in 0..3 {
+                let (now, next) = (fmu.time(), get(&mut fmu, "impacts.nextTime"));
+                fmu.advance(now, next - 1e-3 - now, &mut Silence).unwrap();
+                let earlier = derivative(&mut fmu, &names, &[known], &[1.0]);
+                let now = fmu.time();
+                assert!(fmu.advance(now, 1.0, &mut Silence).unwrap().event);
+                let at_impact = derivative(&mut fmu, &names, &[known], &[1.0]);
+                for (a, b) in at_impact.iter().zip(&earlier) {
+                    let close = (a - b).abs() < SAME * (1.0 + a.abs());
+                    assert!(close, "{known} {mode}: {at_impact:?} {earlier:?}");
+                }
+                fmu.enter_event().unwrap();
+                fmu.handle_events(&mut Silence).unwrap();
+                fmu.leave_event(&mut Silence).unwrap();
+            }
+        }
+    }
+}
+
 /// At an impact there is a derivative with respect to a parameter at the end of its range too, before and after the start of a motion.
 #[test]
 fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
