@@ -146,6 +146,22 @@ fn input_derivatives_are_checked() {
     }
 }
 
+/// One call may be of many variables.
+#[test]
+fn a_refused_order_is_told_with_its_variable() {
+    let mut fmu = initialized();
+    let inputs = ["box.f", "block.f"].map(reference);
+    let input = fmu.set_input_derivatives(&inputs, &[1, 4], &[1.0; 2]).unwrap_err();
+    let outputs = ["box.v", "stop.s"].map(reference);
+    let output = fmu.output_derivatives(&outputs, &[1, 0], |_, _| panic!()).unwrap_err();
+    for (problem, text) in [
+        (input, "order of a derivative of block.f = 4: allowed is 1, 2 or 3"),
+        (output, "order of a derivative of stop.s = 0: allowed is 1, 2 or 3"),
+    ] {
+        assert_eq!(problem.to_string(), text);
+    }
+}
+
 #[test]
 fn output_derivatives_are_those_of_the_motion() {
     let mut fmu = initialized();
