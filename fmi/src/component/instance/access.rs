@@ -120,7 +120,8 @@ impl Instance {
         // A host's solver sees a set at once, not with the next step.
         let before = match &self.engine {
             Engine::Continuous(continuous) => {
-                Some((self.settings, (self.parameters_set, self.loads_set), self.events, continuous.state()))
+                let set = (self.parameters_set, self.loads_set, self.given);
+                Some((self.settings, set, self.events, continuous.state()))
             }
             _ => None,
         };
@@ -135,7 +136,7 @@ impl Instance {
                 && let Err(error) = continuous.set_parameters(&self.settings.parameters)
             {
                 (self.settings, self.events) = (settings, events);
-                (self.parameters_set, self.loads_set) = set;
+                (self.parameters_set, self.loads_set, self.given) = set;
                 continuous.set_state(state);
                 self.invalidate();
                 return Err(error.into());

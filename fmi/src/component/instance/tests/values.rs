@@ -292,5 +292,17 @@ fn half_a_machine_is_told_in_the_log() {
         ("drive.frequency", 62.8),
     ];
     assert_eq!(warnings(&whole), []);
+    // What was set is known where a state is restored too.
+    let mut saved = instance();
+    for (name, value) in whole {
+        set(&mut saved, name, value).unwrap();
+    }
+    let mut restored = instance();
+    restored.restore(&saved.save()).unwrap();
+    restored.set_experiment(None, 0.0, None).unwrap();
+    restored.enter_initialization();
+    let mut messages = Messages::default();
+    restored.exit_initialization(&mut messages).unwrap();
+    assert_eq!(messages.0, []);
     assert_eq!(warnings(&[("drive.amplitude", 0.25), ("stop.restitution", 0.5), ("block.v", 0.3)]), []);
 }
