@@ -298,8 +298,13 @@ impl ClosedForm {
     }
 
     /// The stop of the last impact, or of that which is due: +1 the upper, -1 the lower.
-    pub(crate) fn last_side(&self) -> f64 {
+    fn last_side(&self) -> f64 {
         if self.halves(self.data.time).0 % 2.0 == 0.0 { 1.0 } else { -1.0 }
+    }
+
+    /// The stop of the last impact that is counted, which one that is due is not: what is read now is the motion from there on.
+    pub(crate) fn counted_side(&self) -> f64 {
+        if self.is_due() { -self.last_side() } else { self.last_side() }
     }
 
     /// Half periods since the last upper impact before the solution came into force, as a whole number, and the drive

@@ -238,6 +238,7 @@ impl Instance {
             tick: self.tick,
             nominals_told: self.nominals_told,
             stop_by_default: self.initial.stop_at_impact,
+            given: self.given,
             engine: match &self.engine {
                 Engine::None => EngineState::None,
                 Engine::Simulation(simulator) => EngineState::Simulation(simulator.snapshot()),
@@ -294,6 +295,7 @@ impl Instance {
         self.events = saved.events;
         self.tick = saved.tick;
         self.nominals_told = saved.nominals_told;
+        self.given = saved.given;
         self.invalidate();
         self.meet_own_protocol();
         Ok(())

@@ -37,7 +37,7 @@ use vibro_impact::simulator::Snapshot;
 /// First bytes of a serialized state.
 const MAGIC: [u8; 8] = *b"VIBROFMU";
 /// Version of the layout of the bytes that follow.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 /// Everything a component needs to continue: its phase, what was set, and what moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,6 +55,8 @@ pub struct SavedState {
     pub(super) nominals_told: Option<[f64; 6]>,
     /// What `stop_at_impact` starts from where this was saved: a host that has never set it means its own protocol's.
     pub(super) stop_by_default: bool,
+    /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
+    pub(super) given: u16,
     pub(super) engine: EngineState,
 }
 

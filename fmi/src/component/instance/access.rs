@@ -120,7 +120,8 @@ impl Instance {
         // A host's solver sees a set at once, not with the next step.
         let before = match &self.engine {
             Engine::Continuous(continuous) => {
-                Some((self.settings, (self.parameters_set, self.loads_set), self.events, continuous.state()))
+                let set = (self.parameters_set, self.loads_set, self.given);
+                Some((self.settings, set, self.events, continuous.state()))
             }
             _ => None,
         };
@@ -135,7 +136,7 @@ impl Instance {
                 && let Err(error) = continuous.set_parameters(&self.settings.parameters)
             {
                 (self.settings, self.events) = (settings, events);
-                (self.parameters_set, self.loads_set) = set;
+                (self.parameters_set, self.loads_set, self.given) = set;
                 continuous.set_state(state);
                 self.invalidate();
                 return Err(error.into());
@@ -241,7 +242,7 @@ impl Instance {
             if variable.body.is_none() {
                 return Err(Problem::NoDerivative { name: variable.name, allowed: "those of inputs" });
             }
-            check_order(order, INPUT_ORDER, "1, 2 or 3")?;
+            check_order(variable, order, INPUT_ORDER, "1, 2 or 3")?;
             if !value.is_finite() {
                 return Err(Problem::value(variable.name, value, "a finite derivative"));
             }
@@ -278,8 +279,9 @@ impl Instance {
         mut write: impl FnMut(usize, f64),
     ) -> Outcome {
         for (&reference, &order) in references.iter().zip(orders) {
-            jet_of(self.look_up(reference, Bases::REAL)?)?;
-            check_order(order, OUTPUT_ORDER, "1, 2 or 3")?;
+            let variable = self.look_up(reference, Bases::REAL)?;
+            jet_of(variable)?;
+            check_order(variable, order, OUTPUT_ORDER, "1, 2 or 3")?;
         }
         let jets = self.jets()?;
         let derivative = |instance: &Self, reference: u32, order: i32| -> Outcome<f64> {
@@ -338,9 +340,10 @@ fn jet_of(variable: &Variable) -> Outcome<fn(&OutputValues<Jet>) -> Jet> {
     reading.ok_or(Problem::NoDerivative { name: variable.name, allowed: "those of continuous outputs" })
 }
 
-fn check_order(order: i32, highest: i32, allowed: &'static str) -> Outcome {
+fn check_order(variable: &Variable, order: i32, highest: i32, allowed: &'static str) -> Outcome {
     if (1..=highest).contains(&order) {
         return Ok(());
     }
-    Err(Problem::value("order", f64::from(order), allowed))
+    let what = format!("order of a derivative of {}", variable.name);
+    Err(fmi_doors::Problem::value(what, f64::from(order), allowed).into())
 }

@@ -73,7 +73,8 @@ pub(super) fn rounding(end: f64) -> f64 {
 /// impact by as much over the speed (docs/numerics.md, section 2, *The root*): a slow block that is a few units in the last place
 /// before a stop at the time that a master was told is at it.
 fn lateness(simulator: &Simulator, end: f64) -> f64 {
-    /// Of the last place of w, which each of the steps since the time was told may have moved by a unit.
+    /// Of the last place of w, which each sub-step since the time was told may have moved by a unit where it is another than on the way
+    /// on which the time was found.
     const UNITS: f64 = 256.0;
     /// At most so long, in parts of the fastest time constant: the slower bounces are the last of a chatter run. Also in parts of a
     /// master's time, of which it is a tenth of what own time may be off ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).

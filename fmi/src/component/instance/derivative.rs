@@ -15,14 +15,21 @@ use vibro_impact::model::Model;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{self, Contact};
 
-/// Step of the differences in initialization, relative to the known value: the fourth-order formula leaves about its
-/// fourth power of truncation and 1e-16 over it of rounding.
-const STEP: f64 = 1e-3;
+/// Step of differences, in parts of what a known is measured by ([`measure`](Instance::measure)): the fourth-order formula leaves about
+/// its fourth power of truncation, over as high a power of the width of a resonance, and 1e-16 over it of rounding.
+const STEP: f64 = 1e-4;
+/// What a stiffness or a damper is measured by at least, in parts of what is of that kind in the machine: a resonance is narrow where
+/// it is small.
+const LEAST: f64 = 0.1;
+/// And the rate by which that is measured at least, in parts of the fastest.
+const SLOWEST: f64 = 1e-2;
+/// By how much the drive may turn since the time 0 where a measure of its frequency is added, rad.
+const TURN: f64 = 10.0;
 /// Shorter steps of a closed form, in parts of that, where neither side is free of impacts: they leave 1e-10 of rounding. With each how
 /// far from now samples are taken, in periods: where no step will do, the derivative is drawn out from there, which leaves the square
 /// of that.
 const ATTEMPTS: [(f64, f64); 6] =
-    [(1.0, 0.0), (1e-3, 0.0), (1e-3, 1e-5), (1e-3, -1e-5), (1e-3, 1e-3), (1e-3, -1e-3)];
+    [(1.0, 0.0), (1e-2, 0.0), (1e-2, 1e-5), (1e-2, -1e-5), (1e-2, 1e-3), (1e-2, -1e-3)];
 
 /// Values at the perturbed starts.
 type Sample = (OutputValues, Derived);
@@ -138,20 +145,23 @@ impl Instance {
             &[(0.0, -25.0 / 12.0), (1.0, 4.0), (2.0, -3.0), (3.0, 4.0 / 3.0), (4.0, -0.25)],
             &[(0.0, 25.0 / 12.0), (-1.0, -4.0), (-2.0, 3.0), (-3.0, -4.0 / 3.0), (-4.0, 0.25)],
         ];
+        let mut along = Vec::new();
+        for (&reference, &value) in knowns.iter().zip(seed).filter(|(_, value)| **value != 0.0) {
+            let variable = self.look_up(reference, Bases::REAL)?;
+            // A closed form is a motion without loads.
+            if self.settings.mode == SolutionMode::EventDriven || variable.causality != Causality::Input {
+                along.push((variable, value));
+            }
+        }
+        if along.is_empty() {
+            return Ok(Vec::new());
+        }
         let contact = match self.settings.mode {
-            _ if knowns.is_empty() => Contact::Flight,
             SolutionMode::EventDriven => self.initial_simulator(&self.settings)?.0.contact(),
             _ => Contact::Flight,
         };
-        let mut full = f64::INFINITY;
-        for (&reference, &value) in knowns.iter().zip(seed).filter(|(_, value)| **value != 0.0) {
-            let variable = self.look_up(reference, Bases::REAL)?;
-            let size = read(&self.settings, variable).abs();
-            full = full.min(STEP * if size > 0.0 { size } else { 1.0 } / value.abs());
-        }
-        if full == f64::INFINITY {
-            return Ok(Vec::new());
-        }
+        let full = along.iter().map(|(variable, value)| STEP * self.measure(variable) / value.abs());
+        let full = full.fold(f64::INFINITY, f64::min);
         let mut refused = None;
         let attempts = match self.settings.mode {
             SolutionMode::EventDriven if self.settings.start_on_orbit => 2,
@@ -163,8 +173,8 @@ impl Instance {
             for formula in FORMULAS {
                 let sampled = formula.iter().map(|&(place, weight)| {
                     let mut settings = self.settings;
-                    for (&reference, &value) in knowns.iter().zip(seed) {
-                        add(&mut settings, self.look_up(reference, Bases::REAL)?, place * step * value);
+                    for (variable, value) in &along {
+                        add(&mut settings, variable, place * step * value);
                     }
                     settings.parameters.validate()?;
                     let moments: &[_] = if away == 0.0 { &[(0.0, 1.0)] } else { &[(1.0, 2.0), (2.0, -1.0)] };
@@ -182,6 +192,28 @@ impl Instance {
         Err(refused.unwrap_or_else(|| Problem::sequence("there is nothing to differentiate")))
     }
 
+    /// What a known is measured by: its value, or where that is less what is of its kind in this machine.
+    fn measure(&self, variable: &Variable) -> f64 {
+        let (p, at_start) = (&self.settings.parameters, matches!(self.engine, Engine::None));
+        let fastest = Model::new(p).map_or(1.0, |model| model.rate);
+        let rate = p.drive_frequency.abs().max(SLOWEST * fastest);
+        let mass = p.box_mass.min(p.block_mass).min(p.secondary_mass);
+        let least = match variable.unit() {
+            Some("m") => p.stop_gap,
+            Some("m/s") => p.stop_gap * fastest,
+            Some("N") => mass * fastest * fastest * p.stop_gap,
+            Some("N/m") => LEAST * mass * rate * rate,
+            Some("N.s/m") => LEAST * mass * rate,
+            Some("rad/s") => rate,
+            Some("rad" | "1") => 1.0,
+            _ => 0.0,
+        };
+        let size = read(&self.settings, variable).abs().max(least);
+        let turns = variable.unit() == Some("rad/s") && at_start;
+        let size = if turns { size.min(TURN / self.start_time().abs()) } else { size };
+        if size > 0.0 && size.is_finite() { size } else { 1.0 }
+    }
+
     /// The closed form that is played, or that would be from the start.
     fn form(&self) -> Outcome<Option<ClosedForm>> {
         match self.present()? {
@@ -196,7 +228,7 @@ impl Instance {
     /// What is read with other settings, of a closed form some time from now.
     fn sample(&self, settings: &Settings, contact: Contact, away: f64) -> Outcome<Sample> {
         if let Some(form) = self.form()? {
-            let (side, initial) = (form.last_side(), matches!(self.engine, Engine::None));
+            let (side, initial) = (form.counted_side(), matches!(self.engine, Engine::None));
             let mut there = if initial { self.initial_form(settings)? } else { form };
             if !initial {
                 there.set_parameters(&settings.parameters)?;
@@ -204,7 +236,7 @@ impl Instance {
             if away != 0.0 {
                 there.shift(away);
             }
-            if there.last_side() != side {
+            if there.counted_side() != side {
                 return Err(over_an_impact());
             }
             let derived = if initial { steady::derived(&settings.parameters) } else { Derived::default() };
@@ -217,7 +249,7 @@ impl Instance {
         } else {
             let orbit =
                 |s: &Settings| ClosedForm::new(SolutionMode::ExactOrbit, &s.parameters, self.start_time());
-            if orbit(settings)?.last_side() != orbit(&self.settings)?.last_side() {
+            if orbit(settings)?.counted_side() != orbit(&self.settings)?.counted_side() {
                 return Err(over_an_impact());
             }
             self.initial_values(settings)?

@@ -140,6 +140,87 @@ fn initialization_mode_by_parameters_and_start_values() {
     assert_eq!(derivative(&mut fmu, &["box.a"], &[], &[]), [0.0]);
 }
 
+/// A value that is next to nothing, and a start at a late time, take nothing from a derivative.
+#[test]
+fn closed_form_derivatives_at_values_of_any_size_and_at_late_starts() {
+    let at_start = |(name, value): (&str, f64), time: f64, known: &str| {
+        let mut fmu = instance();
+        set(&mut fmu, name, value).unwrap();
+        fmu.set_experiment(None, time, None).unwrap();
+        fmu.enter_initialization();
+        derivative(&mut fmu, &["box.a"], &[known], &[1.0])[0]
+    };
+    let near = |a: f64, b: f64, what: &str| assert!((a - b).abs() < 1e-8, "{what}: {a} {b}");
+    let cos = |time: f64| 0.15 * (1.04 * time).cos();
+    for value in [0.0, 1e-9, 1e-12, 1e-17] {
+        near(at_start(("box.s", value), 1.0, "box.s"), -1.0, "box.s");
+        near(at_start(("box.f", value), 1.0, "box.f"), 1.0, "box.f");
+        near(at_start(("drive.phase", value), 1.0, "drive.phase"), cos(1.0), "drive.phase");
+    }
+    for time in [0.0, 1.0, 1e2, 1e3, 1e4] {
+        let known = "drive.frequency";
+        near(at_start(("box.s", 0.0), time, known) / time.max(1.0), time.min(1.0) * cos(time), known);
+    }
+}
+
+/// Where a parameter is 0 a closed form's derivative is one of the machine's own scale, in any units.
+#[test]
+fn second_method_derivatives_of_a_closed_form_by_a_parameter_that_is_0() {
+    let names = ["box.s", "block.s", "box.v", "stop.v"];
+    for scale in [1.0, 1e-6] {
+        for known in ["secondary.c", "coupling.k"] {
+            let masses = ["box.m", "block.m", "secondary.m"].map(|name| (name, [1.0, 0.1, 0.1]));
+            let mut start: Vec<(&str, f64)> =
+                masses.iter().enumerate().map(|(i, (name, m))| (*name, m[i] * scale)).collect();
+            for (name, value) in [
+                ("box.k", 1.0),
+                ("box.c", 0.1),
+                ("secondary.k", 0.1),
+                ("secondary.c", 0.0015),
+                ("coupling.k", 0.006),
+                ("drive.amplitude", 0.27),
+                (known, 0.0),
+            ] {
+                start.push((name, value * scale));
+            }
+            start.extend([("drive.frequency", 1.0244), ("mode", 3.0)]);
+            let mut fmu = stepping(with_events(), &start);
+            fmu.advance(0.0, 0.5, &mut Silence).unwrap();
+            fmu.enter_event().unwrap();
+            fmu.handle_events(&mut Silence).unwrap();
+            let got = derivative(&mut fmu, &names, &[known], &[scale]);
+            const H: f64 = 1e-6;
+            let [none, once, twice] = [0.0, H, 2.0 * H].map(|value| {
+                set(&mut fmu, known, value * scale).unwrap();
+                names.map(|name| get(&mut fmu, name))
+            });
+            for i in 0..names.len() {
+                let expected = (4.0 * once[i] - 3.0 * none[i] - twice[i]) / (2.0 * H);
+                let close = (got[i] - expected).abs() < 1e-5 * (1.0 + expected.abs());
+                assert!(close, "{known} {scale} {}: {} {expected}", names[i], got[i]);
+            }
+        }
+    }
+}
+
+/// A closed form is a motion without loads: before its start, as later, nothing varies with them.
+#[test]
+fn a_closed_form_does_not_vary_with_loads() {
+    for mode in [2.0, 3.0] {
+        let mut fmu = instance();
+        set(&mut fmu, "mode", mode).unwrap();
+        fmu.set_experiment(None, 0.0, None).unwrap();
+        fmu.enter_initialization();
+        for initialized in [false, true] {
+            if initialized {
+                fmu.exit_initialization(&mut Silence).unwrap();
+            }
+            let rates = derivative(&mut fmu, &["box.a", "block.v"], &KNOWNS[..3], &[1.0, -2.0, 0.5]);
+            assert_eq!(rates, [0.0, 0.0], "{mode}");
+        }
+    }
+}
+
 #[test]
 fn wrong_unknowns_and_knowns_are_refused() {
     let mut fmu = initialized();
@@ -260,6 +341,34 @@ fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
                 }
             }
             fmu.leave_event(&mut Silence).unwrap();
+        }
+    }
+}
+
+/// Before the law of an impact getters show the limit before it, and derivatives are those of that limit.
+#[test]
+fn second_method_derivatives_before_the_law_of_an_impact_are_those_before_it() {
+    /// Between the impact and 1 ms before, of derivatives of order one.
+    const SAME: f64 = 0.02;
+    let names = ["box.s", "block.v", "box.v", "stop.v"];
+    for mode in [2.0, 3.0] {
+        for known in ["box.k", "stop.restitution", "drive.amplitude", "drive.frequency", "drive.phase"] {
+            let mut fmu = stepping(with_events(), &[("mode", mode), ("stopAtImpact", 1.0)]);
+            for _ in 0..3 {
+                let (now, next) = (fmu.time(), get(&mut fmu, "impacts.nextTime"));
+                fmu.advance(now, next - 1e-3 - now, &mut Silence).unwrap();
+                let earlier = derivative(&mut fmu, &names, &[known], &[1.0]);
+                let now = fmu.time();
+                assert!(fmu.advance(now, 1.0, &mut Silence).unwrap().event);
+                let at_impact = derivative(&mut fmu, &names, &[known], &[1.0]);
+                for (a, b) in at_impact.iter().zip(&earlier) {
+                    let close = (a - b).abs() < SAME * (1.0 + a.abs());
+                    assert!(close, "{known} {mode}: {at_impact:?} {earlier:?}");
+                }
+                fmu.enter_event().unwrap();
+                fmu.handle_events(&mut Silence).unwrap();
+                fmu.leave_event(&mut Silence).unwrap();
+            }
         }
     }
 }

@@ -146,6 +146,22 @@ fn input_derivatives_are_checked() {
     }
 }
 
+/// One call may be of many variables.
+#[test]
+fn a_refused_order_is_told_with_its_variable() {
+    let mut fmu = initialized();
+    let inputs = ["box.f", "block.f"].map(reference);
+    let input = fmu.set_input_derivatives(&inputs, &[1, 4], &[1.0; 2]).unwrap_err();
+    let outputs = ["box.v", "stop.s"].map(reference);
+    let output = fmu.output_derivatives(&outputs, &[1, 0], |_, _| panic!()).unwrap_err();
+    for (problem, text) in [
+        (input, "order of a derivative of block.f = 4: allowed is 1, 2 or 3"),
+        (output, "order of a derivative of stop.s = 0: allowed is 1, 2 or 3"),
+    ] {
+        assert_eq!(problem.to_string(), text);
+    }
+}
+
 #[test]
 fn output_derivatives_are_those_of_the_motion() {
     let mut fmu = initialized();
@@ -276,5 +292,17 @@ fn half_a_machine_is_told_in_the_log() {
         ("drive.frequency", 62.8),
     ];
     assert_eq!(warnings(&whole), []);
+    // What was set is known where a state is restored too.
+    let mut saved = instance();
+    for (name, value) in whole {
+        set(&mut saved, name, value).unwrap();
+    }
+    let mut restored = instance();
+    restored.restore(&saved.save()).unwrap();
+    restored.set_experiment(None, 0.0, None).unwrap();
+    restored.enter_initialization();
+    let mut messages = Messages::default();
+    restored.exit_initialization(&mut messages).unwrap();
+    assert_eq!(messages.0, []);
     assert_eq!(warnings(&[("drive.amplitude", 0.25), ("stop.restitution", 0.5), ("block.v", 0.3)]), []);
 }
