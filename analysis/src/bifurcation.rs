@@ -107,8 +107,8 @@ impl DiagramPoint for SweepPoint {
     }
 
     fn differs(&self, other: &Self) -> bool {
-        let settled = |p: &Self| p.class != MotionClass::NotSettled;
-        settled(self) && settled(other) && self.attractor.relation(&other.attractor) == Relation::Different
+        let decided = |p: &Self| p.class.is_decided();
+        decided(self) && decided(other) && self.attractor.relation(&other.attractor) == Relation::Different
     }
 }
 
@@ -459,6 +459,8 @@ mod tests {
             let allowed = [MotionClass::Periodic(1), MotionClass::Periodic(2), MotionClass::Settling];
             assert!(allowed.contains(&point.class), "{}: {:?}", point.value, point.class);
         }
+        // What is still settling is on no attractor that could be another.
+        assert!(found.hysteresis().iter().all(|apart| !apart), "{:?}", found.hysteresis());
     }
 
     #[test]
