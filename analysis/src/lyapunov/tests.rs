@@ -48,6 +48,21 @@ fn closed_form_of_the_linear_damped_system() {
 }
 
 #[test]
+fn closed_form_of_directions_that_nothing_mixes() {
+    // No impacts, so that box and block do not act on each other, and nothing holds the secondary oscillator: its place has the exponent zero,
+    // as has the phase, and both are there when the alignment is over.
+    let p = Parameters {
+        secondary_stiffness: 0.0,
+        drive_amplitude: 0.05,
+        drive_frequency: 0.8,
+        ..Parameters::default()
+    };
+    let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap().without_energy_accounts();
+    let found = spectrum(&mut simulator, &SpectrumOptions::default()).unwrap();
+    assert!(found.impacts == 0 && found.exponents[..2].iter().all(|e| e.abs() < PAIR), "{found:?}");
+}
+
+#[test]
 fn invariant_a_spectrum_that_is_broken_off_is_the_beginning_of_the_whole() {
     let p = groups(3.6, 0.75);
     let start = settled_simulator(&p, &moving_block(&p), 20.0).unwrap();
