@@ -107,8 +107,8 @@ impl DiagramPoint for SweepPoint {
     }
 
     fn differs(&self, other: &Self) -> bool {
-        let settled = |p: &Self| p.class != MotionClass::NotSettled;
-        settled(self) && settled(other) && self.attractor.relation(&other.attractor) == Relation::Different
+        let decided = |p: &Self| p.class.is_decided();
+        decided(self) && decided(other) && self.attractor.relation(&other.attractor) == Relation::Different
     }
 }
 
@@ -226,7 +226,8 @@ fn observe_all(
         .iter()
         .zip(ends.iter().zip(&arrived))
         .filter(|((index, _), (_, arrived))| {
-            points[*index].as_ref().is_some_and(|p| !(p.class.is_decided() && **arrived))
+            let stays = |p: &SweepPoint| p.class.is_decided() && p.class != MotionClass::QuasiPeriodic;
+            points[*index].as_ref().is_some_and(|p| !(stays(p) && **arrived))
         })
         .map(|((index, start), (end, _))| (*index, Start { state: *end, ..*start }))
         .collect();
@@ -234,7 +235,8 @@ fn observe_all(
     Ok(points)
 }
 
-/// Follows motions whose verdict is open until it is decided.
+/// Follows motions whose verdict is open until it is decided. What is quasi-periodic is looked at once more: it may have been leaving an
+/// orbit that is hardly unstable, and have come to another while its exponent was counted.
 fn prolong(open: &[(usize, Start)], points: &mut [Option<SweepPoint>], workspace: &mut Workspace) {
     let starts: Vec<Start> = open.iter().map(|(_, start)| *start).collect();
     follow(workspace, &starts, &Following::default(), &mut |number, motion, _| {
@@ -444,6 +446,21 @@ mod tests {
         let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap().unwrap();
         let first = found.up[0].as_ref().unwrap();
         assert_eq!(first.class, MotionClass::Periodic(1), "{:?}", first.attractor.period);
+    }
+
+    #[test]
+    fn second_method_next_to_a_doubling_there_is_one_orbit_in_both_directions() {
+        // The orbit of one drive period loses its stability at 2.8022, and what leaves it or comes to it takes thousands of periods.
+        let axis = ParameterAxis::new(find_group("f10").unwrap(), (2.8, 2.805), 51).unwrap();
+        let (exponents, of, start) = (None, Displacement::X2, StartRule::default());
+        let sweep = Sweep { axis, discard: 400, keep: 800, exponents, of, start };
+        let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap().unwrap();
+        for point in found.up.iter().chain(&found.down).flatten() {
+            let allowed = [MotionClass::Periodic(1), MotionClass::Periodic(2), MotionClass::Settling];
+            assert!(allowed.contains(&point.class), "{}: {:?}", point.value, point.class);
+        }
+        // What is still settling is on no attractor that could be another.
+        assert!(found.hysteresis().iter().all(|apart| !apart), "{:?}", found.hysteresis());
     }
 
     #[test]

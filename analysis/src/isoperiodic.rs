@@ -4,7 +4,7 @@
 //! Every point is a motion of its own. The motions of some rows are a part; those of the 3-DOF machine run
 //! [side by side](Workspace::run).
 
-use super::attractor::MotionClass;
+use super::attractor::{MotionClass, OBSERVED};
 use super::design_sweep::{Machine, Plain};
 use super::error::{Error, Result};
 use super::parameter_set::ParameterSet;
@@ -251,9 +251,13 @@ fn points(
     follow(workspace, &starts, &following, &mut |number, outcome, _| {
         let (index, start) = there[number];
         let orbit = sites[index].orbit.as_ref();
+        let seen_again = outcome.as_ref().is_ok_and(|found| found.periods > OBSERVED);
         points[index].motion = outcome.ok().map(|found| motion(&start.parameters, found, orbit));
-        // What wanders after the discarded periods is called so.
-        points[index].motion.is_none_or(|m| m.class.is_decided())
+        // What wanders after the discarded periods is called so; what seems quasi-periodic is looked at once more, since it may have left an
+        // orbit that is hardly unstable for another while its exponent was counted.
+        points[index]
+            .motion
+            .is_none_or(|m| m.class.is_decided() && (seen_again || m.class != MotionClass::QuasiPeriodic))
     });
     points
 }

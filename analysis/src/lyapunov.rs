@@ -1,7 +1,8 @@
 //! The seven Lyapunov exponents: six coordinates and the phase of the drive, whose exponent is exactly zero.
 //!
 //! Between events the variations are propagated by exact transition matrices, at impacts they jump (docs/theory.md (84)), and
-//! once a drive period they are made orthonormal (docs/theory.md (85); paper, section 4). Where the block comes to rest, its
+//! once a drive period, and before dampers and impacts have made some of them too small beside others, they are made orthonormal
+//! (docs/theory.md (85); paper, section 4). Where the block comes to rest, its
 //! relative motion is lost: two directions become zero, and their exponents are -∞ from then on. An impact with κ = 0 makes
 //! one direction zero.
 //!
@@ -18,11 +19,11 @@
 //! ```
 
 use super::error::Result;
-use super::smooth_pieces::{PieceEnd, smooth_pieces};
+use super::smooth_pieces::{Piece, PieceEnd, smooth_pieces};
 use super::variation::{DIMENSION, Frame, Rank, Variation, generic_frame, on_circle, orthonormalize};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
-use vibro_impact::model::Model;
+use vibro_impact::model::{DRIVE_COS, DRIVE_SIN, Model};
 use vibro_impact::simulator::Simulator;
 
 /// Drive periods between two checks of the running deviation.
@@ -64,6 +65,10 @@ pub struct Spectrum {
     /// Whether the block rested.
     pub rests: bool,
 }
+
+/// Variations are made orthonormal when dampers and impacts may have made one e¹² times as small as another: what is lost to rounding is
+/// then ten digits at most away.
+const SMALLER: f64 = 12.0;
 
 /// A spectrum and its values on the way.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,6 +121,11 @@ pub fn convergence_while(
         frame: generic_frame(&simulator.augmented()),
         rank: DIMENSION,
         logs: [0.0; DIMENSION],
+        // Energy falls no faster than all of it would be kinetic in the body with the strongest damper, and an impact turns w' and takes κ.
+        decay: (p.box_damping / p.box_mass).max(p.secondary_damping / p.secondary_mass),
+        impact: if p.stop_restitution > 0.0 { -2.0 * p.stop_restitution.ln() } else { 0.0 },
+        taken: 0.0,
+        frequency: p.drive_frequency,
     };
     let (begin, length) = (simulator.time(), p.period());
     let (mut impacts, mut rests) = (0, false);
@@ -128,15 +138,9 @@ pub fn convergence_while(
         smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
             impacts += u64::from(matches!(piece.end, PieceEnd::Impact { .. }));
             rests |= piece.mode == vibro_impact::model::SmoothMode::Rest;
-            let rank = tangent.variation.propagate(&mut tangent.frame, piece);
-            if let Rank::Limited(most) = rank {
-                tangent.rank = tangent.rank.min(most);
-                tangent.renormalize();
-            }
+            tangent.carry(piece);
         })?;
-        let (sine, cosine) = simulator.drive_phase().sin_cos();
-        on_circle(&mut tangent.frame, (cosine, sine));
-        tangent.renormalize();
+        tangent.renormalize_at(simulator.drive_phase());
         if i <= options.align {
             // A direction that has become zero stays zero; all others begin anew.
             tangent.logs = tangent.logs.map(|l| if l == f64::NEG_INFINITY { l } else { 0.0 });
@@ -185,11 +189,50 @@ struct Tangent {
     rank: usize,
     /// Logarithms of the growth so far.
     logs: [f64; DIMENSION],
+    /// By how much dampers may shrink a variation beside others in a second, and an impact, as logarithms.
+    decay: f64,
+    impact: f64,
+    /// By how much both may have done so since the variations were made orthonormal.
+    taken: f64,
+    /// Of the drive, rad/s.
+    frequency: f64,
 }
 
 impl Tangent {
+    /// Carries the variations along a piece and through the event at its end.
+    fn carry(&mut self, piece: &Piece) {
+        let loss = self.decay * piece.span;
+        let phase = piece.start[DRIVE_SIN].atan2(piece.start[DRIVE_COS]);
+        if self.taken > 0.0 && self.taken + loss > SMALLER {
+            self.renormalize_at(phase);
+        }
+        let parts = (loss / SMALLER).ceil().max(1.0);
+        let span = piece.span / parts;
+        for part in 1..parts as u64 {
+            self.variation.propagate(&mut self.frame, &Piece { span, end: PieceEnd::End, ..*piece });
+            self.renormalize_at(phase + self.frequency * span * part as f64);
+        }
+        let rank = self.variation.propagate(&mut self.frame, &Piece { span, ..*piece });
+        self.taken += self.decay * span;
+        if matches!(piece.end, PieceEnd::Impact { .. }) {
+            self.taken += self.impact;
+        }
+        if let Rank::Limited(most) = rank {
+            self.rank = self.rank.min(most);
+            self.renormalize();
+        }
+    }
+
+    /// Makes the variations orthonormal at a phase of the drive, without what rounding has put beside the circle.
+    fn renormalize_at(&mut self, phase: f64) {
+        let (sine, cosine) = phase.sin_cos();
+        on_circle(&mut self.frame, (cosine, sine));
+        self.renormalize();
+    }
+
     /// Makes the variations orthonormal and adds the logarithms of their lengths.
     fn renormalize(&mut self) {
+        self.taken = 0.0;
         let (frame, rank) = (&mut self.frame, self.rank);
         let lengths = pulp::Arch::new().dispatch(
             #[inline(always)]

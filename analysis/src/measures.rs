@@ -191,7 +191,7 @@ fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Res
     for k in 1..=count {
         let (first, last) = (i, (u64::from(periods) * u64::from(k) / u64::from(count)) as u32);
         let (mut extents, mut impacts) = (fresh.clone(), Impacts::default());
-        let before = simulator.energy_accounts();
+        let (before, from) = (simulator.energy_accounts(), simulator.state());
         while i < last {
             i += 1;
             smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
@@ -215,7 +215,10 @@ fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Res
             })?;
         }
         let after = simulator.energy_accounts();
-        let energy = [after.input - before.input, after.impact - before.impact];
+        // The account of input is that of the drive and of the constant loads.
+        let way = simulator.state().x.into_iter().zip(from.x).map(|(to, from)| to - from);
+        let of_loads: f64 = p.constant_loads.into_iter().zip(way).map(|(load, way)| load * way).sum();
+        let energy = [after.input - before.input - of_loads, after.impact - before.impact];
         let periods = f64::from(last - first);
         parts.push(Window { extents, impacts, duration: periods * length, energy, periods });
     }

@@ -233,24 +233,25 @@ fn dot(a: &Augmented, b: &Augmented) -> f64 {
     (four[0] + four[2]) + (four[1] + four[3])
 }
 
-/// An orthonormal frame in general position: coming to rest makes no more directions zero than it must.
+/// An orthonormal frame in general position: coming to rest makes no more directions zero than it must, and where bodies do not act on each
+/// other, as in flight, its first columns have parts of all of them.
 pub(crate) fn generic_frame(z: &Augmented) -> Frame {
-    // The unit frame reflected along a direction that is no coordinate's.
-    const ALONG: [f64; DIMENSION] = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.53];
+    // The first one is a unit variation reflected along a direction that is no coordinate's.
+    const FIRST: [f64; DIMENSION] = [0.815, -0.280, 0.137, -0.244, -0.221, 0.173, -0.316];
     let unit = unit_frame(z);
-    let square: f64 = ALONG.iter().map(|a| a * a).sum();
-    let mut normal = [0.0; COORDINATES];
-    for (v, a) in unit.iter().zip(ALONG) {
-        for (n, x) in normal.iter_mut().zip(v) {
-            *n += a * x;
+    let mut frame = [[0.0; COORDINATES]; DIMENSION];
+    for (j, v) in frame.iter_mut().enumerate() {
+        for (i, own) in unit.iter().enumerate() {
+            // Remainders that follow no rule in rows or columns.
+            let k = DIMENSION * j + i + 1;
+            let part = (k * k * k * 31 + k * k * 17) % 101;
+            let part = if j == 0 { FIRST[i] } else { part as f64 / 50.0 - 1.0 };
+            for (x, u) in v.iter_mut().zip(own) {
+                *x += part * u;
+            }
         }
     }
-    let mut frame = unit;
-    for (v, a) in frame.iter_mut().zip(ALONG) {
-        for (x, n) in v.iter_mut().zip(normal) {
-            *x -= 2.0 * a / square * n;
-        }
-    }
+    orthonormalize(&mut frame, DIMENSION);
     frame
 }
 

@@ -47,6 +47,56 @@ fn closed_form_of_the_linear_damped_system() {
     assert!((found.exponents[0] + found.exponents[1] + found.exponents[2]).abs() < PAIR);
 }
 
+/// The real parts of the roots of r² + c r + k, the larger one first.
+fn roots(c: f64, k: f64) -> [f64; 2] {
+    let root = (0.25 * c * c - k).max(0.0).sqrt();
+    [-0.5 * c + root, -0.5 * c - root]
+}
+
+#[test]
+fn closed_form_of_exponents_far_apart() {
+    // No impacts. In a period of the drive one variation shrinks by more digits than a double has beside another: where the drive is slow,
+    // and where a damper is strong.
+    let slow = Parameters {
+        drive_frequency: 0.013,
+        box_damping: 0.3,
+        drive_amplitude: 0.05,
+        ..Parameters::default()
+    };
+    let strong =
+        Parameters { drive_frequency: 0.4, box_damping: 3.2, drive_amplitude: 0.05, ..Parameters::default() };
+    for p in [slow, strong] {
+        let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap().without_energy_accounts();
+        let options = SpectrumOptions { align: 200, periods: 400, ..SpectrumOptions::default() };
+        let found = spectrum(&mut simulator, &options).unwrap();
+        assert_eq!(found.impacts, 0);
+        let of_box = roots(p.box_damping / p.box_mass, p.box_stiffness / p.box_mass);
+        // The block's two pairs share what their damper takes.
+        let of_block = -p.secondary_damping / p.secondary_mass;
+        let sum = found.exponents.iter().sum::<f64>();
+        assert!((sum - of_box[0] - of_box[1] - of_block).abs() < PAIR, "{found:?}");
+        let mean = 0.5 * (found.exponents[5] + found.exponents[6]);
+        let near = |e: f64, expected: f64| (e - expected).abs() < 1e-3;
+        assert!((mean - 0.5 * (of_box[0] + of_box[1])).abs() < PAIR, "{found:?}");
+        assert!(near(found.exponents[5], of_box[0]) && near(found.exponents[6], of_box[1]), "{found:?}");
+    }
+}
+
+#[test]
+fn closed_form_of_directions_that_nothing_mixes() {
+    // No impacts, so that box and block do not act on each other, and nothing holds the secondary oscillator: its place has the exponent zero,
+    // as has the phase, and both are there when the alignment is over.
+    let p = Parameters {
+        secondary_stiffness: 0.0,
+        drive_amplitude: 0.05,
+        drive_frequency: 0.8,
+        ..Parameters::default()
+    };
+    let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap().without_energy_accounts();
+    let found = spectrum(&mut simulator, &SpectrumOptions::default()).unwrap();
+    assert!(found.impacts == 0 && found.exponents[..2].iter().all(|e| e.abs() < PAIR), "{found:?}");
+}
+
 #[test]
 fn invariant_a_spectrum_that_is_broken_off_is_the_beginning_of_the_whole() {
     let p = groups(3.6, 0.75);

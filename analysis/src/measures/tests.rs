@@ -233,3 +233,25 @@ fn closed_form_the_exponent_of_a_machine_without_the_boxs_spring() {
     let refused = lyapunov::dimensionless(&mut simulator, &SpectrumOptions::default()).unwrap_err();
     assert!(refused.to_string().contains("box.k = 0"), "{refused}");
 }
+
+#[test]
+fn second_method_the_power_of_the_drive_is_without_that_of_constant_loads() {
+    // A box on next to no spring, which its load pushes away, and one in chaos: F10 sin θ x1' by the midpoint rule.
+    const STEPS: u32 = 4000;
+    let soft = Parameters { box_stiffness: 1e-4, constant_loads: [0.5, 0.0, 0.0], ..Parameters::default() };
+    let chaos = Parameters { constant_loads: [0.03, -0.02, 0.01], ..at(3.6, 0.75) };
+    for p in [soft, chaos] {
+        let mut simulator = Simulator::new(&p, &moving_block(&p), 0.0).unwrap();
+        simulator.advance_to(20.0 * p.period()).unwrap();
+        let mut other = simulator.clone();
+        let input = found(&mut simulator, &["power.input".into()], 3)[0];
+        let (begin, step) = (other.time(), p.period() / f64::from(STEPS));
+        let mut mean = 0.0;
+        for k in 0..3 * STEPS {
+            other.advance_to(begin + (f64::from(k) + 0.5) * step).unwrap();
+            mean += p.drive_amplitude * other.drive_phase().sin() * other.state().v[0] / f64::from(3 * STEPS);
+        }
+        // Half a step at each impact.
+        assert!((input - mean).abs() < 1e-3 * mean.abs(), "{input} {mean}");
+    }
+}

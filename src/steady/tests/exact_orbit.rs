@@ -347,3 +347,52 @@ fn invariant_plastic_and_elastic_impacts() {
     let (a, b) = (elastic.after_impact(), elastic.before_impact());
     assert!((a.v[1] - a.v[0] + b.v[1] - b.v[0]).abs() < ROUNDING * 10.0);
 }
+
+/// With a strong damper half a period is thousands of Taylor pieces, and next to the resonance of a box without damper numbers of thousands
+/// of gaps cancel: the rounding of either must not pass for a stop that is met earlier.
+#[test]
+fn second_method_orbits_of_more_rounding_are_those_of_the_simulator() {
+    let p = Parameters {
+        box_mass: 1.62,
+        box_stiffness: 1.02,
+        box_damping: 0.068,
+        block_mass: 0.086,
+        secondary_mass: 0.0219,
+        secondary_stiffness: 0.131,
+        coupling_stiffness: 0.0021,
+        stop_restitution: 0.807,
+        drive_amplitude: 0.192,
+        drive_frequency: 0.566,
+        ..Parameters::default()
+    };
+    let damped = (0..24).map(|k| Parameters { secondary_damping: 30.0 + 2.0 * f64::from(k), ..p });
+    let resonant = Parameters {
+        box_mass: 0.41314948147566255,
+        box_stiffness: 0.23020400887489528,
+        box_damping: 0.0,
+        block_mass: 0.5120194826230695,
+        secondary_mass: 0.08295995253978093,
+        secondary_stiffness: 0.2557568859202801,
+        secondary_damping: 0.2742880659078564,
+        coupling_stiffness: 0.08376871478062772,
+        stop_restitution: 0.37374861547228583,
+        drive_amplitude: 0.10710638844960861,
+        drive_frequency: 0.7465804971508866,
+        ..p
+    };
+    for p in damped.chain([resonant]) {
+        let orbit = solve(&p).unwrap().upper.unwrap();
+        let flight = Flight::new(&p).unwrap();
+        assert!(flight.pieces >= 8192 || flight.harmonic(&p).unwrap().norm() > 1000.0);
+        // The simulator starts just after the impact and meets the other stop after half a period.
+        let after = orbit.after_impact();
+        let q = Parameters { drive_phase: orbit.drive_phase(), ..p };
+        let mut simulator = crate::Simulator::new(&q, &after, 0.0).unwrap();
+        let half = 0.5 * p.period();
+        simulator.advance_to((1.0 - 1e-6) * half).unwrap();
+        assert_eq!(simulator.impacts().upper + simulator.impacts().lower, 0);
+        simulator.advance_to((1.0 + 1e-6) * half).unwrap();
+        assert_eq!(simulator.impacts().lower, 1);
+        assert!(orbit.is_clear(), "{p:?}");
+    }
+}
