@@ -78,8 +78,10 @@ pub(super) fn primary(
         return Ok(None);
     };
     let [a, b] = [last, next].map(|u| halves(word, u));
-    // The first point of a branch born here has halves that are the same but for rounding.
-    if a.dot(&b) >= 0.0 || a.norm() < BIRTH {
+    // The first point of a branch born here has halves that are the same but for rounding. So has a point past the birth if the
+    // corrector ended on the other branch.
+    let passes = a.dot(&b) < 0.0 || b.norm() < BIRTH;
+    if !passes || a.norm() < BIRTH {
         return Ok(None);
     }
     let part = a.norm() / (a.norm() + b.norm());

@@ -380,3 +380,24 @@ fn invariant_stability_changes_at_special_points_alone() {
         assert_eq!(a, b, "between {} and {}", pair[0].value, pair[1].value);
     }
 }
+
+/// A step past the birth of a branch may end on the branch from which it is born, where both halves of the orbit are the same but for
+/// rounding, whatever the sign of that is.
+#[test]
+fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
+    const BREAKING: f64 = 2.039_588_865_238;
+    let family = family(0.5, 3.0);
+    let found =
+        branch(&family, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[BREAKING - 0.01]).unwrap();
+    let on_other = labelled(&found, Label::UserValue).next().unwrap();
+    let word = symmetric().unfolded();
+    let doubled = crate::orbit::unfolded_phases(&symmetric(), &on_other.phases);
+    for rounding in [1e-12, 0.0, -1e-12] {
+        let point =
+            |apart: f64, value: f64| family.point(&[doubled[0] + apart, doubled[1] - apart], &[value]);
+        let [last, next] = [point(1e-2, BREAKING + 1e-3), point(rounding, BREAKING - 0.01)];
+        let (born, u) = crate::special::primary(&family, &word, &last, &next).unwrap().unwrap();
+        assert_eq!(born, symmetric());
+        assert!((family.values(&u)[0] - BREAKING).abs() < LOCATION, "{rounding}");
+    }
+}
