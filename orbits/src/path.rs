@@ -121,15 +121,15 @@ pub(super) fn follow(follower: &Follower, departure: Departure) -> Result<Path, 
             return Ok(Path { points, end: PathEnd::Plain });
         }
         let advance = match follower.advance(&last, step) {
-            Ok(advance) => advance,
             Err(_) if step > LEAST_STEP => {
                 step *= 0.5;
                 continue;
             }
-            Err(_) => {
-                label_last(&mut points, Label::NoConvergence);
-                return Ok(Path { points, end: PathEnd::Plain });
-            }
+            advance => advance.or_else(|_| follower.advance_to_birth(&last)),
+        };
+        let Ok(advance) = advance else {
+            label_last(&mut points, Label::NoConvergence);
+            return Ok(Path { points, end: PathEnd::Plain });
         };
         let Advance { between, next, label, end } = advance;
         let closes = points.len() > SHORTEST_LOOP && follower.closes(&start_u, &start_tangent, &last, &next);

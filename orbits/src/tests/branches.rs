@@ -401,3 +401,43 @@ fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
         assert!((family.values(&u)[0] - BREAKING).abs() < LOCATION, "{rounding}");
     }
 }
+
+/// Next to the birth of a branch its equations are nearly singular, so that no step may lead over it. It ends there nevertheless.
+#[test]
+fn invariant_branches_end_at_their_births() {
+    for (damping, restitution, amplitude, frequency, name, range, value, births) in [
+        (
+            0.083_766_743_354_828_38,
+            0.354_106_626_101_500_34,
+            0.316_732_038_960_708_4,
+            0.746_947_110_965_762,
+            "box.c",
+            (0.044_537_097_141_873_795, 0.148_998_967_514_180_5),
+            0.111_089_335_202_335_6,
+            vec![0.132_993_248_656],
+        ),
+        (
+            0.458_336_218_690_165_3,
+            0.865_561_565_832_636_5,
+            0.371_690_757_636_872_54,
+            1.04,
+            "block.m",
+            (0.083_726_049_571_087_23, 0.145_837_100_725_366_85),
+            0.119_339_673_930_329_95,
+            vec![0.104_185_178_229, 0.143_957_408_470],
+        ),
+    ] {
+        let set = machine(&[
+            ("box.c", damping),
+            ("stop.restitution", restitution),
+            ("drive.amplitude", amplitude),
+            ("drive.frequency", frequency),
+        ]);
+        let branch = settled_branch(&set, name, range, value);
+        let mut found: Vec<f64> = labelled(&branch, Label::BranchPoint).map(|p| p.value).collect();
+        found.sort_by(f64::total_cmp);
+        assert_eq!(found.len(), births.len(), "{name}: {found:?}");
+        assert!(found.iter().zip(&births).all(|(a, b)| (a - b).abs() < 1e-10), "{name}: {found:?}");
+        assert_eq!(labelled(&branch, Label::NoConvergence).count(), 0, "{name}");
+    }
+}
