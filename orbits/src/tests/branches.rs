@@ -441,3 +441,36 @@ fn invariant_branches_end_at_their_births() {
         assert_eq!(labelled(&branch, Label::NoConvergence).count(), 0, "{name}");
     }
 }
+
+/// The multipliers of a Neimark-Sacker point meet at 1 where one of the equations of its curve says nothing: the curve ends there, and not
+/// for want of convergence.
+#[test]
+fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
+    const BOX: f64 = 0.1;
+    let set = machine(&[
+        ("stop.restitution", 0.325_289_286_605_822_74),
+        ("drive.amplitude", 0.509_177_306_066_417_9),
+    ]);
+    let spans = [("drive.amplitude", 0.2825, 0.7411), ("box.c", 0.083_86, 0.171_425)]
+        .map(|(name, from, to)| Span::new(find_field(name).unwrap(), from, to).unwrap());
+    let one = settled_branch(&set, "drive.amplitude", (spans[0].from, spans[0].to), 0.509_177_306_066_417_9);
+    let two = Family::over_two(&set, spans[0], spans[1]).unwrap();
+    let points: Vec<&Point> = labelled(&one, Label::NeimarkSacker).collect();
+    assert!(!points.is_empty());
+    for point in points {
+        let start = LocusStart {
+            label: Label::NeimarkSacker,
+            word: one.word.clone(),
+            phases: point.phases.clone(),
+            values: [point.value, BOX],
+        };
+        let curve = locus(&two, &start).unwrap();
+        let ends = [&curve[0], &curve[curve.len() - 1]];
+        let resonant: Vec<_> = ends.iter().filter(|p| p.end == Some(LocusEnd::Resonance(1))).collect();
+        assert!(
+            !resonant.is_empty() && ends.iter().all(|p| p.end != Some(LocusEnd::NoConvergence)),
+            "{ends:?}"
+        );
+        assert!(resonant.iter().all(|p| p.angle.is_some_and(|angle| angle < 1e-2)), "{ends:?}");
+    }
+}
