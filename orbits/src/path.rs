@@ -42,8 +42,9 @@ pub struct PathOptions {
 }
 
 impl PathOptions {
-    /// The longest steps that are allowed: shorter ones are those at which a path counts as stuck, and in longer ones two special points
-    /// of one kind may hide each other.
+    /// The longest steps that are allowed: shorter ones are those at which a path counts as stuck. In a step of any length two special
+    /// points of one kind may hide each other, and so may a pair of multipliers that crosses the unit circle right beside a fold: the more of
+    /// them the longer the steps are.
     pub const STEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.2;
 
     /// Refuses a step that is not allowed.
