@@ -20,7 +20,7 @@ pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
 /// A step of so many rad and less is rounding where it is not half of the last one: the equations of many fast impacts leave phases
 /// fewer digits.
-const STEP_STALLED: f64 = 1e-9;
+pub(super) const STEP_STALLED: f64 = 1e-9;
 
 /// Longest step, rad: next to a fold Newton's steps are much longer, and would lead anywhere.
 const LONGEST_STEP: f64 = 1.0;

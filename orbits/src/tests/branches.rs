@@ -474,3 +474,18 @@ fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
         assert!(resonant.iter().all(|p| p.angle.is_some_and(|angle| angle < 1e-2)), "{ends:?}");
     }
 }
+
+/// A soft spring holds its load far away, so that phases have fewer digits: a branch turns round at its fold all the same.
+#[test]
+fn invariant_a_branch_under_a_softly_held_load_passes_its_fold() {
+    let set = machine(&[
+        ("drive.amplitude", 0.722_526_073_124_224_6),
+        ("stop.restitution", 0.529_129_750_182_727_7),
+        ("secondary.c", 0.056_737_922_355_150_724),
+        ("load.block", 0.033_893_384_758_543_574),
+    ]);
+    let branch = settled_branch(&set, "secondary.k", (1e-14, 0.001_180_102_643_632_359_8), 0.000_588_096);
+    let folds: Vec<f64> = labelled(&branch, Label::Fold).map(|p| p.value).collect();
+    assert!(folds.iter().any(|fold| (fold - 7.533_352_870_088e-4).abs() < 1e-13), "{folds:?}");
+    assert_eq!(labelled(&branch, Label::NoConvergence).count(), 0, "{folds:?}");
+}
