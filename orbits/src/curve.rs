@@ -2,7 +2,7 @@
 //! and K. Georg, Introduction to Numerical Continuation Methods, 2003), and Newton's method with one more condition.
 
 use super::obstacle::Obstacle;
-use super::orbit::STEP_ROUNDING;
+use super::orbit::{STEP_ROUNDING, STEP_STALLED};
 use nalgebra::{ComplexField, DMatrix, DVector};
 
 /// Most Newton steps of a correction.
@@ -53,6 +53,8 @@ pub(super) fn correct(
 ) -> Result<CurvePoint, Obstacle> {
     let mut u = predicted.clone();
     let mut known: Option<DMatrix<f64>> = None;
+    // The first of the steps that are rounding, as newton's, by which an easy correction counts as one.
+    let (mut stalled, mut before) = (None, f64::INFINITY);
     for steps in 1..=STEPS {
         let Linearization { value, matrix } = equations.linearize(&u, known.as_ref())?;
         let n = value.len();
@@ -71,9 +73,17 @@ pub(super) fn correct(
         if !size.is_finite() {
             return Err(Obstacle::NoConvergence);
         }
-        if size < STEP_ROUNDING * (1.0 + u.norm()) {
+        if size >= STEP_STALLED {
+            stalled = None;
+        } else if size > 0.5 * before {
+            stalled.get_or_insert(steps);
+        }
+        before = size;
+        // Under a load that a soft spring holds far away, and next to where branches cross, rounding is a longer step.
+        let last = if steps == STEPS { stalled } else { None };
+        if size < STEP_ROUNDING * (1.0 + u.norm()) || last.is_some() {
             let tangent = right.column(1).normalize();
-            return Ok(CurvePoint { u, tangent, steps });
+            return Ok(CurvePoint { u, tangent, steps: last.unwrap_or(steps) });
         }
     }
     Err(Obstacle::NoConvergence)

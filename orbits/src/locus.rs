@@ -25,6 +25,10 @@ const COSINE: f64 = 0.9;
 const SHORTEST_LOOP: usize = 10;
 const CLOSED: f64 = 0.1;
 
+/// The angle, rad, of multipliers so near 1 or -1 that a curve which cannot be followed on ends there: at the angle itself one of its
+/// equations says nothing, so that it is met only by a step across.
+const RESONANT: f64 = 1e-2;
+
 /// A point of a curve in two parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LocusPoint {
@@ -158,10 +162,22 @@ fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> (Vec<Locu
             }
             Err(_) if step > least => step *= 0.5,
             Err(Obstacle::Order) => return (points, LocusEnd::Touch),
-            Err(_) => break,
+            Err(_) => return (points, resonance(&locus, &last.u).unwrap_or(LocusEnd::NoConvergence)),
         }
     }
     (points, LocusEnd::NoConvergence)
+}
+
+/// The resonance at which a curve of pairs of multipliers ends, if it has come to one.
+fn resonance(locus: &Locus, u: &DVector<f64>) -> Option<LocusEnd> {
+    let angle = matches!(locus.condition, Condition::Complex(_)).then(|| u[locus.n()])?;
+    if angle < RESONANT {
+        Some(LocusEnd::Resonance(1))
+    } else if angle > PI - RESONANT {
+        Some(LocusEnd::Resonance(-1))
+    } else {
+        None
+    }
 }
 
 /// One step; the loss of certification counts as a loss of the impacts' order.

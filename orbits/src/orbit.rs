@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use vibro_analysis::Error;
 use vibro_impact::State;
 use vibro_impact::steady::exact_orbit::Vector6;
+pub(super) use vibro_impact::steady::exact_orbit::eigenvalues;
 
 /// Most Newton steps. From a fair guess four or five suffice; a step that would change the order of impacts is cut.
 const STEPS: usize = 40;
@@ -19,7 +20,7 @@ pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
 /// A step of so many rad and less is rounding where it is not half of the last one: the equations of many fast impacts leave phases
 /// fewer digits.
-const STEP_STALLED: f64 = 1e-9;
+pub(super) const STEP_STALLED: f64 = 1e-9;
 
 /// Longest step, rad: next to a fold Newton's steps are much longer, and would lead anywhere.
 const LONGEST_STEP: f64 = 1.0;
@@ -29,9 +30,6 @@ const RESIDUAL: f64 = 1e-9;
 
 /// Part of a flight by which one step may shorten it.
 const SHORTENING: f64 = 0.5;
-
-/// Deflation threshold and most sweeps of the QR algorithm for the multipliers, as for the exact orbit.
-const EIGENVALUE: (f64, usize) = (f64::EPSILON, 300);
 
 /// A periodic orbit of a machine.
 ///
@@ -332,17 +330,6 @@ fn free_map(system: &System, word: &OrbitWord) -> Matrix6<f64> {
     let transition = system.flight.transition(word.span());
     let columns = [0, 1, 2, 3, 4, 5].map(|i| transition.apply(&Vector6::ith(i, 1.0)));
     Matrix6::from_columns(&columns)
-}
-
-/// Eigenvalues by decreasing modulus; `None` where the sweeps do not end.
-pub(super) fn eigenvalues(map: Matrix6<f64>) -> Option<[Complex<f64>; 6]> {
-    if map.iter().any(|x| !x.is_finite()) {
-        return None;
-    }
-    let schur = map.try_schur(EIGENVALUE.0, EIGENVALUE.1)?;
-    let mut values: [Complex<f64>; 6] = schur.complex_eigenvalues().into();
-    values.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
-    Some(values)
 }
 
 /// The phases at which the residual is zero, by Newton's method from a guess. A step that would take more than half of a flight

@@ -42,8 +42,9 @@ pub struct PathOptions {
 }
 
 impl PathOptions {
-    /// The longest steps that are allowed: shorter ones are those at which a path counts as stuck, and in longer ones two special points
-    /// of one kind may hide each other.
+    /// The longest steps that are allowed: shorter ones are those at which a path counts as stuck. In a step of any length two special
+    /// points of one kind may hide each other, and so may a pair of multipliers that crosses the unit circle right beside a fold: the more of
+    /// them the longer the steps are.
     pub const STEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.2;
 
     /// Refuses a step that is not allowed.
@@ -121,15 +122,15 @@ pub(super) fn follow(follower: &Follower, departure: Departure) -> Result<Path, 
             return Ok(Path { points, end: PathEnd::Plain });
         }
         let advance = match follower.advance(&last, step) {
-            Ok(advance) => advance,
             Err(_) if step > LEAST_STEP => {
                 step *= 0.5;
                 continue;
             }
-            Err(_) => {
-                label_last(&mut points, Label::NoConvergence);
-                return Ok(Path { points, end: PathEnd::Plain });
-            }
+            advance => advance.or_else(|_| follower.advance_to_birth(&last)),
+        };
+        let Ok(advance) = advance else {
+            label_last(&mut points, Label::NoConvergence);
+            return Ok(Path { points, end: PathEnd::Plain });
         };
         let Advance { between, next, label, end } = advance;
         let closes = points.len() > SHORTEST_LOOP && follower.closes(&start_u, &start_tangent, &last, &next);

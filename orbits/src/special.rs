@@ -66,6 +66,21 @@ fn halves(word: &OrbitWord, u: &DVector<f64>) -> DVector<f64> {
     DVector::from_fn(h, |i, _| u[h + i] - u[i] - 0.5 * word.span())
 }
 
+/// A point beyond the one at which the halves of a doubled orbit would be the same, by the tangent at a point of its branch: as far
+/// again from there, if that is within a distance.
+pub(super) fn beyond_birth(
+    word: &OrbitWord,
+    u: &DVector<f64>,
+    tangent: &DVector<f64>,
+    within: f64,
+) -> Option<DVector<f64>> {
+    word.folded()?;
+    let own = halves(word, u);
+    let rate = halves(word, &(u + tangent)) - &own;
+    let arc = -own.norm_squared() / own.dot(&rate);
+    (own.norm() > BIRTH && (0.0..within).contains(&arc)).then(|| u + tangent * (2.0 * arc))
+}
+
 /// The branch from which a branch of a doubled word is born, where a step passes it: there both halves of the orbit are the same,
 /// and past it the path would go back along its own mirror image.
 pub(super) fn primary(
@@ -78,8 +93,10 @@ pub(super) fn primary(
         return Ok(None);
     };
     let [a, b] = [last, next].map(|u| halves(word, u));
-    // The first point of a branch born here has halves that are the same but for rounding.
-    if a.dot(&b) >= 0.0 || a.norm() < BIRTH {
+    // The first point of a branch born here has halves that are the same but for rounding. So has a point past the birth if the
+    // corrector ended on the other branch.
+    let passes = a.dot(&b) < 0.0 || b.norm() < BIRTH;
+    if !passes || a.norm() < BIRTH {
         return Ok(None);
     }
     let part = a.norm() / (a.norm() + b.norm());

@@ -41,6 +41,15 @@ impl Follower<'_> {
         self.arrive(last, curve, None)
     }
 
+    /// The step to the birth of a branch that cannot be followed there, since next to it the equations are nearly singular.
+    pub(super) fn advance_to_birth(&self, last: &Position) -> Result<Advance, Obstacle> {
+        let within = self.options.longest_step;
+        let beyond = special::beyond_birth(self.word, &last.u, &last.tangent, within)
+            .ok_or(Obstacle::NoConvergence)?;
+        let primary = special::primary(self.family, self.word, &last.u, &beyond)?;
+        self.end_at_primary(last, primary.ok_or(Obstacle::NoConvergence)?)
+    }
+
     /// The step to the end of the parameter's range that lies before `beyond`.
     fn advance_to_end(&self, last: &Position, beyond: f64) -> Result<Advance, Obstacle> {
         let n = self.word.len();

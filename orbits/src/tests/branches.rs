@@ -380,3 +380,112 @@ fn invariant_stability_changes_at_special_points_alone() {
         assert_eq!(a, b, "between {} and {}", pair[0].value, pair[1].value);
     }
 }
+
+/// A step past the birth of a branch may end on the branch from which it is born, where both halves of the orbit are the same but for
+/// rounding, whatever the sign of that is.
+#[test]
+fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
+    const BREAKING: f64 = 2.039_588_865_238;
+    let family = family(0.5, 3.0);
+    let found =
+        branch(&family, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[BREAKING - 0.01]).unwrap();
+    let on_other = labelled(&found, Label::UserValue).next().unwrap();
+    let word = symmetric().unfolded();
+    let doubled = crate::orbit::unfolded_phases(&symmetric(), &on_other.phases);
+    for rounding in [1e-12, 0.0, -1e-12] {
+        let point =
+            |apart: f64, value: f64| family.point(&[doubled[0] + apart, doubled[1] - apart], &[value]);
+        let [last, next] = [point(1e-2, BREAKING + 1e-3), point(rounding, BREAKING - 0.01)];
+        let (born, u) = crate::special::primary(&family, &word, &last, &next).unwrap().unwrap();
+        assert_eq!(born, symmetric());
+        assert!((family.values(&u)[0] - BREAKING).abs() < LOCATION, "{rounding}");
+    }
+}
+
+/// Next to the birth of a branch its equations are nearly singular, so that no step may lead over it. It ends there nevertheless.
+#[test]
+fn invariant_branches_end_at_their_births() {
+    for (damping, restitution, amplitude, frequency, name, range, value, births) in [
+        (
+            0.083_766_743_354_828_38,
+            0.354_106_626_101_500_34,
+            0.316_732_038_960_708_4,
+            0.746_947_110_965_762,
+            "box.c",
+            (0.044_537_097_141_873_795, 0.148_998_967_514_180_5),
+            0.111_089_335_202_335_6,
+            vec![0.132_993_248_656],
+        ),
+        (
+            0.458_336_218_690_165_3,
+            0.865_561_565_832_636_5,
+            0.371_690_757_636_872_54,
+            1.04,
+            "block.m",
+            (0.083_726_049_571_087_23, 0.145_837_100_725_366_85),
+            0.119_339_673_930_329_95,
+            vec![0.104_185_178_229, 0.143_957_408_470],
+        ),
+    ] {
+        let set = machine(&[
+            ("box.c", damping),
+            ("stop.restitution", restitution),
+            ("drive.amplitude", amplitude),
+            ("drive.frequency", frequency),
+        ]);
+        let branch = settled_branch(&set, name, range, value);
+        let mut found: Vec<f64> = labelled(&branch, Label::BranchPoint).map(|p| p.value).collect();
+        found.sort_by(f64::total_cmp);
+        assert_eq!(found.len(), births.len(), "{name}: {found:?}");
+        assert!(found.iter().zip(&births).all(|(a, b)| (a - b).abs() < 1e-10), "{name}: {found:?}");
+        assert_eq!(labelled(&branch, Label::NoConvergence).count(), 0, "{name}");
+    }
+}
+
+/// The multipliers of a Neimark-Sacker point meet at 1 where one of the equations of its curve says nothing: the curve ends there, and not
+/// for want of convergence.
+#[test]
+fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
+    const BOX: f64 = 0.1;
+    let set = machine(&[
+        ("stop.restitution", 0.325_289_286_605_822_74),
+        ("drive.amplitude", 0.509_177_306_066_417_9),
+    ]);
+    let spans = [("drive.amplitude", 0.2825, 0.7411), ("box.c", 0.083_86, 0.171_425)]
+        .map(|(name, from, to)| Span::new(find_field(name).unwrap(), from, to).unwrap());
+    let one = settled_branch(&set, "drive.amplitude", (spans[0].from, spans[0].to), 0.509_177_306_066_417_9);
+    let two = Family::over_two(&set, spans[0], spans[1]).unwrap();
+    let points: Vec<&Point> = labelled(&one, Label::NeimarkSacker).collect();
+    assert!(!points.is_empty());
+    for point in points {
+        let start = LocusStart {
+            label: Label::NeimarkSacker,
+            word: one.word.clone(),
+            phases: point.phases.clone(),
+            values: [point.value, BOX],
+        };
+        let curve = locus(&two, &start).unwrap();
+        let ends = [&curve[0], &curve[curve.len() - 1]];
+        let resonant: Vec<_> = ends.iter().filter(|p| p.end == Some(LocusEnd::Resonance(1))).collect();
+        assert!(
+            !resonant.is_empty() && ends.iter().all(|p| p.end != Some(LocusEnd::NoConvergence)),
+            "{ends:?}"
+        );
+        assert!(resonant.iter().all(|p| p.angle.is_some_and(|angle| angle < 1e-2)), "{ends:?}");
+    }
+}
+
+/// A soft spring holds its load far away, so that phases have fewer digits: a branch turns round at its fold all the same.
+#[test]
+fn invariant_a_branch_under_a_softly_held_load_passes_its_fold() {
+    let set = machine(&[
+        ("drive.amplitude", 0.722_526_073_124_224_6),
+        ("stop.restitution", 0.529_129_750_182_727_7),
+        ("secondary.c", 0.056_737_922_355_150_724),
+        ("load.block", 0.033_893_384_758_543_574),
+    ]);
+    let branch = settled_branch(&set, "secondary.k", (1e-14, 0.001_180_102_643_632_359_8), 0.000_588_096);
+    let folds: Vec<f64> = labelled(&branch, Label::Fold).map(|p| p.value).collect();
+    assert!(folds.iter().any(|fold| (fold - 7.533_352_870_088e-4).abs() < 1e-13), "{folds:?}");
+    assert_eq!(labelled(&branch, Label::NoConvergence).count(), 0, "{folds:?}");
+}

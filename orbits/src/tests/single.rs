@@ -318,3 +318,27 @@ fn singular_machines_are_refused_with_the_parameter() {
     let error = Orbit::find(&System::new(&parameters(1.5)).unwrap(), &word("UL", 1, 2), &[5.5]).unwrap_err();
     assert!(error.to_string().contains("word UL, closing +, period 1T"), "{error}");
 }
+
+/// The multipliers are found whatever the order of the coordinates does to the sweeps of the QR algorithm. Their product is that of what an
+/// impact takes of phase space, κ², and of what the dampers take over a period.
+#[test]
+fn closed_form_product_of_the_multipliers_where_sweeps_turn_in_circles() {
+    for i in 0..=20 {
+        let p = Parameters {
+            box_stiffness: 0.193 + 5e-5 * f64::from(i),
+            box_damping: 0.010_756_525_040_185_866,
+            secondary_damping: 0.058_812_892_475_845_27,
+            stop_restitution: 0.618_880_186_012_838_5,
+            drive_amplitude: 0.265_022_273_670_722_6,
+            constant_loads: [0.0, -0.000_971_238_660_101_535_2, 0.0],
+            ..Parameters::default()
+        };
+        let system = System::new(&p).unwrap();
+        let orbit = Orbit::find(&system, &OrbitWord::new("UL", 1, 2).unwrap(), &[5.367, 8.484]).unwrap();
+        assert!(orbit.is_certified() && orbit.is_stable());
+        let product: f64 = orbit.multipliers().iter().map(|m| m.norm()).product();
+        let damped = p.box_damping / p.box_mass + p.secondary_damping / p.secondary_mass;
+        let exact = p.stop_restitution.powi(4) * (-damped * p.period()).exp();
+        assert!((product / exact - 1.0).abs() < 1e-10, "{} {product} {exact}", p.box_stiffness);
+    }
+}

@@ -10,7 +10,7 @@ mod impact;
 mod orbit;
 
 pub use flight::{Flight, Transition, Vector6};
-pub use orbit::{ExactOrbit, OrbitWalk};
+pub use orbit::{ExactOrbit, OrbitWalk, eigenvalues};
 
 use super::{Quadratic, Roots, Sheet};
 use crate::error::{Error, Result};

@@ -111,7 +111,7 @@ impl ExactOrbit {
             before,
             after,
             clear: false,
-            multipliers: eigenvalues(map)?,
+            multipliers: eigenvalues(map).ok_or_else(no_eigenvalues)?,
         };
         // From piece to piece rounding adds up, and next to the resonance of a box without damper what the force and the impacts do cancels:
         // behind thousands of pieces, or of gaps, it is more than the least that counts.
@@ -241,13 +241,17 @@ impl ExactOrbit {
     }
 }
 
-/// Eigenvalues by decreasing modulus.
-fn eigenvalues(map: SMatrix<f64, 6, 6>) -> Result<[Complex<f64>; 6]> {
+/// Eigenvalues by decreasing modulus; `None` where numbers are not finite, or the sweeps do not end.
+///
+/// There are matrices in whose own order of coordinates the sweeps turn in circles. Another order has the same eigenvalues, and its sweeps
+/// go other ways.
+pub fn eigenvalues(map: SMatrix<f64, 6, 6>) -> Option<[Complex<f64>; 6]> {
     if map.iter().any(|x| !x.is_finite()) {
-        return Err(no_eigenvalues());
+        return None;
     }
-    let schur = map.try_schur(EIGENVALUE_PRECISION, EIGENVALUE_SWEEPS).ok_or_else(no_eigenvalues)?;
+    let turned = |by: usize| SMatrix::<f64, 6, 6>::from_fn(|i, j| map[((i + by) % 6, (j + by) % 6)]);
+    let schur = (0..6).find_map(|by| turned(by).try_schur(EIGENVALUE_PRECISION, EIGENVALUE_SWEEPS))?;
     let mut values: [Complex<f64>; 6] = schur.complex_eigenvalues().into();
     values.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
-    Ok(values)
+    Some(values)
 }
