@@ -195,7 +195,8 @@ impl ExactOrbit {
     }
 
     /// Whether |w| ≤ L between the impacts, to 1e-12 L and the rounding of the orbit, which is more where a mode is thousands of times
-    /// faster than the drive or the box without damper near resonance: proved by Bernstein bounds of the pieces over half a period; the other half is its mirror image. A root that fails is no orbit of the system, which meets a stop earlier.
+    /// faster than the drive or the box without damper near resonance: proved by Bernstein bounds of the Taylor pieces over half a period;
+    /// the other half is its mirror image. A root that fails is no orbit of the system, which meets a stop earlier.
     pub fn is_clear(&self) -> bool {
         self.clear
     }
