@@ -5,7 +5,7 @@ mod common;
 
 use common::golden::{distance, table, weak};
 use rayon::prelude::*;
-use vibro_impact::simulator::{Event, Loads, Snapshot, advance_together};
+use vibro_impact::simulator::{DoubleDouble, Event, Loads, Pause, Snapshot, advance_together};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
 fn start(place: f64) -> State {
@@ -312,4 +312,28 @@ fn second_method_another_of_the_same_system_is_a_new_one() {
         first.with_state(&start(0.5), f64::INFINITY),
         Err(Error::OutOfRange { name: "time", .. })
     ));
+}
+
+/// A motion that is handed to the lanes where w still rounds to the stop that its block has just left goes on from there once: its impacts and
+/// their losses are those that it has alone.
+#[test]
+fn second_method_motions_handed_over_right_after_an_impact() {
+    /// Parts of the losses: twelve seconds with some impacts.
+    const SAME: f64 = 1e-9;
+    let p = Parameters { stop_restitution: 0.7, ..Parameters::default() };
+    for n in 0..100 {
+        let start = State { x: [0.0, 0.9 - 0.016 * f64::from(n), 0.0], v: [0.0, 0.5, 0.0] };
+        let mut one = Simulator::new(&p, &start, 0.0).unwrap().without_energy_accounts();
+        one.advance_to_impact(400.0).unwrap();
+        let (time, gone) = (one.time(), DoubleDouble::sum(one.time(), 1e-17));
+        one.advance_until(gone, Pause::Never, None).unwrap();
+        let mut alone = one.clone();
+        alone.advance_to(time + 12.0).unwrap();
+        let mut handed_over = [one];
+        advance_together(&mut handed_over, |_| time + 12.0)[0].as_ref().unwrap();
+        let [a, b] = [&alone, &handed_over[0]].map(impacts);
+        assert_eq!(a, b, "{n}");
+        let [a, b] = [&alone, &handed_over[0]].map(Simulator::impact_loss);
+        assert!((a - b).abs() <= SAME * a, "{n}: {a} {b}");
+    }
 }

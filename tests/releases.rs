@@ -304,3 +304,55 @@ fn invariant_short_steps_after_a_departure_have_the_bits_of_one() {
     }
     assert!(compared > 10_000, "{compared}");
 }
+
+/// Forces and rates near what counts as rounding, where the derivative that decides is beyond it in flight and not in rest, or the other way
+/// round: what rounding does ends, and the motion goes on.
+#[test]
+fn invariant_forces_at_the_edge_of_rounding_do_not_stall() {
+    let still = Parameters { drive_amplitude: 0.0, ..Parameters::default() };
+    let first = Parameters {
+        box_mass: 8.229968638831624,
+        box_stiffness: 0.09919179502563313,
+        box_damping: 1.2553306398396404,
+        block_mass: 0.06135645706749279,
+        secondary_mass: 0.7532427038491336,
+        secondary_stiffness: 0.46960151798629945,
+        secondary_damping: 0.0,
+        coupling_stiffness: 1.9238702102068317,
+        stop_restitution: 0.0,
+        ..still
+    };
+    let second = Parameters {
+        box_mass: 0.47801091464246886,
+        box_stiffness: 1.3971000953209118,
+        box_damping: 0.38195152936983556,
+        block_mass: 0.0883526450460092,
+        secondary_mass: 0.8660245444844178,
+        secondary_stiffness: 0.4162047351703805,
+        secondary_damping: 0.0,
+        coupling_stiffness: 0.05882175745712315,
+        stop_restitution: 0.9,
+        ..still
+    };
+    let of_first = [
+        [-9.036762303389616e-13, 0.0, 3.2813918756922216e-10, -5.689498106273122e-9],
+        [1.906863775684922e-12, 2.862815862382699e-13, -3.731078485263517e-12, 3.640796919438193e-12],
+        [0.4696015179840292, -3.235585829015945e-12, 4.807413182249164e-11, 0.0],
+    ];
+    let of_second = [
+        [6.865066697307579e-15, -3.8533932070376124e-14, 4.400379294997227e-13, -1.3081677275467366e-12],
+        [5.882045621866763e-14, -1.797248042201948e-14, 0.0, 1.2682855093127168e-13],
+        [0.4162047351699054, -2.4955079698151257e-13, 7.915070997647616e-13, 0.0],
+    ];
+    let at_stop = State { x: [0.0, 1.0, 0.999999999999], v: [0.0; 3] };
+    for (p, derivatives) in [(first, of_first), (second, of_second)] {
+        for steps in [1, 20, 137] {
+            let mut simulator = Simulator::new(&p, &at_stop, 0.0).unwrap();
+            simulator.set_loads(&Loads { derivatives }).unwrap();
+            for n in 1..=steps {
+                simulator.advance_to(3.0 * f64::from(n) / f64::from(steps)).unwrap();
+            }
+            assert!(simulator.work_counters().events < 1000, "{:?}", simulator.work_counters());
+        }
+    }
+}

@@ -50,18 +50,6 @@ pub(super) fn check_departure(model: &Model, hybrid: &HybridState) -> Result<()>
     Err(Error::OutOfRange { name: "snapshot: time since departure", value: since, allowed })
 }
 
-/// The first order, up to 6, in which a_w with the coefficients `free` over a time of `reach`/r is no rounding, where its terms are of the
-/// `size` r² S.
-pub(super) fn first_certain<const N: usize>(free: &[f64; N], size: f64, reach: f64) -> Option<usize> {
-    let mut rounding = CERTAIN * f64::EPSILON * size; // of the order i, over (i + 2)²
-    free.iter().take(7).enumerate().position(|(i, a)| {
-        let order = (i + 2) as f64;
-        let certain = a.abs() > order * order * rounding;
-        rounding *= reach / (i + 1) as f64;
-        certain
-    })
-}
-
 impl Simulator {
     /// Whether the next sub-step, of at most `remaining` s, begins at a departure that has to be known at its end: its end may be so near
     /// that w still rounds to the stop.
@@ -123,8 +111,13 @@ impl Simulator {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;
         let series = Series::<9>::expand(&self.model, SmoothMode::Flight, z, Some(&forces), radius);
-        let certain = first_certain(&series.free, self.largest_acceleration(z, &forces), 1.0);
-        (series, certain.map(|order| order + 2))
+        let mut rounding = CERTAIN * f64::EPSILON * self.largest_acceleration(z, &forces); // of the order k, over k²
+        let certain = (2..9).find(|&k| {
+            let certain = series.free[k - 2].abs() > (k * k) as f64 * rounding;
+            rounding /= (k - 1) as f64;
+            certain
+        });
+        (series, certain)
     }
 
     /// Whether the block is at a stop without speed, and nothing but rounding moves it.

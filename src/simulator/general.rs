@@ -1,7 +1,6 @@
 //! Sub-steps of any kind (short ones, rest, motion under loads): prove that no event falls in one and pass over it, or go
 //! to the first event. The sub-step of plain flight has its own faster way in `flight`.
 
-use super::departure::first_certain;
 use super::{Contact, Simulator};
 use crate::events::first_crossing;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
@@ -310,7 +309,7 @@ impl Simulator {
         if order == 0 {
             let mut functional = series.functional(self.mode());
             if self.hybrid.contact != Contact::Flight {
-                self.divide_where_pressed(&mut functional, start, span);
+                self.divide_where_pressed(&mut functional, &start.z);
             }
             return self.first_event(&functional, 0.0, 1.0, near);
         }
@@ -333,23 +332,18 @@ impl Simulator {
     }
 
     /// A contact force that is rounding at the start, and whose first derivative beyond rounding presses, is divided by that power of u: it
-    /// does not fall there, whatever round-off says.
-    fn divide_where_pressed<const LOADS: usize>(
-        &self,
-        functional: &mut [f64; ANCHORED],
-        start: &SubstepStart<LOADS>,
-        span: f64,
-    ) {
-        let pressed = self.hybrid.contact.side() * functional[0];
-        if pressed > functional[1..].iter().map(|a| a.abs()).sum() {
-            return; // and does not fall to zero in this span
+    /// does not fall there, whatever round-off says. What is beyond rounding is asked as for a departure, so that both answers agree.
+    fn divide_where_pressed(&self, functional: &mut [f64; ANCHORED], z: &Augmented) {
+        let side = self.hybrid.contact.side();
+        if side * functional[0] > functional[1..].iter().map(|a| a.abs()).sum() {
+            return; // pressed throughout
         }
-        let size = self.largest_acceleration(&start.z, start.forces().unwrap_or(&[[0.0; 4]; 3]));
-        if let Some(first) = first_certain(functional, size, self.model.rate * span)
-            && self.hybrid.contact.side() * functional[first] > 0.0
+        let (series, certain) = self.flight_from_stop(z);
+        if let Some(order) = certain
+            && side * series.free[order - 2] > 0.0
         {
-            functional.rotate_left(first);
-            functional[ANCHORED - first..].fill(0.0);
+            functional.rotate_left(order - 2);
+            functional[ANCHORED + 2 - order..].fill(0.0);
         }
     }
 

@@ -258,7 +258,7 @@ impl LaneStates {
         }
         (self.time[0].0[lane], self.time[1].0[lane]) = (hybrid.time.hi, hybrid.time.lo);
         self.departing.0[lane] = match hybrid.contact {
-            Contact::Flight => f64::from(hybrid.departing),
+            Contact::Flight if hybrid.departure.is_none() => f64::from(hybrid.departing),
             _ => GROUNDED,
         };
         self.since_renewal.0[lane] = f64::from(advance.since_renewal);
