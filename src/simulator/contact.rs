@@ -39,7 +39,9 @@ impl Simulator {
             z[RELATIVE_RATE] = 0.0;
             self.hybrid.contact = Contact::Flight;
             // w' and w'' are zero and the jerk leads away, or, where it is rounding, what follows it.
-            self.hybrid.departing = self.flight_from_stop(z).1.map_or(3, |order| order.max(3)) as u8;
+            let (_, certain) = self.flight_from_stop(z);
+            self.hybrid.departing = certain.map_or(3, |order| order.max(3)) as u8;
+            self.hybrid.doubtful = certain.is_none();
             report(observer, Event::Release { time, side: stop });
             return false;
         }
@@ -138,7 +140,7 @@ impl Simulator {
         match first {
             Some(order) if excess[order] < 0.0 => {
                 self.hybrid.contact = Contact::Flight;
-                self.hybrid.departing = order as u8;
+                (self.hybrid.departing, self.hybrid.doubtful) = (order as u8, certain.is_none());
             }
             // Pressed, or at rest relative to the box with nothing that moves it.
             _ => {

@@ -132,6 +132,10 @@ impl Simulator {
         let model = &self.model;
         let place = model.gap + z[BOX].abs().max(z[SECONDARY].abs());
         let rate = z[BOX_RATE].abs().max(z[SECONDARY_RATE].abs()).max(z[RELATIVE_RATE].abs());
+        let own = model.rate * (model.rate * place + rate) + model.drive.abs();
+        if !self.loaded() {
+            return own;
+        }
         // Of loads that were set some time ago the terms of their polynomials, and of all of them the derivatives over r.
         let since = self.hybrid.time.minus(self.hybrid.loads_from).value().abs();
         let terms = shifted(&self.hybrid.loads.map(|f| f.map(f64::abs)), since);
@@ -140,8 +144,7 @@ impl Simulator {
             orders.fold(0.0, |sum, (now, terms)| sum / model.rate + now.abs().max(*terms))
         };
         let loads = forces.iter().zip(&terms).zip(&model.inverse_mass);
-        let pushed: f64 = loads.map(|((now, terms), inverse)| load(now, terms) * inverse).sum();
-        model.rate * (model.rate * place + rate) + model.drive.abs() + pushed
+        own + loads.map(|((now, terms), inverse)| load(now, terms) * inverse).sum::<f64>()
     }
 
     /// Input and damped energy with what is pending.

@@ -63,6 +63,8 @@ struct HybridState {
     contact: Contact,
     /// In flight from a stop: the order of the first derivative of w that leads away from it; else 0.
     departing: u8,
+    /// Whether nothing was beyond rounding where that order was found.
+    doubtful: bool,
     /// The departure, where w still rounds to that stop.
     departure: Option<Departure>,
     /// The event at which the motion stands, its law not yet applied.
@@ -89,6 +91,7 @@ impl HybridState {
             y,
             contact: Contact::Flight,
             departing: 0,
+            doubtful: false,
             departure: None,
             due: None,
             phase: DrivePhase::new(parameters.drive_phase),
