@@ -70,8 +70,11 @@ impl Simulator {
         let here = Departure { time: present, z: *z, gained: [0.0; 2] };
         let from = self.hybrid.departure.take().unwrap_or(here);
         (self.hybrid.time, *z) = (from.time, from.z);
-        let sums = &mut self.hybrid.sums;
-        (sums.input, sums.damped) = (sums.input.plus(-from.gained[0]), sums.damped.plus(-from.gained[1]));
+        // Where accounts are no longer kept, as while a batch reports, nothing would give it again.
+        if self.keeps_energy_accounts {
+            let sums = &mut self.hybrid.sums;
+            (sums.input, sums.damped) = (sums.input.plus(-from.gained[0]), sums.damped.plus(-from.gained[1]));
+        }
         Departing { from, order: self.hybrid.departing, present, accounts: self.accounts() }
     }
 
