@@ -7,6 +7,7 @@ use super::values::{Approach, OutputValues, coupling_force};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_impact::energy::{self, FIVE};
+use vibro_impact::error::Error;
 use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::numerics::drive_phase::DrivePhase;
@@ -45,6 +46,26 @@ pub(crate) struct Data {
     damped: f64,
     impact: f64,
     limit: Limit,
+}
+
+impl Data {
+    /// Refuses times and phases that no motion has, at which impacts could not be counted: they can only come from a saved
+    /// state that was damaged.
+    ///
+    /// # Errors
+    /// [`PrecisionLost`](Error::PrecisionLost) for a time, [`OutOfRange`](Error::OutOfRange) for a phase.
+    fn check(&self) -> Result<(), Error> {
+        check_time(self.parameters.drive_frequency, self.time.value())?;
+        check_time(self.parameters.drive_frequency, self.from.value())?;
+        if self.phase.is_sound() {
+            return Ok(());
+        }
+        Err(Error::OutOfRange {
+            name: "saved state",
+            value: f64::NAN,
+            allowed: "a phase of less than a turn",
+        })
+    }
 }
 
 /// Which limit is shown.
@@ -101,7 +122,7 @@ impl ClosedForm {
     /// As [`Solution::new`].
     pub(crate) fn of(data: Data) -> Result<Self, Problem> {
         let p = &data.parameters;
-        check_time(p.drive_frequency, data.time.value())?;
+        data.check()?;
         let solution = Solution::new(data.mode, p)?;
         let model = Model::new(p)?;
         let (speed, impulse) = solution.impact(&model);
@@ -130,6 +151,7 @@ impl ClosedForm {
             && data.from == self.data.from
             && data.phase == self.data.phase;
         if same {
+            data.check()?;
             self.data = data;
         } else {
             *self = Self::of(data)?;

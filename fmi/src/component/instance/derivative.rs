@@ -23,6 +23,9 @@ const STEP: f64 = 1e-4;
 const LEAST: f64 = 0.1;
 /// And the rate by which that is measured at least, in parts of the fastest.
 const SLOWEST: f64 = 1e-2;
+/// What the drive's frequency is measured by at least, in parts of the fastest rate, and its amplitude, in parts of the forces on the
+/// box: a steady state at the frequency of a slow drive knows nothing of a part that is much faster.
+const FAINT: (f64, f64) = (1e-6, 1e-3);
 /// By how much the drive may turn since the time 0 where a measure of its frequency is added, rad.
 const TURN: f64 = 10.0;
 /// Shorter steps of a closed form, in parts of that, where neither side is free of impacts: they leave 1e-10 of rounding. With each how
@@ -192,20 +195,26 @@ impl Instance {
         Err(refused.unwrap_or_else(|| Problem::sequence("there is nothing to differentiate")))
     }
 
-    /// What a known is measured by: its value, or where that is less what is of its kind in this machine.
+    /// What a known is measured by: its value, or where that is less what is of its kind in this machine. An angle is measured by
+    /// one radian, however many turns it has.
     fn measure(&self, variable: &Variable) -> f64 {
         let (p, at_start) = (&self.settings.parameters, matches!(self.engine, Engine::None));
         let fastest = Model::new(p).map_or(1.0, |model| model.rate);
-        let rate = p.drive_frequency.abs().max(SLOWEST * fastest);
+        let drive = p.drive_frequency;
+        let rate = drive.max(SLOWEST * fastest);
         let mass = p.box_mass.min(p.block_mass).min(p.secondary_mass);
         let least = match variable.unit() {
             Some("m") => p.stop_gap,
             Some("m/s") => p.stop_gap * fastest,
+            Some("N") if variable.causality == Causality::Parameter => {
+                FAINT.1 * (p.box_stiffness + p.box_mass * drive * drive) * p.stop_gap
+            }
             Some("N") => mass * fastest * fastest * p.stop_gap,
             Some("N/m") => LEAST * mass * rate * rate,
             Some("N.s/m") => LEAST * mass * rate,
-            Some("rad/s") => rate,
-            Some("rad" | "1") => 1.0,
+            Some("rad/s") => FAINT.0 * fastest,
+            Some("rad") => return 1.0,
+            Some("1") => 1.0,
             _ => 0.0,
         };
         let size = read(&self.settings, variable).abs().max(least);

@@ -16,6 +16,7 @@ use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, DueEvent, Event, EventObserver, ImpactRecord, Loads, Simulator};
 
 /// What moves, as it is to be read now: at an event the host handles, a copy after the event.
+#[allow(clippy::large_enum_variant)] // it lives while it is read, and boxes would allocate
 pub(super) enum Present<'a> {
     None,
     Simulation(Cow<'a, Simulator>),

@@ -198,6 +198,36 @@ fn a_played_state_comes_back_bit_by_bit() {
     }
 }
 
+/// At a time that no motion has impacts cannot be counted one by one: a step from there would never end.
+#[test]
+fn a_played_state_of_a_damaged_time_is_refused() {
+    let mut fmu = closed(2.0);
+    step(&mut fmu, 0.0, 3.25).unwrap();
+    set(&mut fmu, "drive.frequency", 1.06).unwrap();
+    step(&mut fmu, 3.25, 4.5).unwrap();
+    let payload = postcard::to_stdvec(&fmu.save()).unwrap();
+    let mut altered = 0;
+    for time in [3.25f64, 7.75] {
+        for place in 0..payload.len() - 8 {
+            if payload[place..place + 8] != time.to_le_bytes() {
+                continue;
+            }
+            for wrong in [-1e34, 1e300, f64::NAN] {
+                let mut damaged = payload.clone();
+                damaged[place..place + 8].copy_from_slice(&f64::to_le_bytes(wrong));
+                let damaged: SavedState = postcard::from_bytes(&damaged).unwrap();
+                for component in [&mut instance(), &mut fmu] {
+                    let refused = component.restore(&damaged);
+                    assert!(refused.is_err(), "{time} at {place}: {wrong}");
+                }
+            }
+            altered += 1;
+        }
+    }
+    assert_eq!(altered, 3, "when it came into force, for the drive too, and the present");
+    assert_eq!(fmu.time(), 7.75);
+}
+
 #[test]
 fn played_impacts_stop_a_step_and_are_logged() {
     let mut form =

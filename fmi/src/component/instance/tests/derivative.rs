@@ -157,9 +157,45 @@ fn closed_form_derivatives_at_values_of_any_size_and_at_late_starts() {
         near(at_start(("box.f", value), 1.0, "box.f"), 1.0, "box.f");
         near(at_start(("drive.phase", value), 1.0, "drive.phase"), cos(1.0), "drive.phase");
     }
+    for turned in [1e3, 8264.8, 1e5, 1e6] {
+        // The phase itself is rounded to a millionth of the step there.
+        let (got, expected) =
+            (at_start(("drive.phase", turned), 1.0, "drive.phase"), 0.15 * (turned + 1.04).cos());
+        assert!((got - expected).abs() < 1e-6, "drive.phase {turned}: {got} {expected}");
+    }
     for time in [0.0, 1.0, 1e2, 1e3, 1e4] {
         let known = "drive.frequency";
         near(at_start(("box.s", 0.0), time, known) / time.max(1.0), time.min(1.0) * cos(time), known);
+    }
+}
+
+/// A secondary oscillator or a damper that is much faster than the drive does not widen the steps of the drive's parameters.
+#[test]
+fn second_method_derivatives_by_the_drive_beside_a_part_that_is_much_faster() {
+    let fast = [
+        [("secondary.m", 9.966e-4), ("secondary.k", 4025.0), ("secondary.c", 53.85), ("box.c", 0.001187)],
+        [("secondary.m", 3.557e-5), ("secondary.k", 6047.0), ("secondary.c", 0.0), ("box.c", 0.002027)],
+    ];
+    for (part, force, frequency) in [(fast[0], 0.2011, 1.05207), (fast[1], 0.2076, 0.9635)] {
+        for (known, value) in [("drive.frequency", frequency), ("drive.amplitude", force)] {
+            let mut fmu = instance();
+            for (name, value) in part {
+                set(&mut fmu, name, value).unwrap();
+            }
+            set(&mut fmu, "coupling.k", 0.0).unwrap();
+            set(&mut fmu, "drive.amplitude", force).unwrap();
+            set(&mut fmu, "drive.frequency", frequency).unwrap();
+            fmu.set_experiment(None, 0.0, None).unwrap();
+            fmu.enter_initialization();
+            let got = derivative(&mut fmu, &["steady.phase"], &[known], &[1.0])[0];
+            const H: f64 = 1e-5;
+            let [before, after] = [value - H, value + H].map(|value| {
+                set(&mut fmu, known, value).unwrap();
+                get(&mut fmu, "steady.phase")
+            });
+            let expected = (after - before) / (2.0 * H);
+            assert!((got - expected).abs() < 1e-4 * expected.abs(), "{known}: {got} {expected}");
+        }
     }
 }
 
