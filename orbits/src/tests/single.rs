@@ -5,6 +5,7 @@ use crate::orbit::unfolded_phases;
 use crate::system::Anchor;
 use crate::{Orbit, OrbitWord, System};
 use nalgebra::{DMatrix, Matrix6};
+use std::f64::consts::PI;
 use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit::{self, Vector6};
 use vibro_impact::{Simulator, State};
@@ -341,4 +342,25 @@ fn closed_form_product_of_the_multipliers_where_sweeps_turn_in_circles() {
         let exact = p.stop_restitution.powi(4) * (-damped * p.period()).exp();
         assert!((product / exact - 1.0).abs() < 1e-10, "{} {product} {exact}", p.box_stiffness);
     }
+}
+
+/// At the phase of an impact the state is the one just after it, with a load on a block without a spring too.
+#[test]
+fn invariant_states_at_impacts_are_those_after_them() {
+    let (orbit, exact) = symmetric(1.5);
+    let [phase, after] = [orbit.phases()[0], exact.drive_phase()];
+    for (turn, sign) in [(0.0, 1.0), (PI, -1.0)] {
+        let (state, expected) = (orbit.state(phase + turn), exact.state(after + turn));
+        for i in 0..3 {
+            assert!((state.x[i] - expected.x[i]).abs() < 1e-12, "{state:?} {expected:?}");
+            assert!((state.v[i] - expected.v[i]).abs() < 1e-12, "{state:?} {expected:?}");
+        }
+        // The block has left the stop.
+        assert!(sign * (state.v[1] - state.v[0]) < 0.0, "{state:?}");
+    }
+    let falling =
+        Parameters { coupling_stiffness: 0.0, constant_loads: [0.0, -0.01, 0.0], ..parameters(1.5) };
+    let system = System::new(&falling).unwrap();
+    let z = Vector6::new(0.1, 0.2, 0.3, 0.4, 0.5, 0.6);
+    assert_eq!(system.fly(0.0, &z), z);
 }
