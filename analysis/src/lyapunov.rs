@@ -220,7 +220,18 @@ impl Tangent {
         if let Rank::Limited(most) = rank {
             self.rank = self.rank.min(most);
             self.renormalize();
+        } else if let PieceEnd::Impact { after, .. } = &piece.end
+            && self.taken + 2.0 * self.growth() > SMALLER
+        {
+            // A slow impact makes one variation long, and by as much another one short.
+            self.renormalize_at(after[DRIVE_SIN].atan2(after[DRIVE_COS]));
         }
+    }
+
+    /// The logarithm of the longest variation since they were made orthonormal.
+    fn growth(&self) -> f64 {
+        let squares = self.frame.iter().map(|v| v.iter().map(|x| x * x).sum::<f64>());
+        0.5 * squares.fold(1.0, f64::max).ln()
     }
 
     /// Makes the variations orthonormal at a phase of the drive, without what rounding has put beside the circle.

@@ -169,7 +169,7 @@ impl System {
     /// The free part of a state after a flight of a span with its map.
     pub(super) fn flown(&self, transition: &Transition, span: f64, z: &Vector6) -> Vector6 {
         let after = transition.apply(z);
-        if self.balance.push == Vector6::zeros() { after } else { after + self.fall(span) }
+        if self.balance.push == Vector6::zeros() || span == 0.0 { after } else { after + self.fall(span) }
     }
 
     /// What the loads move the bodies by over a flight from rest at the places to which states refer.

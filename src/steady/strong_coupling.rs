@@ -225,8 +225,13 @@ impl StrongCoupling {
         if jacobian.iter().any(|x| !x.is_finite()) {
             return Err(lost);
         }
-        let schur = jacobian.try_schur(f64::EPSILON, EIGENVALUE_SWEEPS).ok_or(lost)?;
-        Ok(schur.complex_eigenvalues().into())
+        // Sweeps compare with the diagonal. Where that is zero, without dampers and losses, they do not end unless it is moved away.
+        let found = [0.0, jacobian.norm()].into_iter().find_map(|by| {
+            let moved = jacobian + Matrix4::identity() * by;
+            let values = moved.try_schur(f64::EPSILON, EIGENVALUE_SWEEPS)?.complex_eigenvalues();
+            Some(values.map(|value| value - by))
+        });
+        Ok(found.ok_or(lost)?.into())
     }
 
     /// Half-cycle multipliers at the root C, docs/theory.md (67).

@@ -83,6 +83,35 @@ fn closed_form_of_exponents_far_apart() {
 }
 
 #[test]
+fn invariant_the_sum_of_the_exponents_where_slow_impacts_stretch() {
+    // Hundreds of impacts in a long period of the drive, slow ones among them: each of these makes one variation long and another short. An
+    // impact takes the square of the restitution coefficient of phase space, and the dampers their rates.
+    let p = Parameters {
+        box_mass: 0.557_724_769_778_829,
+        box_stiffness: 8.491_729_122_830_904,
+        box_damping: 0.033_370_507_598_979_38,
+        block_mass: 0.049_477_690_481_578_79,
+        secondary_mass: 0.051_108_911_421_343_474,
+        secondary_stiffness: 0.0,
+        secondary_damping: 0.024_533_431_141_187_268,
+        coupling_stiffness: 0.037_677_506_917_004_07,
+        stop_restitution: 0.973_791_134_659_245,
+        drive_amplitude: 30.946_572_112_086_287,
+        drive_frequency: 0.030_040_808_668_644_642,
+        drive_phase: 0.150_781_694_426_338_1,
+        ..Parameters::default()
+    };
+    let mut simulator = settled_simulator(&p, &moving_block(&p), 150.0).unwrap();
+    let options = SpectrumOptions { align: 100, periods: 200, ..SpectrumOptions::default() };
+    let found = spectrum(&mut simulator, &options).unwrap();
+    assert!(found.impacts > 10_000 && !found.rests, "{found:?}");
+    let of_impacts = 2.0 * p.stop_restitution.ln() * found.impacts as f64 / (200.0 * p.period());
+    let expected = of_impacts - p.box_damping / p.box_mass - p.secondary_damping / p.secondary_mass;
+    let sum = found.exponents.iter().sum::<f64>();
+    assert!((sum - expected).abs() < IDENTITY, "{sum} {expected}");
+}
+
+#[test]
 fn closed_form_of_directions_that_nothing_mixes() {
     // No impacts, so that box and block do not act on each other, and nothing holds the secondary oscillator: its place has the exponent zero,
     // as has the phase, and both are there when the alignment is over.

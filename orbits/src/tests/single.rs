@@ -5,6 +5,7 @@ use crate::orbit::unfolded_phases;
 use crate::system::Anchor;
 use crate::{Orbit, OrbitWord, System};
 use nalgebra::{DMatrix, Matrix6};
+use std::f64::consts::PI;
 use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit::{self, Vector6};
 use vibro_impact::{Simulator, State};
@@ -340,5 +341,68 @@ fn closed_form_product_of_the_multipliers_where_sweeps_turn_in_circles() {
         let damped = p.box_damping / p.box_mass + p.secondary_damping / p.secondary_mass;
         let exact = p.stop_restitution.powi(4) * (-damped * p.period()).exp();
         assert!((product / exact - 1.0).abs() < 1e-10, "{} {product} {exact}", p.box_stiffness);
+    }
+}
+
+/// At the phase of an impact the state is the one just after it, with a load on a block without a spring too.
+#[test]
+fn invariant_states_at_impacts_are_those_after_them() {
+    let (orbit, exact) = symmetric(1.5);
+    let [phase, after] = [orbit.phases()[0], exact.drive_phase()];
+    for (turn, sign) in [(0.0, 1.0), (PI, -1.0)] {
+        let (state, expected) = (orbit.state(phase + turn), exact.state(after + turn));
+        for i in 0..3 {
+            assert!((state.x[i] - expected.x[i]).abs() < 1e-12, "{state:?} {expected:?}");
+            assert!((state.v[i] - expected.v[i]).abs() < 1e-12, "{state:?} {expected:?}");
+        }
+        // The block has left the stop.
+        assert!(sign * (state.v[1] - state.v[0]) < 0.0, "{state:?}");
+    }
+    let falling =
+        Parameters { coupling_stiffness: 0.0, constant_loads: [0.0, -0.01, 0.0], ..parameters(1.5) };
+    let system = System::new(&falling).unwrap();
+    let z = Vector6::new(0.1, 0.2, 0.3, 0.4, 0.5, 0.6);
+    assert_eq!(system.fly(0.0, &z), z);
+}
+
+/// With a strong damper or a stiff spring half a period is thousands of Taylor pieces, whose rounding must not pass for a stop that is met
+/// earlier: orbits are certified that are the closed form's and the simulator's.
+#[test]
+fn second_method_orbits_of_more_rounding_are_certified() {
+    let p = Parameters {
+        box_mass: 1.62,
+        box_stiffness: 1.02,
+        box_damping: 0.068,
+        block_mass: 0.086,
+        secondary_mass: 0.0219,
+        secondary_stiffness: 0.131,
+        coupling_stiffness: 0.0021,
+        stop_restitution: 0.807,
+        drive_amplitude: 0.192,
+        drive_frequency: 0.566,
+        ..Parameters::default()
+    };
+    let damped = (0..24).map(|k| Parameters { secondary_damping: 30.0 + 2.0 * f64::from(k), ..p });
+    let stiff = (0..24).map(|k| Parameters {
+        secondary_stiffness: 5e4 * (1.0 + f64::from(k)),
+        secondary_damping: 0.05,
+        ..p
+    });
+    for p in damped.chain(stiff) {
+        let exact = exact_orbit::solve(&p).unwrap().upper.unwrap();
+        assert!(exact.is_clear(), "{p:?}");
+        let orbit =
+            Orbit::find(&System::new(&p).unwrap(), &word("U", -1, 1), &[exact.drive_phase()]).unwrap();
+        assert!(orbit.is_certified(), "{p:?}");
+        // The simulator starts a while after the impact and meets the other stop half a period after it.
+        let start = orbit.phases()[0] + 0.1 * PI;
+        let q = Parameters { drive_phase: start, ..p };
+        let mut simulator = Simulator::new(&q, &orbit.state(start), 0.0).unwrap();
+        let half = 0.5 * p.period();
+        let begin = 0.1 * half;
+        simulator.advance_to((1.0 - 1e-6) * half - begin).unwrap();
+        assert_eq!(simulator.impacts().upper + simulator.impacts().lower, 0);
+        simulator.advance_to((1.0 + 1e-6) * half - begin).unwrap();
+        assert_eq!(simulator.impacts().lower, 1);
     }
 }

@@ -166,6 +166,10 @@ impl Flight {
 
     /// exp(A Δ) over a span Δ ≥ 0 of the phase, exact to round-off: a Taylor piece, squared as often as it takes.
     pub fn transition(&self, span: f64) -> Transition {
+        if span == 0.0 {
+            // A piece without length has no rates.
+            return Transition { one: Matrix2::identity(), pair: Matrix4::identity() };
+        }
         let pieces = self.doubled_pieces(span);
         let h = span / f64::from(pieces);
         let free = |i: usize, j: Option<usize>| {

@@ -177,3 +177,51 @@ fn resonances_are_errors() {
         Err(Error::OutOfRange { name: "beta2", .. })
     ));
 }
+
+#[test]
+fn closed_form_sum_of_the_eigenvalues_where_sweeps_turn_in_circles() {
+    // Elastic impacts and no dampers: the slow flow keeps volumes.
+    for [epsilon, f10, sigma1, beta2, sigma30, mu13] in [
+        [
+            0.3559830366926683,
+            0.18071539319857002,
+            1.1115268028028602,
+            0.13452962442818192,
+            3.271926923633078,
+            0.26783681850859314,
+        ],
+        [
+            0.1424303026391679,
+            0.06797328823390743,
+            0.0,
+            2.6915376822070725,
+            -0.6772621099320908,
+            0.25831487114853985,
+        ],
+        [
+            0.0033640423189846753,
+            4.997853133202947,
+            3.4389006039710086,
+            1.591355158533356,
+            -0.56505900763554,
+            8.402860001395883,
+        ],
+        [
+            0.2597007575476307,
+            9.140975084230707,
+            0.8586823786820039,
+            0.8685613991195966,
+            2.9243073905289085,
+            0.8269264279730152,
+        ],
+    ] {
+        let (gamma1, gamma3, kappa) = (0.0, 0.0, 1.0);
+        let g = Groups { epsilon, f10, sigma1, beta2, sigma30, mu13, gamma1, gamma3, kappa, ..strong() };
+        let Roots { lower, upper } = solve(&g).unwrap().unwrap();
+        for point in [lower, upper] {
+            let sum: f64 = point.eigenvalues.iter().map(|e| e.re).sum();
+            let size = point.eigenvalues.iter().map(|e| e.norm()).fold(1.0, f64::max);
+            assert!(sum.abs() < 1e-12 * size, "{g:?} {sum}");
+        }
+    }
+}
