@@ -356,3 +356,49 @@ fn invariant_forces_at_the_edge_of_rounding_do_not_stall() {
         }
     }
 }
+
+/// A block that leaves a stop by the ninth derivative of w, while rounding is all that its second to eighth ones are: it is kept there only
+/// as long as no derivative is beyond rounding.
+#[test]
+fn second_method_what_was_in_doubt_leaves_by_what_is_beyond_rounding() {
+    /// Roundings of the place, gaps: docs/numerics.md, section 3, allows 18 ε S, and S is some gaps here.
+    const ROUNDING: f64 = 100.0 * f64::EPSILON;
+    let p = Parameters {
+        box_mass: 0.7982975814983321,
+        box_stiffness: 0.35717646298409533,
+        box_damping: 0.0,
+        block_mass: 0.3188250400708371,
+        secondary_mass: 0.9605847606883469,
+        secondary_stiffness: 0.25984669616306655,
+        secondary_damping: 0.0,
+        coupling_stiffness: 0.29230263444816973,
+        stop_gap: 0.1,
+        stop_restitution: 0.0,
+        drive_amplitude: -0.7617733683553457,
+        drive_frequency: 2.134263818818754,
+        ..Parameters::default()
+    };
+    let derivatives = [
+        [0.0; 4],
+        [-0.1773572871149936, -0.6493240623796352, 1.6226055746147424e-17, 2.652938591901833],
+        [0.3610063075308729, 0.0, -3.0650444993798114e-17, -38.66897088058967],
+    ];
+    let at_stop = State { x: [0.0, 0.1, 0.706759112690933], v: [0.0; 3] };
+    let mut at_rest = Simulator::new(&p, &at_stop, 0.0).unwrap();
+    at_rest.set_loads(&Loads { derivatives }).unwrap();
+    let model = Model::new(&p).unwrap();
+    let time = 0.3 / model.rate;
+    let series =
+        Series::<24>::expand(&model, SmoothMode::Flight, &at_rest.augmented(), Some(&derivatives), time);
+    // All that is beyond rounding.
+    let way: f64 = series.excess_polynomial(1.0, p.stop_gap)[9..].iter().sum();
+    assert!(way < -10.0 * ROUNDING * p.stop_gap, "{way:e}");
+    for steps in [1, 7, 100] {
+        let mut simulator = at_rest.clone();
+        for n in 1..=steps {
+            simulator.advance_to(time * f64::from(n) / f64::from(steps)).unwrap();
+        }
+        let found = simulator.relative_motion().0 - p.stop_gap;
+        assert!((found - way).abs() < ROUNDING * p.stop_gap, "{steps}: {found:e} {way:e}");
+    }
+}

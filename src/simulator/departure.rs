@@ -75,6 +75,13 @@ impl Simulator {
             let sums = &mut self.hybrid.sums;
             (sums.input, sums.damped) = (sums.input.plus(-from.gained[0]), sums.damped.plus(-from.gained[1]));
         }
+        // What nothing but rounding moved may have got a derivative beyond it by now, of another order.
+        if self.hybrid.departing > 1
+            && self.hybrid.doubtful
+            && let (_, Some(order)) = self.flight_from_stop(z)
+        {
+            (self.hybrid.departing, self.hybrid.doubtful) = (order as u8, false);
+        }
         Departing { from, order: self.hybrid.departing, present, accounts: self.accounts() }
     }
 
@@ -121,13 +128,6 @@ impl Simulator {
             certain
         });
         (series, certain)
-    }
-
-    /// Whether the block is at a stop without speed, and nothing but rounding moves it.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn is_in_doubt(&self, z: &Augmented) -> bool {
-        self.flight_from_stop(z).1.is_none()
     }
 
     /// r² S, which the terms of an acceleration are of (docs/numerics.md, section 1); they may cancel.

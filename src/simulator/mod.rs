@@ -63,7 +63,7 @@ struct HybridState {
     contact: Contact,
     /// In flight from a stop: the order of the first derivative of w that leads away from it; else 0.
     departing: u8,
-    /// Whether nothing was beyond rounding where that order was found.
+    /// Whether that order may be rounding: no derivative was beyond it.
     doubtful: bool,
     /// The departure, where w still rounds to that stop.
     departure: Option<Departure>,

@@ -282,7 +282,7 @@ impl Simulator {
         end: DoubleDouble,
     ) -> Option<f64> {
         self.work.substeps += 1;
-        let doubtful = self.hybrid.departing > 1 && self.hybrid.doubtful && self.is_in_doubt(z);
+        let doubtful = self.hybrid.departing > 1 && self.hybrid.doubtful;
         if LOADS == 0 && self.hybrid.contact == Contact::Flight && !doubtful {
             let interval = self.interval();
             let bound = simd::weigh::<S>(z, &self.flight.core.bound);
