@@ -109,6 +109,12 @@ impl MotionClass {
         !matches!(self, Self::Settling | Self::NotSettled)
     }
 
+    /// Whether it need not be looked at once more either: what seems quasi-periodic may have been leaving an orbit that is hardly unstable,
+    /// and have come to another while its exponent was counted.
+    pub(crate) fn is_final(self) -> bool {
+        self.is_decided() && self != Self::QuasiPeriodic
+    }
+
     /// The class of an attractor, with the largest exponent beside the drive phase's zero where it is known.
     pub fn by_largest(attractor: &Attractor, largest: Option<&LargestExponent>, p: &Parameters) -> Self {
         let sign = largest.map(|exponent| exponent.sign(p));

@@ -226,8 +226,7 @@ fn observe_all(
         .iter()
         .zip(ends.iter().zip(&arrived))
         .filter(|((index, _), (_, arrived))| {
-            let stays = |p: &SweepPoint| p.class.is_decided() && p.class != MotionClass::QuasiPeriodic;
-            points[*index].as_ref().is_some_and(|p| !(stays(p) && **arrived))
+            points[*index].as_ref().is_some_and(|p| !(p.class.is_final() && **arrived))
         })
         .map(|((index, start), (end, _))| (*index, Start { state: *end, ..*start }))
         .collect();
@@ -235,8 +234,7 @@ fn observe_all(
     Ok(points)
 }
 
-/// Follows motions whose verdict is open until it is decided. What is quasi-periodic is looked at once more: it may have been leaving an
-/// orbit that is hardly unstable, and have come to another while its exponent was counted.
+/// Follows motions whose verdict is not final until it is decided.
 fn prolong(open: &[(usize, Start)], points: &mut [Option<SweepPoint>], workspace: &mut Workspace) {
     let starts: Vec<Start> = open.iter().map(|(_, start)| *start).collect();
     follow(workspace, &starts, &Following::default(), &mut |number, motion, _| {

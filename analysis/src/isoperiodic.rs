@@ -253,11 +253,8 @@ fn points(
         let orbit = sites[index].orbit.as_ref();
         let seen_again = outcome.as_ref().is_ok_and(|found| found.periods > OBSERVED);
         points[index].motion = outcome.ok().map(|found| motion(&start.parameters, found, orbit));
-        // What wanders after the discarded periods is called so; what seems quasi-periodic is looked at once more, since it may have left an
-        // orbit that is hardly unstable for another while its exponent was counted.
-        points[index]
-            .motion
-            .is_none_or(|m| m.class.is_decided() && (seen_again || m.class != MotionClass::QuasiPeriodic))
+        // What wanders after the discarded periods is called so.
+        points[index].motion.is_none_or(|m| m.class.is_final() || seen_again && m.class.is_decided())
     });
     points
 }

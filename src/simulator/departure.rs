@@ -3,12 +3,10 @@
 //! A state at such a moment tells only to rounding, or not at all, that the block is on its way out. So a sub-step that would begin there
 //! begins at the departure itself, where w and the derivatives that are zero are exactly so (docs/numerics.md, section 2).
 
-use super::snapshot::MAX_NUMBER;
-use super::{HybridState, Simulator};
-use crate::error::{Error, Result};
-use crate::flow::{Series, shifted, substep};
+use super::Simulator;
+use crate::flow::{Series, shifted};
 use crate::model::{
-    Augmented, BOX, BOX_RATE, Forces, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
+    Augmented, BOX, BOX_RATE, Forces, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
 };
 use crate::numerics::double_double::DoubleDouble;
 use serde::{Deserialize, Serialize};
@@ -36,20 +34,6 @@ pub(super) struct Departing {
     accounts: [DoubleDouble; 2],
 }
 
-/// Whether the departure of a snapshot is one from which its state can have come.
-pub(super) fn check_departure(model: &Model, hybrid: &HybridState) -> Result<()> {
-    let Some(Departure { time, z, gained }) = hybrid.departure else { return Ok(()) };
-    let since = hybrid.time.minus(time).value();
-    let sound = z.iter().chain(&gained).all(|x| x.abs() <= MAX_NUMBER);
-    let fits =
-        hybrid.departing > 0 && z[RELATIVE] == hybrid.y[RELATIVE] && (0.0..substep(model)).contains(&since);
-    if sound && fits {
-        return Ok(());
-    }
-    let allowed = "0 to a sub-step, from a state at the same stop";
-    Err(Error::OutOfRange { name: "snapshot: time since departure", value: since, allowed })
-}
-
 impl Simulator {
     /// Whether the next sub-step, of at most `remaining` s, begins at a departure that has to be known at its end: its end may be so near
     /// that w still rounds to the stop.
@@ -60,6 +44,12 @@ impl Simulator {
             1 => remaining <= self.interval() || self.hybrid.departure.is_some(),
             _ => true,
         }
+    }
+
+    /// Whether nothing but rounding moves a block that is at a stop without speed.
+    #[inline(always)]
+    pub(super) fn is_doubtful(&self) -> bool {
+        self.hybrid.departing > 1 && self.hybrid.doubtful
     }
 
     /// Goes back to the departure, if the block has left a stop that w still rounds to; `z` becomes the state there.
@@ -76,8 +66,7 @@ impl Simulator {
             (sums.input, sums.damped) = (sums.input.plus(-from.gained[0]), sums.damped.plus(-from.gained[1]));
         }
         // What nothing but rounding moved may have got a derivative beyond it by now, of another order.
-        if self.hybrid.departing > 1
-            && self.hybrid.doubtful
+        if self.is_doubtful()
             && let (_, Some(order)) = self.flight_from_stop(z)
         {
             (self.hybrid.departing, self.hybrid.doubtful) = (order as u8, false);
@@ -131,7 +120,7 @@ impl Simulator {
     }
 
     /// r² S, which the terms of an acceleration are of (docs/numerics.md, section 1); they may cancel.
-    pub(super) fn largest_acceleration(&self, z: &Augmented, forces: &Forces) -> f64 {
+    fn largest_acceleration(&self, z: &Augmented, forces: &Forces) -> f64 {
         let model = &self.model;
         let place = model.gap + z[BOX].abs().max(z[SECONDARY].abs());
         let rate = z[BOX_RATE].abs().max(z[SECONDARY_RATE].abs()).max(z[RELATIVE_RATE].abs());

@@ -64,7 +64,6 @@ impl Simulator {
         mut z: Augmented,
         remaining: f64,
         end: DoubleDouble,
-        doubtful: bool,
     ) -> (Augmented, Option<f64>) {
         if self.hybrid.contact != Contact::Flight && !self.rest.core_ready {
             let rest = Arc::make_mut(&mut self.rest);
@@ -80,10 +79,11 @@ impl Simulator {
         }
         let interval = self.interval();
         let wild = self.hybrid.contact == Contact::Flight && self.exceeds_reach(&z, start.bound);
+        let doubtful = self.is_doubtful();
         let side = if remaining <= interval || wild || doubtful {
             // In a quarter of an interval the ninth and higher derivatives, which doubt does not ask for, do next to nothing.
             let longest = if doubtful { 0.25 * interval } else { interval };
-            self.substep_within_interval(&mut z, &start, remaining.min(longest), remaining, end, doubtful)
+            self.substep_within_interval(&mut z, &start, remaining.min(longest), remaining, end)
         } else {
             self.substep_by_tables(&mut z, &start, remaining, end)
         };
@@ -99,7 +99,6 @@ impl Simulator {
         mut span: f64,
         remaining: f64,
         end: DoubleDouble,
-        doubtful: bool,
     ) -> Option<f64> {
         let gap = self.model.gap;
         let mut near = [true; 2];
@@ -128,7 +127,7 @@ impl Simulator {
         series.states.iter_mut().take(zero.saturating_sub(1)).for_each(|state| state[RELATIVE_RATE] = 0.0);
         let passage = self.first_event_from_start(&series, start, near, span);
         // What brings the block back where nothing but rounding had moved it is rounding, too: it stays.
-        let stays = doubtful && passage.is_some();
+        let stays = self.is_doubtful() && passage.is_some();
         let (u, side) = passage.filter(|_| !stays).map_or((1.0, None), |(u, side)| (u, Some(side)));
         let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
         self.advance_to_point(z, start, &arrival);

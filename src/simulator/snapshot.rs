@@ -1,11 +1,11 @@
 //! A point of a motion, kept to come back to.
 
-use super::departure::check_departure;
+use super::departure::Departure;
 use super::limits::{check_constant_forces, check_contact, check_time};
 use super::{HybridState, Simulator};
 use crate::error::{Error, Result};
-use crate::flow::shifted;
-use crate::model::Model;
+use crate::flow::{shifted, substep};
+use crate::model::{Model, RELATIVE};
 use crate::numerics::double_double::DoubleDouble;
 use crate::parameters::Parameters;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,7 @@ pub struct Snapshot {
 
 /// Above this the squares in energies overflow. No motion of a start that is allowed comes to such displacements and speeds, unless loads
 /// drive it there for 1e8 of its time constants and longer, or stay in force for a machine for which they would be refused.
-pub(super) const MAX_NUMBER: f64 = 1e150;
+const MAX_NUMBER: f64 = 1e150;
 
 impl Simulator {
     /// All that is needed to come back to this point.
@@ -92,9 +92,22 @@ fn check_motion(model: &Model, hybrid: &HybridState) -> Result<()> {
     Ok(())
 }
 
+/// Whether the departure of a snapshot is one from which its state can have come.
+fn check_departure(model: &Model, hybrid: &HybridState) -> Result<()> {
+    let Some(Departure { time, z, gained }) = hybrid.departure else { return Ok(()) };
+    let since = hybrid.time.minus(time).value();
+    let sound = z.iter().chain(&gained).all(|x| x.abs() <= MAX_NUMBER);
+    let fits =
+        hybrid.departing > 0 && z[RELATIVE] == hybrid.y[RELATIVE] && (0.0..substep(model)).contains(&since);
+    if sound && fits {
+        return Ok(());
+    }
+    let allowed = "0 to a sub-step, from a state at the same stop";
+    Err(Error::OutOfRange { name: "snapshot: time since departure", value: since, allowed })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::departure::Departure;
     use super::*;
     use crate::State;
 

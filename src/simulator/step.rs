@@ -282,8 +282,7 @@ impl Simulator {
         end: DoubleDouble,
     ) -> Option<f64> {
         self.work.substeps += 1;
-        let doubtful = self.hybrid.departing > 1 && self.hybrid.doubtful;
-        if LOADS == 0 && self.hybrid.contact == Contact::Flight && !doubtful {
+        if LOADS == 0 && self.hybrid.contact == Contact::Flight && !self.is_doubtful() {
             let interval = self.interval();
             let bound = simd::weigh::<S>(z, &self.flight.core.bound);
             if !self.exceeds_reach(z, bound) {
@@ -298,7 +297,7 @@ impl Simulator {
                 }
             }
         }
-        let (arrived, side) = self.general_substep::<LOADS>(*z, remaining, end, doubtful);
+        let (arrived, side) = self.general_substep::<LOADS>(*z, remaining, end);
         *z = arrived;
         side
     }
