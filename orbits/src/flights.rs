@@ -1,12 +1,10 @@
 //! The flights between impacts as Taylor pieces: the proof that no stop is touched in between, and the extrema.
 
 use super::system::System;
-use vibro_impact::numerics::bernstein::{Polynomial, add_sine, evaluate, stays_within};
+use vibro_impact::numerics::bernstein::{Polynomial, add_sine, evaluate};
 use vibro_impact::numerics::roots::brent;
-use vibro_impact::steady::exact_orbit::{Flight, Vector6};
-
-/// Penetration of a stop, units of L, that counts as rounding, as for the exact orbit.
-pub(super) const PENETRATION_ROUNDING: f64 = 1e-12;
+pub(super) use vibro_impact::steady::PENETRATION_ROUNDING;
+use vibro_impact::steady::exact_orbit::{Clearance, Flight, Vector6};
 
 /// Parts of a piece at whose ends the slope is looked at. Over a piece the fastest mode turns by 0.75 rad, so that the slope
 /// changes its sign at most once in a part but next to an inflection.
@@ -55,17 +53,10 @@ pub(super) fn pieces(
     })
 }
 
-/// Whether it is proved that the block keeps within the stops during a flight, to [`PENETRATION_ROUNDING`], what contact is off by and the
-/// rounding of the flight. From piece to piece that adds up, and next to the resonance of a box without damper what the force and the
-/// impacts do cancels, as for the exact orbit.
+/// Whether it is proved that the block keeps within the stops during a flight, to what contact is off by and [`Clearance`]'s rounding.
 pub(super) fn is_clear(system: &System, z: &Vector6, phase: f64, span: f64, contact: f64) -> bool {
-    let (of_pieces, mut size) = (f64::EPSILON * f64::from(system.flight.least_pieces(span)), 0.0f64);
-    let limit = 1.0 + PENETRATION_ROUNDING + contact + 16.0 * f64::EPSILON * system.amplitude();
-    pieces(system, z, phase, span).all(|piece| {
-        size = size.max(1.0 + piece.x[0][0].abs());
-        let limit = limit + of_pieces * size;
-        stays_within(&piece.sum([-1.0, 1.0, 0.0]), -limit, limit)
-    })
+    let mut clearance = Clearance::new(contact, system.flight.least_pieces(span), system.amplitude());
+    pieces(system, z, phase, span).all(|piece| clearance.holds(&piece.sum([-1.0, 1.0, 0.0]), piece.x[0][0]))
 }
 
 /// Places t in [0, 1] at which a polynomial has a local maximum, with its values.

@@ -40,7 +40,7 @@ use quadratic::Quadratic;
 pub const QUARTER_TURN_TOLERANCE: f64 = 1e-6;
 
 /// Penetration of a stop, in units of L, that counts as round-off: a flight is known to a few 1e-15 per Taylor piece.
-const PENETRATION_ROUNDING: f64 = 1e-12;
+pub const PENETRATION_ROUNDING: f64 = 1e-12;
 
 /// An impedance this much smaller than its terms is zero but for rounding.
 const IMPEDANCE_ROUNDING: f64 = 1e-14;

@@ -5,10 +5,12 @@
 //! harmonic response H, (71). The impact law then leaves a quadratic in the impulse p, (74), and the phase δ of the force at the
 //! impact, (75). There is no small parameter and no truncation but that of double precision.
 
+mod clearance;
 mod flight;
 mod impact;
 mod orbit;
 
+pub use clearance::Clearance;
 pub use flight::{Flight, Transition, Vector6};
 pub use orbit::{ExactOrbit, OrbitWalk, eigenvalues};
 

@@ -1,10 +1,11 @@
 //! One exact orbit: its states, its clearance from the stops, its amplitudes and its multipliers.
 
-use super::super::{Bifurcation, EIGENVALUE_SWEEPS, PENETRATION_ROUNDING, Sheet};
+use super::super::{Bifurcation, EIGENVALUE_SWEEPS, Sheet};
+use super::clearance::Clearance;
 use super::flight::{Flight, Vector6};
 use super::{OrbitFamily, no_eigenvalues};
 use crate::error::Result;
-use crate::numerics::bernstein::{Polynomial, raise_to_maximum, stays_within};
+use crate::numerics::bernstein::{Polynomial, raise_to_maximum};
 use crate::parameters::Parameters;
 use crate::state::State;
 use nalgebra::{Complex, SMatrix};
@@ -113,15 +114,10 @@ impl ExactOrbit {
             clear: false,
             multipliers: eigenvalues(map).ok_or_else(no_eigenvalues)?,
         };
-        // From piece to piece rounding adds up, and next to the resonance of a box without damper what the force and the impacts do cancels:
-        // behind thousands of pieces, or of gaps, it is more than the least that counts.
-        let (of_pieces, mut size) = (f64::EPSILON * f64::from(orbit.flight.pieces), 0.0f64);
-        let of_force = 16.0 * f64::EPSILON * forced.norm();
+        let mut clearance = Clearance::new(0.0, orbit.flight.pieces, forced.norm());
         orbit.clear = orbit.pieces().all(|x| {
             let w: Polynomial = std::array::from_fn(|k| x[1][k] - x[0][k]);
-            size = size.max(1.0 + x[0][0].abs());
-            let limit = 1.0 + PENETRATION_ROUNDING + of_force + of_pieces * size;
-            stays_within(&w, -limit, limit)
+            clearance.holds(&w, x[0][0])
         });
         Ok(orbit)
     }
