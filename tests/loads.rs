@@ -268,3 +268,38 @@ fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
         }
     }
 }
+
+/// A block that its load holds on its stop to rounding, in steps of which one finds an impact in its past: it takes place at the present, with the
+/// state there. Otherwise the clock, and with it the loads, goes ahead of the bodies, and the block gets a speed out of nothing.
+#[test]
+fn second_method_an_event_found_in_the_past_moves_no_clock() {
+    /// Roundings of the place, in sizes of the motion: docs/numerics.md, section 3, allows 18 in a time of 1/r.
+    const ROUNDING: f64 = 18.0 * f64::EPSILON;
+    const STEPS: u32 = 300;
+    let p = Parameters {
+        box_mass: 4.106534556443866,
+        box_stiffness: 0.7250522391175724,
+        box_damping: 0.0,
+        block_mass: 0.15559747452939504,
+        secondary_mass: 9.600513972095115,
+        secondary_stiffness: 0.10596007540815833,
+        secondary_damping: 0.2244579239451615,
+        coupling_stiffness: 0.0,
+        stop_gap: 415.5964555069834,
+        stop_restitution: 0.9,
+        drive_amplitude: 339.01318918245795,
+        drive_frequency: 0.7904248931723623,
+        drive_phase: 0.06604562253327717,
+        constant_loads: [0.0; 3],
+    };
+    // The drive's force on the box, by order, is that of the load on the block: they keep together up to the fifth derivative.
+    let load = [0.8477580355092145, 10.131094698408301, -0.6793357438453484, -8.11837159249228];
+    let start = State { x: [0.0, -p.stop_gap, 282.5911201755524], v: [0.0, 0.0, -351.95968862946336] };
+    let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
+    simulator.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
+    for n in 1..=STEPS {
+        simulator.advance_to(9.433306453994917e-3 * f64::from(n) / f64::from(STEPS)).unwrap();
+    }
+    let way = simulator.relative_motion().0 + p.stop_gap;
+    assert!(way < ROUNDING * 3.0 * p.stop_gap, "{way:e}");
+}

@@ -3,7 +3,8 @@
 //! A state at such a moment tells only to rounding, or not at all, that the block is on its way out. So a sub-step that would begin there
 //! begins at the departure itself, where w and the derivatives that are zero are exactly so (docs/numerics.md, section 2).
 
-use super::Simulator;
+use super::{HybridState, Simulator};
+use crate::energy::{Pending, Sums};
 use crate::flow::{Series, shifted};
 use crate::model::{
     Augmented, BOX, BOX_RATE, Forces, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
@@ -28,10 +29,18 @@ pub(super) struct Departure {
 pub(super) struct Departing {
     from: Departure,
     order: u8,
-    /// The time at which the sub-step would have begun.
-    present: DoubleDouble,
     /// The accounts at the departure.
     accounts: [DoubleDouble; 2],
+    /// Where the sub-step would have begun.
+    present: Present,
+}
+
+/// A moment of a motion, with its accounts.
+struct Present {
+    time: DoubleDouble,
+    z: Augmented,
+    sums: Sums,
+    pending: Pending,
 }
 
 impl Simulator {
@@ -56,8 +65,9 @@ impl Simulator {
     #[cold]
     #[inline(never)]
     pub(super) fn return_to_departure(&mut self, z: &mut Augmented) -> Departing {
-        let present = self.hybrid.time;
-        let here = Departure { time: present, z: *z, gained: [0.0; 2] };
+        let Self { hybrid: HybridState { time, sums, .. }, pending, .. } = *self;
+        let present = Present { time, z: *z, sums, pending };
+        let here = Departure { time, z: *z, gained: [0.0; 2] };
         let from = self.hybrid.departure.take().unwrap_or(here);
         (self.hybrid.time, *z) = (from.time, from.z);
         // Where accounts are no longer kept, as while a batch reports, nothing would give it again.
@@ -71,7 +81,7 @@ impl Simulator {
         {
             (self.hybrid.departing, self.hybrid.doubtful) = (order as u8, false);
         }
-        Departing { from, order: self.hybrid.departing, present, accounts: self.accounts() }
+        Departing { from, order: self.hybrid.departing, accounts: self.accounts(), present }
     }
 
     /// Ends a sub-step that began at a departure. If it has come to `end`, and w still rounds to the stop there, the next one
@@ -85,11 +95,13 @@ impl Simulator {
         passage: Option<f64>,
         end: DoubleDouble,
     ) {
-        let Departing { from, order, present, accounts } = begun;
+        let Departing { from, order, accounts, present } = begun;
         if passage.is_some() {
-            // Another way of rounding may find an event a little earlier than where none was found before.
-            if self.hybrid.time.minus(*present).value() < 0.0 {
-                self.hybrid.time = *present;
+            // Another way of rounding may find an event where none was found before: it takes place at the present, and not in its past.
+            if self.hybrid.time.minus(present.time).value() < 0.0 {
+                *z = present.z;
+                (self.hybrid.time, self.hybrid.sums, self.pending) =
+                    (present.time, present.sums, present.pending);
             }
             return;
         }
