@@ -30,7 +30,8 @@ pub struct Reports {
     pub step: f64,
     /// The number of the first sample. [`u32::MAX`] leaves all out until an [event](MotionQueue::event) asks for one.
     pub first: u32,
-    /// The weights of x1, x2 and x3 in the displacement whose maxima are reported, if any are.
+    /// The weights of x1, x2 and x3 in the displacement whose maxima are reported, if any are. The way before the motion's start is not known: one
+    /// that starts while the block rests at the upper stop, or within rounding of its departure, may have one maximum of w more or less there.
     pub maxima_of: Option<[f64; 3]>,
 }
 
