@@ -7,7 +7,7 @@ pub(super) use vibro_impact::steady::PENETRATION_ROUNDING;
 use vibro_impact::steady::exact_orbit::{Clearance, Flight, Vector6};
 
 /// Parts of a piece at whose ends the slope is looked at. Over a piece the fastest mode turns by 0.75 rad, so that the slope
-/// changes its sign at most once in a part but next to an inflection.
+/// changes its sign at most once in a part but next to an inflection, at which it is looked at too.
 const PARTS: usize = 8;
 
 /// Accuracy of an extremum's place in a piece, whose value then is exact to round-off.
@@ -61,11 +61,21 @@ pub(super) fn is_clear(system: &System, z: &Vector6, phase: f64, span: f64, cont
 
 /// Places t in [0, 1] at which a polynomial has a local maximum, with its values.
 fn maxima_of(polynomial: &Polynomial) -> impl Iterator<Item = (f64, f64)> {
+    let rate: Polynomial =
+        std::array::from_fn(|k| polynomial.get(k + 1).map_or(0.0, |next| (k + 1) as f64 * next));
     let slope = |t: f64| evaluate(polynomial, t).1;
+    let curvature = move |t: f64| evaluate(&rate, t).1;
     let t = |i: usize| i as f64 / PARTS as f64;
     (0..PARTS).filter_map(move |i| {
-        let falls = slope(t(i)) > 0.0 && slope(t(i + 1)) <= 0.0;
-        let place = falls.then(|| brent(slope, t(i), t(i + 1), PLACE)).flatten()?;
+        let (mut from, mut to) = (t(i), t(i + 1));
+        let rises = slope(from) > 0.0;
+        if rises == (slope(to) > 0.0) && curvature(from) * curvature(to) < 0.0 {
+            // A minimum and a maximum hide each other, as shortly after a slow impact: the slope is looked at in between too.
+            let turn = brent(curvature, from, to, PLACE)?;
+            if rises { to = turn } else { from = turn }
+        }
+        let falls = slope(from) > 0.0 && slope(to) <= 0.0;
+        let place = falls.then(|| brent(slope, from, to, PLACE)).flatten()?;
         Some((place, evaluate(polynomial, place).0))
     })
 }
@@ -85,4 +95,23 @@ pub(super) fn maxima(
         found
     };
     pieces(system, z, phase, span).flat_map(in_piece).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A minimum and a maximum within one part, before and behind it: the slope falls or rises through zero twice.
+    #[test]
+    fn closed_form_a_maximum_is_found_next_to_a_minimum() {
+        for (low, high) in [(0.02, 0.05), (0.05, 0.02), (0.9, 0.97), (0.97, 0.9)] {
+            // The integral of s (t - low) (t - high), whose maximum is at `high`.
+            let s: f64 = if low < high { -1.0 } else { 1.0 };
+            let mut polynomial: Polynomial = Default::default();
+            polynomial[1..4].copy_from_slice(&[s * low * high, -0.5 * s * (low + high), s / 3.0]);
+            let found: Vec<_> = maxima_of(&polynomial).collect();
+            assert_eq!(found.len(), 1, "{low} {high}");
+            assert!((found[0].0 - high).abs() < PLACE, "{low} {high} {found:?}");
+        }
+    }
 }

@@ -72,8 +72,14 @@ impl Orbit {
                 return Err(Obstacle::Order);
             }
             Obstacle::check(system, word)?;
-            let phases = newton(system, word, guess)?;
-            Self::at(system, word, &phases)
+            let near = |system: &System| Self::at(system, word, &newton(system, word, guess)?);
+            let first = near(system);
+            if first.as_ref().is_ok_and(Self::is_certified) {
+                return first;
+            }
+            let anchors = system.resonant_anchors(word).into_iter().flatten();
+            let mut anchored = anchors.filter_map(|anchor| near(&system.anchored(Some(anchor))).ok());
+            anchored.find(Self::is_certified).map_or(first, Ok)
         };
         found().map_err(|obstacle| obstacle.error(system, word))
     }

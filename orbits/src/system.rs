@@ -4,7 +4,7 @@ pub(super) use super::balance::Anchor;
 pub use super::balance::ConstantLoads;
 use super::balance::{Balance, balance};
 use super::word::OrbitWord;
-use nalgebra::Complex;
+use nalgebra::{Complex, Matrix2, Matrix4};
 use vibro_analysis::Result;
 use vibro_impact::State;
 use vibro_impact::numerics::bernstein::Polynomial;
@@ -31,6 +31,10 @@ pub struct System {
 /// Stiffness of a second spring in parts of mass times ω1², beside which states keep so few digits that their equations may count as
 /// singular.
 const NEUTRAL: f64 = 1e-8;
+
+/// Determinant of what a free flight over a word leaves, under which a mode is next to a resonance: its frequency is off by about the root
+/// of that, in parts of the word's.
+const RESONANT: f64 = 1e-4;
 
 impl System {
     /// A machine under its drive and its constant loads.
@@ -60,6 +64,18 @@ impl System {
     /// What the first contact holds, where the state is found so.
     pub(super) fn anchor(&self) -> Option<Anchor> {
         self.anchor
+    }
+
+    /// What the first contact may hold next to a resonance of a mode that hardly anything damps: of a word of such a length the free flight
+    /// takes box, or block and secondary oscillator, nearly back to where they were, and impacts move what is left by its square.
+    pub(super) fn resonant_anchors(&self, word: &OrbitWord) -> [Option<Anchor>; 2] {
+        let Transition { one, pair } = self.flight.transition(word.span());
+        let sigma = f64::from(word.closing());
+        let left = [
+            (Anchor::Box, (Matrix2::identity() * sigma - one).determinant()),
+            (Anchor::Block, (Matrix4::identity() * sigma - pair).determinant()),
+        ];
+        left.map(|(anchor, left)| (left.abs() < RESONANT).then_some(anchor))
     }
 
     /// Whether no spring holds the block.

@@ -7,6 +7,7 @@ mod free_block;
 mod golden;
 mod islands;
 mod ranges;
+mod resonance;
 mod rows;
 mod settled;
 mod single;
