@@ -32,12 +32,36 @@ pub unsafe extern "C-unwind" fn keep(text: *mut c_void, _: c_int, _: *const c_ch
     unsafe { (*text.cast::<Vec<String>>()).push(message) };
 }
 
+/// Messages that the callback adds to through the same pointer by which they are read: of a box the compiler may suppose that nobody else does.
+pub struct Messages(*mut Vec<String>);
+
+impl std::ops::Deref for Messages {
+    type Target = Vec<String>;
+
+    fn deref(&self) -> &Vec<String> {
+        // SAFETY: the list lives as long as this, and nothing is added while it is read.
+        unsafe { &*self.0 }
+    }
+}
+
+impl Drop for Messages {
+    fn drop(&mut self) {
+        // SAFETY: it was made of a box.
+        drop(unsafe { Box::from_raw(self.0) });
+    }
+}
+
+impl std::fmt::Debug for Messages {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        (**self).fmt(f)
+    }
+}
+
 /// An instance of FMI 3.0 with its messages.
 pub struct Instance<'a> {
     pub c: FmiInstance,
     pub plan: &'a Plan,
-    #[allow(clippy::box_collection)] // the callback has its address
-    pub messages: Box<Vec<String>>,
+    pub messages: Messages,
 }
 
 impl Drop for Instance<'_> {
@@ -48,10 +72,10 @@ impl Drop for Instance<'_> {
 
 impl<'a> Instance<'a> {
     pub fn new(folder: &Path, plan: &'a Plan, token: &str, events: bool) -> Self {
-        let mut messages: Box<Vec<String>> = Box::default();
+        let messages = Messages(Box::into_raw(Box::default()));
         let token = CString::new(token).unwrap();
         let folder = CString::new(folder.to_str().unwrap()).unwrap();
-        let (events, environment) = (u8::from(events), std::ptr::from_mut(&mut *messages).cast());
+        let (events, environment) = (u8::from(events), messages.0.cast());
         let c = unsafe {
             fmi3InstantiateCoSimulation(
                 c"a".as_ptr(),
