@@ -44,6 +44,15 @@ pub enum Phase {
 }
 
 impl Phase {
+    /// Whether there is a motion in it; none where the phase alone does not tell.
+    pub fn has_motion(self) -> Option<bool> {
+        match self {
+            Self::Instantiated | Self::Initialization => Some(false),
+            Self::Event | Self::Continuous | Self::Step | Self::StoppedEarly => Some(true),
+            Self::Terminated | Self::Broken => None,
+        }
+    }
+
     /// In words, for messages.
     pub fn words(self) -> &'static str {
         match self {

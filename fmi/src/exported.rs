@@ -18,7 +18,9 @@ const REACH: f64 = 10.0;
 impl Refusal for Problem {
     fn is_of_a_value(&self) -> bool {
         match self {
-            Self::Model(_) | Self::ClosedForm { .. } | Self::Overflow { .. } => true,
+            Self::Model(_) | Self::ClosedForm { .. } | Self::Overflow { .. } | Self::Derivative { .. } => {
+                true
+            }
             Self::Door(problem) => problem.is_of_a_value(),
             _ => false,
         }

@@ -262,6 +262,9 @@ impl Component for Machine {
     fn restore(&mut self, saved: &SavedState) -> Result<(), MachineProblem> {
         let mut next = Self::new(self.plan.clone(), self.life);
         next.life.take_over(&saved.life)?;
+        if saved.life.phase.has_motion().is_some_and(|motion| motion != saved.moving.is_some()) {
+            return Err(refused("its phase does not go with what moves in it").into());
+        }
         let count = self.values.len();
         if [saved.values.len(), saved.phases.len()] != [count; 2] || saved.pending.len() != self.pending.len()
         {

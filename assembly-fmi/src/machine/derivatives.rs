@@ -4,6 +4,7 @@ use super::Machine;
 use crate::problem::MachineProblem;
 use crate::table::{Quantity, Row};
 use fmi_doors::{Bases, Interface, Problem};
+use vibro_assembly::Motion;
 
 /// Highest order of time derivatives of outputs.
 pub(crate) const OUTPUT_ORDER: u32 = 3;
@@ -42,11 +43,11 @@ impl Machine {
         let by_order: Vec<_> = (1..=OUTPUT_ORDER as usize)
             .map(|order| orders.contains(&(order as i32)).then(|| motion.time_derivative(order)))
             .collect();
-        for (i, (&reference, &order)) in references.iter().zip(orders).enumerate() {
-            let quantity = self.plan.table.row(reference, Bases::ANY)?.quantity;
-            let derivative = by_order[order as usize - 1].as_ref();
-            write(i, derivative.map_or(0.0, |motion| super::moving::linear(motion, quantity)) + 0.0);
-        }
+        let derivatives = references.iter().zip(orders).map(|(&reference, &order)| {
+            by_order[order as usize - 1].as_ref().map_or(Ok(0.0), |motion| self.derivative(motion, reference))
+        });
+        let derivatives = derivatives.collect::<Result<Vec<_>, _>>()?;
+        derivatives.into_iter().enumerate().for_each(|(i, derivative)| write(i, derivative));
         Ok(())
     }
 
@@ -62,6 +63,10 @@ impl Machine {
         let bodies = self.plan.assembly.states();
         let (mut states, mut inputs) = (vec![0.0; 2 * bodies.len()], vec![0.0; self.pending.len()]);
         for (&known, &part) in knowns.iter().zip(seed) {
+            if !part.is_finite() {
+                let what = format!("seed of {}", self.plan.table.row(known, Bases::ANY)?.name);
+                return Err(Problem::value(what, part, "a finite number").into());
+            }
             let state = |body: usize| bodies.iter().position(|&state| state == body).filter(|_| exchange);
             match self.plan.table.row(known, Bases::ANY)?.quantity {
                 Quantity::Input(i) => inputs[i] += part,
@@ -82,10 +87,20 @@ impl Machine {
             self.linear(unknown, "derivatives of other variables than coordinates, elongations and forces")?;
         }
         let varied = self.present()?.motion.variation(&states, &inputs);
-        for (i, &unknown) in unknowns.iter().enumerate() {
-            let quantity = self.plan.table.row(unknown, Bases::ANY)?.quantity;
-            write(i, super::moving::linear(&varied, quantity) + 0.0);
-        }
+        let derivatives = unknowns.iter().map(|&unknown| self.derivative(&varied, unknown));
+        let derivatives = derivatives.collect::<Result<Vec<_>, _>>()?;
+        derivatives.into_iter().enumerate().for_each(|(i, derivative)| write(i, derivative));
         Ok(())
+    }
+
+    /// What a variable that is linear in the motion reads of a derivative of the motion, which is to be finite.
+    fn derivative(&self, of: &Motion, reference: u32) -> Result<f64, MachineProblem> {
+        let row = self.plan.table.row(reference, Bases::ANY)?;
+        let value = super::moving::linear(of, row.quantity) + 0.0;
+        if value.is_finite() {
+            return Ok(value);
+        }
+        let allowed = "a finite number: seed, states or inputs are too large together";
+        Err(Problem::value(format!("derivative of {}", row.name), value, allowed).into())
     }
 }

@@ -253,3 +253,37 @@ fn invariant_arrays_are_in_their_own_description_alone() {
     let (none, name) = (std::ptr::null(), c"a".as_ptr());
     assert!(unsafe { fmi2Instantiate(name, 1, token.as_ptr(), uri.as_ptr(), none, 0, 0) }.is_null());
 }
+
+/// A seed that is not finite, or that makes a derivative which is not: refused by name, nothing is written, and the motion goes on.
+#[test]
+fn derivatives_that_are_no_finite_numbers_are_refused_by_name() {
+    let plan = pushed();
+    let machine = Instance::of("not finite", &plan, false);
+    machine.begin();
+    let (input, unknown) = (machine.reference("load.push.input"), machine.reference("b.a"));
+    for (seed, text) in [
+        ([f64::NAN, 0.0], "seed of load.push.input = NaN: allowed is a finite number"),
+        ([0.0, f64::INFINITY], "seed of load.push.input = inf: allowed is a finite number"),
+        ([f64::MAX, f64::MAX], "derivative of b.a = NaN: allowed is a finite number"),
+    ] {
+        let mut along = 7.0;
+        let knowns = [input; 2];
+        let status = unsafe {
+            fmi3GetDirectionalDerivative(
+                machine.c,
+                &unknown,
+                1,
+                knowns.as_ptr(),
+                2,
+                seed.as_ptr(),
+                2,
+                &mut along,
+                1,
+            )
+        };
+        assert_eq!((status, along), (DISCARD, 7.0), "{:?}", machine.messages.last());
+        let message = machine.messages.last().unwrap();
+        assert!(message.contains(text), "{message}");
+    }
+    machine.step(0.0, 0.1);
+}

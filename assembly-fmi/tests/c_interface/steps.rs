@@ -170,6 +170,44 @@ fn invariant_saved_states_go_through_bytes_and_reset_begins_anew() {
     assert_eq!(one.get("block.s"), first);
 }
 
+/// Whether the bytes of a saved state are taken with another phase in them and their checksum right.
+fn is_taken(machine: &Instance<'_>, phase: u8) -> bool {
+    // Behind mark and checksum (8 bytes each) and the token stand interface type, two Booleans and the phase.
+    const CONTENT: usize = 16;
+    const BEFORE_THE_PHASE: usize = 3;
+    let (mut state, mut size) = (null_mut(), 0);
+    unsafe {
+        assert_eq!(fmi3GetFMUState(machine.c, &mut state), OK);
+        assert_eq!(fmi3SerializedFMUStateSize(machine.c, state, &mut size), OK);
+        let mut bytes = vec![0; size];
+        assert_eq!(fmi3SerializeFMUState(machine.c, state, bytes.as_mut_ptr(), size), OK);
+        let token = usize::from(bytes[CONTENT]);
+        bytes[CONTENT + 1 + token + BEFORE_THE_PHASE] = phase;
+        let sum = vibro_impact::numerics::digest::fnv1a(&bytes[CONTENT..]);
+        bytes[8..CONTENT].copy_from_slice(&sum.to_le_bytes());
+        let status = fmi3DeserializeFMUState(machine.c, bytes.as_ptr(), size, &mut state);
+        assert_eq!(fmi3FreeFMUState(machine.c, &mut state), OK);
+        let refusal = status == ERROR && machine.messages.last().unwrap().contains("phase");
+        assert!(status == OK || refusal, "{phase}: {:?}", machine.messages);
+        status == OK
+    }
+}
+
+/// Damaged bytes may say any phase: only those are taken that go with the motion, or with none.
+#[test]
+fn saved_states_whose_phase_does_not_go_with_the_motion_are_refused() {
+    let plan = plan("damper_with_buffer.toml", unchanged);
+    for (begun, possible) in [(false, [0, 1, 6].as_slice()), (true, &[2, 4, 5, 6])] {
+        for phase in 0..8 {
+            let machine = Instance::of("phases", &plan, false);
+            if begun {
+                machine.begin();
+            }
+            assert_eq!(is_taken(&machine, phase), possible.contains(&phase), "{begun} {phase}");
+        }
+    }
+}
+
 #[test]
 fn closed_form_inputs_with_their_derivatives() {
     // Of half a second.

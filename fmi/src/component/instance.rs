@@ -252,14 +252,13 @@ impl Instance {
     /// gives the same bits as not having left.
     ///
     /// # Errors
-    /// [`SavedState`](fmi_doors::Problem::SavedState) for one of the other interface type, [`Problem::Model`] for one that is not possible;
-    /// nothing has changed then.
+    /// [`SavedState`](fmi_doors::Problem::SavedState) for one of the other interface type, or in a phase that does not go with what moves;
+    /// [`Problem::Model`] for one that is not possible. Nothing has changed then.
     pub fn restore(&mut self, saved: &SavedState) -> Outcome {
-        if saved.interface != self.life.interface {
-            let (its, own) = (saved.interface.name(), self.life.interface.name());
-            let what = format!("it is of {its}, this instance is of {own}").into();
-            return Err(fmi_doors::Problem::SavedState { what }.into());
-        }
+        let mut life = self.life;
+        let SavedState { interface, phase, experiment, .. } = *saved;
+        life.take_over(&Life { interface, phase, experiment, ..life })?;
+        saved.check()?;
         match (&mut self.engine, &saved.engine) {
             (engine, EngineState::None) => *engine = Engine::None,
             (Engine::Simulation(simulator), EngineState::Simulation(snapshot)) => {
@@ -281,13 +280,12 @@ impl Instance {
                 *engine = Engine::Continuous(Box::new(Continuous::of(*data)?));
             }
         }
-        self.life.phase = saved.phase;
+        self.life = life;
         self.derived_stale |= self.settings.parameters != saved.settings.parameters;
         self.settings = saved.settings;
         if saved.settings.stop_at_impact == saved.stop_by_default {
             self.settings.stop_at_impact = self.initial.stop_at_impact;
         }
-        self.life.experiment = saved.experiment;
         self.slopes_set = saved.slopes_set;
         self.parameters_set = saved.parameters_set;
         self.loads_set = saved.loads_set;
@@ -301,15 +299,12 @@ impl Instance {
         Ok(())
     }
 
-    /// Of a state that a host with another handling of events has saved: where this one has no such phase, the motion goes on
-    /// from there, an event that is due with its next step.
+    /// Of a state that a host with another handling of events has saved: where this one has no phase of events, nothing of one is
+    /// left, and an event that is due comes with its next step.
     fn meet_own_protocol(&mut self) {
         if self.life.interface == Interface::CoSimulation && !self.life.handling.event_mode {
             self.events = EventState::default();
             self.tick.active = false;
-            if self.life.phase == Phase::Event {
-                self.life.phase = Phase::Step;
-            }
         }
     }
 

@@ -40,6 +40,17 @@ pub enum Problem {
         /// When, s.
         time: f64,
     },
+    /// A derivative that is no finite double.
+    #[error(
+        "derivative of {name} = {value}: allowed is what a double can hold; seed, parameters, start values, states or loads are too \
+         large together"
+    )]
+    Derivative {
+        /// The variable.
+        name: &'static str,
+        /// Its derivative along the seed.
+        value: f64,
+    },
     /// A step with more work than one step may have; it has been taken back.
     #[error(
         "step from t = {own} s: it reached the limit of work in one step at t = {time} s, after {events} events, and has been taken \

@@ -81,6 +81,23 @@ fn take<const N: usize>(bytes: &mut &[u8]) -> Outcome<[u8; N]> {
 }
 
 impl SavedState {
+    /// Refuses a phase that does not go with what moves: it can only come from a saved state that was damaged. Which phases an
+    /// interface type has is asked elsewhere ([`Life::take_over`](fmi_doors::Life::take_over)).
+    ///
+    /// # Errors
+    /// [`SavedState`](fmi_doors::Problem::SavedState).
+    pub(super) fn check(&self) -> Outcome {
+        let exchange = self.interface == Interface::ModelExchange;
+        let fits = match &self.engine {
+            EngineState::None => self.phase.has_motion() != Some(true),
+            engine => {
+                matches!(engine, EngineState::Continuous(_)) == exchange
+                    && self.phase.has_motion() != Some(false)
+            }
+        };
+        if fits { Ok(()) } else { Err(refused("its phase does not go with what moves in it")) }
+    }
+
     /// Its bytes: header, payload, checksum.
     ///
     /// # Errors

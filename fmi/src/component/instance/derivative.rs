@@ -44,7 +44,7 @@ impl Instance {
     /// parameters with respect to inputs and Reals whose initial value is exact, by such differences.
     ///
     /// # Errors
-    /// A reference that is no unknown or known here, a seed that is not finite; nothing is written then.
+    /// A reference that is no unknown or known here, a seed or a derivative that is not finite; nothing is written then.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -77,18 +77,23 @@ impl Instance {
                 return Err(Problem::value(variable.name, value, "a finite seed"));
             }
         }
-        if initial {
-            let samples = self.differences(knowns, seed)?;
-            for (i, &reference) in unknowns.iter().enumerate() {
-                write(i, difference(self.look_up(reference, Bases::REAL)?, &samples));
+        let (values, samples) = match initial {
+            true => (None, self.differences(knowns, seed)?),
+            false => (Some(self.varied(knowns, seed)?), self.samples_of_form(knowns, seed)?),
+        };
+        let along = |variable: &Variable| match &values {
+            None => difference(variable, &samples),
+            Some(values) => rate(variable, values) + difference(variable, &samples),
+        };
+        for &reference in unknowns {
+            let variable = self.look_up(reference, Bases::REAL)?;
+            let value = along(variable);
+            if !value.is_finite() {
+                return Err(Problem::Derivative { name: variable.name, value });
             }
-        } else {
-            let values = self.varied(knowns, seed)?;
-            let samples = self.samples_of_form(knowns, seed)?;
-            for (i, &reference) in unknowns.iter().enumerate() {
-                let variable = self.look_up(reference, Bases::REAL)?;
-                write(i, rate(variable, &values) + difference(variable, &samples));
-            }
+        }
+        for (i, &reference) in unknowns.iter().enumerate() {
+            write(i, along(self.look_up(reference, Bases::REAL)?));
         }
         Ok(())
     }

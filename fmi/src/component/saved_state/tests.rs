@@ -187,6 +187,41 @@ fn invariant_no_bit_of_a_saved_state_makes_a_panic() {
     assert!(found.is_empty(), "{} found: {:#?}", found.len(), &found[..found.len().min(12)]);
 }
 
+/// Of every combination of phase, interface type and what moves only those are taken that an instance can write.
+#[test]
+fn states_whose_phase_does_not_go_with_what_moves_are_refused() {
+    use Phase::*;
+    let all = [Instantiated, Initialization, Event, Continuous, Step, StoppedEarly, Terminated, Broken];
+    for (name, state) in states() {
+        for phase in all {
+            let possible: &[Phase] = match name {
+                "none" => &[Instantiated, Initialization, Terminated],
+                "continuous" => &[Event, Continuous, Terminated],
+                _ => &[Event, Step, StoppedEarly, Terminated],
+            };
+            let mut instance = Instance::new(state.interface);
+            let before = instance.save();
+            let outcome = instance.restore(&SavedState { phase, ..state.clone() });
+            assert_eq!(outcome.is_ok(), possible.contains(&phase), "{name} {phase:?}: {outcome:?}");
+            assert_eq!(outcome.is_err(), instance.save() == before, "{name} {phase:?}");
+        }
+    }
+}
+
+/// What moves is of the interface type, whatever the phase.
+#[test]
+fn states_in_which_the_other_interface_types_motion_moves_are_refused() {
+    let [_, (_, stepped), _, (_, integrated)] = states();
+    for (state, engine) in [(&stepped, &integrated.engine), (&integrated, &stepped.engine)] {
+        let mut instance = Instance::new(state.interface);
+        for phase in [state.phase, Phase::Event, Phase::Terminated] {
+            let foreign = SavedState { phase, engine: engine.clone(), ..state.clone() };
+            let refusal = instance.restore(&foreign).unwrap_err().to_string();
+            assert!(refusal.contains("what moves"), "{phase:?}: {refusal}");
+        }
+    }
+}
+
 /// The order of departure counts coefficients that are divided out: one that no motion has is refused.
 #[test]
 fn a_snapshot_with_an_impossible_departure_is_refused() {

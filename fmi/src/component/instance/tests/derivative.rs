@@ -439,3 +439,20 @@ fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
         assert!(near.iter().zip(&far).all(|(a, b)| close(a, b)), "{name}: {near:?} {far:?}");
     }
 }
+
+/// A seed near the largest doubles, before the motion and in it: no derivative is NaN or infinite, and nothing is written.
+#[test]
+fn derivatives_beyond_doubles_are_refused_by_name() {
+    for (mut fmu, unknown, known) in
+        [(instance(), "stop.v", "block.m"), (initialized(), "secondary.a", "secondary.f")]
+    {
+        let (unknowns, knowns) = (references(&[unknown]), references(&[known]));
+        let mut written = 0;
+        let outcome = fmu.directional_derivative(&unknowns, &knowns, &[1e308], |_, _| written += 1);
+        let refusal = outcome.unwrap_err().to_string();
+        assert!(refusal.starts_with(&format!("derivative of {unknown} = ")), "{refusal}");
+        assert!(refusal.contains("allowed is what a double can hold"), "{refusal}");
+        assert_eq!(written, 0);
+        assert!(derivative(&mut fmu, &[unknown], &[known], &[1.0])[0].is_finite());
+    }
+}
