@@ -321,12 +321,17 @@ pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> O
 /// Whether for some lag the largest distance between a state and the one that many periods later falls from each eighth of
 /// the record to the next.
 fn approaches(periods: &[ObservedPeriod]) -> bool {
-    nears(periods, |a, b| distance(&a.state, &b.state))
+    let size = periods.iter().map(|period| distance(&period.state, &[0.0; 6])).fold(0.0, f64::max);
+    nears(periods, size, |a, b| distance(&a.state, &b.state))
 }
 
-/// The same of any returns and their distances.
-pub(crate) fn nears<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool {
+/// The same of any returns and their distances, for a motion of this size.
+pub(crate) fn nears<R>(returns: &[R], size: f64, distance: impl Fn(&R, &R) -> f64) -> bool {
     const EIGHTHS: usize = 8;
+    /// What is left of a way, as a multiple of the motion's size, if it falls on as it has fallen. On a torus that turns slowly past a
+    /// resonance the distances after some lag nearly always fall, but by so little that the way would be hundreds of sizes long. A way in
+    /// a spiral seems longer than it is, since its returns go round: by ten times where a return takes 10⁻³ of it.
+    const FARTHEST: f64 = 10.0;
     (1..=LONGEST as usize).take_while(|lag| lag + EIGHTHS <= returns.len()).any(|lag| {
         let (later, earlier) = (&returns[lag..], &returns[..returns.len() - lag]);
         let eighth = later.len().div_ceil(EIGHTHS);
@@ -335,9 +340,16 @@ pub(crate) fn nears<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool 
             .chunks(eighth)
             .zip(earlier.chunks(eighth))
             .map(|(later, earlier)| later.iter().zip(earlier).map(gap).fold(0.0, f64::max));
-        let mut before = f64::INFINITY;
+        let Some(first) = most.next() else { return false };
+        let (mut last, mut span) = (first, 0);
         // It ends with the first eighth that does not fall.
-        most.all(|most| std::mem::replace(&mut before, most) > most)
+        let falls = most.all(|most| {
+            span += eighth;
+            std::mem::replace(&mut last, most) > most
+        });
+        // A return after the lag takes this part of what is left, or more: 1 - qᵏ is at least k (1 - q).
+        let taken = lag as f64 / span as f64 * (1.0 - last / first);
+        falls && last <= FARTHEST * size * taken
     })
 }
 

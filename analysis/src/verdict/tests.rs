@@ -276,3 +276,34 @@ fn invariant_chaos_is_chaos_in_a_box_far_faster_than_the_drive() {
     let exponent = found.exponent.unwrap();
     assert!(exponent.value < 1e-3 * fast && exponent.value > 6.0 * exponent.error, "{exponent:?}");
 }
+
+/// A torus whose states nearly return after twelve periods for thousands of them: its returns fall a little in most windows.
+#[test]
+fn second_method_a_torus_beside_a_resonance_is_no_approach() {
+    let parameters = Parameters {
+        stop_gap: 0.020_028_981_056_857_395,
+        stop_restitution: 0.793_933_792_856_921,
+        drive_amplitude: 0.018_960_562_957_478_48,
+        drive_frequency: 0.398_639_298_115_319_95,
+        ..Parameters::default()
+    };
+    let state = State {
+        x: [0.0, -0.013_295_214_062_370_985, 0.009_342_199_018_438_838],
+        v: [-0.003_355_224_913_181_934_6, -0.017_867_093_660_175_828, 0.017_261_310_442_916_976],
+    };
+    assert_eq!(verdict(&Start { parameters, state }, 300).unwrap().class, MotionClass::QuasiPeriodic);
+    // Far beyond the limit it is no nearer to a return, and neither of two exponents is one.
+    let mut simulator = settled_simulator(&parameters, &state, 40_000.0).unwrap();
+    let period = parameters.period();
+    let states: Vec<_> = (0..64)
+        .map(|k| {
+            simulator.advance_to((40_000.0 + f64::from(k)) * period).unwrap();
+            dimensionless(&parameters, &simulator.state())
+        })
+        .collect();
+    let nearest = |lag: usize| {
+        let returns = states.iter().zip(&states[lag..]).map(|(a, b)| crate::attractor::distance(a, b));
+        returns.fold(0.0, f64::max)
+    };
+    assert!((1..=32).all(|lag| nearest(lag) > 1e-3), "{:?}", nearest(12));
+}
