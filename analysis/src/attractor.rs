@@ -284,6 +284,19 @@ impl StroboscopicRecord {
         last.iter().zip(last.iter().skip(lag)).map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
     }
 
+    /// The nearest return over the whole record: the least, of all lags up to [`LONGEST`], of the largest distance after that lag. None
+    /// where as many periods at the end are free: returns fall between bursts of impacts.
+    pub(crate) fn nearest_return(&self) -> Option<f64> {
+        let farthest = |lag: usize| {
+            let pairs = self.periods.iter().zip(self.periods.iter().skip(lag));
+            pairs.map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
+        };
+        let longest = LONGEST as usize;
+        let touches = self.periods.iter().rev().take(longest).any(|s| s.impacts != [0; 2] || s.rests);
+        let lags = (1..=longest).take_while(|lag| *lag < self.periods.len());
+        touches.then(|| lags.map(farthest).fold(f64::INFINITY, f64::min))
+    }
+
     /// The largest distance between a state and the mirror image of the one half an odd `period` before it, over the last period.
     pub(crate) fn mirror_distance(&self, period: u32) -> f64 {
         let (first, half) = (self.periods.len().saturating_sub(period as usize), period as usize / 2);
@@ -321,17 +334,12 @@ pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> O
 /// Whether for some lag the largest distance between a state and the one that many periods later falls from each eighth of
 /// the record to the next.
 fn approaches(periods: &[ObservedPeriod]) -> bool {
-    let size = periods.iter().map(|period| distance(&period.state, &[0.0; 6])).fold(0.0, f64::max);
-    nears(periods, size, |a, b| distance(&a.state, &b.state))
+    nears(periods, |a, b| distance(&a.state, &b.state))
 }
 
-/// The same of any returns and their distances, for a motion of this size.
-pub(crate) fn nears<R>(returns: &[R], size: f64, distance: impl Fn(&R, &R) -> f64) -> bool {
+/// The same of any returns and their distances.
+pub(crate) fn nears<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool {
     const EIGHTHS: usize = 8;
-    /// What is left of a way, as a multiple of the motion's size, if it falls on as it has fallen. On a torus that turns slowly past a
-    /// resonance the distances after some lag nearly always fall, but by so little that the way would be hundreds of sizes long. A way in
-    /// a spiral seems longer than it is, since its returns go round: by ten times where a return takes 10⁻³ of it.
-    const FARTHEST: f64 = 10.0;
     (1..=LONGEST as usize).take_while(|lag| lag + EIGHTHS <= returns.len()).any(|lag| {
         let (later, earlier) = (&returns[lag..], &returns[..returns.len() - lag]);
         let eighth = later.len().div_ceil(EIGHTHS);
@@ -340,16 +348,9 @@ pub(crate) fn nears<R>(returns: &[R], size: f64, distance: impl Fn(&R, &R) -> f6
             .chunks(eighth)
             .zip(earlier.chunks(eighth))
             .map(|(later, earlier)| later.iter().zip(earlier).map(gap).fold(0.0, f64::max));
-        let Some(first) = most.next() else { return false };
-        let (mut last, mut span) = (first, 0);
+        let mut before = f64::INFINITY;
         // It ends with the first eighth that does not fall.
-        let falls = most.all(|most| {
-            span += eighth;
-            std::mem::replace(&mut last, most) > most
-        });
-        // A return after the lag takes this part of what is left, or more: 1 - qᵏ is at least k (1 - q).
-        let taken = lag as f64 / span as f64 * (1.0 - last / first);
-        falls && last <= FARTHEST * size * taken
+        most.all(|most| std::mem::replace(&mut before, most) > most)
     })
 }
 

@@ -245,7 +245,7 @@ pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -
     let sign = found.map(|e| e.sign_beyond(ZERO_EXPONENT * TAU / interval, interval));
     let scales = record.scales();
     let approaching = period.is_none()
-        && nears(&record.returns, 1.0, |a, b| {
+        && nears(&record.returns, |a, b| {
             let parts = a.state.iter().zip(&b.state).zip(&scales);
             parts.map(|((a, b), s)| if *s > 0.0 { (a - b).abs() / s } else { 0.0 }).fold(0.0, f64::max)
         });
