@@ -284,6 +284,19 @@ impl StroboscopicRecord {
         last.iter().zip(last.iter().skip(lag)).map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
     }
 
+    /// The nearest return over the whole record: the least, of all lags up to [`LONGEST`], of the largest distance after that lag. None
+    /// where as many periods at the end are free: returns fall between bursts of impacts.
+    pub(crate) fn nearest_return(&self) -> Option<f64> {
+        let farthest = |lag: usize| {
+            let pairs = self.periods.iter().zip(self.periods.iter().skip(lag));
+            pairs.map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
+        };
+        let longest = LONGEST as usize;
+        let touches = self.periods.iter().rev().take(longest).any(|s| s.impacts != [0; 2] || s.rests);
+        let lags = (1..=longest).take_while(|lag| *lag < self.periods.len());
+        touches.then(|| lags.map(farthest).fold(f64::INFINITY, f64::min))
+    }
+
     /// The largest distance between a state and the mirror image of the one half an odd `period` before it, over the last period.
     pub(crate) fn mirror_distance(&self, period: u32) -> f64 {
         let (first, half) = (self.periods.len().saturating_sub(period as usize), period as usize / 2);

@@ -274,3 +274,24 @@ fn motion(p: &Parameters, followed: &Followed, orbit: Option<&State>) -> Settled
             && orbit.is_some_and(|o| found.passes(&dimensionless(p, o))),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::find_group;
+
+    #[test]
+    fn second_method_beyond_a_doubling_there_is_one_orbit() {
+        // The orbit of one drive period has lost its stability at 2.8022 by so little that what leaves it seems to be on a torus for thousands
+        // of periods; the orbit of two is stable there, as the branches of the package of orbits say.
+        let x = ParameterAxis::new(find_group("f10").unwrap(), (2.8035, 2.808), 60).unwrap();
+        let y = ParameterAxis::new(find_group("kappa").unwrap(), (0.7499, 0.7501), 2).unwrap();
+        let start = "x1=-0.6,v1=0.3,v2=0.4,x3=0.2".parse().unwrap();
+        let request = Request { x, y, start, discard: 300, exponents: Some(4000) };
+        let found = isoperiodic(&ParameterSet::basic(), &request, &Task::ALL).unwrap().unwrap();
+        let classes = found.points.iter().map(|point| point.motion.map(|motion| motion.class));
+        for (index, class) in classes.enumerate() {
+            assert_eq!(class, Some(MotionClass::Periodic(2)), "f10 = {}", request.x.value(index % 60));
+        }
+    }
+}

@@ -81,6 +81,7 @@ struct Open {
     impacts: [f64; 2],
     rests: bool,
     arrived: bool,
+    nearest: Option<f64>,
     /// Drive periods for which it has been followed in all.
     followed: u32,
 }
@@ -165,6 +166,8 @@ struct Seen {
     arrived: bool,
     /// Whether it is proved that no impact will come.
     clear: bool,
+    /// The nearest return of a motion without a period that has impacts to the end.
+    nearest: Option<f64>,
     blocks: Blocks,
 }
 
@@ -201,10 +204,12 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
                 }
             }
             let arrived = clear || attractor.period.is_some_and(|n| has_arrived(record, n, p));
+            let mut nearest = None;
             if attractor.period.is_none() {
                 record.add_to(&mut blocks);
+                nearest = record.nearest_return();
             }
-            Seen { state, attractor, exponent, arrived, clear, blocks }
+            Seen { state, attractor, exponent, arrived, clear, nearest, blocks }
         }));
     });
     // Each motion has an outcome.
@@ -223,18 +228,22 @@ impl Open {
             periods,
             stationary: false,
         };
-        let Seen { arrived, blocks, .. } = seen;
-        let mut motion = Self { number, start, found, impacts, rests, blocks, arrived, followed: OBSERVED };
+        let Seen { arrived, blocks, nearest, .. } = seen;
+        let mut motion =
+            Self { number, start, found, impacts, rests, blocks, arrived, nearest, followed: OBSERVED };
         motion.impacts = motion.impacts.map(|rate| rate * f64::from(periods));
         motion
     }
 
     /// Takes up what was seen of the motion after so many more discarded drive periods.
-    fn take(&mut self, seen: Seen, discarded: u32) {
+    fn take(&mut self, mut seen: Seen, discarded: u32) {
         let followed = self.followed.saturating_add(discarded).saturating_add(OBSERVED);
         self.start.state = seen.state;
         let ended = seen.clear && is_damped(&self.start.parameters);
         if !self.found.wanders() || seen.attractor.period.is_some() || ended {
+            // On a torus beside a resonance returns fall within most windows, but not from each window to the next.
+            seen.attractor.approaching &=
+                seen.nearest.zip(self.nearest).is_none_or(|(now, before)| now < before);
             // What it was so far was a transient.
             *self = Self { followed, ..Self::new(self.number, self.start, seen) };
             return;

@@ -246,6 +246,9 @@ fn bad_input_is_refused_by_name() {
         (vec!["--design", "none.csv", "--vary", "f10=1:2"], "cannot be used with"),
         (vec!["--start", "x9=1"], "x1=0.2,v2=1"),
         (vec!["--periods", "0"], "0 is not in 1.."),
+        (vec!["--periods", "1e3"], "'1e3' for '--periods <N>': allowed are whole numbers in 1..=1000000"),
+        (vec!["--threads=-1"], "'-1' for '--threads <N>': allowed are whole numbers in 1..=65535"),
+        (vec!["--discard=99999999999"], "for '--discard <N>': allowed are whole numbers in 0..=4294967295"),
     ] {
         let (code, error) = refused(&[&["sweep"], &arguments[..]].concat());
         assert!(code == 2 && error.contains(expected), "{arguments:?}: {error}");

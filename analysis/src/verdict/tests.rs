@@ -276,3 +276,58 @@ fn invariant_chaos_is_chaos_in_a_box_far_faster_than_the_drive() {
     let exponent = found.exponent.unwrap();
     assert!(exponent.value < 1e-3 * fast && exponent.value > 6.0 * exponent.error, "{exponent:?}");
 }
+
+/// A torus whose states nearly return after twelve periods for thousands of them: its returns fall a little in most windows.
+#[test]
+fn second_method_a_torus_beside_a_resonance_is_no_approach() {
+    let parameters = Parameters {
+        stop_gap: 0.020_028_981_056_857_395,
+        stop_restitution: 0.793_933_792_856_921,
+        drive_amplitude: 0.018_960_562_957_478_48,
+        drive_frequency: 0.398_639_298_115_319_95,
+        ..Parameters::default()
+    };
+    let state = State {
+        x: [0.0, -0.013_295_214_062_370_985, 0.009_342_199_018_438_838],
+        v: [-0.003_355_224_913_181_934_6, -0.017_867_093_660_175_828, 0.017_261_310_442_916_976],
+    };
+    assert_eq!(verdict(&Start { parameters, state }, 300).unwrap().class, MotionClass::QuasiPeriodic);
+    // Far beyond the limit it is no nearer to a return, and neither of two exponents is one.
+    let mut simulator = settled_simulator(&parameters, &state, 40_000.0).unwrap();
+    let period = parameters.period();
+    let states: Vec<_> = (0..64)
+        .map(|k| {
+            simulator.advance_to((40_000.0 + f64::from(k)) * period).unwrap();
+            dimensionless(&parameters, &simulator.state())
+        })
+        .collect();
+    let nearest = |lag: usize| {
+        let returns = states.iter().zip(&states[lag..]).map(|(a, b)| crate::attractor::distance(a, b));
+        returns.fold(0.0, f64::max)
+    };
+    assert!((1..=32).all(|lag| nearest(lag) > 1e-3), "{:?}", nearest(12));
+}
+
+/// Next to a bifurcation into a torus a motion spirals onto a stable orbit by 10⁻³ a period, and its returns go round many times
+/// before it is there.
+#[test]
+fn second_method_a_slow_spiral_is_no_torus() {
+    let parameters = Parameters {
+        box_damping: 0.073_269_385_037_753_2,
+        block_mass: 0.082_893_284_223_003_61,
+        secondary_mass: 0.148_459_377_188_506_96,
+        secondary_stiffness: 0.055_484_201_039_766_42,
+        secondary_damping: 0.002_515_114_937_993_421,
+        coupling_stiffness: 0.004_725_931_564_775_593_5,
+        stop_gap: 1.571_008_771_647_759_6,
+        stop_restitution: 0.661_791_176_153_598_3,
+        drive_amplitude: 0.162_685_183_738_439_07,
+        drive_frequency: 0.680_169_251_653_422_9,
+        ..Parameters::default()
+    };
+    let state = State {
+        x: [-0.110_689_371_231_082_19, -1.272_300_242_259_898_1, 0.619_905_234_674_09],
+        v: [0.221_080_710_893_789_58, 0.774_040_050_130_937, -0.336_812_260_925_643_76],
+    };
+    assert_eq!(verdict(&Start { parameters, state }, 300).unwrap().class, MotionClass::Periodic(1));
+}

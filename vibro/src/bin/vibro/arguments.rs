@@ -2,7 +2,7 @@
 
 use crate::assembly::AssemblyCommand;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
-use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share};
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, whole};
 use crate::run::Run;
 use crate::sweep_arguments::Sweep;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -110,7 +110,7 @@ pub struct Common {
     #[arg(long, global = true)]
     pub discard_unfinished: bool,
     /// Number of threads [default: all cores]. Results do not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, global = true, value_name = "N", value_parser = whole(1..=u16::MAX))]
     pub threads: Option<u16>,
     /// What was given, for manifests.
     #[arg(skip)]
@@ -192,10 +192,10 @@ pub struct Bifurcation {
     #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
     pub range: Option<ParameterRange>,
     /// Values in the range
-    #[arg(long, value_name = "N", default_value_t = 451, value_parser = clap::value_parser!(u16).range(2..=20_000))]
+    #[arg(long, value_name = "N", default_value_t = 451, value_parser = whole::<u16>(2..=20_000))]
     pub resolution: u16,
     /// Drive periods discarded at each value
-    #[arg(long, value_name = "N", default_value_t = 400)]
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
     /// Displacement whose local maxima are drawn: x1, x2, x3 or w
     #[arg(long, value_name = "NAME", default_value_t = Displacement::X2)]
@@ -210,7 +210,7 @@ pub struct Bifurcation {
     #[arg(long)]
     pub orbits: bool,
     /// Drive periods kept at each value
-    #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 800, value_parser = whole(1..=u32::MAX))]
     pub keep: u32,
     /// Constant loads.
     #[command(flatten)]
@@ -227,7 +227,7 @@ pub struct Lyapunov {
     #[command(flatten)]
     pub sweep: Bifurcation,
     /// Most drive periods over which exponents are computed
-    #[arg(long, value_name = "N", default_value_t = 1500, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1500, value_parser = whole(1..=u32::MAX))]
     pub periods: u32,
     /// End a spectrum once the standard deviation of the running exponents over 200 periods is below this, per unit of tau
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -249,13 +249,13 @@ pub struct Basin {
     #[arg(long, value_name = "NAME=FROM:TO", default_value = "v2=-2:2", allow_hyphen_values = true)]
     pub y: InitialValueRange,
     /// Cells on each axis
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=5_000))]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u16>(2..=5_000))]
     pub resolution: u16,
     /// Initial values of the other coordinates, e.g. block.s=5mm,v1=1; zero unless named
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
     pub start: Option<StartRule>,
     /// Drive periods discarded. A motion that has not settled then is followed for up to 8192 more
-    #[arg(long, value_name = "N", default_value_t = 300)]
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
     /// Constant loads.
     #[command(flatten)]
@@ -272,7 +272,7 @@ pub struct Isoperiodic {
     #[command(flatten)]
     pub planes: Planes,
     /// Values on each axis
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(2..=3_000))]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u16>(2..=3_000))]
     pub resolution: u16,
     /// Start of every motion: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v secondary.v in SI;
     /// each also with a unit (block.s=5mm). A coordinate that is not named is zero. "orbit" starts on the exact orbit where it is
@@ -280,11 +280,11 @@ pub struct Isoperiodic {
     #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
     pub start: StartRule,
     /// Drive periods discarded. A motion that has settled earlier is not simulated further
-    #[arg(long, value_name = "N", default_value_t = 300)]
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
     /// Most drive periods over which the largest exponent of a motion without a period is computed at a time. The computation ends
     /// once the class is decided. 0 leaves the exponents out
-    #[arg(long, value_name = "N", default_value_t = 4000)]
+    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = whole(0..=u32::MAX))]
     pub periods: u32,
     /// Constant loads.
     #[command(flatten)]
@@ -388,7 +388,7 @@ pub struct Plane {
     #[command(flatten)]
     pub planes: Planes,
     /// Values on each axis
-    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u16).range(2..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole::<u16>(2..=10_000))]
     pub resolution: u16,
     /// Theory that decides existence and stability
     #[arg(long, value_enum, default_value_t = MethodName::MultipleScales)]
@@ -428,7 +428,7 @@ pub struct Compare {
     #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
     pub range: Option<ParameterRange>,
     /// Number of values of f10 for the simulated maxima (figure 16)
-    #[arg(long, value_name = "N", default_value_t = 251, value_parser = clap::value_parser!(u16).range(2..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 251, value_parser = whole::<u16>(2..=10_000))]
     pub resolution: u16,
     /// Mass ratios for the errors (figure 17) [default: epsilon=0.1,0.05,0.02,0.01,0.005, or the epsilon that was set]
     #[arg(long, value_name = "NAME=V,V,…")]

@@ -5,6 +5,7 @@ use crate::assembly_studies;
 use crate::destination;
 use crate::output;
 use crate::progress::Progress;
+use crate::ranges::whole;
 use clap::{Args, Subcommand};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ pub struct Motion {
     #[arg(long, value_name = "TIME", value_parser = time, required_unless_present = "times", allow_hyphen_values = true)]
     until: Option<f64>,
     /// Rows of states.csv after that of time 0, at even distances
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1..=u32::MAX))]
     samples: u32,
     /// Times of the rows instead: a number in s a line
     #[arg(long, value_name = "FILE", conflicts_with_all = ["samples", "until"])]

@@ -5,7 +5,7 @@ use crate::assembly::time;
 use crate::destination::{self, Destination};
 use crate::long::perform_as;
 use crate::output;
-use crate::ranges::Share;
+use crate::ranges::{Share, whole};
 use clap::Args;
 use std::path::PathBuf;
 use vibro::long_study::{AssemblyStudy, LongStudy, Work};
@@ -69,13 +69,13 @@ pub struct Drawn {
     #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
     pair: Vec<String>,
     /// Values in a range without a count [default: 200; of a plane 60]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=20_000))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(2..=20_000))]
     resolution: Option<u16>,
     /// Periods discarded at each value, unless the motion has settled before
-    #[arg(long, value_name = "N", default_value_t = 300)]
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     discard: u32,
     /// Periods kept at each value
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole(1..=u32::MAX))]
     keep: u32,
 }
 
@@ -90,7 +90,7 @@ pub struct Lyapunov {
     #[command(flatten)]
     drawn: Drawn,
     /// Periods over which the exponent is counted, after 32 in which the variation turns into its direction
-    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(8..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = whole::<u32>(8..=1_000_000))]
     periods: u32,
     /// For many machines.
     #[command(flatten)]
@@ -106,10 +106,10 @@ pub struct Sweep {
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     vary: Vec<String>,
     /// Number of values of a range without a count
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = whole::<u32>(2..=1_000_000))]
     resolution: u32,
     /// Run the first N points of the Sobol sequence in the ranges of --vary instead of all combinations
-    #[arg(long, visible_alias = "sobol", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, visible_alias = "sobol", value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
     samples: Option<u32>,
     /// A parameter over which each design is measured as a whole, e.g. a load's frequency in a band. May be repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
@@ -119,10 +119,10 @@ pub struct Sweep {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     output: Vec<Measure>,
     /// Periods discarded before a motion is measured, unless it has settled before
-    #[arg(long, value_name = "N", default_value_t = 300)]
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     discard: u32,
     /// Periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T motions
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     periods: u32,
     /// List the names of all outputs of the machine, with unit and meaning
     #[arg(long)]

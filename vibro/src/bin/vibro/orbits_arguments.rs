@@ -2,6 +2,7 @@
 
 use crate::arguments::ConstantLoads;
 use crate::ranges::ParameterRange;
+use crate::ranges::whole;
 use clap::Args;
 use vibro::special_points::Selection;
 
@@ -13,7 +14,7 @@ pub struct Which {
     #[arg(long, value_name = "WORD", allow_hyphen_values = true)]
     pub word: Option<String>,
     /// Period of the orbit in drive periods, with --word
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=32))]
     pub period: u32,
     /// Constant loads.
     #[command(flatten)]
@@ -42,23 +43,23 @@ pub struct Orbits {
     #[arg(long, conflicts_with_all = ["word", "period"])]
     pub tree: bool,
     /// Most changes from one branch to another in a row
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(0..=40))]
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = whole::<u32>(0..=40))]
     pub depth: u32,
     /// Number of parameter values at which settled motions are looked for, in each direction
-    #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 91, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
     /// Number of further motions, from starts spread over the visited states and over the range; half as many again are added where
     /// motions did not settle on a stable orbit. Stable branches near which these motions pass are followed too
-    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = whole::<u32>(0..=1_000_000))]
     pub starts: u32,
     /// Most impacts in an orbit
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=128))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = whole::<u32>(1..=128))]
     pub letters: u32,
     /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
     #[arg(long, value_name = "X", default_value_t = 0.05)]
     pub step: f64,
     /// At a touch, also follow the orbits that touch only once in up to so many passages; they have a longer period
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=16))]
     pub repetitions: u32,
     /// Values of the parameter at which every branch gets a point, labelled UZ; separated by commas. May be repeated
     #[arg(long, value_name = "VALUE", value_delimiter = ',', allow_hyphen_values = true)]

@@ -52,6 +52,20 @@ pub struct ParameterPair {
     pub y: Name,
 }
 
+/// Reads a whole number in a range. What is none is refused with the range too.
+pub fn whole<T>(
+    allowed: RangeInclusive<T>,
+) -> impl Fn(&str) -> std::result::Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + fmt::Debug + Clone + Send + Sync + 'static,
+{
+    move |text| match text.parse::<T>() {
+        Ok(number) if allowed.contains(&number) => Ok(number),
+        Ok(number) => Err(format!("{number:?} is not in {allowed:?}")),
+        Err(_) => Err(format!("allowed are whole numbers in {allowed:?}")),
+    }
+}
+
 impl FromStr for ParameterRange {
     type Err = Error;
 

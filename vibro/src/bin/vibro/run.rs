@@ -1,5 +1,6 @@
 //! `vibro run`: from its arguments to the library's study.
 
+use crate::ranges::whole;
 use clap::{Args, ValueEnum};
 use std::fmt;
 use std::str::FromStr;
@@ -14,14 +15,14 @@ use vibro_impact::load::Interpolation;
 #[derive(Args, Debug)]
 pub struct Run {
     /// Drive periods recorded [default: 20, or up to the last sample of a load from a file]
-    #[arg(long, value_name = "N", conflicts_with = "duration", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", conflicts_with = "duration", value_parser = whole(1..=u32::MAX))]
     pub periods: Option<u32>,
     /// Time recorded, in s, with a unit (2s, 500 ms) or in drive periods ("200 periods")
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub duration: Option<Duration>,
     /// Drive periods discarded before the record begins, without the loads from files [default: 400; 0 with --start or a load from
     /// a file]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub discard: Option<u32>,
     /// Start: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v secondary.v in SI; each also with a unit
     /// (block.s=5mm). A coordinate that is not named is zero. "orbit" starts on the exact orbit where it is stable [default: v2=1]
@@ -35,7 +36,7 @@ pub struct Run {
     #[arg(long, value_enum, default_value_t = InterpolationName::Linear)]
     pub interpolation: InterpolationName,
     /// Rows of the table for each drive period
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u16>(1..=10_000))]
     pub samples: u16,
 }
 

@@ -1,7 +1,7 @@
 //! Arguments of `vibro sweep`.
 
 use crate::arguments::ConstantLoads;
-use crate::ranges::{InWrittenUnit, ParameterRange, ParameterValues, Share};
+use crate::ranges::{InWrittenUnit, ParameterRange, ParameterValues, Share, whole};
 use clap::Args;
 use std::fmt;
 use std::path::PathBuf;
@@ -40,10 +40,10 @@ pub struct Sweep {
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub vary: Vec<AxisArgument>,
     /// Number of values of a range without a count
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = whole::<u32>(2..=1_000_000))]
     pub resolution: u32,
     /// Run the first N points of the Sobol sequence in the ranges of --vary instead of all combinations
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
     pub sobol: Option<u32>,
     /// Designs from a CSV file: a header with names of parameters, a row for each design
     #[arg(long, value_name = "FILE", conflicts_with_all = ["vary", "sobol"])]
@@ -60,13 +60,13 @@ pub struct Sweep {
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
     pub start: Vec<StartRule>,
     /// Number of further starts, spread evenly over displacements up to 2 L and velocities up to 2 L omega10
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=10_000))]
     pub starts: u32,
     /// Drive periods discarded before a motion is measured
-    #[arg(long, value_name = "N", default_value_t = 400)]
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
     /// Drive periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T motions
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     pub periods: u32,
     /// List the names of all outputs, with unit and meaning
     #[arg(long)]
