@@ -72,3 +72,42 @@ fn closed_form_of_a_start_at_another_time() {
     let refused = Motion::starting_at(machine, f64::NAN).unwrap_err().to_string();
     assert_eq!(refused, "start time = NaN: allowed is a finite number");
 }
+
+/// Names and machines in which something comes to its limit and turns round there, as seen at 1.5 s, and nothing else happens.
+fn touches() -> [(&'static str, Description); 4] {
+    let wave = |constant, amplitude| Signal { constant, ..sine(amplitude, 0.5, 0.0) };
+    let load = |force| vec![Load { name: "load".into(), body: 0, force }];
+    let at_rest = Description { bodies: vec![body("body", 1.0, 0.0, 0.0)], ..Description::default() };
+    let level = Friction { force: wave(1.0, 1.0), ..friction(&[(0, 1.0)], 0.0) };
+    let still = friction(&[(0, 1.0)], 2.0);
+    let floor = vec![rigid("floor", &[(0, 1.0)], 0.0, 0.5)];
+    let buffer = vec![compliant("buffer", &[(0, 1.0)], 1.0, 1e3, 1.0, DampingLimit::NoPull)];
+    let bodies = vec![prescribed("cam", wave(0.0, -1.0), 0.0), body("body", 1.0, 0.0, 0.0)];
+    [
+        ("a level that is zero", Description { frictions: vec![level], ..at_rest.clone() }),
+        (
+            "a load that is the level",
+            Description { frictions: vec![still], loads: load(wave(1.0, -1.0)), ..at_rest.clone() },
+        ),
+        (
+            "a closed stop without force",
+            Description { stops: floor, loads: load(wave(1.0, 1.0)), ..at_rest.clone() },
+        ),
+        ("a buffer that is reached", Description { stops: buffer, bodies, ..at_rest }),
+    ]
+}
+
+#[test]
+fn invariant_what_only_touches_its_limit_is_no_event_wherever_a_call_ends() {
+    for (name, machine) in touches() {
+        for parts in 1..200 {
+            let mut motion = motion(machine.clone());
+            let mut events = Vec::new();
+            for k in 1..=parts {
+                let end = 3.0 * f64::from(k) / f64::from(parts);
+                motion.advance_observed(end, &mut |event| events.push(event.clone())).unwrap();
+            }
+            assert_eq!(events, [], "{name}, {parts} parts");
+        }
+    }
+}
