@@ -25,8 +25,8 @@ impl Assembly {
     /// # Errors
     /// As [`System::new`]; [`Error::TooFast`] for rates beyond what doubles carry; [`Error::NoEquilibrium`] for a machine that starts at rest and cannot.
     pub fn new(description: Description) -> Result<Self, Error> {
-        rates::check(&description)?;
         let system = System::new(&description)?;
+        rates::check(&description, &system)?;
         let start = |b: &Body| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) };
         let mut starts: Vec<(f64, f64)> = description.bodies.iter().map(start).collect();
         if description.starts_at_rest {

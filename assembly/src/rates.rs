@@ -1,7 +1,8 @@
 //! Rates beyond what doubles carry: a machine that has them would move by numbers that are none, or never.
 
-use crate::description::{Arms, BodyKind, Description, Signal, StopLaw};
+use crate::description::{BodyKind, Description, Signal, StopLaw};
 use crate::error::Error;
+use crate::system::{Elongation, System};
 
 /// The highest rate, rad/s, or frequency, Hz: its square times the largest coordinate, 1e100, is a number.
 const MOST_RATE: f64 = 1e100;
@@ -10,13 +11,13 @@ const MOST_RATE: f64 = 1e100;
 ///
 /// # Errors
 /// [`Error::TooFast`].
-pub(crate) fn check(machine: &Description) -> Result<(), Error> {
-    for spring in &machine.springs {
-        check_force(machine, ("spring", &spring.name), &spring.arms, [spring.stiffness, spring.damping])?;
+pub(crate) fn check(machine: &Description, system: &System) -> Result<(), Error> {
+    for (spring, rows) in machine.springs.iter().zip(&system.springs) {
+        check_force(("spring", &spring.name), &rows.elongation, [spring.stiffness, spring.damping])?;
     }
-    for stop in &machine.stops {
+    for (stop, rows) in machine.stops.iter().zip(&system.stops) {
         if let StopLaw::Compliant { stiffness, damping, .. } = stop.law {
-            check_force(machine, ("stop", &stop.name), &stop.arms, [stiffness, damping])?;
+            check_force(("stop", &stop.name), &rows.elongation, [stiffness, damping])?;
         }
     }
     signals(machine).try_for_each(|(name, signal)| {
@@ -25,23 +26,18 @@ pub(crate) fn check(machine: &Description) -> Result<(), Error> {
     })
 }
 
-/// The rates that a stiffness and a damping would make by themselves. Links make inertias greater only.
+/// The rates that a stiffness and a damping would make by themselves. What is linked to a light body moves with it, and makes them lower.
 fn check_force(
-    machine: &Description,
     (kind, name): (&str, &str),
-    arms: &Arms,
+    elongation: &Elongation,
     [stiffness, damping]: [f64; 2],
 ) -> Result<(), Error> {
-    let each = arms.terms.iter().map(|&(body, arm)| match &machine.bodies[body].kind {
-        BodyKind::Free(free) => arm * arm / free.inertia,
-        BodyKind::Prescribed { .. } => 0.0,
-    });
-    let compliance: f64 = each.sum();
+    let compliance = elongation.column.norm_squared();
     let rate = |force: f64| if force > 0.0 { force * compliance } else { 0.0 };
     for (what, value, rate) in
         [("stiffness", stiffness, rate(stiffness).sqrt()), ("damping", damping, rate(damping))]
     {
-        if rate > MOST_RATE {
+        if rate.is_nan() || rate > MOST_RATE {
             return Err(Error::TooFast { name: format!("{kind}.{name}.{what}"), value });
         }
     }

@@ -88,3 +88,17 @@ fn rates_beyond_doubles_are_refused_by_name() {
     loud.loads[0].force = sine(1.0, 1e308, 0.0);
     assert!(said(loud).starts_with("load.push: frequency = 1e308: allowed are rates"));
 }
+
+#[test]
+fn what_a_link_makes_heavy_is_not_refused() {
+    let mut d = fast().assembly().description.clone();
+    d.bodies = vec![body("heavy", 1.0, 0.0, 1.0), body("light", 1e-300, 0.0, 1.0)];
+    d.springs = vec![spring(&[(1, 1.0)], 1e6, 0.0)];
+    d.stops.clear();
+    d.links = vec![Link { name: "rod".into(), arms: arms(&[(0, 1.0), (1, -1.0)]) }];
+    let mut motion = motion(d);
+    motion.advance_to(0.001).unwrap();
+    // By the body of 1 kg the spring makes 1,000 rad/s.
+    let off = motion.body(1)[0] - 1e-3 * 1f64.sin();
+    assert!(off.abs() < 1e-15, "{off:e}"); // a rounding of 1 m/s and some
+}
