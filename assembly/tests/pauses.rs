@@ -111,3 +111,23 @@ fn invariant_what_only_touches_its_limit_is_no_event_wherever_a_call_ends() {
         }
     }
 }
+
+#[test]
+fn invariant_a_capped_buffer_that_is_hardly_reached_stops_no_motion() {
+    for depth in [0.5e-13, 1e-13, 1.5e-13, 2e-13, 3e-13, 1e-12] {
+        for parts in 1..100 {
+            let law = (0.5 - depth, 1e3, 1.0, DampingLimit::Elastogap);
+            let mut motion = motion(Description {
+                bodies: vec![prescribed("cam", sine(0.5, 1.0, 0.0), 0.0), body("body", 1.0, 0.0, 0.0)],
+                stops: vec![compliant("buffer", &[(0, 1.0), (1, -1.0)], law.0, law.1, law.2, law.3)],
+                ..Description::default()
+            });
+            for k in 1..=parts {
+                let went = motion.advance_to(5.0 * f64::from(k) / f64::from(parts));
+                assert!(went.is_ok(), "depth {depth}, {parts} parts: {went:?}");
+            }
+            // Five times a force of at most 2 k depth for microseconds.
+            assert!((0.0..1e-13).contains(&motion.rate(1)), "{}", motion.rate(1));
+        }
+    }
+}
