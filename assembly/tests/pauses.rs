@@ -131,3 +131,28 @@ fn invariant_a_capped_buffer_that_is_hardly_reached_stops_no_motion() {
         }
     }
 }
+
+#[test]
+fn invariant_a_buffer_that_is_met_slowly_lets_go_in_one_call_as_in_many() {
+    // A cam with a flat top, of sixth order at 2 s, comes beyond a heavily damped buffer's edge by 1e-12 m, with 7e-10 m/s.
+    let wave = |amplitude, frequency| Harmonic { amplitude, frequency, phase: std::f64::consts::FRAC_PI_2 };
+    let harmonics = vec![wave(1.0, 0.25), wave(-1.0 / 6.0, 0.75), wave(0.02, 1.25)];
+    let shift = |h: &Harmonic| Harmonic { phase: h.phase - 4.0 * std::f64::consts::PI * h.frequency, ..*h };
+    let harmonics: Vec<Harmonic> = harmonics.iter().map(shift).collect();
+    let top: f64 = 1.0 - 1.0 / 6.0 + 0.02;
+    for depth in [3e-13, 5e-13, 9.6e-13, 2e-12, 1e-11] {
+        for parts in [1, 3, 10, 100, 1000] {
+            let law = (top - depth, 1e3, 1e4, DampingLimit::Elastogap);
+            let cam = Signal { harmonics: harmonics.clone(), ..Signal::default() };
+            let mut motion = motion(Description {
+                bodies: vec![prescribed("cam", cam, 0.0), body("body", 1.0, 0.0, 0.0)],
+                stops: vec![compliant("buffer", &[(0, 1.0), (1, -1.0)], law.0, law.1, law.2, law.3)],
+                ..Description::default()
+            });
+            for k in 1..=parts {
+                motion.advance_to(5.0 * f64::from(k) / f64::from(parts)).unwrap();
+            }
+            assert!(motion.rate(1).abs() < 1e-5, "depth {depth}, {parts} parts: {} m/s", motion.rate(1));
+        }
+    }
+}
