@@ -3,6 +3,7 @@
 use crate::description::{Body, BodyKind, Description};
 use crate::error::Error;
 use crate::mode::Watch;
+use crate::rates;
 use crate::rest::equilibrium;
 use crate::system::System;
 use nalgebra::DVector;
@@ -22,9 +23,10 @@ impl Assembly {
     /// The machine of a description.
     ///
     /// # Errors
-    /// As [`System::new`]; [`Error::NoEquilibrium`] for a machine that starts at rest and cannot.
+    /// As [`System::new`]; [`Error::TooFast`] for rates beyond what doubles carry; [`Error::NoEquilibrium`] for a machine that starts at rest and cannot.
     pub fn new(description: Description) -> Result<Self, Error> {
         let system = System::new(&description)?;
+        rates::check(&description, &system)?;
         let start = |b: &Body| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) };
         let mut starts: Vec<(f64, f64)> = description.bodies.iter().map(start).collect();
         if description.starts_at_rest {

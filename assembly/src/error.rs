@@ -17,6 +17,14 @@ pub enum Error {
         "the inertias: not positive in double precision after the links; allowed are ratios up to about 1e15"
     )]
     Inertia,
+    /// Rates that are no numbers, or soon would make none.
+    #[error("{name} = {value:e}: allowed are rates, with the inertias that move, of at most 1e100 rad/s")]
+    TooFast {
+        /// What makes them.
+        name: String,
+        /// Its value in SI.
+        value: f64,
+    },
     /// Stops close and nothing can give way.
     #[error(
         "jammed at t = {time} s: {stops} cannot give way; allowed are motions in which a body between them can"

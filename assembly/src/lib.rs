@@ -21,6 +21,7 @@ pub mod law;
 pub mod mode;
 pub mod motion;
 pub mod parameters;
+mod rates;
 pub mod refusal;
 pub mod rest;
 pub mod signals;

@@ -72,3 +72,33 @@ fn a_start_beyond_energies_is_refused() {
     let text = Motion::new(Arc::new(vibro_assembly::Assembly::new(d).unwrap())).unwrap_err().to_string();
     assert!(text.contains("body.ball: v = 1e120"), "{text}");
 }
+
+#[test]
+fn rates_beyond_doubles_are_refused_by_name() {
+    let (sound, pushed) = (fast().assembly().description.clone(), pushed(1.0).assembly().description.clone());
+    let said = |d: Description| vibro_assembly::Assembly::new(d).unwrap_err().to_string();
+    // 1e6 N/m over 1e-308 kg is infinite: such a machine would wait for its first sub-step without end.
+    let mut light = sound.clone();
+    light.bodies[0] = body("light", 1e-308, 0.0, 1.0);
+    assert!(said(light).starts_with("spring.spring0.stiffness = 1e6: allowed are rates"));
+    let mut damped = sound;
+    damped.springs[0].damping = 1e100;
+    assert!(said(damped).starts_with("spring.spring0.damping = 1e100: allowed are rates"));
+    let mut loud = pushed;
+    loud.loads[0].force = sine(1.0, 1e308, 0.0);
+    assert!(said(loud).starts_with("load.push: frequency = 1e308: allowed are rates"));
+}
+
+#[test]
+fn what_a_link_makes_heavy_is_not_refused() {
+    let mut d = fast().assembly().description.clone();
+    d.bodies = vec![body("heavy", 1.0, 0.0, 1.0), body("light", 1e-300, 0.0, 1.0)];
+    d.springs = vec![spring(&[(1, 1.0)], 1e6, 0.0)];
+    d.stops.clear();
+    d.links = vec![Link { name: "rod".into(), arms: arms(&[(0, 1.0), (1, -1.0)]) }];
+    let mut motion = motion(d);
+    motion.advance_to(0.001).unwrap();
+    // By the body of 1 kg the spring makes 1,000 rad/s.
+    let off = motion.body(1)[0] - 1e-3 * 1f64.sin();
+    assert!(off.abs() < 1e-15, "{off:e}"); // a rounding of 1 m/s and some
+}

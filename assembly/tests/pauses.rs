@@ -72,3 +72,87 @@ fn closed_form_of_a_start_at_another_time() {
     let refused = Motion::starting_at(machine, f64::NAN).unwrap_err().to_string();
     assert_eq!(refused, "start time = NaN: allowed is a finite number");
 }
+
+/// Names and machines in which something comes to its limit and turns round there, as seen at 1.5 s, and nothing else happens.
+fn touches() -> [(&'static str, Description); 4] {
+    let wave = |constant, amplitude| Signal { constant, ..sine(amplitude, 0.5, 0.0) };
+    let load = |force| vec![Load { name: "load".into(), body: 0, force }];
+    let at_rest = Description { bodies: vec![body("body", 1.0, 0.0, 0.0)], ..Description::default() };
+    let level = Friction { force: wave(1.0, 1.0), ..friction(&[(0, 1.0)], 0.0) };
+    let still = friction(&[(0, 1.0)], 2.0);
+    let floor = vec![rigid("floor", &[(0, 1.0)], 0.0, 0.5)];
+    let buffer = vec![compliant("buffer", &[(0, 1.0)], 1.0, 1e3, 1.0, DampingLimit::NoPull)];
+    let bodies = vec![prescribed("cam", wave(0.0, -1.0), 0.0), body("body", 1.0, 0.0, 0.0)];
+    [
+        ("a level that is zero", Description { frictions: vec![level], ..at_rest.clone() }),
+        (
+            "a load that is the level",
+            Description { frictions: vec![still], loads: load(wave(1.0, -1.0)), ..at_rest.clone() },
+        ),
+        (
+            "a closed stop without force",
+            Description { stops: floor, loads: load(wave(1.0, 1.0)), ..at_rest.clone() },
+        ),
+        ("a buffer that is reached", Description { stops: buffer, bodies, ..at_rest }),
+    ]
+}
+
+#[test]
+fn invariant_what_only_touches_its_limit_is_no_event_wherever_a_call_ends() {
+    for (name, machine) in touches() {
+        for parts in 1..200 {
+            let mut motion = motion(machine.clone());
+            let mut events = Vec::new();
+            for k in 1..=parts {
+                let end = 3.0 * f64::from(k) / f64::from(parts);
+                motion.advance_observed(end, &mut |event| events.push(event.clone())).unwrap();
+            }
+            assert_eq!(events, [], "{name}, {parts} parts");
+        }
+    }
+}
+
+#[test]
+fn invariant_a_capped_buffer_that_is_hardly_reached_stops_no_motion() {
+    for depth in [0.5e-13, 1e-13, 1.5e-13, 2e-13, 3e-13, 1e-12] {
+        for parts in 1..100 {
+            let law = (0.5 - depth, 1e3, 1.0, DampingLimit::Elastogap);
+            let mut motion = motion(Description {
+                bodies: vec![prescribed("cam", sine(0.5, 1.0, 0.0), 0.0), body("body", 1.0, 0.0, 0.0)],
+                stops: vec![compliant("buffer", &[(0, 1.0), (1, -1.0)], law.0, law.1, law.2, law.3)],
+                ..Description::default()
+            });
+            for k in 1..=parts {
+                let went = motion.advance_to(5.0 * f64::from(k) / f64::from(parts));
+                assert!(went.is_ok(), "depth {depth}, {parts} parts: {went:?}");
+            }
+            // Five times a force of at most 2 k depth for microseconds.
+            assert!((0.0..1e-13).contains(&motion.rate(1)), "{}", motion.rate(1));
+        }
+    }
+}
+
+#[test]
+fn invariant_a_buffer_that_is_met_slowly_lets_go_in_one_call_as_in_many() {
+    // A cam with a flat top, of sixth order at 2 s, comes beyond a heavily damped buffer's edge by 1e-12 m, with 7e-10 m/s.
+    let wave = |amplitude, frequency| Harmonic { amplitude, frequency, phase: std::f64::consts::FRAC_PI_2 };
+    let harmonics = vec![wave(1.0, 0.25), wave(-1.0 / 6.0, 0.75), wave(0.02, 1.25)];
+    let shift = |h: &Harmonic| Harmonic { phase: h.phase - 4.0 * std::f64::consts::PI * h.frequency, ..*h };
+    let harmonics: Vec<Harmonic> = harmonics.iter().map(shift).collect();
+    let top: f64 = 1.0 - 1.0 / 6.0 + 0.02;
+    for depth in [3e-13, 5e-13, 9.6e-13, 2e-12, 1e-11] {
+        for parts in [1, 3, 10, 100, 1000] {
+            let law = (top - depth, 1e3, 1e4, DampingLimit::Elastogap);
+            let cam = Signal { harmonics: harmonics.clone(), ..Signal::default() };
+            let mut motion = motion(Description {
+                bodies: vec![prescribed("cam", cam, 0.0), body("body", 1.0, 0.0, 0.0)],
+                stops: vec![compliant("buffer", &[(0, 1.0), (1, -1.0)], law.0, law.1, law.2, law.3)],
+                ..Description::default()
+            });
+            for k in 1..=parts {
+                motion.advance_to(5.0 * f64::from(k) / f64::from(parts)).unwrap();
+            }
+            assert!(motion.rate(1).abs() < 1e-5, "depth {depth}, {parts} parts: {} m/s", motion.rate(1));
+        }
+    }
+}

@@ -170,8 +170,11 @@ impl Motion {
                 Watch::Stops(i) => flags.resting[i] = true,
                 Watch::Presses(i) | Watch::Leaves(i) => flags.edges[i] = true,
                 Watch::Changes(i) => {
-                    let stop = &system.stops[i];
-                    let edge = stop.excess.dot(&hybrid.z).abs() <= hybrid.sizes.zero(&stop.excess);
+                    let (stop, z) = (&system.stops[i], &hybrid.z);
+                    // A cap is met on the way in only, however near the edge: what is at its edge on its way in would be entered once more.
+                    let cap = hybrid.mode.stops[i] == StopState::Capped
+                        || (stop.is_elastogap() && stop.force.dot(z) > stop.spring.dot(z));
+                    let edge = !cap && stop.excess.dot(z).abs() <= hybrid.sizes.zero(&stop.excess);
                     if edge { flags.edges[i] = true } else { flags.limits[i] = true }
                 }
                 Watch::Opens(_) | Watch::Slips(..) | Watch::Level(_) => {}

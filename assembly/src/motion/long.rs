@@ -1,7 +1,9 @@
 //! Long sub-steps: where a stiff machine's fast motions have decayed, or move nothing that is watched (docs/assembly-law.md (A22)).
 
+use super::step::LEAVES_ZERO;
 use super::{Hybrid, Motion, Scratch};
 use crate::flow::{ORDERS, RUNGS, Table};
+use crate::law::ZERO;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 impl Motion {
@@ -15,10 +17,13 @@ impl Motion {
         let remaining = goal.minus(hybrid.time).value();
         let Some(k) = safe_rung(table, hybrid, remaining, scratch) else { return false };
         let rung = table.rung(k);
+        rung.at_end(hybrid.z.as_slice(), &scratch.rates, scratch.start.as_mut_slice());
+        if any_leaves(table, hybrid, scratch.start.as_slice()) {
+            return false; // shorter sub-steps find when it does
+        }
         if hybrid.energy.are_kept() {
             hybrid.energy.add_long(met.powers(&assembly.system), k, table, hybrid.z.as_slice());
         }
-        rung.at_end(hybrid.z.as_slice(), &scratch.rates, scratch.start.as_mut_slice());
         std::mem::swap(&mut hybrid.z, &mut scratch.start);
         hybrid.time = hybrid.time.plus(rung.length);
         hybrid.chain = 0;
@@ -28,6 +33,16 @@ impl Motion {
         self.watch_again();
         true
     }
+}
+
+/// Whether a functional that was zero throughout is so no longer at a later state.
+fn any_leaves(table: &Table, hybrid: &Hybrid, later: &[f64]) -> bool {
+    let size = |i: usize| hybrid.sizes.0[i].max(later[i].abs());
+    let mut unwatched = table.watched.iter().zip(&hybrid.departing).filter(|(_, order)| **order == ORDERS);
+    unwatched.any(|(w, _)| {
+        let zero: f64 = w.row.terms().iter().map(|&(i, x)| ZERO * x.abs() * size(i)).sum();
+        w.row.at(later).abs() > LEAVES_ZERO * zero
+    })
 }
 
 /// The longest of 2, 4, 8, … sub-steps that is shorter than a time and in which no watched functional passes zero: below

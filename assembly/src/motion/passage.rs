@@ -213,22 +213,37 @@ impl Flight<'_> {
     }
 
     /// Whether a functional, by its value at the begin and its coefficients over a span, goes no further beyond zero than what counts as zero: a stop
-    /// that is just touched, without speed, is not hit, and a level that is zero for an instant stays. Rounding in the place would make of it the root
-    /// of this as a speed. What slowly passes zero has an event as soon as it is so far beyond.
+    /// that is just touched, without speed, is not hit, a level that is zero for an instant stays, and what is held up to its limit is held. Rounding
+    /// in the place would make of it the root of this as a speed. A stop or a level that slowly passes zero has an event as soon as it is so far
+    /// beyond; of what is known better than that, as a force is, it is one at once.
     #[inline(never)]
     fn only_touches(&self, place: usize, begin: f64, c: &[f64; LOCAL]) -> bool {
         let w = &self.table.watched[place];
-        if !matches!(w.watch, Watch::Meets(_) | Watch::Level(_)) {
-            return false;
-        }
-        let lower = begin - self.hybrid.sizes.zero_of(&w.row);
+        let zero = self.hybrid.sizes.zero_of(&w.row);
+        let turns = match w.watch {
+            Watch::Meets(_) | Watch::Level(_) => true,
+            Watch::Opens(_) | Watch::Presses(_) | Watch::Slips(..) => turns_round(begin, c, zero),
+            Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) => false,
+        };
+        let lower = begin - zero;
         // Where it is beyond at the end, as mostly, it has passed.
-        lower + sum_behind(c, |x| x) < 0.0 && {
+        turns && lower + sum_behind(c, |x| x) < 0.0 && {
             let mut c = *c;
             c[0] = lower;
             crossing_after_start(&c, 1.0, &mut 0).is_none()
         }
     }
+}
+
+/// Whether what is beyond zero at the end of a span is on its way back there, or comes to its vertex before it is further beyond by `zero`.
+fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
+    let (mut slope, mut bend) = (0.0, 0.0);
+    for (k, x) in c.iter().enumerate().skip(1) {
+        let k = k as f64;
+        slope += k * x;
+        bend += k * (k - 1.0) * x;
+    }
+    begin + sum_behind(c, |x| x) <= 0.0 || slope <= 0.0 || slope * slope <= -2.0 * bend * zero
 }
 
 /// The intervals of a sub-step in which a functional may pass zero, as bits: of the others it is proved that it stays below zero.

@@ -20,7 +20,7 @@ const CHAIN: usize = 100;
 /// Parts of a mode's sub-step that count as progress of time: a few roundings.
 const PROGRESS: f64 = 1e-15;
 /// A functional that was zero throughout is watched again beyond this many times the size under which it counts as zero.
-const LEAVES_ZERO: f64 = 16.0;
+pub(super) const LEAVES_ZERO: f64 = 16.0;
 
 /// What an advance does at an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -24,7 +24,7 @@ impl Selection<'_> {
                 (true, _) => Stop::Touching,
             };
         }
-        if touching.edges[i] || excess == 0.0 {
+        if touching.edges[i] || (excess == 0.0 && !touching.limits[i]) {
             return match rate {
                 r if r > 0.0 => Stop::Is(stop.entered()),
                 r if r < 0.0 => Stop::Is(StopState::Below),
