@@ -179,7 +179,8 @@ pub trait Component: Sized + Debug + 'static {
     /// by default from directional derivatives.
     ///
     /// # Errors
-    /// As [`directional_derivative`](Self::directional_derivative).
+    /// As [`directional_derivative`](Self::directional_derivative); a seed or a sum that is not finite. By default nothing is written
+    /// then.
     fn adjoint_derivative(
         &mut self,
         unknowns: &[u32],
@@ -187,11 +188,22 @@ pub trait Component: Sized + Debug + 'static {
         seed: &[f64],
         mut write: impl FnMut(usize, f64),
     ) -> Result<(), Self::Problem> {
-        for (k, known) in knowns.iter().enumerate() {
-            let mut sum = 0.0;
-            self.directional_derivative(unknowns, &[*known], &[1.0], |i, x| sum += seed[i] * x)?;
-            write(k, sum);
+        for (unknown, &part) in unknowns.iter().zip(seed) {
+            if !part.is_finite() {
+                let what = format!("seed of {}", self.variable(*unknown)?.name);
+                return Err(Problem::value(what, part, "a finite number").into());
+            }
         }
+        let mut sums = vec![0.0; knowns.len()];
+        for (known, sum) in knowns.iter().zip(&mut sums) {
+            self.directional_derivative(unknowns, &[*known], &[1.0], |i, x| *sum += seed[i] * x)?;
+            if !sum.is_finite() {
+                let what = format!("adjoint derivative by {}", self.variable(*known)?.name);
+                let allowed = "a finite number: seed and derivatives are too large together";
+                return Err(Problem::value(what, *sum, allowed).into());
+            }
+        }
+        sums.into_iter().enumerate().for_each(|(k, sum)| write(k, sum));
         Ok(())
     }
 

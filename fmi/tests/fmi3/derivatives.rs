@@ -228,6 +228,41 @@ fn invariant_adjoint_identity() {
     }
 }
 
+/// A seed that is not finite, a sum that is not, a known that is none behind one that is: nothing is written.
+#[test]
+fn adjoint_derivatives_that_are_no_finite_numbers_are_refused_by_name() {
+    const UNTOUCHED: [f64; 2] = [7.0; 2];
+    const TWO: [&str; 2] = ["box.a", "block.a"];
+    let fmu = in_event_mode(CONTACTS[0], false);
+    for (unknowns, known, seed, expected, text) in [
+        (TWO, "block.f", [f64::NAN, 0.0], DISCARD, "seed of box.a = NaN: allowed is a finite number"),
+        (TWO, "block.f", [0.0, f64::INFINITY], DISCARD, "seed of block.a = inf: allowed is a finite number"),
+        (["box.a"; 2], "box.f", [f64::MAX; 2], DISCARD, "adjoint derivative by box.f = inf: allowed is"),
+        (TWO, "stop.gap", [1.0; 2], ERROR, "stop.gap has no such derivative"),
+    ] {
+        let state = fmu.save();
+        let (u, k, mut sums) = (references(&unknowns), references(&["secondary.f", known]), UNTOUCHED);
+        // SAFETY: two elements each.
+        let status = unsafe {
+            fmi3GetAdjointDerivative(
+                fmu.c,
+                u.as_ptr(),
+                2,
+                k.as_ptr(),
+                2,
+                seed.as_ptr(),
+                2,
+                sums.as_mut_ptr(),
+                2,
+            )
+        };
+        assert_eq!((status, sums), (expected, UNTOUCHED), "{}", fmu.last());
+        assert!(fmu.last().contains(text), "{}", fmu.last());
+        // SAFETY: a state of this instance.
+        assert_eq!(unsafe { fmi3SetFMUState(fmu.c, state) }, OK);
+    }
+}
+
 /// Of a closed form: parameters by differences of another order, time by the motion itself.
 #[test]
 fn second_method_of_a_closed_form() {

@@ -94,7 +94,8 @@ impl Instance {
         self.life.phase = Phase::Step;
         self.events.pending = stand.event;
         self.events.latched = if stand.event { shown } else { None };
-        self.events.side = stand.side;
+        // A host that handles no events is told of no side.
+        self.events.side = if event_mode { stand.side } else { 0 };
         self.taken_over();
         self.hold_loads();
         Ok(Advance { time: self.time(), event: stand.event, early: stand.early })

@@ -44,7 +44,8 @@ impl Instance {
     /// parameters with respect to inputs and Reals whose initial value is exact, by such differences.
     ///
     /// # Errors
-    /// A reference that is no unknown or known here, a seed or a derivative that is not finite; nothing is written then.
+    /// A reference that is no unknown or known here, a seed or a derivative that is not finite, or that overflows on the way, as with seeds
+    /// near the largest doubles; nothing is written then.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],

@@ -227,7 +227,7 @@ impl Instance {
         self.life.phase = Phase::Step;
         self.events.pending = event;
         self.events.latched = event.then_some(pieces.shown);
-        self.events.side = if due { 0 } else { pieces.side };
+        self.events.side = if event && !due { pieces.side } else { 0 };
         self.slopes_set = [false; 3];
         self.invalidate();
         Advance { time, event, early }

@@ -336,3 +336,19 @@ fn an_impact_of_a_refused_update_is_logged_when_it_is_carried_out() {
     fmu.handle_events(&mut messages).unwrap();
     assert_eq!(messages.0.len(), 1, "{:?}", messages.0);
 }
+
+/// A host that handles no events has no place for the side of an impact: it comes back as the same bytes that were saved.
+#[test]
+fn a_steady_state_is_saved_again_as_it_was_restored() {
+    for mode in [2.0, 3.0] {
+        let mut fmu = closed(mode);
+        for step in 0..40 {
+            let time = fmu.time();
+            fmu.advance(time, 0.37, &mut Silence).unwrap();
+            let saved = fmu.save();
+            let mut other = instance();
+            other.restore(&saved).unwrap();
+            assert!(other.save() == saved, "mode {mode}, step {step}");
+        }
+    }
+}
