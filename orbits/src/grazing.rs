@@ -56,6 +56,10 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
         let span = cycle.arrival(flight) - phase;
         for side in [1i8, -1] {
             let s = f64::from(side);
+            // The flight of a block that would stay on its stop leads past it at once, which is no touch.
+            if cycle.stays(flight) && s * word.side(flight) > 0.0 {
+                continue;
+            }
             let maxima = flights::maxima(cycle.system, z, phase, span, [-s, s, 0.0]);
             for (phase, _) in maxima.into_iter().filter(|m| m.1 > 1.0 + PENETRATION_ROUNDING) {
                 let index = flight + 1;

@@ -147,7 +147,8 @@ impl Orbit {
         self.multipliers[0].norm()
     }
 
-    /// Whether it is proved that each impact approaches its stop and that the block keeps within the stops in between, so that there is
+    /// Whether it is proved that each impact approaches its stop, that without restitution the block does not stay there, and that it keeps
+    /// within the stops in between, so that there is
     /// no impact that the word does not list: to 1e-12 L, to what the impacts themselves are off their stops by, at most 1e-9 L, and to the
     /// rounding of the flights, which is more where a mode is thousands of times faster than the drive or the box without damper near
     /// resonance.
@@ -323,12 +324,14 @@ fn within(theta: f64, periods: u32) -> f64 {
     turn + TAU * ((theta - turn) / TAU).round().rem_euclid(f64::from(periods))
 }
 
-/// Whether it is proved that the block keeps within the stops in all flights, but for what contact is off by at their ends.
+/// Whether it is proved that the block leaves its stop after all impacts and keeps within the stops in all flights, but for what contact is
+/// off by at their ends.
 pub(super) fn is_clear(cycle: &Cycle) -> bool {
     (0..cycle.phases.len()).all(|i| {
         let span = cycle.arrival(i) - cycle.phases[i];
         let contact = cycle.contact_errors(i).iter().sum::<f64>();
         contact < RESIDUAL
+            && !cycle.stays(i)
             && flights::is_clear(cycle.system, cycle.departure(i), cycle.phases[i], span, contact)
     })
 }

@@ -6,6 +6,7 @@ mod exponents;
 mod free_block;
 mod golden;
 mod islands;
+mod plastic;
 mod ranges;
 mod resonance;
 mod rows;
