@@ -116,6 +116,10 @@ impl Component for Instance {
         Self::exit_initialization(self, log)
     }
 
+    fn terminate(&mut self) {
+        Self::terminate(self);
+    }
+
     fn reset(&mut self) {
         Self::reset(self);
     }

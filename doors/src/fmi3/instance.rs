@@ -124,7 +124,7 @@ impl<C: Component> Instance<C> {
                 if self.component.life().phase != Phase::Terminated {
                     self.failed = Some(function);
                 }
-                self.component.terminate();
+                self.component.life_mut().phase = Phase::Terminated; // nothing else has changed
             }
             Status::Fatal => self.component.break_down(),
             _ => {}

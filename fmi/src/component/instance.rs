@@ -202,11 +202,6 @@ impl Instance {
         Ok(())
     }
 
-    /// Ends the simulation.
-    pub fn terminate(&mut self) {
-        self.life.phase = Phase::Terminated;
-    }
-
     /// As just made.
     pub fn reset(&mut self) {
         let (numbering, edition) = (self.numbering, self.edition);

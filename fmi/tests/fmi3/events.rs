@@ -414,3 +414,31 @@ fn an_obsolete_announcement_is_harmless() {
     fmu.handle_event();
     assert!(fmu.step(end.time, 20.0).event);
 }
+
+/// What an event shows stays where the host ends the simulation in it, and in a state saved then: what was set there, and an impact.
+#[test]
+fn invariant_the_end_in_an_event_keeps_what_was_shown() {
+    for (mode, set) in [(1.0, false), (2.0, true), (3.0, true), (3.0, false)] {
+        let flags = if set { TF } else { TT };
+        let fmu = Fmu::new(flags);
+        assert_eq!(fmu.set("mode", mode), OK);
+        fmu.initialize();
+        if set {
+            assert_eq!(fmu.set("drive.amplitude", 0.2), OK);
+        } else {
+            fmu.update();
+            fmu.enter_step_mode();
+            assert!(fmu.step(0.0, 60.0).event);
+            // SAFETY: a live instance.
+            assert_eq!(unsafe { fmi3EnterEventMode(fmu.c) }, OK);
+        }
+        let shown = fmu.motion().map(f64::to_bits);
+        // SAFETY: as above.
+        assert_eq!(unsafe { fmi3Terminate(fmu.c) }, OK);
+        let other = Fmu::new(flags);
+        other.restore(&fmu.bytes());
+        for ended in [&fmu, &other] {
+            assert_eq!(ended.motion().map(f64::to_bits), shown, "mode {mode}, set: {set}");
+        }
+    }
+}

@@ -231,7 +231,13 @@ impl Instance {
         self.end_tick()?;
         let wanted = log.wants(Category::Events);
         let mut show = |event: &Event| log.log(Category::Events, &describe(event));
-        let mut report: EventObserver = if wanted { Some(&mut show) } else { None };
+        let report: EventObserver = if wanted { Some(&mut show) } else { None };
+        let changed = self.carry_out_event(report)?;
+        Ok(Handled { states: changed, nominals: self.nominals_changed() })
+    }
+
+    /// The same without its messages; whether states have changed.
+    fn carry_out_event(&mut self, mut report: EventObserver<'_, '_>) -> Outcome<bool> {
         let changed = match &mut self.engine {
             Engine::None => return Err(Problem::sequence("the instance is not initialized")),
             Engine::Continuous(continuous) => continuous.handle_event(&mut |event| {
@@ -247,7 +253,16 @@ impl Instance {
         }
         self.events.carried_out = true;
         self.invalidate();
-        Ok(Handled { states: changed, nominals: self.nominals_changed() })
+        Ok(changed)
+    }
+
+    /// Ends the simulation. An event that has been shown but not been updated has taken place, so that what was read stays and is saved; one
+    /// that is not possible has not.
+    pub fn terminate(&mut self) {
+        if self.looks_past_the_event() && self.carry_out_event(None).is_err() {
+            self.invalidate();
+        }
+        self.life.phase = Phase::Terminated;
     }
 
     /// The same for the simulator; true where an impact has made the states jump.
