@@ -280,21 +280,16 @@ impl StroboscopicRecord {
     /// The largest distance between a state and the one `period` drive periods later, over the last of them that were recorded.
     pub(crate) fn return_distance(&self, period: u32) -> f64 {
         let lag = period as usize;
-        let last = &self.periods[self.periods.len().saturating_sub(2 * lag)..];
-        last.iter().zip(last.iter().skip(lag)).map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
+        farthest_return(&self.periods[self.periods.len().saturating_sub(2 * lag)..], lag)
     }
 
     /// The nearest return over the whole record: the least, of all lags up to [`LONGEST`], of the largest distance after that lag. None
     /// where as many periods at the end are free: returns fall between bursts of impacts.
     pub(crate) fn nearest_return(&self) -> Option<f64> {
-        let farthest = |lag: usize| {
-            let pairs = self.periods.iter().zip(self.periods.iter().skip(lag));
-            pairs.map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
-        };
         let longest = LONGEST as usize;
         let touches = self.periods.iter().rev().take(longest).any(|s| s.impacts != [0; 2] || s.rests);
         let lags = (1..=longest).take_while(|lag| *lag < self.periods.len());
-        touches.then(|| lags.map(farthest).fold(f64::INFINITY, f64::min))
+        touches.then(|| lags.map(|lag| farthest_return(&self.periods, lag)).fold(f64::INFINITY, f64::min))
     }
 
     /// The largest distance between a state and the mirror image of the one half an odd `period` before it, over the last period.
@@ -329,6 +324,12 @@ pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> O
         let last = &returns[returns.len() - 4 * lag..];
         last[lag..].iter().zip(last).all(|(a, b)| same(a, b))
     })
+}
+
+/// The largest distance between a state and the one a lag of periods later.
+fn farthest_return(periods: &[ObservedPeriod], lag: usize) -> f64 {
+    let pairs = periods.iter().zip(periods.iter().skip(lag));
+    pairs.map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
 }
 
 /// Whether for some lag the largest distance between a state and the one that many periods later falls from each eighth of

@@ -148,10 +148,9 @@ impl Orbit {
     }
 
     /// Whether it is proved that each impact approaches its stop, that without restitution the block does not stay there, and that it keeps
-    /// within the stops in between, so that there is
-    /// no impact that the word does not list: to 1e-12 L, to what the impacts themselves are off their stops by, at most 1e-9 L, and to the
-    /// rounding of the flights, which is more where a mode is thousands of times faster than the drive or the box without damper near
-    /// resonance.
+    /// within the stops in between, so that there is no impact that the word does not list: to 1e-12 L, to what the impacts themselves are
+    /// off their stops by, at most 1e-9 L, and to the rounding of the flights, which is more where a mode is thousands of times faster than
+    /// the drive or the box without damper near resonance.
     pub fn is_certified(&self) -> bool {
         self.clear && self.speeds.iter().all(|speed| *speed > 0.0)
     }
