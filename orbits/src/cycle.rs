@@ -223,9 +223,11 @@ impl<'a> Cycle<'a> {
     /// Whether the block stays on its stop after the impact from which a flight starts: without restitution it leaves without a speed, and
     /// its acceleration points at the stop.
     pub fn stays(&self, flight: usize) -> bool {
-        let free = Functional::Rate.of(&self.system.rate(self.departure(flight)));
-        let acceleration = free + self.system.forced_gap(self.phases[flight])[2];
-        self.system.flight.kappa == 0.0 && self.word.side(flight) * acceleration > 0.0
+        self.system.flight.kappa == 0.0 && {
+            let free = Functional::Rate.of(&self.system.rate(self.departure(flight)));
+            let acceleration = free + self.system.forced_gap(self.phases[flight])[2];
+            self.word.side(flight) * acceleration > 0.0
+        }
     }
 
     /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺ (docs/theory.md (104)).
