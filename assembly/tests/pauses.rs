@@ -136,7 +136,7 @@ fn invariant_a_capped_buffer_that_is_hardly_reached_stops_no_motion() {
 fn invariant_a_buffer_that_is_met_slowly_lets_go_in_one_call_as_in_many() {
     // A cam with a flat top, of sixth order at 2 s, comes beyond a heavily damped buffer's edge by 1e-12 m, with 7e-10 m/s.
     let wave = |amplitude, frequency| Harmonic { amplitude, frequency, phase: std::f64::consts::FRAC_PI_2 };
-    let harmonics = vec![wave(1.0, 0.25), wave(-1.0 / 6.0, 0.75), wave(0.02, 1.25)];
+    let harmonics = [wave(1.0, 0.25), wave(-1.0 / 6.0, 0.75), wave(0.02, 1.25)];
     let shift = |h: &Harmonic| Harmonic { phase: h.phase - 4.0 * std::f64::consts::PI * h.frequency, ..*h };
     let harmonics: Vec<Harmonic> = harmonics.iter().map(shift).collect();
     let top: f64 = 1.0 - 1.0 / 6.0 + 0.02;
