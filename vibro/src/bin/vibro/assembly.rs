@@ -1,12 +1,11 @@
 //! `vibro assembly`: machines of the user's own, from their files.
 
-use crate::arguments::{Common, DEFAULT_OUT};
+use crate::assembly_arguments::{AssemblyCommand, Motion};
 use crate::assembly_studies;
+use crate::common_arguments::{Common, DEFAULT_OUT};
 use crate::destination;
 use crate::output;
 use crate::progress::Progress;
-use crate::ranges::whole;
-use clap::{Args, Subcommand};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,68 +15,10 @@ use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
 use vibro_figures::canvas;
-use vibro_impact::quantities::quantity_in;
 use vibro_sketch::Sketch;
 
 /// Stem of the manifest of a motion.
 const RESULT: &str = "assembly-run";
-
-/// What to do with a machine.
-#[derive(Debug, Subcommand)]
-pub enum AssemblyCommand {
-    /// Says what the machine consists of: bodies, elements, degrees of freedom, modes at the start, equilibrium, natural frequencies
-    Check {
-        /// The machine's file (TOML); docs/assemblies.md says what may stand in it
-        #[arg(value_name = "FILE")]
-        file: PathBuf,
-    },
-    /// Draws the machine as an engineer sketches it: bodies in a row, springs, dashpots, stops, friction, loads, as SVG and PNG
-    Draw {
-        /// The machine's file (TOML); docs/assemblies.md says what may stand in it
-        #[arg(value_name = "FILE")]
-        file: PathBuf,
-    },
-    /// Follows the machine's motion, exactly from event to event: states.csv, events.csv, a picture and an account
-    Run(Motion),
-    /// Bifurcation diagram: local maxima of a quantity over a parameter, both directions, with periods and classes
-    ///
-    /// Each value starts from the last state of the value before. A motion is looked at after each common period of what drives the
-    /// machine; --period and --section say otherwise. A motion that has settled is not followed further.
-    Bifurcation(assembly_studies::Bifurcation),
-    /// The largest Lyapunov exponent, through impacts, sticking and sliding: of the machine itself, or over a parameter
-    ///
-    /// One variation is carried exactly through flights and events (saltation matrices).
-    Lyapunov(assembly_studies::Lyapunov),
-    /// Amplitudes, forces, impacts, losses and more of many designs: a grid or a Sobol sequence
-    ///
-    /// The table has a row for each design, in SI, as CSV and Parquet. Outputs are named by the machine's own bodies and elements:
-    /// --list tells them.
-    Sweep(assembly_studies::Sweep),
-}
-
-/// Arguments of `assembly run`.
-#[derive(Args, Debug)]
-pub struct Motion {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
-    /// End of the motion, in s or with a unit (2s, 500 ms)
-    #[arg(long, value_name = "TIME", value_parser = time, required_unless_present = "times", allow_hyphen_values = true)]
-    until: Option<f64>,
-    /// Rows of states.csv after that of time 0, at even distances
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1..=u32::MAX))]
-    samples: u32,
-    /// Times of the rows instead: a number in s a line
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["samples", "until"])]
-    times: Option<PathBuf>,
-}
-
-pub fn time(text: &str) -> std::result::Result<f64, String> {
-    let found = quantity_in("s", text.trim()).map(|q| q.value).filter(|t| t.is_finite() && *t > 0.0);
-    found.ok_or_else(|| {
-        "allowed is a finite time above 0, in s, with a unit of s, ms, us, min, h, e.g. 2s".into()
-    })
-}
 
 /// Carries out the command. `false` where a motion was interrupted, and all that was computed is written.
 ///

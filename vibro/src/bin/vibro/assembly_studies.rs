@@ -1,13 +1,11 @@
 //! `vibro assembly bifurcation|lyapunov|sweep`: from arguments to the library's studies.
 
-use crate::arguments::Common;
-use crate::assembly::time;
+use crate::assembly_arguments::{Bifurcation, Drawn, Lyapunov, Sweep, Which};
+use crate::common_arguments::Common;
 use crate::destination::{self, Destination};
 use crate::long::perform_as;
 use crate::output;
-use crate::ranges::{Share, whole};
-use clap::Args;
-use std::path::PathBuf;
+use crate::ranges::Share;
 use vibro::long_study::{AssemblyStudy, LongStudy, Work};
 use vibro::manifest::Invocation;
 use vibro::studies::assembly_exponent;
@@ -24,113 +22,6 @@ const VALUES: u16 = 200;
 const PLANE_VALUES: u16 = 60;
 /// Most values on an axis of a plane.
 const MOST_OF_PLANE: usize = 3_000;
-
-/// The machine, and where its motions are looked at.
-#[derive(Args, Debug)]
-pub struct Which {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
-    /// Look at the motion after whole multiples of this time [default: the common period of all harmonics]
-    #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "section", allow_hyphen_values = true)]
-    period: Option<f64>,
-    /// Look at the motion at each impact or first touch of a stop, or each time that a friction begins to stick [default of a machine
-    /// without harmonics: its first stop, else its first friction]
-    #[arg(long, value_name = "ELEMENT")]
-    section: Option<String>,
-}
-
-/// Arguments of `assembly bifurcation`.
-#[derive(Args, Debug)]
-pub struct Bifurcation {
-    #[command(flatten)]
-    which: Which,
-    /// Parameter and range, such as stop.upper.gap=1mm:8mm:200. Repeated for planes
-    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true, required = true)]
-    vary: Vec<String>,
-    #[command(flatten)]
-    drawn: Drawn,
-    /// For many machines.
-    #[command(flatten)]
-    share: Share,
-}
-
-/// What a diagram shows.
-#[derive(Args, Debug)]
-pub struct Drawn {
-    /// Quantity that is drawn: box.s, box.v, box.a, upper.e, upper.rate, upper.f [default: the first free body's coordinate]
-    #[arg(long, value_name = "NAME")]
-    of: Option<Quantity>,
-    /// Draw its values where the motion is looked at (a Poincaré section) instead of its local maxima
-    #[arg(long)]
-    at_section: bool,
-    /// Draw classes and contacts over a plane of two parameters instead, of which --vary tells the ranges: stop.upper.gap,body.block.mass.
-    /// Each motion starts as the file says. May be repeated
-    #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
-    pair: Vec<String>,
-    /// Values in a range without a count [default: 200; of a plane 60]
-    #[arg(long, value_name = "N", value_parser = whole::<u16>(2..=20_000))]
-    resolution: Option<u16>,
-    /// Periods discarded at each value, unless the motion has settled before
-    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
-    discard: u32,
-    /// Periods kept at each value
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole(1..=u32::MAX))]
-    keep: u32,
-}
-
-/// Arguments of `assembly lyapunov`.
-#[derive(Args, Debug)]
-pub struct Lyapunov {
-    #[command(flatten)]
-    which: Which,
-    /// Parameter and range, such as stop.upper.gap=1mm:8mm:200. Repeated for planes [default: the machine as it is]
-    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
-    vary: Vec<String>,
-    #[command(flatten)]
-    drawn: Drawn,
-    /// Periods over which the exponent is counted, after 32 in which the variation turns into its direction
-    #[arg(long, value_name = "N", default_value_t = 400, value_parser = whole::<u32>(8..=1_000_000))]
-    periods: u32,
-    /// For many machines.
-    #[command(flatten)]
-    share: Share,
-}
-
-/// Arguments of `assembly sweep`.
-#[derive(Args, Debug)]
-pub struct Sweep {
-    #[command(flatten)]
-    which: Which,
-    /// A parameter and its values, as a range or a list. May be repeated; all combinations are run, the last parameter fastest
-    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
-    vary: Vec<String>,
-    /// Number of values of a range without a count
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = whole::<u32>(2..=1_000_000))]
-    resolution: u32,
-    /// Run the first N points of the Sobol sequence in the ranges of --vary instead of all combinations
-    #[arg(long, visible_alias = "sobol", value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
-    samples: Option<u32>,
-    /// A parameter over which each design is measured as a whole, e.g. a load's frequency in a band. May be repeated
-    #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
-    over: Vec<String>,
-    /// What is measured: names from --list, separated by commas. May be repeated [default: amplitudes of the free bodies, impacts and
-    /// their speeds, power lost, class]
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    output: Vec<Measure>,
-    /// Periods discarded before a motion is measured, unless it has settled before
-    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
-    discard: u32,
-    /// Periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T motions
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
-    periods: u32,
-    /// List the names of all outputs of the machine, with unit and meaning
-    #[arg(long)]
-    list: bool,
-    /// For many machines.
-    #[command(flatten)]
-    share: Share,
-}
 
 /// Reads the machine.
 fn machine(which: &Which, common: &Common) -> Result<Machine> {

@@ -6,7 +6,7 @@
 //! that meets results or parts of another one gets a folder of its own, with a digest of its options and parameters in
 //! the name.
 
-use crate::arguments::{Common, DEFAULT_OUT};
+use crate::common_arguments::{Common, DEFAULT_OUT};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use vibro::manifest::{Invocation, Manifest};

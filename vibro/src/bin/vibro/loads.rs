@@ -1,6 +1,7 @@
 //! Constant loads of a command, and the commands that take none.
 
-use crate::arguments::{Command, ConstantLoads};
+use crate::arguments::Command;
+use crate::common_arguments::ConstantLoads;
 use vibro::load_file::{LoadArgument, files};
 use vibro::{Error, Result};
 use vibro_analysis::{Name, ParameterSet};

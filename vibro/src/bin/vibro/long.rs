@@ -1,9 +1,10 @@
 //! Long studies: computed in parts that are kept on disk, divided into shards, merged, and all at once.
 
-use crate::arguments::{Basin, Bifurcation, Common, Isoperiodic, Lyapunov, Merge, Reproduce};
+use crate::common_arguments::Common;
 use crate::destination::{Claim, Destination};
 use crate::progress::Progress;
 use crate::ranges;
+use crate::study_arguments::{Basin, Bifurcation, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::{interruption, output};
 use std::path::{Path, PathBuf};
 use vibro::long_study::{LongStudy, StudyKind};

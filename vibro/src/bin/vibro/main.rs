@@ -2,7 +2,9 @@
 
 mod arguments;
 mod assembly;
+mod assembly_arguments;
 mod assembly_studies;
+mod common_arguments;
 mod destination;
 mod interruption;
 mod invocation;
@@ -15,12 +17,14 @@ mod progress;
 mod ranges;
 mod run;
 mod short;
+mod study_arguments;
 mod sweep;
 mod sweep_arguments;
 mod written_units;
 
-use arguments::{Arguments, Command, Common};
+use arguments::{Arguments, Command};
 use clap::FromArgMatches;
+use common_arguments::Common;
 use destination::Destination;
 use std::process::ExitCode;
 use vibro::{Error, Result, load_file, parameter_file, studies};

@@ -1,6 +1,6 @@
 //! `vibro orbits`, `vibro orbit`, `vibro locus`: from their arguments to the library's studies.
 
-use crate::arguments::Common;
+use crate::common_arguments::Common;
 use crate::long::perform_as;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which};
 use crate::ranges::{ParameterRange, shown};

@@ -1,8 +1,7 @@
 //! Arguments of `vibro orbits`, `vibro orbit` and `vibro locus`.
 
-use crate::arguments::ConstantLoads;
-use crate::ranges::ParameterRange;
-use crate::ranges::whole;
+use crate::common_arguments::ConstantLoads;
+use crate::ranges::{ParameterRange, whole};
 use clap::Args;
 use vibro::special_points::Selection;
 

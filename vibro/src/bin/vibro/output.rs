@@ -1,6 +1,6 @@
 //! Writes text to the screen.
 
-use crate::arguments::Common;
+use crate::common_arguments::Common;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;

@@ -1,8 +1,9 @@
 //! Studies of seconds, which need no parts on disk: from their arguments to the library's studies.
 
-use crate::arguments::{Command, Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
+use crate::arguments::Command;
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
+use crate::study_arguments::{Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
 use crate::sweep_arguments::AxisArgument;
 use std::ops::RangeInclusive;
 use vibro::studies::{self, Study};

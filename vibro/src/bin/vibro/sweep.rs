@@ -1,6 +1,6 @@
 //! `vibro sweep`: from its arguments to the library's study.
 
-use crate::arguments::Common;
+use crate::common_arguments::Common;
 use crate::long::perform_as;
 use crate::sweep_arguments::{AxisArgument, Sweep};
 use vibro::design_file;

@@ -1,6 +1,6 @@
 //! Arguments of `vibro sweep`.
 
-use crate::arguments::ConstantLoads;
+use crate::common_arguments::ConstantLoads;
 use crate::ranges::{InWrittenUnit, ParameterRange, ParameterValues, Share, whole};
 use clap::Args;
 use std::fmt;
