@@ -106,24 +106,52 @@ fn invariant_energy_balance_over_ten_thousand_periods() {
 fn invariant_energy_balance_in_short_steps() {
     /// Of the energy that passed through (docs/guarantees.md).
     const BOUND: f64 = 1e-12;
-    const STEPS: u32 = 10_000;
     let basic = basic(1.5, 0.75);
     // Here the drive itself is the fastest rate: the rules' errors are largest.
     let fast = Parameters { drive_frequency: 50.0, drive_amplitude: 50.0, ..basic };
     for p in [basic, fast] {
-        let interval = 0.15 / Model::new(&p).unwrap().rate;
         for part in [0.99, 0.49, 0.1] {
-            let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
-            let first = simulator.energy_accounts().mechanical;
-            for n in 1..=STEPS {
-                simulator.advance_to(f64::from(n) * part * interval).unwrap();
-            }
-            let l = simulator.energy_accounts();
-            let error = l.mechanical - first - l.input + l.damped + l.impact;
-            let passed = first.max(l.mechanical).max(l.damped).max(l.input);
-            assert!(error.abs() < BOUND * passed, "{part} of an interval: {error:e} of {passed}");
+            let off = imbalance_in_steps(&p, part, 10_000);
+            assert!(off < BOUND, "{part} of an interval: {off:e}");
         }
     }
+}
+
+/// Impacts at the same phase of the drive give the rule's error the same sign each time: beside a damper whose rate is a fifth of the fastest
+/// it adds up to more than rounding, in steps over which that rule alone finds the damping, and to next to nothing in others.
+#[test]
+fn invariant_energy_balance_in_steps_of_half_an_interval_beside_a_damper() {
+    /// Of the energy that passed through (docs/guarantees.md): where the rule's error adds up, and else.
+    const BOUNDS: [f64; 2] = [1e-11, 1e-12];
+    let p = Parameters {
+        box_stiffness: 0.823,
+        box_damping: 0.215,
+        block_mass: 0.353,
+        secondary_mass: 0.0713,
+        secondary_stiffness: 0.0432,
+        secondary_damping: 0.00374,
+        coupling_stiffness: 0.00464,
+        stop_restitution: 0.98,
+        drive_amplitude: 0.54,
+        drive_frequency: 1.14,
+        ..Parameters::default()
+    };
+    let [half, other] = [0.499, 0.1].map(|part| imbalance_in_steps(&p, part, 4000));
+    assert!(half > BOUNDS[1] && half < BOUNDS[0], "{half:e}");
+    assert!(other < BOUNDS[1], "{other:e}");
+}
+
+/// By how much the accounts do not balance after so many steps of a `part` of an interval, in parts of the energy that has passed.
+fn imbalance_in_steps(p: &Parameters, part: f64, steps: u32) -> f64 {
+    let interval = 0.15 / Model::new(p).unwrap().rate;
+    let mut simulator = Simulator::new(p, &start(), 0.0).unwrap();
+    let first = simulator.energy_accounts().mechanical;
+    for n in 1..=steps {
+        simulator.advance_to(f64::from(n) * part * interval).unwrap();
+    }
+    let l = simulator.energy_accounts();
+    let error = l.mechanical - first - l.input + l.damped + l.impact;
+    error.abs() / first.max(l.mechanical).max(l.damped).max(l.input)
 }
 
 /// A box that is pushed through its gap before the drive has turned: its forced vibration is a million gaps wide.
