@@ -71,7 +71,7 @@ fn way_on(stage: Stage) -> &'static str {
 
 impl<P: Refusal> Problem<P> {
     /// The status to return from a function. What the model cannot take as a value is discarded, with all as it was, since
-    /// the host may go on with another value (FMI 3.0.2, 2.2.3); everything else is a mistake in the call.
+    /// the host may go on with another value (FMI 3.0.2, 2.2.4); everything else is a mistake in the call.
     pub fn status(&self, function: Function) -> Status {
         match self {
             Self::Refused(Refused::Fault(Fault::Panic { .. })) => Status::Fatal,
