@@ -4,12 +4,16 @@
 //! Nothing is allocated while advancing, except where a table that is shared with another simulator is first filled: it is then
 //! copied.
 //!
-//! | kernel | when it runs | what proves that no event is missed | bits equal to which |
-//! |---|---|---|---|
-//! | `flight_substep` (`flight.rs`) | flight without loads, more than an interval to go | samples and the bound on w''; dominance in the intervals that these do not clear | its own; they depend on the instruction set |
-//! | `short_flight_substep` (`flight.rs`) | the same, at most one interval to go, both ends clear of the stops | bound on w'' over the interval | its own; they depend on the instruction set |
-//! | `general_substep` (`general.rs`) | rest, loads, fast blocks, and what the two above leave | the same samples and bound, for w or the contact force; dominance on series from the start | its own, equal on all instruction sets |
-//! | `batch/` | many flights without loads or energy accounts side by side | the same bound; dominance in vectors | its own: independent of the other motions, not equal to one by one |
+//! The kernels, when they run, and what proves that no event is missed:
+//!
+//! - `flight_substep` (`flight.rs`): flight without loads, more than an interval to go. Samples and the bound on w''; dominance in the
+//!   intervals that these do not clear. Its bits depend on the instruction set.
+//! - `short_flight_substep` (`flight.rs`): the same with at most one interval to go, both ends clear of the stops. The bound on w'' over
+//!   the interval. Its bits depend on the instruction set.
+//! - `general_substep` (`general.rs`): rest, loads, fast blocks, and what the two above leave. The same samples and bound, for w or the
+//!   contact force; dominance on series from the start. Its bits are equal on all instruction sets.
+//! - `batch/`: many flights without loads or energy accounts side by side. The same bound; dominance in vectors. Its bits do not depend on
+//!   the other motions, and are not those of one by one.
 //!
 //! The first three end in `finish_substep` (`step.rs`), which applies the event's law (`contact.rs`) and limits the work; `batch/`
 //! applies the law to plain impacts in its lanes and leaves rest, chatter and release to `finish_substep`. The statements and their
