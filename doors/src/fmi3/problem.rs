@@ -61,7 +61,7 @@ fn led_there(failed: Option<Function>) -> String {
     failed.map_or_else(String::new, |function| format!(", after an error in {}", function.name()))
 }
 
-/// How a host gets on from a state in which little is allowed.
+/// How a host goes on from a state in which little is allowed.
 fn way_on(stage: Stage) -> &'static str {
     match stage {
         Stage::Terminated => ": restore a saved state or reset the instance",
