@@ -45,8 +45,8 @@ pub use types::{
 use crate::energy::{self, Pending, Sums};
 use crate::error::{Error, Result};
 use crate::flow::{self, Series};
+use crate::model::{Acceleration, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model};
 pub use crate::model::{Augmented, SmoothMode};
-use crate::model::{COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model};
 pub use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
@@ -291,7 +291,7 @@ impl Simulator {
 
     /// Accelerations of the three bodies (resting contact included), m/s².
     pub fn acceleration(&self) -> [f64; 3] {
-        let (a, _) = self.accelerations();
+        let a = self.accelerations().coordinates;
         [a[0], a[0] + a[1], a[2]]
     }
 
@@ -313,7 +313,7 @@ impl Simulator {
     /// against it; impacts are not forces and do not show.
     pub fn contact_force(&self) -> f64 {
         let side = self.hybrid.contact.side();
-        let force = self.model.reduced_mass * side * self.accelerations().1;
+        let force = self.model.reduced_mass * side * self.accelerations().free;
         if force > 0.0 { force } else { 0.0 } // never -0
     }
 
@@ -380,7 +380,7 @@ impl Simulator {
         forces
     }
 
-    fn accelerations(&self) -> ([f64; 3], f64) {
+    fn accelerations(&self) -> Acceleration {
         let f = self.forces_now();
         self.model.acceleration(self.mode(), &self.augmented(), Some(f.map(|d| d[0])))
     }

@@ -234,7 +234,7 @@ fn closed_form_remainder_at_the_reach_of_a_series() {
         let series = Series::<30>::expand(&model, SmoothMode::Flight, &z, None, radius);
         let size = p.stop_gap + 1.0; // of the drive's acceleration over r²
         for coordinate in [BOX, BOX_RATE, RELATIVE, RELATIVE_RATE] {
-            let rest: f64 = series.states[CENTRED..].iter().map(|lane| lane[coordinate]).sum();
+            let rest: f64 = series.states[CENTRED..].iter().map(|state| state[coordinate]).sum();
             assert!(rest.abs() < 0.5 * f64::EPSILON * size, "{coordinate}: {rest:e}");
         }
     }
