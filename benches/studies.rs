@@ -259,7 +259,7 @@ fn works() -> Vec<Work> {
 /// Side by side and one by one in turns, on one thread: with the widest vectors of the machine, and with those of AVX2.
 fn lanes() -> String {
     let mut table = String::from(
-        "| work | motions | vectors | single path, µs a motion | one by one | side by side | single path / side by side | one by one / side by side | lanes occupied | lanes that moved | sub-steps for each handed over |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+        "| work | motions | vectors | single path, µs a motion | one by one | side by side | single path / side by side | one by one / side by side | lanes occupied | lanes that moved | sub-steps for each passed on |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let vectors =
         [("widest", (Way::OneByOne, Way::Together)), ("AVX2", (Way::OneByOneAvx2, Way::TogetherAvx2))];

@@ -199,7 +199,7 @@ impl Column {
     /// The time derivative.
     #[inline(always)]
     fn rate(&self, model: &Model, mode: SmoothMode) -> Self {
-        let (a, _) = model.acceleration(mode, &self.z, Some(self.values()));
+        let a = model.acceleration(mode, &self.z, Some(self.values())).coordinates;
         let z = &self.z;
         Self {
             z: [
@@ -221,7 +221,7 @@ impl Column {
     fn functional(&self, model: &Model, mode: SmoothMode) -> f64 {
         match mode {
             SmoothMode::Flight => self.z[RELATIVE],
-            SmoothMode::Rest => model.acceleration(mode, &self.z, Some(self.values())).1,
+            SmoothMode::Rest => model.acceleration(mode, &self.z, Some(self.values())).free,
         }
     }
 

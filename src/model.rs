@@ -92,6 +92,15 @@ pub struct Impact {
     pub lost: f64,
 }
 
+/// Accelerations in a smooth mode, m/s².
+#[derive(Clone, Copy, Debug)]
+pub struct Acceleration {
+    /// x1'', w'', x3''.
+    pub coordinates: [f64; 3],
+    /// The free relative acceleration a_w, which is what w'' would be without contact.
+    pub free: f64,
+}
+
 /// The factors of the impact law, docs/theory.md (10) to (12), each of the approach speed or of its square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactFactors {
@@ -186,10 +195,10 @@ impl Model {
         [1.0, 2.0, 4.0, 8.0, 16.0].into_iter().map(norm).fold(f64::INFINITY, f64::min)
     }
 
-    /// x1'', w'', x3'' in `mode` and the free relative acceleration a_w, which is what w'' would be without contact: m/s²,
-    /// linear in its arguments (docs/theory.md (6), (7), (13)). `f` are the loads on the three bodies in N, if any act.
+    /// The accelerations in `mode`, linear in the arguments (docs/theory.md (6), (7), (13)). `f` are the loads on the three bodies in N,
+    /// if any act.
     #[inline(always)]
-    pub fn acceleration(&self, mode: SmoothMode, z: &Augmented, f: Option<[f64; 3]>) -> ([f64; 3], f64) {
+    pub fn acceleration(&self, mode: SmoothMode, z: &Augmented, f: Option<[f64; 3]>) -> Acceleration {
         let stretch = (z[BOX] - z[SECONDARY]) + z[RELATIVE]; // x2 - x3
         let mut a1 = (self.drive * z[DRIVE_SIN] - self.k1 * z[BOX]) - self.c1 * z[BOX_RATE];
         let mut a2 = -(self.k2 * stretch);
@@ -200,12 +209,13 @@ impl Model {
             a3 += f[2] * self.inverse_mass[2];
         }
         let free = a2 - a1;
-        match mode {
-            SmoothMode::Flight => ([a1, free, a3], free),
+        let coordinates = match mode {
+            SmoothMode::Flight => [a1, free, a3],
             // The mean by masses, from the heavier body's: from the lighter one's both terms would be large and all but cancel.
-            SmoothMode::Rest if self.block_share > 0.5 => ([a2 - self.box_share * free, 0.0, a3], free),
-            SmoothMode::Rest => ([a1 + self.block_share * free, 0.0, a3], free),
-        }
+            SmoothMode::Rest if self.block_share > 0.5 => [a2 - self.box_share * free, 0.0, a3],
+            SmoothMode::Rest => [a1 + self.block_share * free, 0.0, a3],
+        };
+        Acceleration { coordinates, free }
     }
 
     /// The impact law at stop `side` (+1 or -1), docs/theory.md (10) to (12): changes the velocities.

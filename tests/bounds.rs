@@ -100,9 +100,9 @@ fn size(model: &Model, z: &Augmented, forces: &Forces) -> f64 {
 }
 
 /// The largest coordinate of a coefficient, rates over r.
-fn largest(model: &Model, lane: &Augmented) -> f64 {
-    let displacements = lane[..3].iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    lane[3..6].iter().fold(displacements, |most, v| most.max(v.abs() / model.rate))
+fn largest(model: &Model, state: &Augmented) -> f64 {
+    let displacements = state[..3].iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    state[3..6].iter().fold(displacements, |most, v| most.max(v.abs() / model.rate))
 }
 
 /// x^(k) = ±(1 + k/2) for even k: the drive adds up in resonance, and r bounds the bodies alone.
@@ -113,10 +113,13 @@ fn closed_form_coefficients_of_a_box_in_resonance() {
     let z = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let series = Series::<CENTRED>::expand(&model, SmoothMode::Flight, &z, None, 1.0);
     let mut factorial = 1.0;
-    for (k, lane) in series.states.iter().enumerate().skip(1) {
+    for (k, state) in series.states.iter().enumerate().skip(1) {
         factorial *= k as f64;
         if k % 2 == 0 {
-            assert!((lane[BOX].abs() * factorial - (1.0 + 0.5 * k as f64)).abs() < ROUNDING, "{k}: {lane:?}");
+            assert!(
+                (state[BOX].abs() * factorial - (1.0 + 0.5 * k as f64)).abs() < ROUNDING,
+                "{k}: {state:?}"
+            );
         }
     }
 }

@@ -58,7 +58,7 @@ fn substeps(simulator: &Simulator) -> f64 {
     simulator.work_counters().substeps as f64
 }
 
-/// Motions that hardly get on: a block pressed to an elastic stop, and one that is far too fast, without and with loads.
+/// Motions that hardly progress: a block pressed to an elastic stop, and one that is far too fast, without and with loads.
 fn busy_motions() -> Vec<Simulator> {
     let elastic = Parameters { stop_restitution: 1.0, ..Parameters::default() };
     let pressed = Parameters {
@@ -108,7 +108,7 @@ fn invariant_one_advance_ends_soon_and_another_goes_on() {
             let named = ["stop.restitution", "Remedy", "smaller steps", &time.to_string()];
             assert!(named.iter().all(|part| said.contains(part)), "{said}");
         }
-        // Smaller steps get on.
+        // Smaller steps are carried out.
         let step = 1e-3 * (simulator.time() / 3.0);
         for n in 1..=10 {
             let end = simulator.time() + step;

@@ -355,6 +355,17 @@ where
     Ok(Some(Diagram { up: all.concat(), down }))
 }
 
+/// Neighbouring values at which motions have the same class.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// The first value.
+    pub from: f64,
+    /// The last one.
+    pub to: f64,
+    /// What the motions are.
+    pub class: MotionClass,
+}
+
 impl<P: DiagramPoint> Diagram<P> {
     /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two without a period are two
     /// where their [means](crate::statistics) differ for certain; what has not settled is on no attractor.
@@ -369,13 +380,14 @@ impl<P: DiagramPoint> Diagram<P> {
         self.up.iter().flatten().min_by(near)
     }
 
-    /// Ranges of values with the same class, rising: from, to, class.
-    pub fn windows(points: &[Option<P>]) -> Vec<(f64, f64, MotionClass)> {
-        let mut found: Vec<(f64, f64, MotionClass)> = Vec::new();
+    /// The windows of a direction in its order.
+    pub fn windows(points: &[Option<P>]) -> Vec<Window> {
+        let mut found: Vec<Window> = Vec::new();
         for point in points.iter().flatten() {
-            match found.last_mut().filter(|w| w.2 == point.class()) {
-                Some(window) => window.1 = point.value(),
-                None => found.push((point.value(), point.value(), point.class())),
+            let (value, class) = (point.value(), point.class());
+            match found.last_mut().filter(|w| w.class == class) {
+                Some(window) => window.to = value,
+                None => found.push(Window { from: value, to: value, class }),
             }
         }
         found

@@ -28,7 +28,7 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     content.extend(pictures(version, plan)?);
     let folder = if version == Version::Fmi2 { "licenses" } else { "documentation/licenses" };
     for (name, text) in &kit.licences {
-        // FMI 3.0.2, 2.5.1.3: the file of this name is where one begins to read.
+        // FMI 3.0.2, 2.5.1.1.1: the file of this name is where one begins to read.
         let first = version != Version::Fmi2 && name == LICENCE_LIST;
         let name = if first { "license.txt" } else { name };
         content.insert(format!("{folder}/{name}"), text.clone());

@@ -148,7 +148,8 @@ fn default_result(plan: &Plan, experiment: Experiment) -> Result<(String, f64), 
         }
         let (own, others) = (states(&motion), states(&other));
         largest.iter_mut().zip(&own).for_each(|(most, x)| *most = most.max(x.abs()));
-        let counts = |motion: &Motion| -> Vec<u64> { counted.iter().map(|&i| motion.impacts(i).0).collect() };
+        let counts =
+            |motion: &Motion| -> Vec<u64> { counted.iter().map(|&i| motion.impacts(i).count).collect() };
         let near =
             own.iter().zip(&others).zip(&largest).all(|((a, b), most)| (a - b).abs() <= AGREEMENT * most);
         if !near || counts(&motion) != counts(&other) {

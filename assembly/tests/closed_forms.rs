@@ -258,7 +258,7 @@ fn closed_form_light_body_between_a_wall_and_a_heavy_one() {
         for i in 0..2 {
             let [s, v, _] = motion.body(i);
             assert!((s - way).abs() < ROUNDING && (v - 2.0 * way).abs() < ROUNDING, "{k}, body {i}: {s} {v}");
-            assert_eq!(motion.impacts(i).0, 1, "{k}");
+            assert_eq!(motion.impacts(i).count, 1, "{k}");
         }
     }
 }

@@ -219,7 +219,7 @@ fn closed_form_inputs_that_are_set_at_once_move_what_touches_together() {
     m.advance_to(0.25).unwrap();
     let together = [(0, [0.5, 1.0, 0.0, 0.0]), (1, [0.5, 1.0, 0.0, 0.0])];
     m.set_inputs(&together).unwrap();
-    assert_eq!((m.body(0)[0], m.body(1)[0], m.impacts(0).0), (0.5, 0.5, 0));
+    assert_eq!((m.body(0)[0], m.body(1)[0], m.impacts(0).count), (0.5, 0.5, 0));
     // Of several that cannot be together none is set.
     let before = m.save();
     assert!(m.set_inputs(&[(0, [2.0, 0.0, 0.0, 0.0]), (1, [1.0, 0.0, 0.0, 0.0])]).is_err());

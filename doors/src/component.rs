@@ -15,14 +15,17 @@ use std::fmt::Debug;
 /// and only then changes anything, so that a refused call leaves it as it was. What it does not offer it leaves out: the defaults
 /// refuse by name.
 ///
-/// | to offer | write |
-/// |---|---|
-/// | anything | [`instantiate`](Self::instantiate), [`life`](Self::life), [`life_mut`](Self::life_mut), [`variable`](Self::variable), [`get`](Self::get), [`set`](Self::set), [`exit_initialization`](Self::exit_initialization), [`reset`](Self::reset), [`time`](Self::time) |
-/// | Co-Simulation | [`advance`](Self::advance) |
-/// | events | [`handle_events`](Self::handle_events), [`next_event_time`](Self::next_event_time) |
-/// | Model Exchange | [`set_time`](Self::set_time), [`set_continuous_states`](Self::set_continuous_states) and the getters beside them |
-/// | saved states | [`save`](Self::save), [`restore`](Self::restore); as bytes [`serialize`](Self::serialize), [`deserialize`](Self::deserialize) |
-/// | intermediate update | [`INTERMEDIATE_UPDATE`](Self::INTERMEDIATE_UPDATE), [`begin_pieces`](Self::begin_pieces) and what follows it |
+/// What is offered, and what to write for it:
+///
+/// - anything: [`instantiate`](Self::instantiate), [`life`](Self::life), [`life_mut`](Self::life_mut), [`variable`](Self::variable),
+///   [`get`](Self::get), [`set`](Self::set), [`exit_initialization`](Self::exit_initialization), [`reset`](Self::reset),
+///   [`time`](Self::time);
+/// - Co-Simulation: [`advance`](Self::advance);
+/// - events: [`handle_events`](Self::handle_events), [`next_event_time`](Self::next_event_time);
+/// - Model Exchange: [`set_time`](Self::set_time), [`set_continuous_states`](Self::set_continuous_states) and the getters beside them;
+/// - saved states: [`save`](Self::save), [`restore`](Self::restore); as bytes [`serialize`](Self::serialize),
+///   [`deserialize`](Self::deserialize);
+/// - intermediate update: [`INTERMEDIATE_UPDATE`](Self::INTERMEDIATE_UPDATE), [`begin_pieces`](Self::begin_pieces) and what follows it.
 ///
 /// All values travel as `f64`: Integers and enumerations are exact in it, Booleans and clocks are 0 and 1. Which variables there
 /// are is asked of an instance, so that they may be known at instantiation only. There are no String, Binary and

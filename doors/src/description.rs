@@ -80,7 +80,7 @@ impl Description {
     }
 }
 
-/// What both interface types can do (FMI 2.0, 3.3.1 and 4.3.1; FMI 3.0.2, 2.4.3). `Default` is what the defaults of
+/// What both interface types can do (FMI 2.0, 3.3.1 and 4.3.1; FMI 3.0.2, 2.4.2). `Default` is what the defaults of
 /// [`Component`](crate::Component) do: nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {

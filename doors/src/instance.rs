@@ -82,7 +82,7 @@ impl<C: Component> Instance<C> {
         Ok(())
     }
 
-    /// `fmi2GetFMUstate` and `fmi3GetFMUState` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.6.4): saves into the place of `handle`, or a new one
+    /// `fmi2GetFMUstate` and `fmi3GetFMUState` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7.4): saves into the place of `handle`, or a new one
     /// where that is zero.
     ///
     /// # Errors

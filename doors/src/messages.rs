@@ -6,7 +6,7 @@ use crate::log::{self, CATEGORIES, Categories, Log};
 use std::ffi::CString;
 use std::fmt::Display;
 
-/// The status of a call, with the numbers of `fmi2Status` (FMI 2.0, 2.1.3) and `fmi3Status` (FMI 3.0.2, 2.2.3).
+/// The status of a call, with the numbers of `fmi2Status` (FMI 2.0, 2.1.3) and `fmi3Status` (FMI 3.0.2, 2.2.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Status {

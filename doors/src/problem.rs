@@ -7,7 +7,7 @@ use std::borrow::Cow;
 /// not offer, it takes up as a [`Problem`].
 pub trait Refusal: std::error::Error + From<Problem> + 'static {
     /// Whether it is a value that the model cannot take, with everything as it was before: the host may go on with another.
-    /// FMI 3.0 has the status Discard for it (FMI 3.0.2, 2.2.3).
+    /// FMI 3.0 has the status Discard for it (FMI 3.0.2, 2.2.4).
     fn is_of_a_value(&self) -> bool {
         false
     }

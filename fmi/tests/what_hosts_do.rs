@@ -166,7 +166,7 @@ fn a_thousand_instances_in_eight_threads() {
     });
 }
 
-/// A host that meets the limit of work in one step: the step is refused as a whole, and shorter ones get on.
+/// A host that meets the limit of work in one step: the step is refused as a whole, and shorter ones are carried out.
 #[test]
 fn a_step_with_too_much_work_is_refused_and_can_be_taken_in_parts() {
     /// About a second, on a machine with other work to do.

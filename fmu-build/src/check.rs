@@ -193,7 +193,7 @@ fn unit_exists(owner: &str, of: &Element, model: &Model, found: &mut Vec<String>
     }
 }
 
-/// FMI 2.0, 2.2.3; FMI 3.0.2, 2.4.7.1: types, variables and aliases share one name space.
+/// FMI 2.0, 2.2.3; FMI 3.0.2, 2.4 and 2.4.7.3: types, variables and aliases share one name space.
 fn names(model: &Model, found: &mut Vec<String>) {
     let types = model.types.iter().map(|(name, _)| *name);
     let names = model.variables.iter().map(|v| v.name);
@@ -211,7 +211,7 @@ fn names(model: &Model, found: &mut Vec<String>) {
     unique("value reference", model.variables.iter().filter_map(|v| v.get("valueReference")), found);
 }
 
-/// FMI 2.0, 2.2.9; FMI 3.0.2, 2.4.7.5.2, as far as our names go: identifiers with dots between them, and their first derivatives.
+/// FMI 2.0, 2.2.9; FMI 3.0.2, 2.4.7.5.1, as far as our names go: identifiers with dots between them, and their first derivatives.
 fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
     inner.unwrap_or(name).split('.').all(|part| {

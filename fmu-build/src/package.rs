@@ -59,7 +59,7 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
     let mut content = Content::from([
         (MODEL_DESCRIPTION.to_owned(), version.description(date::of_sources())?.into_bytes()),
         ("documentation/index.html".to_owned(), page::page(live.is_some()).into_bytes()),
-        // Nothing is read from it; hosts hand over its place all the same.
+        // Nothing is read from it; hosts pass on its place all the same.
         ("resources/README.txt".to_owned(), b"This FMU needs no resources.\n".to_vec()),
     ]);
     content.extend(live.map(|page| (explorer::PATH.to_owned(), page.to_vec())));

@@ -1,7 +1,8 @@
 //! One command assembles a release: archives, wheels, pages, sums, notes, in one folder that can be handed on as it is.
 //!
 //! ```text
-//! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line ─▶ sdist ─▶ wheels ─▶ contents (the same again, of what was built) ─▶ notes, sums
+//! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line ─▶ sdist ─▶ wheels
+//!     ─▶ contents (the same again, of what was built) ─▶ notes, sums
 //! ```
 
 pub mod agreement;

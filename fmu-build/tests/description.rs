@@ -258,7 +258,7 @@ fn every_check_notices_its_damage() {
     }
 }
 
-/// The order of ContinuousStateDerivative is that of the states in `fmi3GetContinuousStates` (FMI 3.0.2, 2.4.8), and the
+/// The order of ContinuousStateDerivative (FMI 3.0.2, 2.4.8) is that of the states in `fmi3GetContinuousStates`, and the
 /// indicators' that of `fmi3GetEventIndicators`.
 #[test]
 fn states_and_indicators_are_listed_in_the_order_of_their_functions() {

@@ -121,9 +121,18 @@ pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> 
 /// Approach speeds under this, units of ω1 L, are none next to another touch: its own is zero but for rounding.
 const NO_SPEED: f64 = 1e-6;
 
-/// What a cycle of the longer word at a touch says: the touch with the others at the same point, whether it is an orbit of the
-/// machine but for these, and whether the touch is pressed into the stop, so that there would be chatter.
-pub(super) fn examine(family: &Family, touch: Touch) -> Result<(Touch, bool, bool), Obstacle> {
+/// What a cycle of the longer word at a touch says.
+pub(super) struct ExaminedTouch {
+    /// The touch with the others at the same point.
+    pub(super) touch: Touch,
+    /// Whether it is an orbit of the machine but for these.
+    pub(super) is_orbit: bool,
+    /// Whether it is pressed into the stop, so that there would be chatter.
+    pub(super) pressed: bool,
+}
+
+/// Looks at the cycle of the longer word at a touch.
+pub(super) fn examine(family: &Family, touch: Touch) -> Result<ExaminedTouch, Obstacle> {
     let system = family.system_at(&touch.u)?;
     let n = touch.longer.len();
     let cycle = Cycle::new(&system, &touch.longer, &touch.u.as_slice()[..n])?;
@@ -133,5 +142,5 @@ pub(super) fn examine(family: &Family, touch: Touch) -> Result<(Touch, bool, boo
     let flight = cycle.flight_to(touch.index);
     let pressed = touch.longer.side(flight + 1) * cycle.approach_acceleration(flight) >= 0.0;
     let is_orbit = approach && super::orbit::is_clear(&cycle);
-    Ok((Touch { also, ..touch }, is_orbit, pressed))
+    Ok(ExaminedTouch { touch: Touch { also, ..touch }, is_orbit, pressed })
 }

@@ -71,11 +71,7 @@ impl Obstacle {
                     "only the upper stop can hold a block without a spring (coupling.k = 0) against load.block > 0, so that the word needs a U"
                 })
             }
-            Self::Singular => {
-                let (name, value, allowed) = system.neutral_parameter();
-                let needed_by = "impact phases of a periodic orbit as unknowns";
-                vibro_impact::Error::Undefined { name, value, needed_by, allowed }.into()
-            }
+            Self::Singular => system.singular().into(),
             Self::Refused(error) => error,
         }
     }

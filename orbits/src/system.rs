@@ -221,9 +221,8 @@ impl System {
         State { x: [0, 1, 2].map(|i| length * y[i]), v: [3, 4, 5].map(|i| speed * y[i]) }
     }
 
-    /// The parameter that makes the periodic response to impulses singular, with its value: the motion without impacts then has
-    /// a neutral direction.
-    pub(super) fn neutral_parameter(&self) -> (&'static str, f64, &'static str) {
+    /// Says which parameter makes the periodic response to impulses singular: the motion without impacts then has a neutral direction.
+    pub(super) fn singular(&self) -> vibro_impact::Error {
         let p = &self.parameters;
         let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";
         // One body that a spring hardly holds is held by the first contact, and two are not.
@@ -232,7 +231,7 @@ impl System {
             .filter(|(_, part)| *part <= NEUTRAL)
             .map(|(anchor, _)| anchor)
             .collect();
-        if soft.len() > 1 && soft.contains(&Anchor::Box) {
+        let (name, value, allowed) = if soft.len() > 1 && soft.contains(&Anchor::Box) {
             let held = "a larger value, since a box that no spring holds has no place of its own";
             ("box.k", p.box_stiffness, held)
         } else if soft.len() > 1 {
@@ -245,6 +244,8 @@ impl System {
             ("secondary.c", 0.0, damped)
         } else {
             ("drive.frequency", p.drive_frequency, "a value away from the resonance of a hardly damped mode")
-        }
+        };
+        let needed_by = "impact phases of a periodic orbit as unknowns";
+        vibro_impact::Error::Undefined { name, value, needed_by, allowed }
     }
 }

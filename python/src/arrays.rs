@@ -41,7 +41,7 @@ pub fn states<'py>(py: Python<'py>, states: &[State]) -> PyResult<(Table<'py, f6
     Ok((table(py, &x)?, table(py, &v)?))
 }
 
-/// The numbers of an array. The Python side hands over contiguous ones.
+/// The numbers of an array. The Python side passes on contiguous ones.
 pub fn numbers(array: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
     Ok(array.as_slice()?.to_vec())
 }

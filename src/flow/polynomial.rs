@@ -6,7 +6,7 @@ use pulp::Simd;
 /// So many places at a time: their sums fit into registers.
 pub(super) const PLACES: usize = 4;
 
-/// `Σ_k coefficients[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
+/// `Σ_k coefficients[k] u^k` coordinate by coordinate, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
 pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
     let square = u * u;

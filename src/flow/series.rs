@@ -3,8 +3,8 @@
 
 use super::polynomial;
 use crate::model::{
-    Augmented, BOX, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE, RELATIVE_RATE,
-    SECONDARY, SECONDARY_RATE, SmoothMode,
+    Acceleration, Augmented, BOX, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE,
+    RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
 };
 
 /// A bound on what a series of seven coefficients or more leaves out up to a time of `reach`/rate from its point, in parts of the
@@ -74,7 +74,7 @@ impl<const N: usize> Series<N> {
         for k in 0..N {
             let f = forces.map(|d| if k < 4 { d.map(|b| b[k] * scale) } else { [0.0; 3] });
             let c = states[k];
-            let (a, relative) = model.acceleration(mode, &c, f);
+            let Acceleration { coordinates: a, free: relative } = model.acceleration(mode, &c, f);
             free[k] = relative;
             if k + 1 < N {
                 let q = radius * RECIPROCALS[k];

@@ -43,7 +43,7 @@ impl Saltation {
         let mut together = *after;
         together[BOX_RATE] += model.block_share * after[RELATIVE_RATE];
         together[RELATIVE_RATE] = 0.0;
-        let (_, free) = model.acceleration(SmoothMode::Flight, &together, Some(loads));
+        let free = model.acceleration(SmoothMode::Flight, &together, Some(loads)).free;
         let kick = (1.0 + model.restitution) * free / (rate * unit);
         Self { restitution: model.restitution, kick, push: push(model, unit) }
     }
@@ -118,7 +118,7 @@ mod tests {
                 Saltation::merge(&model, &mut merged, 1.0);
             }
             // Back to the stop: the acceleration is constant but for the damper.
-            let (_, free) = model.acceleration(SmoothMode::Flight, &z, Some(pressing));
+            let free = model.acceleration(SmoothMode::Flight, &z, Some(pressing)).free;
             let mut span = -2.0 * z[RELATIVE_RATE] / free;
             let flown = |z: &Augmented, forces, span| {
                 Series::<12>::expand(&model, SmoothMode::Flight, z, forces, span).at(1.0)

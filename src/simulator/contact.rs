@@ -78,7 +78,7 @@ impl Simulator {
     fn chatter_to_be_closed<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());
         let now = forces.first().map(|f| f.map(|d| d[0]));
-        let a = side * self.model.acceleration(SmoothMode::Flight, z, now).1;
+        let a = side * self.model.acceleration(SmoothMode::Flight, z, now).free;
         if a <= 0.0 || u * u > self.chatter_closing_limit() * a {
             return None;
         }

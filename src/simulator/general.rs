@@ -169,7 +169,7 @@ impl Simulator {
         } else {
             let side = self.hybrid.contact.side();
             let f = start.forces().map(|f| f.map(|d| d[0]));
-            let now = side * self.model.acceleration(SmoothMode::Rest, z, f).1;
+            let now = side * self.model.acceleration(SmoothMode::Rest, z, f).free;
             let least = g.iter().fold(f64::INFINITY, |least, x| least.min(side * x));
             (now > margin, now > margin && least > margin)
         };

@@ -4,12 +4,16 @@
 //! Nothing is allocated while advancing, except where a table that is shared with another simulator is first filled: it is then
 //! copied.
 //!
-//! | kernel | when it runs | what proves that no event is missed | bits equal to which |
-//! |---|---|---|---|
-//! | `flight_substep` (`flight.rs`) | flight without loads, more than an interval to go | samples and the bound on w''; dominance in the intervals that these do not clear | its own; they depend on the instruction set |
-//! | `short_flight_substep` (`flight.rs`) | the same, at most one interval to go, both ends clear of the stops | bound on w'' over the interval | its own; they depend on the instruction set |
-//! | `general_substep` (`general.rs`) | rest, loads, fast blocks, and what the two above leave | the same samples and bound, for w or the contact force; dominance on series from the start | its own, equal on all instruction sets |
-//! | `batch/` | many flights without loads or energy accounts side by side | the same bound; dominance in vectors | its own: independent of the other motions, not equal to one by one |
+//! The kernels, when they run, and what proves that no event is missed:
+//!
+//! - `flight_substep` (`flight.rs`): flight without loads, more than an interval to go. Samples and the bound on w''; dominance in the
+//!   intervals that these do not clear. Its bits depend on the instruction set.
+//! - `short_flight_substep` (`flight.rs`): the same with at most one interval to go, both ends clear of the stops. The bound on w'' over
+//!   the interval. Its bits depend on the instruction set.
+//! - `general_substep` (`general.rs`): rest, loads, fast blocks, and what the two above leave. The same samples and bound, for w or the
+//!   contact force; dominance on series from the start. Its bits are equal on all instruction sets.
+//! - `batch/`: many flights without loads or energy accounts side by side. The same bound; dominance in vectors. Its bits do not depend on
+//!   the other motions, and are not those of one by one.
 //!
 //! The first three end in `finish_substep` (`step.rs`), which applies the event's law (`contact.rs`) and limits the work; `batch/`
 //! applies the law to plain impacts in its lanes and leaves rest, chatter and release to `finish_substep`. The statements and their
@@ -41,8 +45,8 @@ pub use types::{
 use crate::energy::{self, Pending, Sums};
 use crate::error::{Error, Result};
 use crate::flow::{self, Series};
+use crate::model::{Acceleration, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model};
 pub use crate::model::{Augmented, SmoothMode};
-use crate::model::{COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model};
 pub use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
@@ -287,7 +291,7 @@ impl Simulator {
 
     /// Accelerations of the three bodies (resting contact included), m/s².
     pub fn acceleration(&self) -> [f64; 3] {
-        let (a, _) = self.accelerations();
+        let a = self.accelerations().coordinates;
         [a[0], a[0] + a[1], a[2]]
     }
 
@@ -309,7 +313,7 @@ impl Simulator {
     /// against it; impacts are not forces and do not show.
     pub fn contact_force(&self) -> f64 {
         let side = self.hybrid.contact.side();
-        let force = self.model.reduced_mass * side * self.accelerations().1;
+        let force = self.model.reduced_mass * side * self.accelerations().free;
         if force > 0.0 { force } else { 0.0 } // never -0
     }
 
@@ -376,7 +380,7 @@ impl Simulator {
         forces
     }
 
-    fn accelerations(&self) -> ([f64; 3], f64) {
+    fn accelerations(&self) -> Acceleration {
         let f = self.forces_now();
         self.model.acceleration(self.mode(), &self.augmented(), Some(f.map(|d| d[0])))
     }

@@ -8,7 +8,7 @@ use crate::units::{friction_state, stop_state};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_assembly::energy::Accounts;
-use vibro_assembly::motion::{Course, Event, Hybrid};
+use vibro_assembly::motion::{Course, Event, Hybrid, StopRecord};
 use vibro_assembly::signals::Input;
 use vibro_assembly::{Assembly, Error, Motion};
 
@@ -161,8 +161,8 @@ impl Moving {
     pub(super) fn discrete(&self) -> Shown {
         let mode = self.motion.mode();
         let stop = |(i, state)| {
-            let (impacts, impulse) = self.motion.impacts(i);
-            (stop_state(state), impacts as f64, impulse)
+            let StopRecord { count, impulse } = self.motion.impacts(i);
+            (stop_state(state), count as f64, impulse)
         };
         Shown {
             stops: mode.stops.iter().copied().enumerate().map(stop).collect(),
@@ -176,8 +176,8 @@ impl Moving {
         match quantity {
             Quantity::Energy(energy) => self.energy(energy),
             Quantity::StopState(i) => stop_state(motion.mode().stops[i]),
-            Quantity::Impacts(i) => motion.impacts(i).0 as f64,
-            Quantity::Impulse(i) => motion.impacts(i).1,
+            Quantity::Impacts(i) => motion.impacts(i).count as f64,
+            Quantity::Impulse(i) => motion.impacts(i).impulse,
             Quantity::FrictionState(i) => friction_state(motion.mode().frictions[i]),
             Quantity::Indicator(i) => motion.indicators()[i],
             _ => linear(motion, quantity),

@@ -43,7 +43,7 @@ fn closed_form_ball_by_both_versions_and_the_same_bits_as_the_engine() {
         assert_eq!([get("ball.s"), get("ball.v"), get("ball.a")], [s, v, a], "{k}");
         // Open is 1, closed 2.
         assert_eq!(ball.state("floor.state"), 1 + i64::from(closed(point + size)), "{k}");
-        assert_eq!(ball.whole("floor.impacts") as u64, native.impacts(0).0);
+        assert_eq!(ball.whole("floor.impacts") as u64, native.impacts(0).count);
         assert!(ball.get("energy.residual").abs() < 1e-13, "{}", ball.get("energy.residual"));
     }
     assert_eq!([ball.get("ball.s"), ball.get("ball.v")], [1.0, 0.0]);

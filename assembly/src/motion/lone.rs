@@ -175,8 +175,7 @@ impl Motion {
         let carried = system.carried(&hybrid.z).map_or(0.0, |carried| carried.dot(mobility));
         let work = impulse * (prescribed - carried);
         hybrid.energy.impact(0.5 * (1.0 - restitution) * speed * impulse, work);
-        let record = &mut hybrid.impacts[i];
-        *record = (record.0 + 1, impulse);
+        hybrid.impacts[i].add(impulse);
         report(observer, self.time(), EventKind::Impact { stop: i, speed, impulse, stops: 1 });
         true
     }

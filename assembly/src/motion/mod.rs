@@ -55,6 +55,21 @@ enum Due {
     Knot,
 }
 
+/// The impacts of a stop since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StopRecord {
+    /// How many.
+    pub count: u64,
+    /// The impulse of the last one, N s.
+    pub impulse: f64,
+}
+
+impl StopRecord {
+    fn add(&mut self, impulse: f64) {
+        *self = Self { count: self.count + 1, impulse };
+    }
+}
+
 /// All that changes while a motion advances.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hybrid {
@@ -68,8 +83,8 @@ pub struct Hybrid {
     departing: Vec<usize>,
     sizes: Sizes,
     inputs: Vec<(f64, Input)>,
-    /// By stop: impacts, last impulse (N s).
-    impacts: Vec<(u64, f64)>,
+    /// By stop.
+    impacts: Vec<StopRecord>,
     energy: crate::energy::Accounts,
     /// Events at the present instant without progress.
     chain: usize,
@@ -176,7 +191,7 @@ impl Motion {
         }
         let mode = Mode { stops: Vec::new(), frictions: Vec::new(), basis: Vec::new() };
         let energy = crate::energy::Accounts::new(system);
-        let impacts = vec![(0, 0.0); system.stops.len()];
+        let impacts = vec![StopRecord::default(); system.stops.len()];
         let hybrid = Hybrid {
             time,
             since: time.value(),
@@ -306,8 +321,8 @@ impl Motion {
         place.map_or(0.0, |k| self.table().lambda[k].dot(&self.hybrid.z))
     }
 
-    /// Impacts of a stop since the start, and the last impulse, N s.
-    pub fn impacts(&self, i: usize) -> (u64, f64) {
+    /// The impacts of a stop.
+    pub fn impacts(&self, i: usize) -> StopRecord {
         self.hybrid.impacts[i]
     }
 

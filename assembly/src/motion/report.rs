@@ -11,8 +11,7 @@ impl Motion {
         for impact in &impacts.sequence {
             self.hybrid.energy.impact(impact.lost, impact.work);
             for &(stop, speed, impulse) in &impact.stops {
-                let record = &mut self.hybrid.impacts[stop];
-                *record = (record.0 + 1, impulse);
+                self.hybrid.impacts[stop].add(impulse);
                 report(observer, time, EventKind::Impact { stop, speed, impulse, stops: impact.stops.len() });
             }
         }

@@ -55,7 +55,7 @@ impl Hybrid {
             && finite(self.z.as_slice())
             && finite(self.sizes.0.as_slice())
             && self.inputs.iter().all(|(from, input)| from.is_finite() && finite(input))
-            && self.impacts.iter().all(|(_, impulse)| impulse.is_finite())
+            && self.impacts.iter().all(|record| record.impulse.is_finite())
             && energy.balance().is_finite()
             && self.mode.basis.is_sorted_by(|a, b| a < b)
             && self.mode.basis.iter().all(there)

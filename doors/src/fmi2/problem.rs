@@ -65,7 +65,7 @@ impl<P: Refusal> From<Fault> for Problem<P> {
     }
 }
 
-/// How a host gets on from a state in which little is allowed.
+/// How a host goes on from a state in which little is allowed.
 fn way_on(stage: Stage, early: &EarlyEnd) -> String {
     match stage {
         Stage::StepFailed => {

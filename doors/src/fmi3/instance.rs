@@ -174,7 +174,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.exit_initialization(&mut log)?)
     }
 
-    /// `fmi3Get{VariableType}` (FMI 3.0.2, 2.2.6.2): hands value `i` to `write`.
+    /// `fmi3Get{VariableType}` (FMI 3.0.2, 2.2.7.2): hands value `i` to `write`.
     ///
     /// # Errors
     /// For another number of values than the variables have; else as [`get`](Component::get).
@@ -210,7 +210,7 @@ impl<C: Component> Instance<C> {
         self.get(bases, references, count, write)
     }
 
-    /// `fmi3Set{VariableType}` (FMI 3.0.2, 2.2.6.2): takes value `i` from `read`.
+    /// `fmi3Set{VariableType}` (FMI 3.0.2, 2.2.7.2): takes value `i` from `read`.
     ///
     /// # Errors
     /// For another number of values than the variables have; else as [`set`](Component::set).

@@ -61,7 +61,7 @@ fn led_there(failed: Option<Function>) -> String {
     failed.map_or_else(String::new, |function| format!(", after an error in {}", function.name()))
 }
 
-/// How a host gets on from a state in which little is allowed.
+/// How a host goes on from a state in which little is allowed.
 fn way_on(stage: Stage) -> &'static str {
     match stage {
         Stage::Terminated => ": restore a saved state or reset the instance",
@@ -71,7 +71,7 @@ fn way_on(stage: Stage) -> &'static str {
 
 impl<P: Refusal> Problem<P> {
     /// The status to return from a function. What the model cannot take as a value is discarded, with all as it was, since
-    /// the host may go on with another value (FMI 3.0.2, 2.2.3); everything else is a mistake in the call.
+    /// the host may go on with another value (FMI 3.0.2, 2.2.4); everything else is a mistake in the call.
     pub fn status(&self, function: Function) -> Status {
         match self {
             Self::Refused(Refused::Fault(Fault::Panic { .. })) => Status::Fatal,

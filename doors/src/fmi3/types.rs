@@ -1,4 +1,4 @@
-//! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.2 and 2.2.3), by the names that std has for the C types.
+//! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.3 and 2.2.4), by the names that std has for the C types.
 
 use crate::events::Handled;
 use crate::values::DependencyKind;

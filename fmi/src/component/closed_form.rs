@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_impact::energy::{self, FIVE};
 use vibro_impact::error::Error;
-use vibro_impact::model::Model;
+use vibro_impact::model::{Impact, Model};
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::numerics::drive_phase::DrivePhase;
 use vibro_impact::parameters::Parameters;
@@ -125,14 +125,13 @@ impl ClosedForm {
         data.check()?;
         let solution = Solution::new(data.mode, p)?;
         let model = Model::new(p)?;
-        let (speed, impulse) = solution.impact(&model);
-        let loss = model.impact_factors().loss;
+        let Impact { speed, impulse, lost } = solution.impact(&model);
         let theta = data.phase.angle(p.drive_frequency, data.from);
         let mut form = Self {
             data,
             speed,
             impulse,
-            lost: loss * speed * speed,
+            lost,
             offset: (theta - solution.impact_phase()).rem_euclid(TAU),
             knots: Vec::new(),
             solution,

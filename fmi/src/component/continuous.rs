@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use vibro_impact::energy;
 use vibro_impact::error::Error;
 use vibro_impact::model::{
-    Augmented, COORDINATES, DRIVE_COS, DRIVE_SIN, Model, RELATIVE, RELATIVE_RATE, SmoothMode,
+    Acceleration, Augmented, COORDINATES, DRIVE_COS, DRIVE_SIN, Model, RELATIVE, RELATIVE_RATE, SmoothMode,
 };
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::numerics::drive_phase::DrivePhase;
@@ -201,7 +201,8 @@ impl Continuous {
 
     /// x1'', x2'', x3'' and the free relative acceleration.
     fn accelerations(&self) -> ([f64; 3], f64) {
-        let (a, free) = self.model.acceleration(self.mode(), &self.augmented(), Some(self.data.forces));
+        let Acceleration { coordinates: a, free } =
+            self.model.acceleration(self.mode(), &self.augmented(), Some(self.data.forces));
         ([a[0], a[0] + a[1], a[2]], free)
     }
 

@@ -4,7 +4,7 @@ use super::problem::Problem;
 use super::settings::{Derived, SolutionMode, Steady};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use vibro_impact::flow::Series;
-use vibro_impact::model::{self, COORDINATES, DRIVE_COS, DRIVE_SIN, Model};
+use vibro_impact::model::{self, COORDINATES, DRIVE_COS, DRIVE_SIN, Impact, Model};
 use vibro_impact::parameters::{GROUPS, Groups, Parameters};
 use vibro_impact::simulator::State;
 use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
@@ -126,21 +126,22 @@ impl Solution {
         }
     }
 
-    /// Relative speed of approach (m/s) and impulse (N·s) of each impact.
-    pub(crate) fn impact(&self, model: &Model) -> (f64, f64) {
-        match self {
+    /// Each of its impacts.
+    pub(crate) fn impact(&self, model: &Model) -> Impact {
+        let factors = model.impact_factors();
+        let (speed, impulse) = match self {
             Self::Scales { parameters: p, point } => {
                 // W' just before the upper impact, from the slope 2/π of the sawtooth and B cos Φ = -ρ C.
                 let rho = FRAC_2_PI * (1.0 - p.stop_restitution) / (1.0 + p.stop_restitution);
                 let speed = p.stop_gap * p.drive_frequency * point.c * (FRAC_2_PI + rho);
-                let impulse = model.impact_factors().impulse;
-                (speed, impulse * speed)
+                (speed, factors.impulse * speed)
             }
             Self::Orbit(orbit) => {
                 let before = orbit.before_impact();
                 (before.v[1] - before.v[0], orbit.impulse())
             }
-        }
+        };
+        Impact { speed, impulse, lost: factors.loss * speed * speed }
     }
 
     /// Calls `use_states` with a function that gives the state at one drive phase (rad) after another, as

@@ -3,7 +3,8 @@
 use super::values::{OutputValues, coupling_force};
 use vibro_impact::flow::Series;
 use vibro_impact::model::{
-    Augmented, BOX_RATE, COORDINATES, Model, RELATIVE, RELATIVE_RATE, SECONDARY_RATE, SmoothMode,
+    Acceleration, Augmented, BOX_RATE, COORDINATES, Model, RELATIVE, RELATIVE_RATE, SECONDARY_RATE,
+    SmoothMode,
 };
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, ImpactRecord, State};
@@ -23,7 +24,7 @@ pub(crate) fn velocities(
     let series = Series::<4>::expand(model, mode, z, Some(&forces), 1.0 / model.rate);
     let rate = model.rate;
     let scale = [1.0, rate, 2.0 * rate * rate, 6.0 * rate * rate * rate]; // k!/r^k
-    [BOX_RATE, SECONDARY_RATE].map(|lane| std::array::from_fn(|k| series.states[k][lane] * scale[k]))
+    [BOX_RATE, SECONDARY_RATE].map(|rate| std::array::from_fn(|k| series.states[k][rate] * scale[k]))
 }
 
 /// Integral over an interval of length h from values and three derivatives at its ends.
@@ -77,7 +78,7 @@ pub(crate) fn variation(
     let mut z = [0.0; COORDINATES];
     z[..6].copy_from_slice(&dx.to_relative());
     let mode = contact.mode();
-    let (a, free) = model.acceleration(mode, &z, Some(df));
+    let Acceleration { coordinates: a, free } = model.acceleration(mode, &z, Some(df));
     let (x, v) = (&state.x, &state.v);
     let (relative, contact_force) = match contact {
         Contact::Flight => ((z[RELATIVE], z[RELATIVE_RATE]), 0.0),

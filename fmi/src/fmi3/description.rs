@@ -22,7 +22,7 @@ pub const ARRAYS: Edition = Edition::Arrays;
 /// A description with arrays and a clock. Several importers break on clocks that are outputs.
 pub const CLOCKED: Edition = Edition::Clocked;
 
-/// Capability flags (FMI 3.0.2, 2.4.3, 3.4 and 4.4); one that is absent here has its default.
+/// Capability flags (FMI 3.0.2, 2.4.2, 3.4 and 4.4); one that is absent here has its default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
     /// Both interface types: `fmi3GetFMUState` and its kin work.

@@ -24,7 +24,7 @@ unsafe extern "C" fn keep(
     category: *const c_char,
     message: *const c_char,
 ) {
-    // SAFETY: the environment is the host's list; the FMU hands over C strings.
+    // SAFETY: the environment is the host's list; the FMU passes C strings.
     unsafe {
         let text = |p| CStr::from_ptr(p).to_str().unwrap().to_owned();
         (*environment.cast::<Vec<Record>>()).push((status, text(category), text(message)));

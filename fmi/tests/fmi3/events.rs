@@ -290,7 +290,7 @@ fn an_event_that_is_not_updated_is_taken_with_a_warning() {
     assert!(fmu.step(time, 0.1).time > time);
 }
 
-/// A start at a stop with closing speed: the first step meets the impact at once, and gets on after it.
+/// A start at a stop with closing speed: the first step meets the impact at once, and progresses after it.
 #[test]
 fn a_start_at_a_stop_is_an_event_at_the_start() {
     let fmu = Fmu::started(TT, &[("block.s", 1.0), ("block.v", 0.5)]);

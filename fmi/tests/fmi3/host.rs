@@ -49,7 +49,7 @@ unsafe extern "C-unwind" fn keep(
     category: *const c_char,
     message: *const c_char,
 ) {
-    // SAFETY: the environment is the host's; the FMU hands over C strings.
+    // SAFETY: the environment is the host's; the FMU passes C strings.
     unsafe {
         let text = |p| CStr::from_ptr(p).to_str().unwrap().to_owned();
         (*environment.cast::<Vec<Record>>()).push((status, text(category), text(message)));

@@ -4,7 +4,7 @@ use super::{Advance, COSINE, Follower, LEAST_STEP, PathEnd, Position};
 use crate::branch::{Label, Special};
 use crate::curve::{self, CurvePoint, correct};
 use crate::cycle::Cycle;
-use crate::grazing::{self, Touch};
+use crate::grazing::{self, ExaminedTouch, Touch};
 use crate::obstacle::Obstacle;
 use crate::orbit::{Orbit, eigenvalues, newton, unfolded_phases};
 use crate::special;
@@ -109,7 +109,7 @@ impl Follower<'_> {
             }
         };
         let (_, touch) = placed.min_by(order).ok_or(Obstacle::NoConvergence)?;
-        let (touch, is_orbit, pressed) = grazing::examine(self.family, touch)?;
+        let ExaminedTouch { touch, is_orbit, pressed } = grazing::examine(self.family, touch)?;
         if !is_orbit {
             return Err(Obstacle::NoConvergence);
         }

@@ -94,7 +94,7 @@ class Machine(ParameterValues):
         ValueError, TypeError
             For arguments out of their range; with `periods` for a machine whose drive has no frequency.
         RuntimeError
-            For a motion that does not get on: a block that bounces without end.
+            For a motion that hardly progresses: a block that bounces without end.
         """
         begin = number("begin", begin)
         if t is None:

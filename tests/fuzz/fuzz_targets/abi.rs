@@ -55,7 +55,7 @@ struct Input {
 }
 
 unsafe extern "C" fn log(_: *mut c_void, _: *const c_char, status: c_int, category: *const c_char, text: *const c_char) {
-    // SAFETY: the FMU hands over C strings.
+    // SAFETY: the FMU passes C strings.
     let text = unsafe { message(status, category, text) };
     assert!(!text.replace("%%", "").contains('%'), "{text}");
 }

@@ -75,7 +75,7 @@ struct Host {
 }
 
 unsafe extern "C-unwind" fn log(_: *mut c_void, status: c_int, category: *const c_char, text: *const c_char) {
-    // SAFETY: the FMU hands over C strings.
+    // SAFETY: the FMU passes C strings.
     let text = unsafe { message(status, category, text) };
     assert!(!text.replace("##", "").contains('#'), "{text}");
 }

@@ -264,8 +264,8 @@ fn route(found: &Found) -> Vec<Statement> {
     });
     let band: Vec<_> = Diagram::windows(&found.fine.up)
         .into_iter()
-        .filter(|w| w.2 == MotionClass::Chaotic && w.0 > 2.0 && w.0 < 2.95)
-        .map(|w| (w.0, w.1))
+        .filter(|w| w.class == MotionClass::Chaotic && w.from > 2.0 && w.from < 2.95)
+        .map(|w| (w.from, w.to))
         .collect();
     let words_of = |band: &[(f64, f64)]| {
         let list = band

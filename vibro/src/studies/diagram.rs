@@ -4,8 +4,7 @@ use super::lengths::Lengths;
 use crate::Result;
 use crate::table::{CsvRows, Table, exact};
 use vibro_analysis::ParameterSet;
-use vibro_analysis::attractor::MotionClass;
-use vibro_analysis::bifurcation::{Diagram, DiagramPoint, Sweep, SweepPoint};
+use vibro_analysis::bifurcation::{Diagram, DiagramPoint, Sweep, SweepPoint, Window};
 use vibro_analysis::plane::{AxisName, ParameterAxis};
 use vibro_figures::canvas::palette::{BLACK, HERE, SKY};
 use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
@@ -149,7 +148,7 @@ pub(super) fn maxima_rows<P: DiagramPoint>(
 pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) -> Table {
     let mut table = Table::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
-        for (from, to, class) in Diagram::windows(points) {
+        for Window { from, to, class } in Diagram::windows(points) {
             table.rows.push(vec![direction.into(), exact(from), exact(to), class.name()]);
         }
     }
@@ -164,9 +163,7 @@ pub(super) fn remarks<P: DiagramPoint>(
     told: &dyn Fn(f64) -> String,
 ) -> Vec<String> {
     let windows = Diagram::windows(&diagram.up);
-    let window = |(from, to, class): &(f64, f64, MotionClass)| {
-        format!("{name} {} … {}: {}", told(*from), told(*to), class.name())
-    };
+    let window = |w: &Window| format!("{name} {} … {}: {}", told(w.from), told(w.to), w.class.name());
     let mut lines: Vec<String> = windows.iter().take(TOLD).map(window).collect();
     if windows.len() > TOLD {
         lines.push(format!("… and {} more windows in the table", windows.len() - TOLD));

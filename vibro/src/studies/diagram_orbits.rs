@@ -11,7 +11,7 @@ use crate::table::{CsvRows, exact};
 use drawn::{Drawn, NEVER_STABLE, UNSTABLE};
 use rayon::prelude::*;
 use vibro_analysis::attractor::{MotionClass, observe};
-use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
+use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, Window};
 use vibro_analysis::stroboscopic::dimensional;
 use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::chart::Figure;
@@ -240,10 +240,11 @@ impl DiagramOrbits {
             "label_to",
         ])?;
         for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
-            for (first, last, class) in Diagram::windows(points).into_iter().filter(|w| w.2.is_periodic()) {
-                let lower = end_cells(self.range_at(direction, first).map(|range| range.from));
-                let upper = end_cells(self.range_at(direction, last).map(|range| range.to));
-                let row = vec![DIRECTIONS[direction].into(), exact(first), exact(last), class.name()];
+            let windows = Diagram::windows(points);
+            for Window { from, to, class } in windows.into_iter().filter(|w| w.class.is_periodic()) {
+                let lower = end_cells(self.range_at(direction, from).map(|range| range.from));
+                let upper = end_cells(self.range_at(direction, to).map(|range| range.to));
+                let row = vec![DIRECTIONS[direction].into(), exact(from), exact(to), class.name()];
                 table.push([row, lower.to_vec(), upper.to_vec()].concat())?;
             }
         }

@@ -26,7 +26,7 @@ macro_rules! export_fmi3 {
             "2.3.4":
             fmi3Terminate, Terminate() |instance, _| instance.terminate();
 
-            "2.2.6.4":
+            "2.2.7.4":
             /// Writes into a new FMU state, or over one that this instance gave out.
             fmi3GetFMUState, GetFMUState(handle FMUState)
                 |instance, _| FMUState.replace(|old| instance.save(old));
@@ -46,11 +46,15 @@ macro_rules! export_fmi3 {
             "2.3.2":
             /// Never allowed, since there are no structural parameters.
             fmi3EnterConfigurationMode, EnterConfigurationMode() |instance, _| instance.never();
+
+            "2.3.6":
             /// Never allowed.
             fmi3ExitConfigurationMode, ExitConfigurationMode() |instance, _| instance.never();
 
-            "2.3.5":
+            "3.2.1 and 4.2.1":
             fmi3EnterEventMode, EnterEventMode() |instance, _| instance.enter_event_mode();
+
+            "2.3.5":
             /// Never allowed, since getters in Event Mode show what comes after the event.
             fmi3EvaluateDiscreteStates, EvaluateDiscreteStates() |instance, _| instance.never();
             /// One call does all that happens at an instant, and nothing ends the simulation.
@@ -92,12 +96,16 @@ macro_rules! export_fmi3 {
             fmi3GetEventIndicators, GetEventIndicators(out eventIndicators: f64[nEventIndicators],
                 value nEventIndicators: usize)
                 |instance, _| eventIndicators.copy(Component::event_indicators(&instance.component)?.as_ref(), "nEventIndicators");
+
+            "2.3.3":
             fmi3GetContinuousStates, GetContinuousStates(out continuousStates: f64[nContinuousStates],
                 value nContinuousStates: usize)
                 |instance, _| continuousStates.copy(Component::continuous_states(&instance.component)?.as_ref(), "nContinuousStates");
             fmi3GetNominalsOfContinuousStates, GetNominalsOfContinuousStates(out nominals: f64[nContinuousStates],
                 value nContinuousStates: usize)
                 |instance, _| nominals.copy(Component::nominals(&instance.component).as_ref(), "nContinuousStates");
+
+            "2.3.2":
             fmi3GetNumberOfEventIndicators, GetNumberOfEventIndicators(out nEventIndicators: usize[1])
                 |instance, _| {
                     nEventIndicators.put(0, Component::number_of_event_indicators(&instance.component));
@@ -115,7 +123,7 @@ macro_rules! export_fmi3 {
                 value nValues: usize)
                 |instance, _| instance.output_derivatives(valueReferences, orders, nValues, |i, x| values.put(i, x));
 
-            "5.2.2":
+            "5.2.1":
             /// Never allowed: Scheduled Execution is not offered.
             fmi3ActivateModelPartition, ActivateModelPartition(value clockReference: u32, value activationTime: f64)
                 |instance, _| instance.never();
@@ -128,7 +136,7 @@ macro_rules! export_fmi3 {
 #[macro_export]
 macro_rules! __instances_of_fmi3 {
     ($component:ty) => {
-        /// `fmi3GetVersion` (FMI 3.0.2, 2.2.4).
+        /// `fmi3GetVersion` (FMI 3.0.2, 2.2.5).
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub extern "C" fn fmi3GetVersion() -> *const $crate::libc::c_char {

@@ -1,4 +1,4 @@
-//! Getting and setting variables, their dependencies and derivatives (FMI 3.0.2, 2.2.6 to 2.2.12).
+//! Getting and setting variables, their dependencies and derivatives (FMI 3.0.2, 2.2.7 to 2.2.12).
 
 /// The functions of values, for `export_fmi3!`.
 #[doc(hidden)]
@@ -7,7 +7,7 @@ macro_rules! __values_of_fmi3 {
     ($component:ty) => {
         $crate::__functions_of_fmi3! {
             $component;
-            "2.2.6.2":
+            "2.2.7.2":
             /// There are no variables of this type, so any reference is an error; as for all such types below.
             fmi3GetFloat32, GetFloat32(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 out values: f32[nValues], value nValues: usize)
@@ -49,10 +49,13 @@ macro_rules! __values_of_fmi3 {
             fmi3GetBinary, GetBinary(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 out valueSizes: usize[nValues], out values: *const u8[nValues], value nValues: usize)
                 |instance, _| instance.get_any($crate::fmi3::instance::none("Binary"), valueReferences, nValues, &mut |_, _| ());
+
+            "2.2.8.4":
             fmi3GetClock, GetClock(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 out values: $crate::fmi3::types::FmiBoolean[nValueReferences])
                 |instance, _| instance.get_any($crate::fmi3::instance::CLOCK, valueReferences, nValueReferences, &mut |i, x| values.put(i, (x != 0.0).into()));
 
+            "2.2.7.2":
             fmi3SetFloat32, SetFloat32(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 array values: f32[nValues], value nValues: usize)
                 |instance, _| instance.set_any($crate::fmi3::instance::none("Float32"), valueReferences, nValues, &|_| 0.0);
@@ -93,6 +96,8 @@ macro_rules! __values_of_fmi3 {
             fmi3SetBinary, SetBinary(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 array valueSizes: usize[nValues], array values: *const u8[nValues], value nValues: usize)
                 |instance, _| instance.set_any($crate::fmi3::instance::none("Binary"), valueReferences, nValues, &|_| 0.0);
+
+            "2.2.8.4":
             /// There are no input clocks, so any reference is an error.
             fmi3SetClock, SetClock(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 array values: $crate::fmi3::types::FmiBoolean[nValueReferences])

@@ -56,7 +56,7 @@ impl Continuous {
             return; // it is where it was put, but for rounding
         }
         let rebound = -side * z[RELATIVE_RATE];
-        let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).1;
+        let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).free;
         // Height of the bounce: rebound²/(2 pressing), of which the block is to make up the way past the stop to which the host's
         // solver has let it go. Dampers bring that of an elastic block down too.
         let low = pressing > 0.0 && rebound * rebound <= 2.0 * pressing * (self.contact_width() + past);

@@ -35,7 +35,7 @@ pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Err
 }
 
 /// Carries out an event that lies past a step's end by rounding alone. A master that comes to the time of an event it was
-/// told must have it behind itself: else its next step would end where it began, and it could not get on.
+/// told must have it behind itself: else its next step would end where it began, and it would not progress.
 pub(super) fn pass_event_at_end(
     simulator: &mut Simulator,
     end: f64,

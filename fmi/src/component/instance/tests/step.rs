@@ -108,7 +108,7 @@ fn stop_at_impact_ends_the_step_there_and_can_be_redone() {
     assert_eq!(get(&mut fmu, "time"), time);
 }
 
-/// Against a run that does not stop: the same number of impacts, each step getting on.
+/// Against a run that does not stop: the same number of impacts, each step progressing.
 #[test]
 fn a_master_gets_from_impact_to_impact() {
     const END: f64 = 300.0;
@@ -126,7 +126,7 @@ fn a_master_gets_from_impact_to_impact() {
             StepReason::EndReached => time += size,
             StepReason::Stopped => {
                 let impact = outcome.time;
-                assert!(impact > time, "the step from t = {time} s does not get on");
+                assert!(impact > time, "the step from t = {time} s does not progress");
                 fmu.restore(&before).unwrap();
                 // A master's sum may round either way.
                 let off = f64::from(met % 3 - 1) * 2.0 * f64::EPSILON * impact;

@@ -221,35 +221,39 @@ fn a_value_without_derivatives_is_held() {
     assert_eq!(get(&mut fmu, "box.f"), 0.25);
 }
 
-/// In all ways to move; the sign of zero counts, since hosts print it.
+/// In all ways to move and at both stops; the sign of zero counts, since hosts print it.
 #[test]
 fn invariant_the_contact_force_is_plus_zero_in_flight_and_never_negative() {
-    let mut resting = instance();
-    for (name, value) in
-        [("stop.restitution", 0.3), ("drive.amplitude", 0.4), ("block.v", 0.3), ("block.f", 0.02)]
-    {
-        set(&mut resting, name, value).unwrap();
-    }
+    let resting = [0.02, -0.02].map(|push| {
+        let mut fmu = instance();
+        for (name, value) in
+            [("stop.restitution", 0.3), ("drive.amplitude", 0.4), ("block.v", 0.3), ("block.f", push)]
+        {
+            set(&mut fmu, name, value).unwrap();
+        }
+        initialize(fmu)
+    });
     let mut played = instance();
     set(&mut played, "mode", 3.0).unwrap();
     let mut exchange = Instance::new(Interface::ModelExchange);
     set(&mut exchange, "block.v", -0.3).unwrap();
     let mut exchange = initialize(exchange);
     assert_eq!(get(&mut exchange, "stop.force").to_bits(), 0);
-    let mut rested = 0;
-    for mut fmu in [initialize(resting), initialize(played)] {
+    let mut pressed = [0; 2];
+    for mut fmu in resting.into_iter().chain([initialize(played)]) {
         for i in 0..600 {
             step(&mut fmu, 0.1 * f64::from(i), 0.1).unwrap();
             let force = get(&mut fmu, "stop.force");
-            if get(&mut fmu, "stop.state") == 1.0 {
+            let state = get(&mut fmu, "stop.state");
+            if state == 1.0 {
                 assert_eq!(force.to_bits(), 0, "at step {i}");
             } else {
                 assert!(force >= 0.0 && force.is_sign_positive(), "at step {i}: {force}");
-                rested += 1;
+                pressed[usize::from(state == 3.0)] += usize::from(force > 0.0);
             }
         }
     }
-    assert!(rested > 10, "{rested}");
+    assert!(pressed.iter().all(|steps| *steps > 10), "{pressed:?}");
 }
 
 /// A host that sets the mass of its machine and leaves the rest has half a machine: it is told what belongs to another one. A

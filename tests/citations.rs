@@ -1,0 +1,406 @@
+//! What a text cites is there: documents, equations, sections, clauses of the FMI standard, tests (invariant).
+
+#[path = "common/texts.rs"]
+mod texts;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use texts::{all, root, shown};
+
+/// Words that may name a file: letters, digits and `/._-`.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !(c.is_alphanumeric() || "/._-".contains(c))).map(|word| word.trim_end_matches('.'))
+}
+
+#[test]
+fn invariant_every_document_that_is_cited_is_in_the_repository() {
+    let mut missing = BTreeSet::new();
+    for (path, text) in all() {
+        for word in
+            words(&text).filter(|word| word.ends_with(".md") && word.len() > 3 && !word.starts_with('/'))
+        {
+            // Relative to the file, to the root, or the name of a page in docs/.
+            let beside = path.parent().expect("a file is in a folder").join(word);
+            let there =
+                [beside, root().join(word), root().join("docs").join(word)].iter().any(|p| p.exists());
+            // A licence's text in the packed archive and in packages of others; the notes, which a release makes.
+            let others = word.contains("LICENSE") || word.ends_with("RELEASE_NOTES.md");
+            if !there && !others {
+                missing.insert(format!("{}: {word}", shown(&path)));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "cited and not there: {missing:#?}");
+}
+
+/// What stands around each mention of a page, from which a part of it may be cited: `(12) of docs/theory.md`, `theory.md (12)`,
+/// `[theory.md](theory.md), section 2`.
+fn around<'t>(text: &'t str, page: &'t str) -> impl Iterator<Item = (&'t str, &'t str)> {
+    text.match_indices(page).map(move |(at, _)| {
+        let before = text[..at].trim_end_matches("docs/").trim_end_matches(['`', '[']);
+        (before, text[at + page.len()..].trim_start_matches(['`', ')', ']']))
+    })
+}
+
+/// What links the parts of one citation.
+const LINKS: [&str; 3] = [", ", " and ", " to "];
+
+/// The label of an equation in brackets at the beginning of a text, such as `(12)` or `(A3)`, and what follows it.
+fn leading_label(text: &str) -> Option<(&str, &str)> {
+    let (label, rest) = text.strip_prefix('(')?.split_once(')')?;
+    let digits = label.trim_start_matches(['A', 'N']);
+    let number = !digits.is_empty() && digits.len() <= 3 && digits.bytes().all(|b| b.is_ascii_digit());
+    (number && label.len() - digits.len() <= 1).then_some((label, rest))
+}
+
+/// The labels at the beginning of `(12)`, `(12), (13)`, `(12) to (14)`.
+fn leading_labels(mut text: &str) -> Vec<&str> {
+    let mut labels = Vec::new();
+    while let Some((label, rest)) = leading_label(text) {
+        labels.push(label);
+        text = LINKS.iter().find_map(|link| rest.strip_prefix(link)).unwrap_or("");
+    }
+    labels
+}
+
+/// All labels in a text, but those of calls and of numbers in formulas.
+fn labels(text: &str) -> impl Iterator<Item = &str> {
+    let begins = text.match_indices(" (").map(|(at, _)| &text[at + 1..]);
+    begins.filter_map(leading_label).map(|(label, _)| label)
+}
+
+/// The labels of a page's equations.
+fn equations(page: &str) -> BTreeSet<String> {
+    let text = fs::read_to_string(root().join("docs").join(page)).expect("a page of docs");
+    let of = |mark: &str| -> Vec<String> {
+        let ends = text.split(mark).skip(1).filter_map(|rest| rest.split_once('}'));
+        ends.map(|(label, _)| label.to_owned()).collect()
+    };
+    of("\\tag{").into_iter().chain(of("(\\mathrm{").into_iter().filter(|l| l.starts_with('N'))).collect()
+}
+
+#[test]
+fn invariant_every_equation_that_is_cited_is_on_its_page() {
+    let [theory, law, studies] = ["theory.md", "assembly-law.md", "studies.md"].map(equations);
+    assert!(theory.len() > 50 && law.len() > 20 && studies.len() > 4, "{law:?} {studies:?}");
+    let (mut wrong, mut cited) = (Vec::new(), 0);
+    for (path, text) in all() {
+        let text = flowing(&text);
+        let mut found: Vec<&str> = Vec::new();
+        for (before, after) in around(&text, "theory.md") {
+            found.extend(leading_labels(after.trim_start()));
+            let last = before.strip_suffix(" of ").and_then(|b| leading_label(&b[b.rfind('(')?..]));
+            found.extend(last.map(|(label, _)| label));
+        }
+        // Labels with a letter belong to one page each. On these pages any other is one of the theory page.
+        let bare = ["theory.md", "numerics.md", "guarantees.md"].iter().any(|page| path.ends_with(page));
+        found.extend(labels(&text).filter(|label| bare || label.starts_with(['A', 'N'])));
+        cited += found.len();
+        let of = |label: &str| match label.as_bytes()[0] {
+            b'A' => law.contains(label),
+            b'N' => studies.contains(label),
+            _ => theory.contains(label),
+        };
+        wrong.extend(found.iter().filter(|l| !of(l)).map(|label| format!("{}: ({label})", shown(&path))));
+    }
+    assert!(wrong.is_empty(), "cited and not there: {wrong:#?}");
+    println!("{cited} citations");
+    assert!(cited > 400, "{cited} citations");
+    // What the test looks for is found, in each of its forms.
+    assert_eq!(leading_labels("(12) to (14)."), ["12", "14"]);
+    assert_eq!(labels("as in (A3) f(x) (N5)").collect::<Vec<_>>(), ["A3", "N5"]);
+    let before = around("the balance (90) of docs/theory.md is", "theory.md").next().expect("a mention").0;
+    assert_eq!(before, "the balance (90) of ");
+}
+
+/// A text as one line, without the marks at the beginnings of comments' lines.
+fn flowing(text: &str) -> String {
+    let mut flowing = String::new();
+    for line in text.lines() {
+        let line = line.trim_start();
+        let marks = ["///", "//!", "//", "#", "* "];
+        let line = marks.iter().find_map(|mark| line.strip_prefix(mark)).unwrap_or(line);
+        flowing.push_str(line.trim());
+        flowing.push(' ');
+    }
+    flowing
+}
+
+/// The numbers and the titles of a page's sections, and what its paragraphs begin with in bold or italics.
+fn sections(page: &str) -> (BTreeSet<usize>, String) {
+    let mut numbers = BTreeSet::new();
+    let mut titles = String::new();
+    for line in page.lines() {
+        let (heading, begun) = (line.trim_start_matches('#'), line.trim_start_matches(['-', ' ']));
+        if heading != line {
+            let number = heading.trim().split_once(". ").and_then(|(number, _)| number.parse().ok());
+            numbers.extend::<Option<usize>>(number);
+            titles.push_str(heading);
+            titles.push('\n');
+        } else if begun.starts_with('*') {
+            titles.push_str(begun);
+            titles.push('\n');
+        }
+    }
+    (numbers, titles)
+}
+
+/// The numbers at the beginning of `1`, `1 and 2`, `6 to 9`, `1, 2 and 4`.
+fn leading_numbers(mut rest: &str) -> Vec<usize> {
+    let mut numbers = Vec::new();
+    loop {
+        let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let Ok(number) = rest[..digits].parse() else { return numbers };
+        numbers.push(number);
+        let tail = &rest[digits..];
+        let Some(next) = [" and ", " to ", ", "].iter().find_map(|link| tail.strip_prefix(link)) else {
+            return numbers;
+        };
+        rest = next;
+    }
+}
+
+/// The numbers of sections that are cited right behind a page's name or in front of it.
+fn cited_sections(before: &str, after: &str) -> Vec<usize> {
+    let behind = after.strip_prefix(", ").or(after.strip_prefix(" ")).unwrap_or("");
+    let behind = behind.trim_start_matches("end of ").trim_start_matches("table in ");
+    let front = before.strip_suffix(" of ").and_then(|b| Some(&b[b.rfind("section")?..]));
+    let whole = |text: &str| text.rsplit(' ').next().is_some_and(|last| last.parse::<usize>().is_ok());
+    let front = front.filter(|front| whole(front)).unwrap_or("");
+    let numbers = [behind, front].map(|text| {
+        let rest = text.strip_prefix("sections ").or(text.strip_prefix("section "));
+        rest.map(leading_numbers).unwrap_or_default()
+    });
+    numbers.concat()
+}
+
+/// The sections that a page cites of itself: those that are not of another page or of the paper.
+fn own_sections(page: &str) -> Vec<usize> {
+    let own = page.match_indices("section").filter(|(at, _)| {
+        let before = page[..*at].trim_end_matches([' ', '(', ',', ')']);
+        !before.ends_with(".md") && !before.ends_with("paper") && !before.ends_with("paper's")
+    });
+    let behind = own.filter_map(|(at, _)| page[at..].trim_start_matches("sections").split_once(' '));
+    let behind = behind.filter(|(word, _)| word.is_empty() || *word == "section");
+    behind.flat_map(|(_, rest)| leading_numbers(rest)).collect()
+}
+
+#[test]
+fn invariant_every_section_that_is_cited_is_on_its_page() {
+    const PAGES: [&str; 9] = [
+        "theory",
+        "numerics",
+        "design",
+        "guarantees",
+        "studies",
+        "assemblies",
+        "assembly-law",
+        "python",
+        "recipes",
+    ];
+    let (mut wrong, mut cited) = (Vec::new(), 0);
+    let texts: Vec<_> = all().into_iter().map(|(path, text)| (path, flowing(&text))).collect();
+    for name in PAGES.map(|page| format!("{page}.md")) {
+        let page = fs::read_to_string(root().join("docs").join(&name)).expect("a page of docs");
+        let (numbers, titles) = sections(&page);
+        for (path, text) in &texts {
+            let mut found: Vec<usize> = Vec::new();
+            if path.ends_with(&name) && !numbers.is_empty() {
+                found = own_sections(text);
+            }
+            for (before, after) in around(text, &name) {
+                found.extend(cited_sections(before, after));
+                let title = after.strip_prefix(", ").or(after.strip_prefix(" "));
+                let title = title.and_then(|rest| rest.strip_prefix('"')?.split_once('"'));
+                let Some((title, _)) = title else { continue };
+                cited += 1;
+                if !titles.contains(title.trim_end_matches('.')) {
+                    wrong.push(format!("{}: {name}, \"{title}\"", shown(path)));
+                }
+            }
+            cited += found.len();
+            let missing = found.iter().filter(|number| !numbers.contains(number));
+            wrong.extend(missing.map(|n| format!("{}: {name}, section {n}", shown(path))));
+        }
+    }
+    assert!(wrong.is_empty(), "cited and not there: {wrong:#?}");
+    println!("{cited} citations");
+    assert!(cited > 100, "{cited} citations");
+    // What the test looks for is found: a section too many, a title that no section has.
+    let (numbers, titles) = sections("# Page\n## 1. One\n**Two.** Text\n- *Three* and more");
+    assert!(numbers.contains(&1) && !numbers.contains(&2));
+    assert!(["One", "Two", "Three"].iter().all(|title| titles.contains(title)) && !titles.contains("Four"));
+    assert_eq!(leading_numbers("6 to 9, and so on"), [6, 9]);
+    assert_eq!(cited_sections("by section 14 of ", ", end of section 4: a set"), [4, 14]);
+    assert_eq!(own_sections("as in section 7; see [a](a.md), section 8, and sections 1 and 2"), [7, 1, 2]);
+}
+
+/// What a text says: a page all of it, code in its comments.
+fn prose(path: &Path, text: &str) -> String {
+    let page = path.extension().is_some_and(|ending| ending == "md");
+    let comment = |line: &&str| page || ["//", "#"].iter().any(|mark| line.trim_start().starts_with(mark));
+    text.lines().filter(comment).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn invariant_every_test_that_is_cited_is_there() {
+    const KINDS: [&str; 4] = ["closed_form_", "second_method_", "invariant_", "golden_"];
+    let texts = all();
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let defined: BTreeSet<&str> = texts
+        .iter()
+        .flat_map(|(_, text)| text.split("fn ").skip(1))
+        .map(|rest| rest.split(|c| !is_name(c)).next().unwrap_or(""))
+        .collect();
+    let (mut missing, mut cited) = (Vec::new(), 0);
+    for (path, text) in &texts {
+        let said = prose(path, text);
+        for name in said.split(|c| !is_name(c)).filter(|name| KINDS.iter().any(|kind| name.starts_with(kind)))
+        {
+            // `closed_form_…` names a kind.
+            let whole = !name.ends_with('_');
+            cited += usize::from(whole);
+            if whole && !defined.contains(name) {
+                missing.push(format!("{}: {name}", shown(path)));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "cited and not there: {missing:#?}");
+    assert!(cited > 150, "{cited} citations");
+}
+
+/// Clauses of the FMI standard, with what each defines.
+const CLAUSES: &str = include_str!("data/fmi-clauses.txt");
+
+/// The clauses at the beginning of `2.3.1`, `2.4, 3.4 and 4.4`, `2.2.7 to 2.2.12`.
+fn leading_clauses(mut text: &str) -> Vec<&str> {
+    let mut clauses = Vec::new();
+    loop {
+        let end = text.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(text.len());
+        let clause = text[..end].trim_end_matches('.');
+        if !clause.contains('.') {
+            return clauses;
+        }
+        clauses.push(clause);
+        let rest = &text[clause.len()..];
+        let Some(next) = LINKS.iter().find_map(|link| rest.strip_prefix(link)) else { return clauses };
+        text = next;
+    }
+}
+
+/// The functions and types in backquotes right before the bracket in which a text ends.
+fn named_before(text: &str) -> Vec<&str> {
+    let Some((mut text, bracket)) = text.rsplit_once('(') else { return Vec::new() };
+    let mut names = Vec::new();
+    while let Some(rest) = text.trim_end().strip_suffix('`')
+        && let Some((before, name)) = rest.rsplit_once('`')
+        && !bracket.contains(')')
+    {
+        names.push(name);
+        text = before.strip_suffix(" and ").or(before.strip_suffix(", ")).unwrap_or("");
+    }
+    names
+}
+
+/// A citation of the standard: its version, the clauses, and what is said to be defined there.
+type Citation<'t> = (&'t str, Vec<&'t str>, Vec<&'t str>);
+
+/// The citations in a text: `FMI 2.0, 2.1.5`, `FMI 3.0.2 (2.4.8)`.
+fn cited_clauses(text: &str) -> Vec<Citation<'_>> {
+    let mentions = text.match_indices("FMI ").map(|(at, mark)| (&text[..at], &text[at + mark.len()..]));
+    let cited = mentions.filter_map(|(before, rest)| {
+        let (version, rest) = rest.split_at_checked(3).filter(|(v, _)| ["2.0", "3.0"].contains(v))?;
+        let patch = rest.strip_prefix('.').and_then(|rest| rest.get(1..)).unwrap_or(rest);
+        let clauses = leading_clauses(patch.strip_prefix(", ").or(patch.strip_prefix(" ("))?);
+        (!clauses.is_empty()).then(|| (version, clauses, named_before(before)))
+    });
+    cited.collect()
+}
+
+/// The functions of a door's tables, under the clauses that head them.
+fn headed_clauses<'t>(text: &'t str, version: &'t str) -> Vec<Citation<'t>> {
+    let (mut clauses, mut cited) = (Vec::new(), Vec::new());
+    for line in text.lines().map(str::trim) {
+        if let Some(heading) = line.strip_prefix('"').and_then(|rest| rest.strip_suffix("\":")) {
+            clauses = leading_clauses(heading);
+        } else if let Some((name, _)) = line.split_once(", ").filter(|(name, _)| name.starts_with("fmi"))
+            && name.bytes().all(|b| b.is_ascii_alphanumeric())
+            && !clauses.is_empty()
+        {
+            cited.push((version, clauses.clone(), vec![name]));
+        }
+    }
+    cited
+}
+
+/// Version, number and title of each clause that is listed, with what it defines behind a colon.
+fn listed_clauses() -> Vec<(&'static str, &'static str, &'static str)> {
+    let lines = CLAUSES.lines().filter(|line| !line.starts_with('#'));
+    let parts = lines
+        .map(|line| line.split_once(' ').and_then(|(version, rest)| Some((version, rest.split_once(' ')?))));
+    parts
+        .map(|parts| parts.map(|(version, (number, title))| (version, number, title)).expect("three parts"))
+        .collect()
+}
+
+/// What is wrong with a citation: clauses that are not there, and names that others define.
+fn problems((version, clauses, names): &Citation<'_>, listed: &[(&str, &str, &str)]) -> Vec<String> {
+    let there = |clause: &str| listed.iter().any(|(v, c, _)| v == version && *c == clause);
+    let missing = clauses.iter().filter(|clause| !there(clause));
+    let mut wrong: Vec<String> = missing.map(|clause| format!("FMI {version} has no {clause}")).collect();
+    for name in names {
+        let defined =
+            |text: &str| text.split_once(": ").is_some_and(|(_, own)| own.split(' ').any(|n| n == *name));
+        let defining = listed.iter().filter(|(v, _, text)| v == version && defined(text));
+        let at: Vec<&str> = defining.map(|line| line.1).collect();
+        let within = |own: &&str| clauses.iter().any(|c| own == c || own.starts_with(&format!("{c}.")));
+        if !at.is_empty() && !at.iter().any(within) {
+            wrong.push(format!("{name} is defined in {at:?}, not in {clauses:?}"));
+        }
+    }
+    wrong
+}
+
+#[test]
+fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
+    let listed = listed_clauses();
+    let (mut wrong, mut cited, mut named) = (Vec::new(), 0, 0);
+    for (path, text) in all() {
+        let place = shown(&path);
+        let text = if place == "docs/design.md" { standing_apart(&text) } else { text };
+        let flowing = flowing(&text);
+        let mut found = cited_clauses(&flowing);
+        for (folder, version) in [("doors/src/fmi2/abi", "2.0"), ("doors/src/fmi3/abi", "3.0")] {
+            if place.starts_with(folder) {
+                found.extend(headed_clauses(&text, version));
+            }
+        }
+        for citation in found {
+            cited += citation.1.len();
+            named += citation.2.len();
+            wrong.extend(problems(&citation, &listed).into_iter().map(|what| format!("{place}: {what}")));
+        }
+    }
+    assert!(wrong.is_empty(), "not so in the standard: {wrong:#?}");
+    println!("{cited} citations, {named} names");
+    assert!(cited > 200 && named > 150, "{cited} citations, {named} names");
+    // What the test looks for is found: the parts of a citation, a clause that is not there, one that defines something else.
+    let text = "`fmi2A` and `fmi3DoStep` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7 to 2.2.99)";
+    let names = vec!["fmi3DoStep", "fmi2A"];
+    let expected = [("2.0", vec!["2.1.8"], names.clone()), ("3.0", vec!["2.2.7", "2.2.99"], names)];
+    assert_eq!(cited_clauses(text), expected);
+    assert_eq!(problems(&expected[0], &listed), [""; 0]);
+    assert_eq!(problems(&expected[1], &listed).len(), 2);
+}
+
+/// The design page with the standard's name before each clause of the section in which it is left out.
+fn standing_apart(page: &str) -> String {
+    let (before, rest) = page.split_once("Clauses are those of version 3.0.2.").expect("the section");
+    let (section, after) = rest.split_once("\n## ").expect("a section behind it");
+    let marked = section.split('(').map(|part| {
+        let digit = part.starts_with(|c: char| c.is_ascii_digit());
+        if digit { format!("(FMI 3.0.2, {part}") } else { format!("({part}") }
+    });
+    format!("{before}{}\n{after}", marked.collect::<String>())
+}
