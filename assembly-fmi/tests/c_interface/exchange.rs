@@ -225,3 +225,33 @@ fn closed_form_the_jacobian_of_a_spring() {
     }
     unsafe { fmi3FreeInstance(c) };
 }
+
+/// A value of a variable that a host sets at an event.
+fn set(host: &Host, plan: &Plan, name: &str, value: f64) {
+    let reference = plan.table.reference(name).unwrap();
+    assert_eq!(unsafe { fmi3SetFloat64(host.c, &reference, 1, &value, 1) }, OK, "{name}");
+}
+
+/// Friction whose level is an input alone has no size but what the host sets.
+#[test]
+fn closed_form_a_brake_that_a_host_presses_acts_at_once() {
+    let text = "name = \"Brake\"\n[body.sled]\nmass = 2.0\nstart = { v = 3.0 }\n\
+                [friction.brake]\nbetween = [\"ground\", \"sled\"]\nforce = { input = true }\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let host = Host::begin(made("brake", &plan, &mut messages));
+    unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
+    set(&host, &plan, "friction.brake.force.input", 4.0);
+    assert_eq!(host.handle(), (true, None));
+    assert_eq!(host.at(0.5, &[1.5, 3.0]).0, [3.0, -2.0]);
+    // Between events an indicator shows that it is let go, and pressed again.
+    for (level, slope) in [(-1.0, 0.0), (2.0, -1.0)] {
+        set(&host, &plan, "friction.brake.force.input", level);
+        assert!(host.at(1.0, &[2.0, 3.0]).1 <= 0.0, "{level}");
+        assert!(host.accept());
+        unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
+        assert_eq!(host.handle(), (true, None));
+        assert_eq!(host.at(1.0, &[2.0, 3.0]).0, [3.0, slope]);
+    }
+    unsafe { fmi3FreeInstance(host.c) };
+}

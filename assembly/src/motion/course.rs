@@ -171,6 +171,10 @@ impl Motion {
     pub fn set_input_on(&mut self, course: &Course, i: usize, value: f64) {
         self.hybrid.inputs[i] = (course.event, [value, 0.0, 0.0, 0.0]);
         self.refill_on(course);
+        // What depends on nothing but inputs has no other size, and would count as zero.
+        if let Some(place) = self.assembly.system.signals.place_of_input(i) {
+            self.hybrid.sizes.include_from(place, &[value]);
+        }
     }
 
     /// What is watched, in parts of its size, by elements: stops, then frictions. An event is where one becomes negative; of what is
