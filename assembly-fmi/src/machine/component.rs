@@ -199,13 +199,14 @@ impl Component for Machine {
     }
 
     fn enter_continuous(&mut self) {
-        self.take_ahead();
+        // What is not possible is told where derivatives are asked for.
+        _ = self.take_ahead();
         self.life.phase = Phase::Continuous;
     }
 
     fn leave_event(&mut self, _: &mut dyn Log) -> Result<(), MachineProblem> {
         if self.life.interface == Interface::ModelExchange {
-            self.take_ahead();
+            self.take_ahead()?;
         }
         self.life.go_on();
         Ok(())
