@@ -5,6 +5,7 @@ mod contact;
 mod course;
 mod event;
 mod jump;
+mod late;
 mod limits;
 mod lone;
 mod long;
