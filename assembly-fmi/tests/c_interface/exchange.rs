@@ -337,3 +337,22 @@ fn closed_form_a_parameter_that_is_set_at_an_impact() {
     assert!(after[0] == 1.0 && (after[1] + 0.9 * speed).abs() < 1e-15 * speed, "{after:?}");
     unsafe { fmi3FreeInstance(host.c) };
 }
+
+/// A solver that has lost its way is told so, by name; nothing is written, and from other states it goes on.
+#[test]
+fn values_that_are_no_finite_numbers_are_refused_by_name() {
+    let plan = plan("bouncing_ball.toml", unchanged);
+    let mut messages = Vec::new();
+    let host = Host::begin(made("not finite values", &plan, &mut messages));
+    let references = ["ball.v", "energy.kinetic"].map(|name| plan.table.reference(name).unwrap());
+    for (v, status) in [(1e200, DISCARD), (2.0, OK)] {
+        host.at(0.1, &[0.5, v]);
+        let mut values = [7.0; 2];
+        assert_eq!(unsafe { fmi3GetFloat64(host.c, references.as_ptr(), 2, values.as_mut_ptr(), 2) }, status);
+        let expected = if status == OK { [v, 0.5 * 0.02 * v * v] } else { [7.0; 2] };
+        assert_eq!(values, expected);
+    }
+    let message = messages.last().unwrap();
+    assert!(message.contains("energy.kinetic = inf: allowed is a finite number"), "{message}");
+    unsafe { fmi3FreeInstance(host.c) };
+}
