@@ -104,6 +104,10 @@ impl Machine {
     /// The motion after it has taken over what was set.
     fn taken_over(&self, moving: &Moving) -> Result<Moving, MachineProblem> {
         let mut ahead = moving.clone();
+        // An event that is due comes before what was set.
+        if ahead.is_on_course() {
+            ahead.handle(&mut |_| ())?;
+        }
         self.take_over(&mut ahead)?;
         Ok(ahead)
     }
@@ -114,7 +118,7 @@ impl Machine {
             match &self.moving {
                 None => self.ahead = Some(self.start()?),
                 // An event that is due comes before what was set: both sides of it are to be seen.
-                Some(moving) if self.is_set() && !moving.motion.is_event_due() => {
+                Some(moving) if self.is_set() && !moving.is_event_due() => {
                     self.ahead = Some(self.taken_over(moving)?);
                 }
                 Some(_) => {}
@@ -137,6 +141,13 @@ impl Machine {
             },
             _ => moving.map_or(0.0, |moving| self.of_motion(moving, quantity)),
         }
+    }
+
+    /// The same, which is to be finite: of a host's solver that has lost its way it may not be.
+    fn finite_value(&self, quantity: Quantity, name: &str) -> Result<f64, Problem> {
+        let value = self.value(quantity);
+        let allowed = "a finite number: states or inputs are too large for it";
+        if value.is_finite() { Ok(value) } else { Err(Problem::value(name.to_owned(), value, allowed)) }
     }
 
     fn of_motion(&self, moving: &Moving, quantity: Quantity) -> f64 {
@@ -182,9 +193,10 @@ impl Machine {
 
     /// Takes a value over that was checked.
     fn put(&mut self, quantity: Quantity, value: f64) {
+        let at_event = self.life.phase == Phase::Event;
         match (quantity, &mut self.moving) {
             (Quantity::Parameter(i), _) => self.put_parameter(i, value),
-            (Quantity::Input(i), Some(moving)) if moving.is_on_course() => {
+            (Quantity::Input(i), Some(moving)) if moving.is_on_course() && !(at_event && moving.jumps()) => {
                 moving.set_input_on_course(i, value)
             }
             (Quantity::Input(i), _) => self.pending[i] = Some([value, 0.0, 0.0, 0.0]),
@@ -210,7 +222,7 @@ impl Machine {
         values.iter().for_each(|&(i, value)| self.put(Quantity::Parameter(i), value));
         let problem = match self.moving.as_ref().map(|moving| self.taken_over(moving)) {
             Some(Ok(ahead)) => {
-                let due = self.moving.as_ref().is_some_and(|moving| moving.motion.is_event_due());
+                let due = self.moving.as_ref().is_some_and(Moving::is_event_due);
                 self.ahead = Some(ahead).filter(|_| !due);
                 return Ok(());
             }

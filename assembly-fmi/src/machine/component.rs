@@ -87,18 +87,16 @@ impl Component for Machine {
         if moves {
             self.present()?;
         }
-        let mut place = 0;
-        let mut next = |value| {
-            write(place, value);
-            place += 1;
-        };
+        let mut values = Vec::with_capacity(references.len());
         for &reference in references {
-            match plan.table.row(reference, bases)?.quantity {
-                Quantity::Transition => self.step_matrices().transition.iter().copied().for_each(&mut next),
-                Quantity::Response => self.step_matrices().response.iter().copied().for_each(&mut next),
-                quantity => next(self.value(quantity)),
+            let row = plan.table.row(reference, bases)?;
+            match row.quantity {
+                Quantity::Transition => values.extend_from_slice(&self.step_matrices().transition),
+                Quantity::Response => values.extend_from_slice(&self.step_matrices().response),
+                quantity => values.push(self.finite_value(quantity, &row.name)?),
             }
         }
+        values.into_iter().enumerate().for_each(|(place, value)| write(place, value));
         Ok(())
     }
 
@@ -199,13 +197,14 @@ impl Component for Machine {
     }
 
     fn enter_continuous(&mut self) {
-        self.take_ahead();
+        // What is not possible is told where derivatives are asked for.
+        _ = self.take_ahead();
         self.life.phase = Phase::Continuous;
     }
 
     fn leave_event(&mut self, _: &mut dyn Log) -> Result<(), MachineProblem> {
         if self.life.interface == Interface::ModelExchange {
-            self.take_ahead();
+            self.take_ahead()?;
         }
         self.life.go_on();
         Ok(())

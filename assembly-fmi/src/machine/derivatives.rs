@@ -96,7 +96,10 @@ impl Machine {
     /// What a variable that is linear in the motion reads of a derivative of the motion, which is to be finite.
     fn derivative(&self, of: &Motion, reference: u32) -> Result<f64, MachineProblem> {
         let row = self.plan.table.row(reference, Bases::ANY)?;
-        let value = super::moving::linear(of, row.quantity) + 0.0;
+        let value = match row.quantity {
+            Quantity::Stop(i, k) => of.stop_varied(i)[k],
+            quantity => super::moving::linear(of, quantity),
+        } + 0.0;
         if value.is_finite() {
             return Ok(value);
         }

@@ -17,12 +17,13 @@ impl Machine {
     }
 
     /// What was set at an event whose states the host did not update acts from here on.
-    pub(super) fn take_ahead(&mut self) {
-        if let Some(ahead) = self.ahead.take() {
-            self.moving = Some(ahead);
-            self.pending.fill(None);
-            self.changed = false;
+    pub(super) fn take_ahead(&mut self) -> Result<(), MachineProblem> {
+        let ahead = self.ahead.take();
+        if let Some(moving) = self.moving.as_ref().filter(|_| self.is_set()) {
+            self.moving = Some(ahead.map_or_else(|| self.taken_over(moving), Ok)?);
+            self.end_taking_over();
         }
+        Ok(())
     }
 
     pub(super) fn put_time(&mut self, time: f64) -> Result<(), MachineProblem> {
@@ -53,9 +54,13 @@ impl Machine {
 
     /// The motion as it is, in initialization the start with all that was set.
     pub(super) fn seen(&self) -> Result<Cow<'_, Moving>, MachineProblem> {
-        match self.ahead.as_ref().or(self.moving.as_ref()) {
-            Some(moving) => Ok(Cow::Borrowed(moving)),
-            None => Ok(Cow::Owned(self.start()?)),
+        match (&self.ahead, &self.moving) {
+            (Some(ahead), _) => Ok(Cow::Borrowed(ahead)),
+            (None, Some(moving)) if self.is_set() && !moving.is_event_due() => {
+                Ok(Cow::Owned(self.taken_over(moving)?))
+            }
+            (None, Some(moving)) => Ok(Cow::Borrowed(moving)),
+            (None, None) => Ok(Cow::Owned(self.start()?)),
         }
     }
 

@@ -111,12 +111,15 @@ impl Moving {
             return Ok(());
         }
         // Without prescribed motions no input changes the energy at once.
-        let moves = self.motion.assembly().system().has_motions;
+        let moves = self.jumps();
         let residual = if moves { self.unaccounted() - self.origin } else { 0.0 };
         // All at once: bodies that touch may jump together.
         let given = inputs.iter().enumerate().filter_map(|(i, input)| Some((i, (*input)?)));
         let new: Vec<(usize, Input)> = given.filter(|(i, input)| *input != self.motion.input(*i)).collect();
-        self.motion.set_inputs(&new)?;
+        match &mut self.course {
+            Some(course) => self.motion.set_inputs_on(course, &new)?,
+            None => self.motion.set_inputs(&new)?,
+        }
         if moves {
             self.origin = self.unaccounted() - residual;
         }
@@ -147,6 +150,19 @@ impl Moving {
     /// Accepts a point of a host's solver; whether an event was passed over.
     pub(super) fn accept(&mut self) -> bool {
         self.course.as_mut().is_some_and(|course| self.motion.accept(course))
+    }
+
+    /// Whether it stands at an event whose law is still to be applied.
+    pub(super) fn is_event_due(&self) -> bool {
+        match &self.course {
+            Some(course) => self.motion.is_event_due_on(course),
+            None => self.motion.is_event_due(),
+        }
+    }
+
+    /// Whether an input that is set at an event lets prescribed bodies jump, instead of a host's solver seeing it at once.
+    pub(super) fn jumps(&self) -> bool {
+        self.motion.assembly().system().has_motions
     }
 
     /// Applies the law of an event; whether a solver is to start anew.

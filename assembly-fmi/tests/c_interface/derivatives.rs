@@ -105,6 +105,32 @@ fn closed_form_directional_derivatives_by_an_input() {
     assert!(near(adjoint, 2.0 * 0.5 + 1.0), "{adjoint}");
 }
 
+/// A force never pulls, and its derivatives have either sign.
+#[test]
+fn closed_form_derivatives_of_a_stops_force_that_falls() {
+    // Of a sine and of the weight in a sum.
+    const ROUNDING: f64 = 1e-12;
+    let text = "name = \"Resting\"\ngravity = 10.0\n[body.b]\nmass = 2.0\ngravity = 1.0\n[stop.floor]\nbetween = [\"ground\", \"b\"]\n\
+                gap = 0.0\nrestitution = 0.0\n[load.push]\non = \"b\"\ninput = true\namplitude = 3.0\nfrequency = 0.5\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let machine = Instance::of("falling force", &plan, false);
+    machine.begin();
+    machine.step(0.0, 0.75);
+    let (force, input) = (machine.reference("floor.f"), machine.reference("load.push.input"));
+    let (mut by_time, mut along, mut adjoint) = (f64::NAN, f64::NAN, f64::NAN);
+    unsafe {
+        assert_eq!(fmi3GetOutputDerivatives(machine.c, &force, 1, &1, &mut by_time, 1), OK);
+        let status = fmi3GetDirectionalDerivative(machine.c, &force, 1, &input, 1, &-1.0, 1, &mut along, 1);
+        assert_eq!(status, OK, "{:?}", machine.messages);
+        assert_eq!(fmi3GetAdjointDerivative(machine.c, &force, 1, &input, 1, &-1.0, 1, &mut adjoint, 1), OK);
+    }
+    // Weight and 3 sin(pi t).
+    let (pi, t) = (std::f64::consts::PI, 0.75);
+    assert!((machine.get("floor.f") - 20.0 - 3.0 * (pi * t).sin()).abs() < ROUNDING);
+    assert!((by_time - 3.0 * pi * (pi * t).cos()).abs() < ROUNDING, "{by_time}");
+    assert!((along + 1.0).abs() < ROUNDING && (adjoint + 1.0).abs() < ROUNDING, "{along} {adjoint}");
+}
+
 /// A body between a rigid and a compliant stop in a sliding frame, pushed by an input: impacts, contact, sticking and slipping.
 fn shaken() -> Plan {
     let text = "name = \"Shaken\"\n[body.box]\nmass = 3.0\n[body.block]\nmass = 0.5\nstart = { s = 0.1, v = 1.0 }\n\

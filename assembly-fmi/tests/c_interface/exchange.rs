@@ -225,3 +225,134 @@ fn closed_form_the_jacobian_of_a_spring() {
     }
     unsafe { fmi3FreeInstance(c) };
 }
+
+/// A value of a variable that a host sets at an event.
+fn set(host: &Host, plan: &Plan, name: &str, value: f64) {
+    let reference = plan.table.reference(name).unwrap();
+    assert_eq!(unsafe { fmi3SetFloat64(host.c, &reference, 1, &value, 1) }, OK, "{name}");
+}
+
+/// Friction whose level is an input alone has no size but what the host sets.
+#[test]
+fn closed_form_a_brake_that_a_host_presses_acts_at_once() {
+    let text = "name = \"Brake\"\n[body.sled]\nmass = 2.0\nstart = { v = 3.0 }\n\
+                [friction.brake]\nbetween = [\"ground\", \"sled\"]\nforce = { input = true }\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let host = Host::begin(made("brake", &plan, &mut messages));
+    unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
+    set(&host, &plan, "friction.brake.force.input", 4.0);
+    assert_eq!(host.handle(), (true, None));
+    assert_eq!(host.at(0.5, &[1.5, 3.0]).0, [3.0, -2.0]);
+    // Between events an indicator shows that it is let go, and pressed again.
+    for (level, slope) in [(-1.0, 0.0), (2.0, -1.0)] {
+        set(&host, &plan, "friction.brake.force.input", level);
+        assert!(host.at(1.0, &[2.0, 3.0]).1 <= 0.0, "{level}");
+        assert!(host.accept());
+        unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
+        assert_eq!(host.handle(), (true, None));
+        assert_eq!(host.at(1.0, &[2.0, 3.0]).0, [3.0, slope]);
+    }
+    unsafe { fmi3FreeInstance(host.c) };
+}
+
+#[test]
+fn closed_form_a_buffer_that_a_jump_of_its_base_takes_away_has_no_force() {
+    let text = "name = \"Base\"\n[body.base]\nmotion = { input = true }\ndimension = \"translation\"\n\
+                [body.b]\nmass = 1.0\nstart = { s = 0.11, v = 1.0 }\n\
+                [stop.p]\nbetween = [\"base\", \"b\"]\ngap = 0.1\nstiffness = 100.0\ndamping = 20.0\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let host = Host::begin(made("jumping base", &plan, &mut messages));
+    let x = host.states();
+    let near = |slope: &[f64], a: f64| (slope[1] - a).abs() < 1e-12;
+    assert!(near(&host.at(0.0, &x).0, -21.0));
+    for update in [true, false] {
+        // To where the buffer is 4 cm away, though its spring and dashpot together still push; and back.
+        for (place, a) in [(0.05, 0.0), (0.0, -21.0)] {
+            unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
+            set(&host, &plan, "body.base.motion.input", place);
+            if update {
+                assert_eq!(host.handle(), (true, None));
+            } else {
+                unsafe { assert_eq!(fmi3EnterContinuousTimeMode(host.c), OK) };
+            }
+            assert!(near(&host.at(0.0, &x).0, a), "{update} {place}");
+        }
+    }
+    unsafe { fmi3FreeInstance(host.c) };
+}
+
+/// What is set at an event acts after it, in whichever order, with an update or without, and when its state was saved between.
+#[test]
+fn closed_form_a_parameter_and_an_input_of_one_event() {
+    let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let host = Host::begin(made("both", &plan, &mut messages));
+    let mut mass = 4.0;
+    for (update, saved) in [(true, false), (false, false), (true, true), (false, true)] {
+        unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
+        mass *= 2.0;
+        set(&host, &plan, "body.sled.mass", mass);
+        set(&host, &plan, "load.push.input", 8.0);
+        let mut state = null_mut();
+        unsafe {
+            if saved {
+                assert_eq!(fmi3GetFMUState(host.c, &mut state), OK);
+                assert_eq!(fmi3SetFMUState(host.c, state), OK);
+                assert_eq!(fmi3FreeFMUState(host.c, &mut state), OK);
+            }
+            if !update {
+                assert_eq!(fmi3EnterContinuousTimeMode(host.c), OK);
+            }
+        }
+        if update {
+            assert_eq!(host.handle(), (true, None));
+        }
+        // Reading changes nothing.
+        let mut a = f64::NAN;
+        let reference = plan.table.reference("sled.a").unwrap();
+        assert_eq!(unsafe { fmi3GetFloat64(host.c, &reference, 1, &mut a, 1) }, OK);
+        let slope = host.at(1.0, &[0.5, mass]).0;
+        assert_eq!((slope, a), (vec![mass, 8.0 / mass], 8.0 / mass), "{update} {saved}");
+    }
+    unsafe { fmi3FreeInstance(host.c) };
+}
+
+/// An event's law comes before what a host sets at it, and by the old numbers.
+#[test]
+fn closed_form_a_parameter_that_is_set_at_an_impact() {
+    let plan = plan("bouncing_ball.toml", unchanged);
+    let mut messages = Vec::new();
+    let host = Host::begin(made("set at an impact", &plan, &mut messages));
+    let g = 9.81f64;
+    let (time, speed) = ((2.0 / g).sqrt() * (1.0 + 1e-10), (2.0 * g).sqrt());
+    assert!(host.at(time, &[1.0 + 1e-10 * 2.0, speed]).1 <= 0.0);
+    assert!(host.accept());
+    unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
+    set(&host, &plan, "body.ball.mass", 0.5);
+    assert_eq!(host.handle(), (true, None));
+    let after = host.states();
+    assert!(after[0] == 1.0 && (after[1] + 0.9 * speed).abs() < 1e-15 * speed, "{after:?}");
+    unsafe { fmi3FreeInstance(host.c) };
+}
+
+/// A solver that has lost its way is told so, by name; nothing is written, and from other states it goes on.
+#[test]
+fn values_that_are_no_finite_numbers_are_refused_by_name() {
+    let plan = plan("bouncing_ball.toml", unchanged);
+    let mut messages = Vec::new();
+    let host = Host::begin(made("not finite values", &plan, &mut messages));
+    let references = ["ball.v", "energy.kinetic"].map(|name| plan.table.reference(name).unwrap());
+    for (v, status) in [(1e200, DISCARD), (2.0, OK)] {
+        host.at(0.1, &[0.5, v]);
+        let mut values = [7.0; 2];
+        assert_eq!(unsafe { fmi3GetFloat64(host.c, references.as_ptr(), 2, values.as_mut_ptr(), 2) }, status);
+        let expected = if status == OK { [v, 0.5 * 0.02 * v * v] } else { [7.0; 2] };
+        assert_eq!(values, expected);
+    }
+    let message = messages.last().unwrap();
+    assert!(message.contains("energy.kinetic = inf: allowed is a finite number"), "{message}");
+    unsafe { fmi3FreeInstance(host.c) };
+}

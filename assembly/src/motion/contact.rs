@@ -14,12 +14,6 @@ use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 
-/// A stop whose bounces would be lower than this part of its largest e so far is closed.
-const LEAST_BOUNCE: f64 = 1e-12;
-
-/// Where stops are met late, bounces under this many times the lateness are too low to matter.
-const LATE_BOUNCES: f64 = 100.0;
-
 /// A watched functional's coefficient that is positive where the law says negative is rounding up to this many times the size under
 /// which it counts as zero; beyond, the modes would change without end, which is told.
 pub(super) const DOUBTFUL: f64 = 1e3;
@@ -30,7 +24,7 @@ const STANDING: f64 = 0.01;
 
 /// What an event says of the elements that take part.
 #[derive(Clone, Default)]
-struct Flags {
+pub(super) struct Flags {
     stops: Vec<bool>,
     resting: Vec<bool>,
     edges: Vec<bool>,
@@ -237,7 +231,7 @@ impl Motion {
                 Ok(stops.iter().map(|&i| stays(i)).collect())
             };
             let collided = instant.collide_where(&mut z, &mut stay_closed);
-            let impacts = collided.map_err(|jam| self.jammed(&jam))?;
+            let mut impacts = collided.map_err(|jam| self.jammed(&jam))?;
             self.hybrid.z = z;
             self.hybrid.sizes.include(self.hybrid.z.as_slice());
             self.hybrid.sizes.include_from(system.coordinates, &impacts.shares);
@@ -248,6 +242,7 @@ impl Motion {
             let after = flags.after(&kick, system, &self.hybrid.sizes);
             let found = self.plastic(&impacts, &restitution, &after)?;
             if found.is_empty() {
+                closing.extend(self.hold_low(touching, &after, &mut impacts)?);
                 return Ok((impacts, closing));
             }
             for (stop, left) in found {
@@ -294,17 +289,7 @@ impl Motion {
         Ok(found)
     }
 
-    /// The part of a stop's largest e so far under which a bounce is too low to matter. Where stops are met late by a depth d, a ball
-    /// falls on by it, and its bounces do not get lower than d e²/(1 - e²).
-    pub(super) fn least_bounce(&self, restitution: f64) -> f64 {
-        let lost = 1.0 - restitution * restitution;
-        if self.late == 0.0 || lost == 0.0 {
-            return LEAST_BOUNCE;
-        }
-        self.late * (LATE_BOUNCES + 2.0 * restitution * restitution / lost)
-    }
-
-    fn select(&self, flags: &Flags) -> Result<Mode, Error> {
+    pub(super) fn select(&self, flags: &Flags) -> Result<Mode, Error> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.touching(&[]))
             .map_err(|jam| self.jammed(&jam))

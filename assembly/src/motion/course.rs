@@ -13,6 +13,7 @@ use crate::energy::{Accounts, Samples};
 use crate::error::Error;
 use crate::kernel::NODES;
 use crate::mode::Watch;
+use crate::signals::Input;
 use crate::system::{Row, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -171,6 +172,25 @@ impl Motion {
     pub fn set_input_on(&mut self, course: &Course, i: usize, value: f64) {
         self.hybrid.inputs[i] = (course.event, [value, 0.0, 0.0, 0.0]);
         self.refill_on(course);
+        // What depends on nothing but inputs has no other size, and would count as zero.
+        if let Some(place) = self.assembly.system.signals.place_of_input(i) {
+            self.hybrid.sizes.include_from(place, &[value]);
+        }
+    }
+
+    /// Sets inputs at an event, as [`set_inputs`](Self::set_inputs): prescribed bodies may jump.
+    ///
+    /// # Errors
+    /// As [`set_inputs`](Self::set_inputs); nothing has changed then.
+    pub fn set_inputs_on(&mut self, course: &mut Course, inputs: &[(usize, Input)]) -> Result<(), Error> {
+        self.set_inputs(inputs)?;
+        *course = Course { event: self.time(), time: self.time(), z: self.hybrid.z.clone() };
+        Ok(())
+    }
+
+    /// Whether it stands where something watched has passed zero or a signal has a knot, and the law of it is still to be applied.
+    pub fn is_event_due_on(&self, course: &Course) -> bool {
+        self.is_at_knot(course) || !self.passed().is_empty()
     }
 
     /// What is watched, in parts of its size, by elements: stops, then frictions. An event is where one becomes negative; of what is

@@ -5,6 +5,7 @@ mod contact;
 mod course;
 mod event;
 mod jump;
+mod late;
 mod limits;
 mod lone;
 mod long;
@@ -288,6 +289,13 @@ impl Motion {
 
     /// A stop's elongation, its rate and its force.
     pub fn stop(&self, i: usize) -> [f64; 3] {
+        let [e, rate, force] = self.stop_varied(i);
+        // Never a pull, by (A13): where it leaves off, rounding is on either side.
+        [e, rate, force.max(0.0)]
+    }
+
+    /// The same as linear functions of the state, for motions that stand for a derivative: the derivative of a force has either sign.
+    pub fn stop_varied(&self, i: usize) -> [f64; 3] {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let stop = &system.stops[i];
         let state = self.hybrid.mode.stops[i];
@@ -295,8 +303,7 @@ impl Motion {
             StopState::Closed => self.contact_force(Contact::Stop(i)),
             _ => system.stop_force_at(i, state, z).unwrap_or(0.0),
         };
-        // Never a pull, by (A13): where it leaves off, rounding is on either side.
-        [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force.max(0.0)]
+        [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force]
     }
 
     /// A friction's elongation, its rate and its force.
