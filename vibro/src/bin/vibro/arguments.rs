@@ -2,7 +2,7 @@
 
 use crate::assembly::AssemblyCommand;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
-use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, whole};
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, real, whole};
 use crate::run::Run;
 use crate::sweep_arguments::Sweep;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -69,11 +69,22 @@ pub fn command() -> clap::Command {
         let own = command.get_after_help().map(|help| format!("{help}\n\n")).unwrap_or_default();
         command.after_help(format!("{own}{LIMITS}"))
     };
-    with_limits(Arguments::command()).mut_subcommands(|command| match command.get_name() {
-        // Its machines are of another class.
-        "assembly" => command,
-        _ => with_limits(command),
+    with_negative_numbers(with_limits(Arguments::command())).mut_subcommands(|command| {
+        match command.get_name() {
+            // Its machines are of another class.
+            "assembly" => command,
+            _ => with_limits(command),
+        }
     })
+}
+
+/// Takes numbers below zero for values, so that an option which allows none says what it allows.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let taken = |arg: clap::Arg| {
+        let takes = arg.get_action().takes_values() && !arg.is_positional();
+        if takes { arg.allow_negative_numbers(true) } else { arg }
+    };
+    command.mut_args(taken).mut_subcommands(with_negative_numbers)
 }
 
 /// The command line.
@@ -230,7 +241,7 @@ pub struct Lyapunov {
     #[arg(long, value_name = "N", default_value_t = 1500, value_parser = whole(1..=u32::MAX))]
     pub periods: u32,
     /// End a spectrum once the standard deviation of the running exponents over 200 periods is below this, per unit of tau
-    #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = real(0.0..=f64::MAX, "a finite number >= 0"))]
     pub threshold: f64,
     /// Values at which spectra are listed and running exponents shown [default: of f10 0.6,1.5,2.45,3.6 or the value that was set;
     /// of other parameters the quarters of the range]
@@ -434,3 +445,6 @@ pub struct Compare {
     #[arg(long, value_name = "NAME=V,V,…")]
     pub values: Option<ParameterValues>,
 }
+
+#[cfg(test)]
+mod tests;

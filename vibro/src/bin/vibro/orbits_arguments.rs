@@ -2,9 +2,10 @@
 
 use crate::arguments::ConstantLoads;
 use crate::ranges::ParameterRange;
-use crate::ranges::whole;
+use crate::ranges::{real, whole};
 use clap::Args;
 use vibro::special_points::Selection;
+use vibro_orbits::PathOptions;
 
 /// Which orbit.
 #[derive(Args, Debug)]
@@ -56,7 +57,7 @@ pub struct Orbits {
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = whole::<u32>(1..=128))]
     pub letters: u32,
     /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
-    #[arg(long, value_name = "X", default_value_t = 0.05)]
+    #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a length from 1e-5 to 0.2"))]
     pub step: f64,
     /// At a touch, also follow the orbits that touch only once in up to so many passages; they have a longer period
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=16))]
