@@ -15,13 +15,18 @@ pub(crate) fn forced(p: &Parameters) -> Complex<f64> {
     p.drive_amplitude / Complex::new(p.box_stiffness - p.box_mass * omega * omega, p.box_damping * omega)
 }
 
+/// Where the constant loads hold the three bodies when nothing moves and the block is off its stops. Not finite where a load has no spring
+/// against it.
+pub(crate) fn middle(p: &Parameters) -> [f64; 3] {
+    let [box_load, block_load, secondary_load] = p.constant_loads;
+    let way = |load: f64, stiffness: f64| if load == 0.0 { 0.0 } else { load / stiffness };
+    let secondary = way(block_load + secondary_load, p.secondary_stiffness);
+    [way(box_load, p.box_stiffness), secondary + way(block_load, p.coupling_stiffness), secondary]
+}
+
 /// Whether the motion without impacts to which dampers lead keeps clear of the stops (docs/theory.md (100)). Where it does not, every motion
 /// comes back to a stop, however long it has met none.
 pub(crate) fn limit_keeps_clear(p: &Parameters) -> bool {
-    let [box_load, block_load, secondary_load] = p.constant_loads;
-    let way = |load: f64, stiffness: f64| if load == 0.0 { 0.0 } else { load / stiffness };
-    let middle = way(block_load + secondary_load, p.secondary_stiffness)
-        + way(block_load, p.coupling_stiffness)
-        - way(box_load, p.box_stiffness);
-    forced(p).norm() + middle.abs() < p.stop_gap
+    let [box_middle, block_middle, _] = middle(p);
+    forced(p).norm() + (block_middle - box_middle).abs() < p.stop_gap
 }

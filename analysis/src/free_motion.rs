@@ -1,10 +1,10 @@
 //! The motion of a block that never meets a stop again: proved by its energy, and computed for all time at once.
 //!
 //! In free flight box and block do not feel each other (docs/theory.md (6)). The drive moves the box alone, which comes to its forced
-//! vibration; block and secondary oscillator come to rest in the middle.
+//! vibration; block and secondary oscillator come to rest in the middle, where constant loads hold them.
 
 use super::attractor::{OBSERVED, StroboscopicRecord};
-use super::free_limit::forced;
+use super::free_limit::{forced, middle};
 use super::stroboscopic::Units;
 use nalgebra::{Complex, SMatrix, SVector};
 use vibro_impact::flow::{Column, Series, WHOLE, substep};
@@ -17,17 +17,14 @@ const MARGIN: f64 = 1e-9;
 
 /// Whether a block that flies in this state at a whole drive period never meets a stop again.
 ///
-/// The box is at most the forced amplitude and its transient away from the middle, the block at most its displacement. Springs and
-/// dampers take energy from the transients and add none, so that each body stays where its springs hold at most today's energy: a
-/// transient of the box with the energy E within √(2 E/k1), and the block, whose springs k23 and k3 act in series, within √(2 E (1/k23 + 1/k3)).
-/// A block at a stop is not found to keep clear of it, since the bound holds for the present w too. Nor is any block under constant
-/// loads.
+/// The box is at most the forced amplitude and its transient away from the middle, the block at most its displacement from where it is held.
+/// Springs and dampers take energy from the transients and add none, so that each body stays where its springs hold at most today's
+/// energy: a transient of the box with the energy E within √(2 E/k1), and the block, whose springs k23 and k3 act in series, within
+/// √(2 E (1/k23 + 1/k3)). Under constant loads both are counted from the places where the loads hold them, whose distance is added.
+/// A block at a stop is not found to keep clear of it, since the bound holds for the present w too.
 pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
-    // Nothing is proved under constant loads, which may push the block to a stop.
-    if !p.is_symmetric() {
-        return false;
-    }
-    let ([x1, x2, x3], [v1, v2, v3]) = (state.x, state.v);
+    let ([v1, v2, v3], middle) = (state.v, middle(p));
+    let [x1, x2, x3] = from_middle(state.x, &middle);
     let (forced, omega) = (forced(p), p.drive_frequency);
     let now = forced * Complex::from_polar(1.0, p.drive_phase);
     let (x, v) = (x1 - now.im, v1 - omega * now.re);
@@ -37,8 +34,14 @@ pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
         + p.coupling_stiffness * (x2 - x3) * (x2 - x3)
         + p.secondary_stiffness * x3 * x3;
     let block = twice_block * (1.0 / p.coupling_stiffness + 1.0 / p.secondary_stiffness);
+    let apart = (middle[1] - middle[0]).abs();
     // Not so either where a spring is missing: the bound is infinite or no number then.
-    forced.norm() + (twice_box / p.box_stiffness).sqrt() + block.sqrt() < (1.0 - MARGIN) * p.stop_gap
+    forced.norm() + (twice_box / p.box_stiffness).sqrt() + block.sqrt() + apart < (1.0 - MARGIN) * p.stop_gap
+}
+
+/// Places of the bodies, counted from the middle.
+fn from_middle(x: [f64; 3], middle: &[f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| x[i] - middle[i])
 }
 
 /// The states of a free flight every half drive period.
@@ -46,7 +49,9 @@ pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
 struct FreeFlight {
     /// The transition matrix over half a drive period.
     half: SMatrix<f64, COORDINATES, COORDINATES>,
+    /// Counted from the middle, about which the flow is linear.
     z: SVector<f64, COORDINATES>,
+    middle: [f64; 3],
 }
 
 impl FreeFlight {
@@ -60,10 +65,12 @@ impl FreeFlight {
             let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &unit, None, length);
             piece.set_column(j, &SVector::from(series.at(1.0)));
         }
-        let [x1, w, x3, v1, dw, v3] = state.to_relative();
+        let middle = middle(p);
+        let deviation = State { x: from_middle(state.x, &middle), v: state.v };
+        let [x1, w, x3, v1, dw, v3] = deviation.to_relative();
         let (sin, cos) = p.drive_phase.sin_cos();
         let z = SVector::from([x1, w, x3, v1, dw, v3, cos, sin]);
-        Self { half: piece.pow(pieces as u32), z }
+        Self { half: piece.pow(pieces as u32), z, middle }
     }
 
     /// Goes on by so many half periods.
@@ -73,7 +80,8 @@ impl FreeFlight {
 
     fn state(&self) -> State {
         let z = &self.z;
-        State::from_relative(&[z[0], z[1], z[2], z[3], z[4], z[5]])
+        let State { x, v } = State::from_relative(&[z[0], z[1], z[2], z[3], z[4], z[5]]);
+        State { x: std::array::from_fn(|i| x[i] + self.middle[i]), v }
     }
 }
 
@@ -106,10 +114,13 @@ mod tests {
     const ROUNDING: f64 = 1e-11;
 
     /// Systems whose forced vibration keeps the box clear of the block in the middle.
-    fn systems() -> [Parameters; 3] {
+    fn systems() -> [Parameters; 5] {
         let weak = Parameters { drive_amplitude: 0.02, ..Parameters::default() };
         let slow = Parameters { drive_frequency: 0.4, drive_phase: 1.1, ..weak };
-        [weak, slow, Parameters { secondary_damping: 0.0, stop_gap: 0.37, drive_frequency: 2.3, ..weak }]
+        let wide = Parameters { secondary_damping: 0.0, stop_gap: 0.37, drive_frequency: 2.3, ..weak };
+        // The block hangs off the centre, at different places of box and block, and by the secondary oscillator's load alone.
+        let hung = Parameters { constant_loads: [0.02, -3e-4, 1e-3], ..weak };
+        [weak, slow, wide, hung, Parameters { constant_loads: [0.0, 0.0, -1e-3], ..slow }]
     }
 
     #[test]

@@ -49,9 +49,14 @@ impl FromStr for Selection {
 
     fn from_str(text: &str) -> Result<Self> {
         let all = || Self { path: text.into(), rows: Rows::All };
-        let Some((path, choice)) = text.rsplit_once(':') else { return Ok(all()) };
         let form =
             || Error::form(text, "FILE, FILE:ROW with a row counted from 1, FILE:LABEL or FILE:LABEL@VALUE");
+        let (path, choice) = match text.rsplit_once(':') {
+            None if text.trim().is_empty() => return Err(form()),
+            None => return Ok(all()),
+            Some((path, _)) if path.trim().is_empty() => return Err(form()),
+            Some(parts) => parts,
+        };
         let rows = if let Ok(row) = choice.parse::<usize>() {
             if row == 0 {
                 return Err(form());
@@ -79,7 +84,9 @@ impl Selection {
     /// row meets, with the nearest one.
     pub fn points(&self, along: Name, held: f64) -> Result<Vec<SpecialPoint>> {
         let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
-        let mut reader = csv::Reader::from_path(&self.path).map_err(|e| wrong(e.to_string()))?;
+        let unread =
+            |e| wrong(format!("{e}; allowed is a table of special points, as `vibro orbits` writes it"));
+        let mut reader = csv::Reader::from_path(&self.path).map_err(unread)?;
         let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
         let records = reader.records().collect::<std::result::Result<Vec<_>, _>>();
         let records = records.map_err(|e| wrong(e.to_string()))?;

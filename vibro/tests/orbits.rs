@@ -286,9 +286,23 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["orbits", "--vary", "f10=1:2:10"], "without a count"),
         (&["orbits", "--load", "stop=1"], "box, block, secondary"),
         (&["orbits", "--mark", "7"], "must lie in the range 0.5 to 5"),
-        (&["orbits", "--mark", "one"], "`one`"),
-        (&["orbits", "--step", "0"], "1e-5 to 0.2"),
-        (&["locus", "--from", "no.csv:1", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"], "no.csv"),
+        (&["orbits", "--mark", "one"], "--mark: f10 = `one` is not a number"),
+        (&["orbits", "--step", "0"], "'0' for '--step <X>': allowed is a length from 1e-5 to 0.2"),
+        (&["orbits", "--step", "nan"], "'nan' for '--step <X>': allowed is a length from 1e-5 to 0.2"),
+        (&["lyapunov", "--threshold", "abc"], "'abc' for '--threshold <X>': allowed is a finite number >= 0"),
+        (&["lyapunov", "--threshold", "-1"], "'-1' for '--threshold <X>': allowed is a finite number >= 0"),
+        (&["lyapunov", "--at", "1,one"], "--at: f10 = `one` is not a number"),
+        (&["compare", "--values", "f10=1,5"], "--values f10`: expected values of epsilon"),
+        (
+            &["locus", "--from", "no.csv:1", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"],
+            "--from: no.csv: ",
+        ),
+        (
+            &["locus", "--from", "no.csv", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"],
+            "allowed is a table of",
+        ),
+        (&["locus", "--from", "", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"], "for '--from <"),
+        (&["locus", "--from", ":1", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"], "FILE:LABEL@VALUE"),
         (&["locus", "--from", "no.csv:1", "--vary", "f10=1:2"], "two, e.g."),
     ] {
         let (code, message) = refused(arguments);

@@ -1,6 +1,6 @@
 use super::*;
 use crate::ParameterSet;
-use crate::attractor::Relation;
+use crate::attractor::{Relation, distance};
 use crate::basin::{Basin, InitialValueRange, Request, basin};
 use crate::motion::settled_simulator;
 use crate::parts::Task;
@@ -255,6 +255,69 @@ fn second_method_impacts_that_come_in_bursts_have_not_ended() {
             "{most} periods without an impact, {late} late"
         );
         assert_eq!(verdict(&start, 2000).unwrap().class, class, "{p:?}");
+    }
+}
+
+/// A box whose mass, stiffness and gap are one.
+fn unit_box() -> Parameters {
+    Parameters {
+        box_mass: 1.0,
+        box_stiffness: 1.0,
+        secondary_mass: 0.1,
+        stop_gap: 1.0,
+        ..Parameters::default()
+    }
+}
+
+/// Machines under constant loads whose impacts end. What seemed chaotic, or on a torus, has been a transient.
+#[test]
+fn second_method_under_constant_loads_too_impacts_have_ended_where_none_will_come() {
+    /// What is left of a way after 40,000 periods.
+    const ARRIVED: f64 = 1e-9;
+    let chaotic_first = Parameters {
+        box_damping: 0.214_642_047_578_846_86,
+        block_mass: 0.165_535_783_734_051_17,
+        secondary_stiffness: 0.105_073_264_705_529_5,
+        secondary_damping: 0.008_619_130_507_069_625,
+        coupling_stiffness: 0.009_932_147_024_043_07,
+        stop_restitution: 0.814_595_529_143_206_2,
+        drive_amplitude: 0.067_710_270_320_887_51,
+        drive_frequency: 1.165_137_444_135_167_8,
+        constant_loads: [0.0, -0.005_240_601_619_846_177, -0.001_735_356_382_398_416_5],
+        ..unit_box()
+    };
+    let slowly_first = Parameters {
+        box_damping: 0.014_718_458_781_339_967,
+        block_mass: 0.396_922_256_277_962_35,
+        secondary_stiffness: 0.131_615_639_472_882_8,
+        secondary_damping: 0.002_605_137_684_003_961,
+        coupling_stiffness: 0.023_815_335_376_677_74,
+        stop_restitution: 0.234_221_257_511_131_1,
+        drive_amplitude: 0.144_583_062_519_916_5,
+        drive_frequency: 0.717_006_431_637_371_4,
+        constant_loads: [0.0, 0.008_293_560_289_217_556, -0.005_248_205_540_272_634_5],
+        ..unit_box()
+    };
+    for (p, x, v) in [
+        (
+            chaotic_first,
+            [-0.296_972_842_714_085_2, 0.172_435_826_818_641_22, 0.231_881_005_102_594_13],
+            [0.281_044_196_192_279_5, -1.250_351_269_939_159_7, -0.142_995_113_726_815_73],
+        ),
+        (
+            slowly_first,
+            [0.467_308_826_964_678_7, 0.232_454_496_219_475_67, -0.370_650_866_050_606_7],
+            [0.326_068_828_712_098_4, -1.148_121_272_901_127_6, -0.360_715_526_334_195_1],
+        ),
+    ] {
+        let start = Start { parameters: p, state: State { x, v } };
+        let found = verdict(&start, 300).unwrap();
+        assert_eq!((found.class, found.attractor.impacts), (MotionClass::Periodic(1), [0.0; 2]), "{p:?}");
+        let mut simulator = settled_simulator(&p, &start.state, 40_000.0).unwrap();
+        let (before, from) = (simulator.state(), *simulator.impacts());
+        simulator.advance_to(40_100.0 * p.period()).unwrap();
+        let way = distance(&dimensionless(&p, &before), &dimensionless(&p, &simulator.state()));
+        assert!(way < ARRIVED && *simulator.impacts() == from, "{way}");
     }
 }
 

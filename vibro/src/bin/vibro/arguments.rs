@@ -63,11 +63,22 @@ pub fn command() -> clap::Command {
         let own = command.get_after_help().map(|help| format!("{help}\n\n")).unwrap_or_default();
         command.after_help(format!("{own}{LIMITS}"))
     };
-    with_limits(Arguments::command()).mut_subcommands(|command| match command.get_name() {
-        // Its machines are of another class.
-        "assembly" => command,
-        _ => with_limits(command),
+    with_negative_numbers(with_limits(Arguments::command())).mut_subcommands(|command| {
+        match command.get_name() {
+            // Its machines are of another class.
+            "assembly" => command,
+            _ => with_limits(command),
+        }
     })
+}
+
+/// Takes numbers below zero for values, so that an option which allows none says what it allows.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let taken = |arg: clap::Arg| {
+        let takes = arg.get_action().takes_values() && !arg.is_positional();
+        if takes { arg.allow_negative_numbers(true) } else { arg }
+    };
+    command.mut_args(taken).mut_subcommands(with_negative_numbers)
 }
 
 /// The command line.
@@ -139,3 +150,6 @@ pub enum Command {
     /// All figures of the paper, and a report that compares its statements with the results
     Reproduce(Reproduce),
 }
+
+#[cfg(test)]
+mod tests;

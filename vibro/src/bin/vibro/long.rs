@@ -3,7 +3,7 @@
 use crate::common_arguments::Common;
 use crate::destination::{Claim, Destination};
 use crate::progress::Progress;
-use crate::ranges;
+use crate::ranges::{self, in_option};
 use crate::study_arguments::{Basin, Bifurcation, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::{interruption, output};
 use std::path::{Path, PathBuf};
@@ -42,8 +42,8 @@ fn kind(axis: ParameterAxis, a: &Bifurcation, exponents: Option<SpectrumOptions>
 fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<Vec<f64>> {
     if !given.is_empty() {
         let texts: Vec<&str> = given.iter().map(String::as_str).collect();
-        let (values, _) = numbers(axis.name, &texts)?;
-        values.iter().try_for_each(|value| axis.name.check(*value))?;
+        let (values, _) = numbers(axis.name, &texts).map_err(in_option("--at"))?;
+        values.iter().try_for_each(|value| axis.name.check(*value)).map_err(in_option("--at"))?;
         return Ok(values);
     }
     let own = axis.name.value(set);
@@ -76,10 +76,6 @@ pub fn bifurcation(set: &ParameterSet, common: &Common, a: &Bifurcation) -> Resu
 }
 
 pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()> {
-    if !(a.threshold >= 0.0 && a.threshold.is_finite()) {
-        let text = format!("--threshold {}", a.threshold);
-        return Err(Error::form(text, "a finite number >= 0"));
-    }
     let options =
         SpectrumOptions { periods: a.periods, threshold: a.threshold, ..SpectrumOptions::default() };
     let axis = axis(set, &a.sweep)?;

@@ -3,7 +3,7 @@
 use crate::common_arguments::Common;
 use crate::long::perform_as;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which};
-use crate::ranges::{ParameterRange, shown};
+use crate::ranges::{ParameterRange, in_option, shown};
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::special_points::SpecialPoint;
 use vibro::studies::{self, Curve, Study};
@@ -56,17 +56,14 @@ fn span(range: &ParameterRange) -> Result<Span> {
 fn family(set: &ParameterSet, a: &Orbits) -> Result<Family> {
     let default = || Ok::<_, Error>(shown(set, Name::from(find_group("f10")?), (0.5, 5.0)));
     let range = a.vary.map_or_else(default, Ok)?;
-    if !PathOptions::STEPS.contains(&a.step) {
-        return Err(Error::form(format!("--step {}", a.step), "a length from 1e-5 to 0.2"));
-    }
     Ok(Family::new(set, span(&range)?)?)
 }
 
 /// The values that are marked.
 fn marks(a: &Orbits, along: &Span) -> Result<Vec<f64>> {
     let texts: Vec<&str> = a.mark.iter().map(String::as_str).collect();
-    let (marks, _) = numbers(along.name, &texts)?;
-    marks.iter().try_for_each(|mark| along.name.check(*mark))?;
+    let (marks, _) = numbers(along.name, &texts).map_err(in_option("--mark"))?;
+    marks.iter().try_for_each(|mark| along.name.check(*mark)).map_err(in_option("--mark"))?;
     match marks.iter().find(|mark| !(along.from..=along.to).contains(*mark)) {
         None => Ok(marks),
         Some(mark) => {
@@ -139,7 +136,7 @@ pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
     let held = second.name.value(set);
     let (mut curves, mut problems) = (Vec::new(), Vec::new());
     for selection in &a.from {
-        let points = selection.points(first.name, held)?;
+        let points = selection.points(first.name, held).map_err(in_option("--from"))?;
         for SpecialPoint { row, start, .. } in points {
             if a.label.as_ref().is_some_and(|label| label != start.label.name()) {
                 continue;

@@ -1,9 +1,10 @@
 //! Arguments of `vibro orbits`, `vibro orbit` and `vibro locus`.
 
 use crate::common_arguments::ConstantLoads;
-use crate::ranges::{ParameterRange, whole};
+use crate::ranges::{ParameterRange, real, whole};
 use clap::Args;
 use vibro::special_points::Selection;
+use vibro_orbits::PathOptions;
 
 /// Which orbit.
 #[derive(Args, Debug)]
@@ -55,7 +56,7 @@ pub struct Orbits {
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = whole::<u32>(1..=128))]
     pub letters: u32,
     /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
-    #[arg(long, value_name = "X", default_value_t = 0.05)]
+    #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a length from 1e-5 to 0.2"))]
     pub step: f64,
     /// At a touch, also follow the orbits that touch only once in up to so many passages; they have a longer period
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=16))]

@@ -66,6 +66,22 @@ where
     }
 }
 
+/// For `map_err` on a value that is read after the command line: what is wrong with it, with the option that it was given for.
+pub fn in_option<E: fmt::Display>(option: &'static str) -> impl FnOnce(E) -> Error {
+    move |error| Error::Refused { what: option.into(), problem: error.to_string() }
+}
+
+/// Reads a finite number in a range, which `words` tell. What is none is refused with them too.
+pub fn real(
+    allowed: RangeInclusive<f64>,
+    words: &'static str,
+) -> impl Fn(&str) -> std::result::Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && allowed.contains(number));
+        number.ok_or_else(|| format!("allowed is {words}"))
+    }
+}
+
 impl FromStr for ParameterRange {
     type Err = Error;
 

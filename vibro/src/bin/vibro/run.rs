@@ -1,10 +1,10 @@
 //! `vibro run`: from its arguments to the library's study.
 
-use crate::ranges::whole;
+use crate::ranges::{in_option, whole};
 use clap::{Args, ValueEnum};
 use std::fmt;
 use std::str::FromStr;
-use vibro::load_file::{LoadArgument, files};
+use vibro::load_file::{LoadArgument, LoadFile, files};
 use vibro::studies::{self, RunLength, RunRequest, Study};
 use vibro::{Error, Result};
 use vibro_analysis::start::StartRule;
@@ -98,7 +98,8 @@ pub fn run(set: &ParameterSet, a: &Run) -> Result<Study> {
         InterpolationName::Linear => Interpolation::Linear,
         InterpolationName::Cubic => Interpolation::Cubic,
     };
-    let loads = files(&a.load).map(|file| file.read(interpolation)).collect::<Result<Vec<_>>>()?;
+    let read = |file: &LoadFile| file.read(interpolation).map_err(in_option("--load"));
+    let loads = files(&a.load).map(read).collect::<Result<Vec<_>>>()?;
     let request = RunRequest { length, discard: a.discard, start: a.start, samples: a.samples.into(), loads };
     studies::run(set, &request)
 }

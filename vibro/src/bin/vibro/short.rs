@@ -42,12 +42,13 @@ fn members<'a>(
 
 /// Refuses the first parameter that is none of the useful ones.
 fn check_useful(
+    option: &str,
     given: impl IntoIterator<Item = Name>,
     useful: &[&str],
     expected: &'static str,
 ) -> Result<()> {
     match given.into_iter().find(|name| !useful.contains(&name.name())) {
-        Some(useless) => Err(Error::form(useless.name(), expected)),
+        Some(useless) => Err(Error::form(format!("{option} {}", useless.name()), expected)),
         None => Ok(()),
     }
 }
@@ -131,7 +132,7 @@ pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
         (true, false) => (&["f10", "gamma1"], "values of f10 or gamma1 for the frequency response"),
         _ => (&["sigma1"], "values of sigma1 for the force response"),
     };
-    check_useful(listed(), useful, expected)?;
+    check_useful("--values", listed(), useful, expected)?;
     let mut found = Vec::new();
     if frequency {
         let range = range_of(set, &a.range, sigma1, (-2.5, 2.5));
@@ -212,7 +213,8 @@ pub fn axes(
         a.pair.clone()
     };
     let drawn: Vec<_> = pairs.iter().flat_map(|pair| [pair.x.name(), pair.y.name()]).collect();
-    check_useful(a.range.iter().map(|r| r.name), &drawn, "a range of a parameter that is on an axis")?;
+    let expected = "a range of a parameter that is on an axis";
+    check_useful("--range", a.range.iter().map(|r| r.name), &drawn, expected)?;
     let axis =
         |name: Name| range_of(set, &a.range, name, name.shown(set)).axis(resolution.into(), allowed.clone());
     pairs.iter().map(|pair| Ok((axis(pair.x)?, axis(pair.y)?))).collect()
@@ -230,8 +232,8 @@ pub fn compare(
     strong: &dyn Fn() -> Result<ParameterSet>,
     a: &Compare,
 ) -> Result<Vec<Study>> {
-    check_useful(a.range.iter().map(|r| r.name), &["f10"], "a range of f10")?;
-    check_useful(a.values.iter().map(|v| v.name), &["epsilon"], "values of epsilon")?;
+    check_useful("--range", a.range.iter().map(|r| r.name), &["f10"], "a range of f10")?;
+    check_useful("--values", a.values.iter().map(|v| v.name), &["epsilon"], "values of epsilon")?;
     let mut found = Vec::new();
     if wants(&a.figure, "8") {
         found.push(studies::histories(set)?);

@@ -1,7 +1,7 @@
 //! Arguments of the studies of the 3-DOF machine that have no file of their own.
 
 use crate::common_arguments::ConstantLoads;
-use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, whole};
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, real, whole};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use vibro_analysis::basin::InitialValueRange;
@@ -54,7 +54,7 @@ pub struct Lyapunov {
     #[arg(long, value_name = "N", default_value_t = 1500, value_parser = whole(1..=u32::MAX))]
     pub periods: u32,
     /// End a spectrum once the standard deviation of the running exponents over 200 periods is below this, per unit of tau
-    #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = real(0.0..=f64::MAX, "a finite number >= 0"))]
     pub threshold: f64,
     /// Values at which spectra are listed and running exponents shown [default: of f10 0.6,1.5,2.45,3.6 or the value that was set;
     /// of other parameters the quarters of the range]

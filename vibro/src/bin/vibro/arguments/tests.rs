@@ -1,0 +1,57 @@
+use super::*;
+
+/// What is no number, and no text of any other form that an option takes.
+const NONE: [&str; 8] = ["abc", "1.5.2", "-", "1e", "0x1", "½", "1 000", "nan"];
+/// Options that are read once the machine and its axis are known, or a file: the tests of the whole program have their errors.
+const READ_LATER: [&str; 4] = ["at", "mark", "set", "from"];
+/// How help names what options take that are read with the command line, besides numbers.
+const FORMS: [&str; 11] = [
+    "TIME",
+    "I/N",
+    "NAME=FROM:TO",
+    "NAME=FROM:TO[:COUNT]",
+    "NAME=FROM:TO[:COUNT]|V,V,…",
+    "NAME=V,V,…",
+    "NAME=VALUE,…",
+    "X,Y",
+    "BODY=FORCE",
+    "BODY=FORCE|FILE",
+    "FILE[:ROW|:LABEL@VALUE]",
+];
+
+/// The words of the program's error for an option with a value.
+fn error(path: &[String], option: &str, value: &str) -> String {
+    let words = path.iter().cloned().chain([format!("--{option}"), value.to_owned()]);
+    command().try_get_matches_from(words).map_or_else(|error| error.to_string(), |_| "taken".into())
+}
+
+/// Calls `look` for each option of each command that takes a value, with the words that lead to the command.
+fn each_option(command: &clap::Command, path: &[String], look: &mut dyn FnMut(&[String], &clap::Arg)) {
+    let path: Vec<String> = path.iter().cloned().chain([command.get_name().to_owned()]).collect();
+    let takes = |arg: &&clap::Arg| arg.get_action().takes_values() && !arg.is_positional();
+    command.get_arguments().filter(takes).for_each(|arg| look(&path, arg));
+    command.get_subcommands().for_each(|sub| each_option(sub, &path, look));
+}
+
+#[test]
+fn every_option_that_takes_numbers_says_what_it_allows() {
+    let (mut numbers, mut others) = (0, 0);
+    each_option(&command(), &[], &mut |path, arg| {
+        let (Some(option), Some([form])) = (arg.get_long(), arg.get_value_names()) else { return };
+        let number = ["N", "X"].contains(&form.as_str());
+        // The axes of a described machine are named in its file.
+        let later = READ_LATER.contains(&option) || path.iter().any(|word| word == "assembly");
+        if !number && (later || !FORMS.contains(&form.as_str())) {
+            return;
+        }
+        *(if number { &mut numbers } else { &mut others }) += 1;
+        // Below zero it is a word of its own that must not pass for an option.
+        for value in NONE.into_iter().chain(number.then_some("-5")) {
+            let told = error(path, option, value);
+            let named = told.contains(&format!("invalid value '{value}' for '--{option} <{form}>'"));
+            let ways = ["allowed", "expected", "possible values", "is named", "the nearest is", "is not in"];
+            assert!(named && ways.iter().any(|way| told.contains(way)), "{path:?}: {told}");
+        }
+    });
+    assert!(numbers > 30 && others > 20, "{numbers} {others}");
+}
