@@ -328,3 +328,40 @@ fn closed_form_a_slow_body_beside_a_fast_one_meets_its_stop() {
     assert!(!met.is_empty() && (SPEED * met[0].time - GAP).abs() < PLACE, "{met:?}");
     assert!((motion.body(1)[0] - 1.0 - GAP).abs() < PLACE, "{:?}", motion.body(1));
 }
+
+#[test]
+fn closed_form_a_stop_lets_go_whose_force_begins_as_zero_beside_a_stiff_spring() {
+    // 1e-13 of the spring's 1e8 N, and of what it does to the other body, hides the load and its derivatives at the start, so that the stop's force counts
+    // as zero throughout the mode. A load of 1 N - 1 N cos draws at once, one of 1 N sin after half a period, when both bodies are held until then: without
+    // a fast motion a sub-step, and with one a long sub-step, may take a whole period of it.
+    /// Until the load is beyond 16 times what counts as zero, s.
+    const LATE: f64 = 0.03;
+    let load =
+        |constant, amplitude, frequency, phase| Signal { constant, ..sine(amplitude, frequency, phase) };
+    for k in 0..60 {
+        let frequency = 0.2 + 0.0035 * f64::from(k);
+        let machine = |force, stops: &[usize]| Description {
+            bodies: vec![body("held", 1.0, 1.0, 0.0), body("other", 1.0, 1.0, 0.0)],
+            springs: vec![spring(&[(0, -1.0), (1, 1.0)], 1e8, 1e3)],
+            stops: stops.iter().map(|&i| rigid(&format!("stop{i}"), &[(i, 1.0)], 1.0, 0.5)).collect(),
+            loads: vec![Load { name: "load".into(), body: 0, force }],
+            ..Description::default()
+        };
+        let at_once = machine(load(-1.0, 1.0, frequency, TAU / 4.0), &[0]);
+        let after_half = machine(load(0.0, 1.0, frequency, 0.0), &[0, 1]);
+        for (d, time) in [(at_once, 0.0), (after_half, 0.5 / frequency)] {
+            for parts in [1, 2, 37] {
+                let (mut motion, mut all) = (motion(d.clone()), Vec::new());
+                for part in 1..=parts {
+                    let end = 11.0 * f64::from(part) / f64::from(parts);
+                    motion.advance_observed(end, &mut |event| all.push(event.clone())).unwrap();
+                }
+                let opens = times(&all, |kind| *kind == EventKind::Open { stop: 0 });
+                assert!(
+                    opens.first().is_some_and(|t| (t - time).abs() < LATE),
+                    "{frequency} {parts}: {opens:?}"
+                );
+            }
+        }
+    }
+}

@@ -1,9 +1,8 @@
 //! Long sub-steps: where a stiff machine's fast motions have decayed, or move nothing that is watched (docs/assembly-law.md (A22)).
 
-use super::step::LEAVES_ZERO;
+use super::passage::Flight;
 use super::{Hybrid, Motion, Scratch};
-use crate::flow::{ORDERS, RUNGS, Table};
-use crate::law::ZERO;
+use crate::flow::{RUNGS, Table};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 impl Motion {
@@ -17,13 +16,10 @@ impl Motion {
         let remaining = goal.minus(hybrid.time).value();
         let Some(k) = safe_rung(table, hybrid, remaining, scratch) else { return false };
         let rung = table.rung(k);
-        rung.at_end(hybrid.z.as_slice(), &scratch.rates, scratch.start.as_mut_slice());
-        if any_leaves(table, hybrid, scratch.start.as_slice()) {
-            return false; // shorter sub-steps find when it does
-        }
         if hybrid.energy.are_kept() {
             hybrid.energy.add_long(met.powers(&assembly.system), k, table, hybrid.z.as_slice());
         }
+        rung.at_end(hybrid.z.as_slice(), &scratch.rates, scratch.start.as_mut_slice());
         std::mem::swap(&mut hybrid.z, &mut scratch.start);
         hybrid.time = hybrid.time.plus(rung.length);
         hybrid.chain = 0;
@@ -35,18 +31,8 @@ impl Motion {
     }
 }
 
-/// Whether a functional that was zero throughout is so no longer at a later state.
-fn any_leaves(table: &Table, hybrid: &Hybrid, later: &[f64]) -> bool {
-    let size = |i: usize| hybrid.sizes.0[i].max(later[i].abs());
-    let mut unwatched = table.watched.iter().zip(&hybrid.departing).filter(|(_, order)| **order == ORDERS);
-    unwatched.any(|(w, _)| {
-        let zero: f64 = w.row.terms().iter().map(|&(i, x)| ZERO * x.abs() * size(i)).sum();
-        w.row.at(later).abs() > LEAVES_ZERO * zero
-    })
-}
-
-/// The longest of 2, 4, 8, … sub-steps that is shorter than a time and in which no watched functional passes zero: below
-/// value + slope t + bend t²/2 throughout, which is convex, it is negative if this is so at both ends. Leaves the rates in memory.
+/// The longest of 2, 4, 8, … sub-steps that is shorter than a time and in which no watched functional passes its limit: below
+/// value + slope t + bend t²/2 throughout, which is convex, it is below the limit if this is so at both ends. Leaves the rates in memory.
 fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scratch) -> Option<usize> {
     let z = hybrid.z.as_slice();
     let Scratch { rates, second, .. } = scratch;
@@ -54,16 +40,17 @@ fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scrat
     second.resize(z.len(), 0.0);
     table.rates(z, rates);
     table.rates(rates, second);
-    // Those that are zero throughout the mode pass nothing.
-    let watched = table.watched.iter().zip(&hybrid.departing).enumerate();
-    let own = watched.filter(|(_, (_, order))| **order != ORDERS);
+    let flight = Flight { table, hybrid };
+    let own = table.watched.iter().enumerate();
+    // By how far a functional is beyond its limit, which is negative.
+    let beyond = |place: usize, value: f64| value - flight.limit(place);
     let stays_below = |value: f64, slope: f64, bend: f64, t: f64| value + t * (slope + 0.5 * bend * t) < 0.0;
     let longest = (1..RUNGS).take_while(|k| table.long_length(*k) < remaining).last()?;
     // The bends of the present instant, which are no bounds, tell at once which lengths are too long.
     let mut k = longest;
-    for (_, (w, order)) in own.clone() {
-        let (value, slope, bend) = (w.row.at(z), w.slope.dot(z), w.slope.dot(rates).abs());
-        if *order > 0 || value >= 0.0 {
+    for (place, w) in own.clone() {
+        let (value, slope, bend) = (beyond(place, w.row.at(z)), w.slope.dot(z), w.slope.dot(rates).abs());
+        if flight.order(place) > 0 || value >= 0.0 {
             return None;
         }
         while !stays_below(value, slope, bend, table.long_length(k)) {
@@ -72,8 +59,9 @@ fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scrat
     }
     let safe = |k: usize| {
         let rung = table.rung(k);
-        own.clone().all(|(place, (w, _))| {
-            stays_below(w.row.at(z), w.slope.dot(z), rung.bend(place, second), rung.length)
+        own.clone().all(|(place, w)| {
+            let value = beyond(place, w.row.at(z));
+            stays_below(value, w.slope.dot(z), rung.bend(place, second), rung.length)
         })
     };
     (1..=k).rev().find(|&k| safe(k))

@@ -1,5 +1,7 @@
 //! The way to the first event within a sub-step: samples and bounds prove that there is none, or name the intervals to search.
 
+use super::contact::DOUBTFUL;
+use super::step::{LEAVES_ZERO, PASSES};
 use super::{Hybrid, Scratch};
 use crate::flow::{Ahead, Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, head_of};
 use crate::mode::Watch;
@@ -61,6 +63,31 @@ pub(super) struct Flight<'a> {
 }
 
 impl Flight<'_> {
+    /// Whether a functional is zero throughout the mode.
+    #[inline(always)]
+    pub(super) fn is_unwatched(&self, place: usize) -> bool {
+        self.hybrid.departing[place] == ORDERS
+    }
+
+    /// The order of the zero from which a functional goes: none where it is zero throughout the mode.
+    #[inline(always)]
+    pub(super) fn order(&self, place: usize) -> usize {
+        self.hybrid.departing[place] % ORDERS
+    }
+
+    /// What a functional passes: zero or, where it is zero throughout the mode, that beyond which it is so no longer. What an event has left beyond that, as
+    /// the rounding of a law that says otherwise, passes what is no rounding.
+    #[inline(always)]
+    pub(super) fn limit(&self, place: usize) -> f64 {
+        if !self.is_unwatched(place) {
+            return 0.0;
+        }
+        let row = &self.table.watched[place].row;
+        let zero = self.hybrid.sizes.zero_of(row);
+        let is_left = row.at(self.hybrid.z.as_slice()) > LEAVES_ZERO * zero;
+        (zero * if is_left { DOUBTFUL + 1.0 } else { PASSES }).max(f64::MIN_POSITIVE)
+    }
+
     /// The longest span of `span`, `span`/2, … in which the watched stops' e stay within reach.
     #[inline(always)]
     pub(super) fn within_reach(&self, mut span: f64, heads: &[Group]) -> f64 {
@@ -92,9 +119,11 @@ impl Flight<'_> {
         let start = start.as_mut_slice();
         near.clear();
         let mut any = 0;
-        for (place, &order) in self.hybrid.departing.iter().enumerate() {
-            let samples = || table.samples(place, z, ahead);
-            let intervals = near_intervals(order, &head_of(heads, place), table.interval(), samples);
+        for place in 0..self.hybrid.departing.len() {
+            let (order, limit, mut head) = (self.order(place), self.limit(place), head_of(heads, place));
+            head.value -= limit;
+            let samples = || table.samples(place, z, ahead).map(|value| value - limit);
+            let intervals = near_intervals(order, &head, table.interval(), samples);
             any |= intervals;
             near.push(intervals);
         }
@@ -182,8 +211,9 @@ impl Flight<'_> {
         let mut first: Option<(f64, usize)> = None;
         let ratio = length / self.table.interval();
         for (place, _) in near.iter().enumerate().filter(|(_, near)| **near & (1 << interval) != 0) {
-            let order = if interval == 0 { self.hybrid.departing[place] } else { 0 };
+            let order = if interval == 0 { self.order(place) } else { 0 };
             let mut c = self.table.local(place, from, ahead);
+            c[0] -= self.limit(place);
             let begin = c[0];
             if ratio != 1.0 {
                 let mut scale = 1.0;
@@ -252,7 +282,7 @@ fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
 #[inline(always)]
 fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -> [f64; INTERVALS]) -> u8 {
     if order >= LATE {
-        return 0; // zero throughout, or searched in one piece
+        return 0; // searched in one piece
     }
     let Head { value, slope, bend } = *head;
     let length = step * INTERVALS as f64;

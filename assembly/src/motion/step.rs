@@ -21,6 +21,8 @@ const CHAIN: usize = 100;
 const PROGRESS: f64 = 1e-15;
 /// A functional that was zero throughout is watched again beyond this many times the size under which it counts as zero.
 pub(super) const LEAVES_ZERO: f64 = 16.0;
+/// It is followed up to a little more, so that it is beyond that where it has come there.
+pub(super) const PASSES: f64 = LEAVES_ZERO + 1.0;
 
 /// What an advance does at an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,6 +170,9 @@ impl Motion {
         let whole = span == table.length && passage.is_none();
         let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
+        // What is no longer zero has no event yet: it is watched from there on.
+        let leaves = passage.as_ref().is_some_and(|passage| flight.is_unwatched(passage.place));
+        let passage = passage.filter(|_| !leaves);
         if hybrid.energy.are_kept() {
             let (powers, Scratch { ahead, values, .. }) = (met.powers(&assembly.system), &mut *scratch);
             let part = dt / table.length;
@@ -194,7 +199,7 @@ impl Motion {
                 assembly.system.signals.carry_within(start, end.dt, z);
             }
         }
-        let reaches = passage.is_none() && span >= remaining;
+        let reaches = passage.is_none() && !leaves && span >= remaining;
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
         if dt > PROGRESS * self.table().length {
             self.hybrid.chain = 0;
