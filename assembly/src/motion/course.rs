@@ -141,6 +141,8 @@ impl Motion {
     pub fn changed_on(&self, course: &mut Course, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.accept(&mut course.clone());
+        // Where a host's solver has left its closed stops, which is not what a change of numbers does.
+        old.keep_contacts();
         let changed = old.changed(assembly)?;
         *course = Course { event: self.time(), time: self.time(), z: changed.hybrid.z.clone() };
         Ok(changed)
