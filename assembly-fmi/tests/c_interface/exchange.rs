@@ -370,3 +370,36 @@ fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
     }
     unsafe { fmi3FreeInstance(host.c) };
 }
+
+/// What is not possible is refused where the event ends, and acts no further once it is taken back.
+#[test]
+fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
+    let text = "name = \"Base\"\n[body.base]\nmotion = { input = true }\ndimension = \"translation\"\n\
+                [body.b]\nmass = 1.0\nstart = { s = 0.3, v = -1.0 }\n\
+                [stop.p]\nbetween = [\"b\", \"base\"]\ngap = 0.0\nrestitution = 0.5\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let uri = CString::new(format!("file://{}", resources("impossible2", &plan).display())).unwrap();
+    let token = CString::new(plan.token()).unwrap();
+    let input = plan.table.reference("body.base.motion.input").unwrap();
+    unsafe {
+        let c = fmi2Instantiate(c"a".as_ptr(), 0, token.as_ptr(), uri.as_ptr(), null(), 0, 0);
+        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), OK);
+        assert_eq!(fmi2EnterInitializationMode(c), OK);
+        assert_eq!(fmi2ExitInitializationMode(c), OK);
+        // Into the body by 0.2 m.
+        assert_eq!(fmi2SetReal(c, &input, 1, &0.5), OK);
+        assert_eq!(fmi2EnterContinuousTimeMode(c), ERROR);
+        assert_eq!(fmi2SetContinuousStates(c, [1.0, 1.0].as_ptr(), 2), ERROR);
+        assert_eq!(fmi2SetReal(c, &input, 1, &0.1), OK);
+        assert_eq!(fmi2EnterContinuousTimeMode(c), OK);
+        for x in [[0.2, -1.0], [0.15, -0.5]] {
+            assert_eq!(fmi2SetContinuousStates(c, x.as_ptr(), 2), OK);
+            let (mut is, mut slope, mut e) = ([f64::NAN; 2], [f64::NAN; 2], f64::NAN);
+            assert_eq!(fmi2GetReal(c, &plan.table.reference("p.e").unwrap(), 1, &mut e), OK);
+            assert_eq!(fmi2GetContinuousStates(c, is.as_mut_ptr(), 2), OK);
+            assert_eq!(fmi2GetDerivatives(c, slope.as_mut_ptr(), 2), OK);
+            assert_eq!((is, slope, e), (x, [x[1], 0.0], 0.1 - x[0]));
+        }
+        fmi2FreeInstance(c);
+    }
+}
