@@ -289,8 +289,12 @@ pub trait Component: Sized + Debug + 'static {
     }
 
     /// `fmi2EnterContinuousTimeMode`: the host's solver goes on from here.
-    fn enter_continuous(&mut self) {
+    ///
+    /// # Errors
+    /// When what was set at the event is not possible; it stands at the event then. By default none.
+    fn enter_continuous(&mut self) -> Result<(), Self::Problem> {
         self.life_mut().phase = Phase::Continuous;
+        Ok(())
     }
 
     /// `fmi2CompletedIntegratorStep`, `fmi3CompletedIntegratorStep`: whether the host must enter Event Mode.

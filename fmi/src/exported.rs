@@ -223,8 +223,9 @@ impl Component for Instance {
         EVENT_INDICATORS
     }
 
-    fn enter_continuous(&mut self) {
+    fn enter_continuous(&mut self) -> Result<(), Problem> {
         Self::enter_continuous(self);
+        Ok(())
     }
 
     fn complete_integrator_step(&mut self) -> Result<bool, Problem> {

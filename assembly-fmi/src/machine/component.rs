@@ -196,10 +196,10 @@ impl Component for Machine {
         self.go(point, size, log)
     }
 
-    fn enter_continuous(&mut self) {
-        // What is not possible is told where derivatives are asked for.
-        _ = self.take_ahead();
+    fn enter_continuous(&mut self) -> Result<(), MachineProblem> {
+        self.take_ahead()?;
         self.life.phase = Phase::Continuous;
+        Ok(())
     }
 
     fn leave_event(&mut self, _: &mut dyn Log) -> Result<(), MachineProblem> {

@@ -141,7 +141,7 @@ impl Moving {
     /// Sets an input that a host's solver sees at once.
     pub(super) fn set_input_on_course(&mut self, i: usize, value: f64) {
         let residual = self.unaccounted() - self.origin;
-        if let Some(course) = &self.course {
+        if let Some(course) = &mut self.course {
             self.motion.set_input_on(course, i, value);
         }
         self.origin = self.unaccounted() - residual;

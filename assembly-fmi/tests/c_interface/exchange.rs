@@ -1,5 +1,7 @@
 //! Model Exchange by both versions, in the hands of a host that knows the C interface alone.
 
+mod sets;
+
 use crate::host::*;
 use crate::*;
 use fmi_doors::fmi3::abi::FmiInstance;

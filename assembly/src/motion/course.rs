@@ -141,6 +141,8 @@ impl Motion {
     pub fn changed_on(&self, course: &mut Course, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.accept(&mut course.clone());
+        // Where a host's solver has left its closed stops, which is not what a change of numbers does.
+        old.keep_contacts();
         let changed = old.changed(assembly)?;
         *course = Course { event: self.time(), time: self.time(), z: changed.hybrid.z.clone() };
         Ok(changed)
@@ -168,10 +170,15 @@ impl Motion {
         self.rates_of(&self.hybrid.z).as_slice().to_vec()
     }
 
-    /// Sets an input that the solver sees at once, without derivatives.
-    pub fn set_input_on(&mut self, course: &Course, i: usize, value: f64) {
+    /// Sets an input that the solver sees at once, without derivatives. It acts from the last accepted point on.
+    pub fn set_input_on(&mut self, course: &mut Course, i: usize, value: f64) {
         self.hybrid.inputs[i] = (course.event, [value, 0.0, 0.0, 0.0]);
         self.refill_on(course);
+        if self.time() == course.time {
+            // Accelerations on the way from there are to be those that the solver sees.
+            let own = self.assembly.system.signals.one;
+            course.z.as_mut_slice()[own..].copy_from_slice(&self.hybrid.z.as_slice()[own..]);
+        }
         // What depends on nothing but inputs has no other size, and would count as zero.
         if let Some(place) = self.assembly.system.signals.place_of_input(i) {
             self.hybrid.sizes.include_from(place, &[value]);

@@ -327,7 +327,7 @@ macro_rules! export_fmi2 {
             fmi2EnterEventMode, EnterEventMode() |instance, _| Component::enter_event(&mut instance.component);
             fmi2NewDiscreteStates, NewDiscreteStates(out eventInfo: $crate::fmi2::types::FmiEventInfo[1])
                 |instance, host| eventInfo.give(instance.new_discrete_states(host));
-            fmi2EnterContinuousTimeMode, EnterContinuousTimeMode() |instance, _| Ok::<(), $crate::ffi::Fault>(Component::enter_continuous(&mut instance.component));
+            fmi2EnterContinuousTimeMode, EnterContinuousTimeMode() |instance, _| Component::enter_continuous(&mut instance.component);
             fmi2CompletedIntegratorStep, CompletedIntegratorStep(flag noSetFMUStatePriorToCurrentPoint: $crate::fmi2::types::FmiBoolean,
                 out enterEventMode: $crate::fmi2::types::FmiBoolean[1], out terminateSimulation: $crate::fmi2::types::FmiBoolean[1])
                 |instance, _| {

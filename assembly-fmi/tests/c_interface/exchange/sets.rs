@@ -1,0 +1,98 @@
+//! What a host sets at events and between them, in Model Exchange.
+
+use super::*;
+
+/// A host's solver leaves a closed stop a little off, on either side, where that moves: neither violates it nor opens it.
+#[test]
+fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
+    let text = "name = \"Shaken\"\ngravity = 10.0\n[body.base]\nmotion = { amplitude = 0.1, frequency = 0.5, phase = 0.5 }\n\
+                dimension = \"translation\"\n[body.box]\nmass = 2.0\ngravity = -1.0\nstart = { s = 0.5 }\n\
+                [stop.floor]\nbetween = [\"box\", \"base\"]\ngap = 0.0\nrestitution = 0.0\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let host = Host::begin(made("moving base", &plan, &mut messages));
+    // Of a double near 0.1, and of forces near 1 N.
+    const ROUNDING: f64 = 1e-15;
+    let base = |time: f64| {
+        let w = std::f64::consts::PI;
+        let (sine, cosine) = (w * time + 0.5).sin_cos();
+        [0.1 * sine, 0.1 * w * cosine, -0.1 * w * w * sine]
+    };
+    // It falls onto the base, and stays.
+    let [place, rate, _] = base(1.0);
+    host.at(1.0, &[place - 1e-9, rate - 1.0]);
+    unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
+    assert!(host.handle().0);
+    for (time, off) in [(1.1, 1e-8), (1.2, -1e-8)] {
+        let [place, rate, a] = base(time);
+        host.at(time, &[place + off, rate + off]);
+        assert!(!host.accept());
+        unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
+        set(&host, &plan, "body.box.mass", 2.0 + time);
+        host.handle();
+        let x = host.states();
+        assert!((x[0] - place).abs() < ROUNDING && (x[1] - rate).abs() < ROUNDING, "{off} {x:?}");
+        assert!((host.at(time, &x).0[1] - a).abs() < 100.0 * ROUNDING, "{off}");
+    }
+    unsafe { fmi3FreeInstance(host.c) };
+}
+
+/// What is not possible is refused where the event ends, and acts no further once it is taken back.
+#[test]
+fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
+    let text = "name = \"Base\"\n[body.base]\nmotion = { input = true }\ndimension = \"translation\"\n\
+                [body.b]\nmass = 1.0\nstart = { s = 0.3, v = -1.0 }\n\
+                [stop.p]\nbetween = [\"b\", \"base\"]\ngap = 0.0\nrestitution = 0.5\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let uri = CString::new(format!("file://{}", resources("impossible2", &plan).display())).unwrap();
+    let token = CString::new(plan.token()).unwrap();
+    let input = plan.table.reference("body.base.motion.input").unwrap();
+    unsafe {
+        let c = fmi2Instantiate(c"a".as_ptr(), 0, token.as_ptr(), uri.as_ptr(), null(), 0, 0);
+        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), OK);
+        assert_eq!(fmi2EnterInitializationMode(c), OK);
+        assert_eq!(fmi2ExitInitializationMode(c), OK);
+        // Into the body by 0.2 m.
+        assert_eq!(fmi2SetReal(c, &input, 1, &0.5), OK);
+        assert_eq!(fmi2EnterContinuousTimeMode(c), ERROR);
+        assert_eq!(fmi2SetContinuousStates(c, [1.0, 1.0].as_ptr(), 2), ERROR);
+        assert_eq!(fmi2SetReal(c, &input, 1, &0.1), OK);
+        assert_eq!(fmi2EnterContinuousTimeMode(c), OK);
+        for x in [[0.2, -1.0], [0.15, -0.5]] {
+            assert_eq!(fmi2SetContinuousStates(c, x.as_ptr(), 2), OK);
+            let (mut is, mut slope, mut e) = ([f64::NAN; 2], [f64::NAN; 2], f64::NAN);
+            assert_eq!(fmi2GetReal(c, &plan.table.reference("p.e").unwrap(), 1, &mut e), OK);
+            assert_eq!(fmi2GetContinuousStates(c, is.as_mut_ptr(), 2), OK);
+            assert_eq!(fmi2GetDerivatives(c, slope.as_mut_ptr(), 2), OK);
+            assert_eq!((is, slope, e), (x, [x[1], 0.0], 0.1 - x[0]));
+        }
+        fmi2FreeInstance(c);
+    }
+}
+
+/// Work and losses of a step after an input that a host has set between events, by the motion from rest against a dashpot.
+#[test]
+fn closed_form_losses_after_an_input_that_is_set_between_events() {
+    // Of a polynomial of degree 5 in place of the exponential: some (0.1 / 2)^6 / 6! of 1 J.
+    const POLYNOMIAL: f64 = 1e-9;
+    let text = "name = \"Braked\"\n[body.sled]\nmass = 1.0\n[load.push]\non = \"sled\"\ninput = true\n\
+                [spring.oil]\nbetween = [\"ground\", \"sled\"]\nstiffness = 0.0\ndamping = 1.0\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let host = Host::begin(made("braked", &plan, &mut messages));
+    set(&host, &plan, "load.push.input", 10.0);
+    let t = 0.1f64;
+    let gone = -(-t).exp_m1();
+    let place = 10.0 * (t - gone);
+    host.at(t, &[place, 10.0 * gone]);
+    let read = |name: &str| {
+        let (reference, mut value) = (plan.table.reference(name).unwrap(), f64::NAN);
+        assert_eq!(unsafe { fmi3GetFloat64(host.c, &reference, 1, &mut value, 1) }, OK);
+        value
+    };
+    let lost = 100.0 * (t - 2.0 * gone - 0.5 * (-2.0 * t).exp_m1());
+    assert!((read("energy.lost") - lost).abs() < POLYNOMIAL, "{} {lost}", read("energy.lost"));
+    assert!((read("energy.work") - 10.0 * place).abs() < POLYNOMIAL);
+    assert!(read("energy.residual").abs() < POLYNOMIAL);
+    unsafe { fmi3FreeInstance(host.c) };
+}
