@@ -102,11 +102,14 @@ impl<'a> Held<'a> {
     /// The contacts' forces, a row each, under accelerations without them.
     fn demand(&self, system: &System, acceleration: &DMatrix<f64>) -> DMatrix<f64> {
         let mut demand = DMatrix::zeros(self.elongations.len(), system.signals.size); // e'' without contact forces
+        let mut sizes = demand.clone();
         for (k, e) in self.elongations.iter().enumerate() {
             let row = acceleration.tr_mul(&e.w) + &e.drift;
             demand.set_row(k, &row.transpose());
+            // Of its terms, whose sum may be their rounding: bodies in free fall.
+            let terms = acceleration.abs().tr_mul(&e.w.abs()) + e.drift.abs();
+            sizes.set_row(k, &terms.transpose());
         }
-        let sizes = demand.abs();
         self.triangle.tr_solve_upper_triangular_mut(&mut demand);
         self.triangle.solve_upper_triangular_mut(&mut demand);
         clean(&mut demand, &self.columns, &sizes);

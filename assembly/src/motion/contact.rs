@@ -71,8 +71,8 @@ impl Motion {
         {
             return Ok(());
         }
-        let flags = self.flags(ended, parted);
-        self.place_on_contacts(&flags);
+        let mut flags = self.flags(ended, parted);
+        self.place_on_contacts(&mut flags, parted);
         let before = self.hybrid.mode.clone();
         let touching: Vec<usize> = (0..flags.stops.len()).filter(|&i| flags.stops[i]).collect();
         let velocities = self.velocities();
@@ -192,14 +192,21 @@ impl Motion {
         project(system, &mode.basis, r, true, z, &mut self.scratch.off);
     }
 
-    /// Puts touching stops exactly on their gap.
-    fn place_on_contacts(&mut self, flags: &Flags) {
-        let contacts: Vec<Contact> =
-            (0..flags.stops.len()).filter(|&i| flags.stops[i]).map(Contact::Stop).collect();
-        let system = &self.assembly.system;
-        let independent = system.independent(&contacts);
-        let r = triangle(&system.columns(&independent));
-        project(system, &independent, &r, false, self.hybrid.z.as_mut_slice(), &mut self.scratch.off);
+    /// Puts touching stops exactly on their gap. Others that this moves onto theirs touch, too: they take part in the impacts.
+    fn place_on_contacts(&mut self, flags: &mut Flags, parted: &Parted) {
+        loop {
+            let contacts: Vec<Contact> =
+                (0..flags.stops.len()).filter(|&i| flags.stops[i]).map(Contact::Stop).collect();
+            let system = &self.assembly.system;
+            let independent = system.independent(&contacts);
+            let r = triangle(&system.columns(&independent));
+            project(system, &independent, &r, false, self.hybrid.z.as_mut_slice(), &mut self.scratch.off);
+            let stops = self.flags(&[], parted).stops;
+            let touching = flags.stops.iter_mut().zip(stops).filter(|(touches, now)| *now && !**touches);
+            if touching.map(|(touches, _)| *touches = true).count() == 0 {
+                return;
+            }
+        }
     }
 
     fn jammed(&self, jam: &Jam) -> Error {
