@@ -1,6 +1,8 @@
 //! What the repository promises about itself: links lead somewhere, lines are read beside code, the pages are listed (invariant).
 
-#[path = "common/texts.rs"]
+#[path = "repository/citations.rs"]
+mod citations;
+#[path = "repository/texts.rs"]
 mod texts;
 
 use std::collections::BTreeSet;

@@ -1,12 +1,9 @@
 //! What a text cites is there: documents, equations, sections, clauses of the FMI standard, tests (invariant).
 
-#[path = "common/texts.rs"]
-mod texts;
-
+use crate::texts::{all, root, shown};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use texts::{all, root, shown};
 
 /// Words that may name a file: letters, digits and `/._-`.
 fn words(text: &str) -> impl Iterator<Item = &str> {
@@ -271,7 +268,7 @@ fn invariant_every_test_that_is_cited_is_there() {
 }
 
 /// Clauses of the FMI standard, with what each defines.
-const CLAUSES: &str = include_str!("data/fmi-clauses.txt");
+const CLAUSES: &str = include_str!("../data/fmi-clauses.txt");
 
 /// The clauses at the beginning of `2.3.1`, `2.4, 3.4 and 4.4`, `2.2.7 to 2.2.12`.
 fn leading_clauses(mut text: &str) -> Vec<&str> {
