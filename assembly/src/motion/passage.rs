@@ -1,7 +1,6 @@
 //! The way to the first event within a sub-step: samples and bounds prove that there is none, or name the intervals to search.
 
 use super::contact::DOUBTFUL;
-use super::step::{LEAVES_ZERO, PASSES};
 use super::{Hybrid, Scratch};
 use crate::flow::{Ahead, Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, head_of};
 use crate::mode::Watch;
@@ -15,6 +14,10 @@ const REACH: f64 = 9.0;
 const HALVINGS: i32 = 6;
 /// What passes in this part of a sub-step before a knot, and is no further beyond there than what counts as zero, passes at the knot.
 const AT_KNOT: f64 = 1e-7;
+/// A functional that was zero throughout is watched again beyond this many times the size under which it counts as zero.
+pub(super) const LEAVES_ZERO: f64 = 16.0;
+/// It is followed up to a little more, so that it is beyond that where it has come there.
+const PASSES: f64 = LEAVES_ZERO + 1.0;
 /// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6! < 4e-6 of its size.
 const LATE: usize = 6;
 

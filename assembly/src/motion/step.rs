@@ -1,7 +1,7 @@
 //! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
 
 use super::jump::Parted;
-use super::passage::{Flight, Point};
+use super::passage::{Flight, LEAVES_ZERO, Point};
 use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
 use crate::energy::Samples;
 use crate::error::Error;
@@ -19,10 +19,6 @@ const RENEW: u32 = 16;
 const CHAIN: usize = 100;
 /// Parts of a mode's sub-step that count as progress of time: a few roundings.
 const PROGRESS: f64 = 1e-15;
-/// A functional that was zero throughout is watched again beyond this many times the size under which it counts as zero.
-pub(super) const LEAVES_ZERO: f64 = 16.0;
-/// It is followed up to a little more, so that it is beyond that where it has come there.
-pub(super) const PASSES: f64 = LEAVES_ZERO + 1.0;
 
 /// What an advance does at an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
