@@ -3,6 +3,7 @@
 mod common;
 
 use common::*;
+use std::f64::consts::TAU;
 use vibro_assembly::description::*;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::motion::EventKind;
@@ -160,4 +161,94 @@ fn invariant_friction_across_a_stiff_spring_stays_within_its_level() {
         }
     }
     assert!(held > 1000, "{held}");
+}
+
+#[test]
+fn invariant_a_body_comes_to_rest_between_two_buffers_without_clearance() {
+    // It hops from one edge to the other, ever slower, until its speed counts as zero. Then it rests, and does not drift into a buffer whose edge it is at, by
+    // the law, for ever. Beside it a body is held and let go by its stop, so that the mode begins anew.
+    const UNTIL: f64 = 8.0;
+    /// Place of both edges, m, speed, m/s, a buffer's stiffness, N/m, and damping, N s/m, the load's amplitude, N, and frequency, Hz.
+    const MACHINES: [[f64; 6]; 4] = [
+        [
+            1e-3,
+            8.238_884_621_028_139e-3,
+            26_645_935.301_205_825,
+            14_582.334_768_786_515,
+            33.573_839_848_145_11,
+            1.898,
+        ],
+        [
+            10.0,
+            3.718_787_919_383_250_6e-4,
+            76_377.366_996_634,
+            106.874_644_627_866_4,
+            0.258_639_033_986_062_6,
+            1.358,
+        ],
+        [
+            10.0,
+            0.057_061_093_330_328_876,
+            3_463_036_492.811_279,
+            7_230.117_328_094_602,
+            0.202_226_840_577_048,
+            0.8086,
+        ],
+        [1.0, 0.01, 5e8, 1e3, 5.0, 0.8],
+    ];
+    for machine @ [place, speed, k, c, amplitude, frequency] in MACHINES {
+        let buffer = |name: &str, side: f64| {
+            compliant(name, &[(0, side)], side * place, k, c, DampingLimit::Elastogap)
+        };
+        for parts in [1, 37] {
+            let mut motion = motion(Description {
+                bodies: vec![body("a", 1.0, place, speed), body("b", 1.0, place, 0.0)],
+                stops: vec![buffer("up", 1.0), buffer("down", -1.0), rigid("floor", &[(1, 1.0)], place, 0.5)],
+                loads: vec![Load {
+                    name: "load".into(),
+                    body: 1,
+                    force: sine(amplitude, frequency, TAU / 4.0),
+                }],
+                ..Description::default()
+            });
+            for part in 1..=parts {
+                let went = motion.advance_to(UNTIL * f64::from(part) / f64::from(parts));
+                assert!(went.is_ok(), "{machine:?} {parts} parts: {went:?}");
+            }
+            assert_eq!(motion.rate(0), 0.0, "{machine:?} {parts} parts");
+        }
+    }
+}
+
+#[test]
+fn closed_form_what_is_pushed_into_a_buffer_by_less_than_counts_as_zero_is_held_by_it() {
+    // Beside the spring's 1e-13 k Z the push is zero, and so is all speed that it makes; what it makes of the place is not.
+    const STIFFNESS: f64 = 1e4;
+    /// What counts as zero beside a spring of 1e9 N/m at 1 m is 2e-4 N.
+    const PUSH: f64 = 1e-5;
+    /// The push moves 2 kg by seventeen times what counts as zero of a place, 2e-13 m, within 1.17e-3 s.
+    const MET: f64 = 1.5e-3;
+    /// Some times the seventeen of 2e-13 m, at which the buffer is entered.
+    const OFF: f64 = 1e-11;
+    for parts in [1, 2, 37] {
+        let mut motion = motion(Description {
+            bodies: vec![body("pushed", 1.0, 1.0, 0.0), body("other", 1.0, 1.0, 0.0)],
+            springs: vec![spring(&[(0, -1.0), (1, 1.0)], 1e9, 1e3)],
+            stops: vec![compliant("buffer", &[(1, 1.0)], 1.0, STIFFNESS, 200.0, DampingLimit::NoPull)],
+            loads: vec![Load { name: "push".into(), body: 0, force: constant(PUSH) }],
+            ..Description::default()
+        });
+        let mut all = Vec::new();
+        for part in 1..=parts {
+            let end = f64::from(part) / f64::from(parts);
+            motion.advance_observed(end, &mut |event| all.push(event.clone())).unwrap();
+        }
+        let met = times(&all, |kind| matches!(kind, EventKind::Press { .. }));
+        assert!(met.first().is_some_and(|t| *t < MET), "{parts}: {all:?}");
+        assert!(
+            (motion.coordinate(1) - 1.0 - PUSH / STIFFNESS).abs() < OFF,
+            "{parts}: {}",
+            motion.coordinate(1)
+        );
+    }
 }

@@ -365,26 +365,3 @@ fn closed_form_a_stop_lets_go_whose_force_begins_as_zero_beside_a_stiff_spring()
         }
     }
 }
-
-#[test]
-fn invariant_a_body_comes_to_rest_between_two_buffers_without_clearance() {
-    // It comes out of a dashpot of 15 kN s/m at both edges with some 1e-12 m/s. Beside it a body is held and let go by its stop, so that the mode begins anew.
-    const UNTIL: f64 = 8.0;
-    let buffer = |name: &str, side: f64| {
-        let (k, c) = (26_645_935.301_205_825, 14_582.334_768_786_515);
-        compliant(name, &[(0, side)], side * 1e-3, k, c, DampingLimit::Elastogap)
-    };
-    let force = sine(33.573_839_848_145_11, 1.898_312_353_388_286_4, TAU / 4.0);
-    for parts in [1, 37] {
-        let mut motion = motion(Description {
-            bodies: vec![body("a", 1.0, 1e-3, 0.008_238_884_621_028_139), body("b", 1.0, 1e-3, 0.0)],
-            stops: vec![buffer("up", 1.0), buffer("down", -1.0), rigid("floor", &[(1, 1.0)], 1e-3, 0.5)],
-            loads: vec![Load { name: "load".into(), body: 1, force: force.clone() }],
-            ..Description::default()
-        });
-        for part in 1..=parts {
-            let went = motion.advance_to(UNTIL * f64::from(part) / f64::from(parts));
-            assert!(went.is_ok(), "{parts} parts: {went:?}");
-        }
-    }
-}

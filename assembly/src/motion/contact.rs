@@ -5,7 +5,7 @@ use super::jump::{Before, Parted};
 use super::report::report;
 use super::{Hybrid, Motion, Observer, Scratch};
 use crate::error::Error;
-use crate::flow::ORDERS;
+use crate::flow::{ORDERS, WatchTable};
 use crate::law::Sizes;
 use crate::law::box_qp::{Jam, triangle};
 use crate::law::impact::{Impacts, Instant};
@@ -309,6 +309,13 @@ impl Motion {
         self.hybrid.mode = mode;
         self.keep_contacts();
         self.take_in_contacts();
+        self.find_departures();
+        if self.rest_at_edges() {
+            self.find_departures();
+        }
+    }
+
+    fn find_departures(&mut self) {
         let Hybrid { departing, sizes, z, .. } = &mut self.hybrid;
         let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
         let (table, rows) = (&self.tables.at(self.place).table, &mut self.scratch.rows);
@@ -320,6 +327,30 @@ impl Motion {
             // A positive one follows one of the last order but for rounding: the passage is at hand and must not be divided out.
             Some((order, value)) => order - usize::from(value > 0.0),
         }));
+    }
+
+    /// Where compliant stops are at their edge for ever, by the law, a rate inwards, which counts as zero, is put to zero like those of contacts: a body between
+    /// two such stops would drift from one to the other. Tells whether there is one.
+    fn rest_at_edges(&mut self) -> bool {
+        let Hybrid { departing, z, mode, sizes, .. } = &mut self.hybrid;
+        let (system, watched) = (&self.assembly.system, &self.tables.at(self.place).table.watched);
+        let drifts = |(w, order): (&WatchTable, &usize)| match w.watch {
+            Watch::Presses(i) if *order == ORDERS => {
+                let row = &system.stops[i].elongation.rate;
+                let rate = row.at(z.as_slice());
+                (rate > 0.0 && rate <= sizes.zero_of(row)).then_some(Contact::Stop(i))
+            }
+            _ => None,
+        };
+        let resting: Vec<Contact> = watched.iter().zip(departing.iter()).filter_map(drifts).collect();
+        if resting.is_empty() {
+            return false;
+        }
+        let held: Vec<Contact> = mode.basis.iter().copied().chain(resting).collect();
+        let held = system.independent(&held);
+        let r = triangle(&system.columns(&held));
+        project(system, &held, &r, true, z.as_mut_slice(), &mut self.scratch.off);
+        true
     }
 }
 

@@ -25,11 +25,16 @@ impl Selection<'_> {
             };
         }
         if touching.edges[i] || (excess == 0.0 && !touching.limits[i]) {
-            return match rate {
-                r if r > 0.0 => Stop::Is(stop.entered()),
-                r if r < 0.0 => Stop::Is(StopState::Below),
-                _ => Stop::AtEdge,
-            };
+            if rate > 0.0 {
+                return Stop::Is(stop.entered());
+            }
+            if rate < 0.0 {
+                return Stop::Is(StopState::Below);
+            }
+            // What has drifted further from its edge than counts as zero, however slowly, is no longer there.
+            if excess == 0.0 {
+                return Stop::AtEdge;
+            }
         }
         if excess < 0.0 {
             return Stop::Is(StopState::Below);
