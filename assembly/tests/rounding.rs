@@ -252,3 +252,48 @@ fn closed_form_what_is_pushed_into_a_buffer_by_less_than_counts_as_zero_is_held_
         );
     }
 }
+
+#[test]
+fn invariant_a_buffer_whose_force_falls_to_zero_on_the_way_in_is_not_entered_again() {
+    // Its force, of its dashpot, is zero beside the size of its spring's, while the rate is not: so it stands at its edge, goes in and has no force.
+    let mut machine = Description {
+        bodies: vec![
+            body("a", 1.0, 1.0, 0.516_825_806_985_093_1),
+            body("b", 1.0, 1.0, 0.0),
+            body("c", 1.0, 1.0, 3.246_901_558_318_862_6e-6),
+        ],
+        springs: vec![
+            spring(&[(0, -1.0), (1, 1.0)], 18_184.675_158_281_916, 0.919_833_803_253_252_9),
+            spring(&[(1, -1.0), (2, 1.0)], 7_680_811_459.671_987, 3_135.318_843_287_894),
+        ],
+        stops: vec![
+            rigid("stop", &[(0, 1.0)], 1.0, 0.0),
+            compliant(
+                "buffer",
+                &[(1, 1.0)],
+                1.0,
+                12_131_829.305_228_595,
+                7_689.765_274_590_011,
+                DampingLimit::NoPull,
+            ),
+        ],
+        frictions: vec![friction(&[(2, 1.0)], 0.797_074_718_619_883_4)],
+        ..Description::default()
+    };
+    let amplitude = 320.940_487_706_756_87;
+    let pull = Signal { constant: -amplitude, ..sine(amplitude, 2.531_327_179_621_838, 0.0) };
+    let push = sine(7.857_493_167_967_561, 7.593_981_538_865_513, 0.0);
+    machine.loads = [push, pull].into_iter().enumerate().map(load_on).collect();
+    for parts in [1, 37] {
+        let mut motion = motion(machine.clone());
+        for part in 1..=parts {
+            let went = motion.advance_to(6.5 * f64::from(part) / f64::from(parts));
+            assert!(went.is_ok(), "{parts} parts: {went:?}");
+        }
+    }
+}
+
+/// A load on the bodies behind the first one.
+fn load_on((k, force): (usize, Signal)) -> Load {
+    Load { name: format!("load{k}"), body: k + 1, force }
+}

@@ -168,7 +168,12 @@ impl Motion {
                     // A cap is met on the way in only, however near the edge: what is at its edge on its way in would be entered once more.
                     let cap = hybrid.mode.stops[i] == StopState::Capped
                         || (stop.is_elastogap() && stop.force.dot(z) > stop.spring.dot(z));
-                    let edge = !cap && stop.excess.dot(z).abs() <= hybrid.sizes.zero(&stop.excess);
+                    // What presses and still goes in is past its edge: the rate would enter it once more.
+                    let rate = &stop.elongation.rate;
+                    let enters = hybrid.mode.stops[i] == StopState::Pressed
+                        && rate.at(z.as_slice()) > hybrid.sizes.zero_of(rate);
+                    let is_near = stop.excess.dot(z).abs() <= hybrid.sizes.zero(&stop.excess);
+                    let edge = is_near && !cap && !enters;
                     if edge { flags.edges[i] = true } else { flags.limits[i] = true }
                 }
                 Watch::Opens(_) | Watch::Slips(..) | Watch::Level(_) => {}
