@@ -7,7 +7,7 @@ use common::*;
 use std::path::Path;
 use std::sync::Arc;
 use vibro_assembly::description::*;
-use vibro_assembly::mode::StopState;
+use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::motion::Course;
 use vibro_assembly::{Assembly, Error, Motion, file};
 
@@ -174,6 +174,56 @@ fn second_method_bounces_end_on_a_course_as_in_the_exact_motion() {
         }
         let closed = solver.motion.mode().stops.iter().all(|state| *state == StopState::Closed);
         assert!(closed == rests, "{name}: {:?}", solver.motion.mode());
+    }
+}
+
+/// A host's solver leaves a closed stop that moves a little off, on either side: where a friction turns round meanwhile, that is neither an impact nor the
+/// contact's end, and it turns round once.
+#[test]
+fn closed_form_a_box_rests_on_a_shaken_table_while_its_guide_turns_round() {
+    // Amplitude, m, and half a period of the table, s: it pulls at the box by less than half its weight.
+    const AMPLITUDE: f64 = 2e-3;
+    const HALF: f64 = 1.0 / 16.0;
+    // Turns of the friction: at every half period but the first quarter.
+    const TURNS: usize = 20;
+    let shaken = |restitution: f64| Description {
+        gravity: 10.0,
+        bodies: vec![
+            heavy("box", 2.0, -1.0, 0.0, AMPLITUDE * std::f64::consts::PI / HALF),
+            prescribed("table", sine(AMPLITUDE, 0.5 / HALF, 0.0), 0.0),
+        ],
+        stops: vec![rigid("contact", &[(0, -1.0), (1, 1.0)], 0.0, restitution)],
+        frictions: vec![friction(&[(0, 1.0)], 3.0)],
+        loads: vec![Load {
+            name: "push".into(),
+            body: 0,
+            force: Signal { input: true, ..Signal::default() },
+        }],
+        ..Description::default()
+    };
+    for restitution in [0.0, 0.5, 1.0] {
+        for step in [4e-3, 2e-3, 1e-3] {
+            let assembly = Arc::new(Assembly::new(shaken(restitution)).unwrap());
+            let mut solver = Solver::new(&assembly);
+            for turn in 0..TURNS {
+                solver.run((turn as f64 + 1.0) * HALF, step);
+                let state = solver.motion.mode().stops[0];
+                assert_eq!(state, StopState::Closed, "{restitution} {step} {turn}");
+                let way = if turn % 2 == 1 { FrictionState::Up } else { FrictionState::Down };
+                assert_eq!(solver.motion.mode().frictions[0], way, "{restitution} {step} {turn}");
+                assert_eq!(solver.motion.impacts(0).count, 0, "{restitution} {step} {turn}");
+            }
+            // An input that is set while it is off, on either side, is neither.
+            for off in [-1e-8, 1e-8] {
+                let mut set = solver.motion.clone();
+                let states: Vec<f64> = set.states().iter().map(|x| x + off).collect();
+                set.set_states(&states);
+                set.set_inputs_on(&mut solver.course.clone(), &[(0, [1.0, 0.0, 0.0, 0.0])]).unwrap();
+                assert_eq!((set.mode().stops[0], set.impacts(0).count), (StopState::Closed, 0), "{off}");
+            }
+            // The solver's rate may pass zero before the table's: then the contact is put right first.
+            assert!(solver.events <= 2 * TURNS, "{restitution} {step} {}", solver.events);
+        }
     }
 }
 
