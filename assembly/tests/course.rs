@@ -260,6 +260,42 @@ fn invariant_a_stop_that_the_impact_of_another_drives_shut_has_its_own_impact() 
     assert!(residual.abs() < BALANCE * start.abs(), "{residual} of {start}");
 }
 
+/// A light part that a stiff spring holds on a stop of a heavy one: what the spring's forces leave of the friction's by their rounding is more than an
+/// indicator is late. Until the law is sure that the part slips, it sticks, which is no error.
+#[test]
+fn closed_form_a_part_slips_that_a_stiff_spring_holds_on_a_stop() {
+    const FREQUENCY: f64 = 1.17;
+    // The latest instant behind that at which it slips by theory, s, and the parts by halves of it down to rounding.
+    const LATEST: f64 = 1e-3;
+    const HALVES: i32 = 50;
+    // Of these the first ones at which the force is beyond its level by more than counts as zero: to 1.6e-5 s.
+    const SURE: i32 = 6;
+    let machine = Description {
+        bodies: vec![body("part", 0.013, -0.0535, 0.0), body("heavy", 10.0, -0.04, 0.0)],
+        springs: vec![spring(&[(1, 1.0)], 64.0, 0.0), spring(&[(0, -1.0), (1, 1.0)], 4.4e5, 4.2e3)],
+        stops: vec![rigid("seat", &[(0, 1.0), (1, -1.0)], -0.0135, 0.5)],
+        frictions: vec![friction(&[(0, 1.0)], 10.5)],
+        loads: vec![Load { name: "pull".into(), body: 0, force: sine(18.0, FREQUENCY, 0.0) }],
+        ..Description::default()
+    };
+    let slips = ((10.5f64 - 64.0 * 0.04) / 18.0).asin() / (std::f64::consts::TAU * FREQUENCY);
+    let mut stuck = Motion::new(Arc::new(Assembly::new(machine).unwrap())).unwrap();
+    let course = stuck.begin_course().unwrap();
+    // What a solver's rounding leaves of rates at rest.
+    let start: Vec<f64> = stuck.states().iter().map(|x| x + 1e-20).collect();
+    for half in 0..HALVES {
+        let mut late = stuck.clone();
+        late.place_at(&course, slips + LATEST * 0.5f64.powi(half));
+        late.set_states(&start);
+        late.handle_on(&mut course.clone(), &mut |_| ()).unwrap();
+        let friction = late.mode().frictions[0];
+        assert!(
+            friction == FrictionState::Up || (half > SURE && friction == FrictionState::Stuck),
+            "{half} {friction:?}"
+        );
+    }
+}
+
 #[test]
 fn closed_form_a_stiffness_that_changes_under_way() {
     // Of a rounding or two in a period.
