@@ -95,6 +95,11 @@ pub trait Component: Sized + Debug + 'static {
         self.life_mut().phase = Phase::Terminated;
     }
 
+    /// An error has ended it (FMI 3.0.2, 2.3.1). Nothing else has changed, so that what was shown of an event that was not carried out is not shown any more.
+    fn fail(&mut self) {
+        self.life_mut().phase = Phase::Terminated;
+    }
+
     /// Marks it unusable after a panic.
     fn break_down(&mut self) {
         self.life_mut().phase = Phase::Broken;

@@ -120,6 +120,10 @@ impl Component for Instance {
         Self::terminate(self);
     }
 
+    fn fail(&mut self) {
+        Self::fail(self);
+    }
+
     fn reset(&mut self) {
         Self::reset(self);
     }

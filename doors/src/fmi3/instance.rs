@@ -120,11 +120,9 @@ impl<C: Component> Instance<C> {
     /// What a status of a function leaves behind: after an error the instance is Terminated (FMI 3.0.2, 2.3.1).
     pub fn after(&mut self, function: Function, status: Status) {
         match status {
-            Status::Error if self.component.life().phase != Phase::Broken => {
-                if self.component.life().phase != Phase::Terminated {
-                    self.failed = Some(function);
-                }
-                self.component.life_mut().phase = Phase::Terminated; // nothing else has changed
+            Status::Error if !matches!(self.component.life().phase, Phase::Broken | Phase::Terminated) => {
+                self.failed = Some(function);
+                self.component.fail();
             }
             Status::Fatal => self.component.break_down(),
             _ => {}

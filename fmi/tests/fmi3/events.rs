@@ -442,3 +442,30 @@ fn invariant_the_end_in_an_event_keeps_what_was_shown() {
         }
     }
 }
+
+/// An error in an event ends the simulation before it: here and in a state saved then, whatever was shown.
+#[test]
+fn invariant_an_error_in_an_event_leaves_what_is_saved() {
+    for (mode, set) in [(1.0, false), (2.0, true), (3.0, true), (3.0, false)] {
+        let flags = if set { TF } else { TT };
+        let fmu = Fmu::new(flags);
+        assert_eq!(fmu.set("mode", mode), OK);
+        fmu.initialize();
+        if set {
+            assert_eq!(fmu.set("drive.amplitude", 0.2), OK);
+        } else {
+            fmu.update();
+            fmu.enter_step_mode();
+            assert!(fmu.step(0.0, 60.0).event);
+            // SAFETY: a live instance.
+            assert_eq!(unsafe { fmi3EnterEventMode(fmu.c) }, OK);
+        }
+        fmu.motion(); // what comes after the event
+        // SAFETY: as above; no variable has this reference.
+        assert_eq!(unsafe { fmi3SetFloat64(fmu.c, &u32::MAX, 1, &1.0, 1) }, ERROR);
+        let other = Fmu::new(flags);
+        other.restore(&fmu.bytes());
+        let [ended, restored] = [&fmu, &other].map(|fmu| fmu.motion().map(f64::to_bits));
+        assert_eq!(ended, restored, "mode {mode}, set: {set}");
+    }
+}

@@ -265,6 +265,14 @@ impl Instance {
         self.life.phase = Phase::Terminated;
     }
 
+    /// An error has ended the simulation. An event that has been shown but not been updated has not taken place: neither here nor in a state saved now.
+    pub fn fail(&mut self) {
+        if self.looks_past_the_event() {
+            self.invalidate();
+        }
+        self.life.phase = Phase::Terminated;
+    }
+
     /// The same for the simulator; true where an impact has made the states jump.
     fn carry_out(&mut self, mut report: EventObserver<'_, '_>) -> Outcome<bool> {
         let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
