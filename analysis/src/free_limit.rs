@@ -9,10 +9,15 @@ pub(crate) fn is_damped(p: &Parameters) -> bool {
     [p.box_damping, p.secondary_damping, p.coupling_stiffness].iter().all(|c| *c > 0.0)
 }
 
+/// The force that vibrates the box alone by one metre at the drive's frequency.
+pub(crate) fn dynamic_stiffness(p: &Parameters) -> Complex<f64> {
+    let omega = p.drive_frequency;
+    Complex::new(p.box_stiffness - p.box_mass * omega * omega, p.box_damping * omega)
+}
+
 /// The forced vibration of the box alone.
 pub(crate) fn forced(p: &Parameters) -> Complex<f64> {
-    let omega = p.drive_frequency;
-    p.drive_amplitude / Complex::new(p.box_stiffness - p.box_mass * omega * omega, p.box_damping * omega)
+    p.drive_amplitude / dynamic_stiffness(p)
 }
 
 /// Where the constant loads hold the three bodies when nothing moves and the block is off its stops. Not finite where a load has no spring

@@ -31,8 +31,10 @@ const CONFIDENCE: f64 = 6.0;
 const LEAST_GROWTH: f64 = 20.0;
 /// Fewer blocks do not tell their scatter.
 const LEAST_BLOCKS: u32 = 8;
-/// Squares of lengths between which a variation is not scaled.
+/// Squares of lengths between which a variation is not scaled, …
 const SCALED: std::ops::Range<f64> = 1e-200..1e200;
+/// … and the longest time, in 1/rate, until that is looked at: a length changes by e¹⁰⁰ in it at most, so that its square stays a number.
+const LOOKED: f64 = 100.0;
 
 /// The largest exponent of a motion apart from the drive phase's zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -221,11 +223,18 @@ impl Tangent {
                 variation
             }
         };
-        variation.propagate(&mut self.v, (self.mode, (time - self.time).max(0.0)), impact);
+        let span = (time - self.time).max(0.0);
         self.time = time;
-        let square = self.square();
-        if !SCALED.contains(&square) {
-            self.scale(square.sqrt());
+        // More than one beside a drive that is slower than the dampers by far.
+        let parts = (span * variation.rate() / LOOKED).ceil().max(1.0);
+        for part in 1..=parts as u64 {
+            let Some(variation) = &mut self.variation else { return };
+            let impact = impact.filter(|_| part as f64 == parts);
+            variation.propagate(&mut self.v, (self.mode, span / parts), impact);
+            let square = self.square();
+            if !SCALED.contains(&square) {
+                self.scale(square.sqrt());
+            }
         }
     }
 

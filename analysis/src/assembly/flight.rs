@@ -69,9 +69,14 @@ impl Flow {
         terms
     }
 
+    /// The number of stretches of a flight.
+    pub fn stretches_of(&self, span: f64) -> f64 {
+        (self.rate * span / RADIUS).ceil().max(1.0)
+    }
+
     /// Calls `visit` with the series of each stretch of a flight, and its length in s; returns the state at the end.
     pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&[Vec<f64>], f64)) -> Vec<f64> {
-        let count = (self.rate * span / RADIUS).ceil().max(1.0);
+        let count = self.stretches_of(span);
         let part = span / count;
         let mut state = z.to_vec();
         for _ in 0..count as u64 {

@@ -72,6 +72,17 @@ fn closed_form_measures_of_a_linear_oscillator() {
 }
 
 #[test]
+fn closed_form_exponent_beside_a_drive_hundreds_of_times_slower_than_the_damper() {
+    // Over one return a variation shrinks by e⁻²⁰⁰⁰, more than a double holds.
+    let machine = text(&OSCILLATOR.replace("5 Hz", "1 mHz"));
+    let (mut motion, section) = machine.motion(&Start::default()).unwrap();
+    let found = settled(&mut motion, &section, Some(16)).unwrap();
+    let exponent = found.exponent.unwrap();
+    assert_eq!((found.class, exponent.periods), (MotionClass::Periodic(1), 16));
+    assert!((exponent.value + 2.0).abs() < SWING, "{exponent:?}");
+}
+
+#[test]
 fn closed_form_exponent_and_impacts_of_the_impact_pair() {
     let machine = example("impact_pair.toml");
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();

@@ -7,6 +7,11 @@ use vibro_assembly::mode::Mode;
 use vibro_assembly::motion::{Crossing, keep};
 use vibro_assembly::system::System;
 
+/// Stretches after which a variation's length is looked at: it changes by e¹⁰⁰ in them at most.
+const STRETCHES: f64 = 50.0;
+/// Lengths between which a variation is not scaled on the way: its squares stay numbers for as many stretches more.
+const SCALED: std::ops::Range<f64> = 1e-100..1e100;
+
 /// One variation of a motion, and how it has grown.
 #[derive(Debug)]
 pub struct Variation {
@@ -34,11 +39,14 @@ impl Variation {
         variation
     }
 
+    fn length(&self) -> f64 {
+        let weight = |k: usize| if k < self.coordinates { self.omega } else { 1.0 };
+        (0..self.v.len()).map(|k| (weight(k) * self.v[k]).powi(2)).sum::<f64>().sqrt()
+    }
+
     /// Makes its length one, and notes by how much it has grown.
     pub fn scale(&mut self) {
-        let n = self.v.len();
-        let weight = |k: usize| if k < self.coordinates { self.omega } else { 1.0 };
-        let length = (0..n).map(|k| (weight(k) * self.v[k]).powi(2)).sum::<f64>().sqrt();
+        let length = self.length();
         self.growth.add(length.ln());
         let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
         self.v.iter_mut().for_each(|x| *x *= scale);
@@ -62,7 +70,14 @@ impl Variation {
 
 impl Observer for Variation {
     fn flight(&mut self, _: &System, flight: Flight<'_>) {
-        self.v = flight.flow.stretches(&self.v, flight.span, &mut |_, _| ());
+        let parts = (flight.flow.stretches_of(flight.span) / STRETCHES).ceil();
+        for _ in 0..parts as u64 {
+            self.v = flight.flow.stretches(&self.v, flight.span / parts, &mut |_, _| ());
+            // Beside a slow drive dampers may take all of it within one return.
+            if !SCALED.contains(&self.length()) {
+                self.scale();
+            }
+        }
     }
 
     fn passage(&mut self, system: &System, passage: Passage<'_>) {

@@ -5,7 +5,7 @@ use crate::stroboscopic::moving_block;
 use crate::trajectories::{Program, Start, Workspace};
 use crate::variation::{DIMENSION, Variation};
 use vibro_impact::parameters::{Groups, Scales};
-use vibro_impact::simulator::Simulator;
+use vibro_impact::simulator::{Simulator, State};
 use vibro_impact::steady::exact_orbit;
 
 fn system(f10: f64, kappa: f64) -> Parameters {
@@ -122,6 +122,31 @@ fn closed_form_of_the_exact_orbit() {
     let tolerance = SWING / (f64::from(found.periods) * p.period());
     assert!((found.value - expected).abs() < tolerance, "{found:?} {expected}");
     assert!(found.value < -tolerance && tangent.is_decided(10_000), "{found:?}");
+}
+
+#[test]
+fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
+    // A variation shrinks by e⁻⁵⁰⁰ or more in each drive period.
+    let p = Parameters {
+        secondary_damping: 0.1,
+        coupling_stiffness: 0.1,
+        drive_frequency: 5e-4,
+        drive_amplitude: 0.0,
+        ..Parameters::default()
+    };
+    let mut simulator = Simulator::new(&p, &State { x: [0.0; 3], v: [0.0; 3] }, 0.0).unwrap();
+    let options = SpectrumOptions { align: 1, periods: 2, ..SpectrumOptions::default() };
+    // Beside that of the drive's phase.
+    let expected = spectrum(&mut simulator, &options).unwrap().exponents[1];
+    let mut tangent = Tangent::default();
+    tangent.begin(&p, SmoothMode::Flight, (0.0, 0.0));
+    for block in 1..=ALIGN + LEAST_BLOCKS {
+        // Not past its end by rounding.
+        tangent.end_block(f64::from(block * BLOCK) * p.period() * (1.0 - f64::EPSILON));
+    }
+    let found = tangent.exponent();
+    // The length of a variation that turns swings by some units of its logarithm, which is over 5000 in each block.
+    assert!((found.value / expected - 1.0).abs() < 1e-3, "{found:?} {expected}");
 }
 
 #[test]

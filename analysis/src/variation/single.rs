@@ -146,6 +146,11 @@ impl SingleVariation {
         (self.model, self.ready) = (*model, [false; 2]);
     }
 
+    /// The fastest rate of the system, 1/s.
+    pub(crate) fn rate(&self) -> f64 {
+        self.model.rate
+    }
+
     /// Propagates a variation for `span` s in one mode, and where that ends with an impact, through its jump: the impact is given by w'
     /// before it and the state after it.
     pub(crate) fn propagate(
