@@ -126,6 +126,8 @@ fn closed_form_of_the_exact_orbit() {
 
 #[test]
 fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
+    /// The length of a variation that turns swings by some units of its logarithm, which is over 5000 in each block.
+    const SWING: f64 = 1e-3;
     // A variation shrinks by e⁻⁵⁰⁰ or more in each drive period.
     let p = Parameters {
         secondary_damping: 0.1,
@@ -145,8 +147,7 @@ fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
         tangent.end_block(f64::from(block * BLOCK) * p.period() * (1.0 - f64::EPSILON));
     }
     let found = tangent.exponent();
-    // The length of a variation that turns swings by some units of its logarithm, which is over 5000 in each block.
-    assert!((found.value / expected - 1.0).abs() < 1e-3, "{found:?} {expected}");
+    assert!((found.value / expected - 1.0).abs() < SWING, "{found:?} {expected}");
 }
 
 #[test]
