@@ -31,7 +31,7 @@ const WINDOW: u32 = 1024;
 const ARRIVED: f64 = 1e-7;
 /// What seems quasi-periodic is a spiral onto an orbit where its nearest return falls below the first part of what it was before the exponent was
 /// counted, thousands of drive periods, and in each window after that below the second. On a torus that passes a resonance slowly it falls too, for
-/// half of its slow time: at none of 20,832 places along 224 tori it did both.
+/// half of its slow time: at none of 20,553 places along 221 tori it did both.
 const FALLS: [f64; 2] = [0.1, 0.97];
 /// Windows after the exponent in which it must do so.
 const FALLEN: u32 = 3;
