@@ -297,3 +297,45 @@ fn invariant_a_buffer_whose_force_falls_to_zero_on_the_way_in_is_not_entered_aga
 fn load_on((k, force): (usize, Signal)) -> Load {
     Load { name: format!("load{k}"), body: k + 1, force }
 }
+
+#[test]
+fn closed_form_a_stop_held_closed_from_nothing_moves_no_buffer_that_depends_on_it() {
+    // All begins at 0, so that nothing has a size at first: 17 times what counts as zero is nothing, too, and the buffer would leave zero without end.
+    const LOAD: f64 = 4.005_966_510_345_249;
+    const SPRINGS: [f64; 2] = [71_243_422.788_334_49, 4_408_352.957_888_796];
+    const OFF: f64 = 1e-12;
+    let spring = |name: &str, terms: &[(usize, f64)], stiffness: f64, damping: f64| Spring {
+        name: name.into(),
+        ..spring(terms, stiffness, damping)
+    };
+    for parts in [1, 37] {
+        let mut motion = motion(Description {
+            bodies: vec![body("light", 0.1, 0.0, 0.0), body("heavy", 3.0, 0.0, 0.0)],
+            springs: vec![
+                spring("first", &[(0, -1.0), (1, 0.7)], SPRINGS[0], 854.848_188_777_646_7),
+                spring("second", &[(1, -0.3), (0, 0.7)], SPRINGS[1], 145.225_673_521_305_37),
+            ],
+            stops: vec![
+                rigid("stop", &[(0, -1.0), (1, 1.0)], 0.0, 0.9),
+                compliant(
+                    "buffer",
+                    &[(1, -1.0), (0, 1.0)],
+                    0.0,
+                    205_202_629.457_553_5,
+                    11_258.364_472_815_963,
+                    DampingLimit::Elastogap,
+                ),
+            ],
+            loads: vec![Load { name: "load".into(), body: 1, force: constant(LOAD) }],
+            ..Description::default()
+        });
+        for part in 1..=parts {
+            motion.advance_to(f64::from(part) / f64::from(parts)).unwrap();
+        }
+        // Both bodies move as one.
+        let place = LOAD / (0.3 * 0.3 * SPRINGS[0] + 0.4 * 0.4 * SPRINGS[1]);
+        for body in 0..2 {
+            assert!((motion.coordinate(body) - place).abs() < OFF, "{} {place}", motion.coordinate(body));
+        }
+    }
+}

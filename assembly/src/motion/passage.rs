@@ -91,6 +91,20 @@ impl Flight<'_> {
         (zero * if is_left { DOUBTFUL + 1.0 } else { PASSES }).max(f64::MIN_POSITIVE)
     }
 
+    /// The same within a short sub-step. There no place or speed that is zero throughout passes anything: what a flight makes of it is looked at where the
+    /// sub-step ends, with the flight taken into the sizes. Before that, what begins at nothing, of which any multiple is nothing, would leave zero again and again.
+    #[inline(always)]
+    fn short_limit(&self, place: usize) -> f64 {
+        match self.table.watched[place].watch {
+            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) | Watch::Stops(_)
+                if self.is_unwatched(place) =>
+            {
+                f64::INFINITY
+            }
+            _ => self.limit(place),
+        }
+    }
+
     /// The longest span of `span`, `span`/2, … in which the watched stops' e stay within reach.
     #[inline(always)]
     pub(super) fn within_reach(&self, mut span: f64, heads: &[Group]) -> f64 {
@@ -123,7 +137,8 @@ impl Flight<'_> {
         near.clear();
         let mut any = 0;
         for place in 0..self.hybrid.departing.len() {
-            let (order, limit, mut head) = (self.order(place), self.limit(place), head_of(heads, place));
+            let (order, limit, mut head) =
+                (self.order(place), self.short_limit(place), head_of(heads, place));
             head.value -= limit;
             let samples = || table.samples(place, z, ahead).map(|value| value - limit);
             let intervals = near_intervals(order, &head, table.interval(), samples);
@@ -216,7 +231,7 @@ impl Flight<'_> {
         for (place, _) in near.iter().enumerate().filter(|(_, near)| **near & (1 << interval) != 0) {
             let order = if interval == 0 { self.order(place) } else { 0 };
             let mut c = self.table.local(place, from, ahead);
-            c[0] -= self.limit(place);
+            c[0] -= self.short_limit(place);
             let begin = c[0];
             if ratio != 1.0 {
                 let mut scale = 1.0;
