@@ -339,3 +339,38 @@ fn closed_form_a_stop_held_closed_from_nothing_moves_no_buffer_that_depends_on_i
         }
     }
 }
+
+#[test]
+fn closed_form_a_body_drifts_into_a_lone_buffer_with_a_speed_that_counts_as_zero() {
+    // Two bodies drift together; beside the spring between them at 10 m their speed counts as zero at the buffer's edge. It is entered with it nevertheless.
+    const SPEED: f64 = 1e-7;
+    const CLEARANCE: f64 = 1e-9;
+    const STIFFNESS: f64 = 2.0;
+    /// Both bodies, kg.
+    const MASS: f64 = 2.0;
+    /// Of the speed: the buffer is entered some times the 17 of 2e-12 m late, beside its way of 8e-8 m.
+    const OFF: f64 = 1e-2;
+    for parts in [1, 2, 37] {
+        let mut motion = motion(Description {
+            bodies: vec![body("other", 1.0, 10.0, SPEED), body("at it", 1.0, 10.0, SPEED)],
+            springs: vec![spring(&[(0, -1.0), (1, 1.0)], 1e9, 1e3)],
+            stops: vec![compliant(
+                "buffer",
+                &[(1, 1.0)],
+                10.0 + CLEARANCE,
+                STIFFNESS,
+                0.0,
+                DampingLimit::NoPull,
+            )],
+            ..Description::default()
+        });
+        for part in 1..=parts {
+            motion.advance_to(f64::from(part) / f64::from(parts)).unwrap();
+        }
+        let w = (STIFFNESS / MASS).sqrt();
+        let rate = SPEED * (w * (1.0 - CLEARANCE / SPEED)).cos();
+        for body in 0..2 {
+            assert!((motion.rate(body) - rate).abs() < OFF * SPEED, "{parts}: {} {rate}", motion.rate(body));
+        }
+    }
+}

@@ -5,7 +5,7 @@ use super::jump::{Before, Parted};
 use super::report::report;
 use super::{Hybrid, Motion, Observer, Scratch};
 use crate::error::Error;
-use crate::flow::{ORDERS, WatchTable};
+use crate::flow::ORDERS;
 use crate::law::Sizes;
 use crate::law::box_qp::{Jam, triangle};
 use crate::law::impact::{Impacts, Instant};
@@ -334,25 +334,35 @@ impl Motion {
         }));
     }
 
-    /// Where compliant stops are at their edge for ever, by the law, a rate inwards, which counts as zero, is put to zero like those of contacts: a body between
-    /// two such stops would drift from one to the other. Tells whether there is one.
+    /// Where a body is caged by compliant stops at whose edges it is for ever, by the law, what goes into one of them goes out of another. A rate that
+    /// counts as zero is put to zero there like those of contacts: it would drift from one to the other without end. What may drift into a stop alone
+    /// keeps its rate. Tells whether there is such a cage.
     fn rest_at_edges(&mut self) -> bool {
         let Hybrid { departing, z, mode, sizes, .. } = &mut self.hybrid;
         let (system, watched) = (&self.assembly.system, &self.tables.at(self.place).table.watched);
-        let drifts = |(w, order): (&WatchTable, &usize)| match w.watch {
-            Watch::Presses(i) if *order == ORDERS => {
+        let mut edges = Vec::new();
+        let (mut inwards, mut outwards) = (false, false);
+        for (w, &order) in watched.iter().zip(departing.iter()) {
+            if let Watch::Presses(i) = w.watch
+                && order == ORDERS
+            {
                 let row = &system.stops[i].elongation.rate;
                 let rate = row.at(z.as_slice());
-                (rate > 0.0 && rate <= sizes.zero_of(row)).then_some(Contact::Stop(i))
+                if rate.abs() <= sizes.zero_of(row) {
+                    edges.push(Contact::Stop(i));
+                    inwards |= rate > 0.0;
+                    outwards |= rate < 0.0;
+                }
             }
-            _ => None,
-        };
-        let resting: Vec<Contact> = watched.iter().zip(departing.iter()).filter_map(drifts).collect();
-        if resting.is_empty() {
+        }
+        if !(inwards && outwards) {
             return false;
         }
-        let held: Vec<Contact> = mode.basis.iter().copied().chain(resting).collect();
-        let held = system.independent(&held);
+        let all: Vec<Contact> = mode.basis.iter().copied().chain(edges).collect();
+        let held = system.independent(&all);
+        if held.len() == all.len() {
+            return false;
+        }
         let r = triangle(&system.columns(&held));
         project(system, &held, &r, true, z.as_mut_slice(), &mut self.scratch.off);
         true
