@@ -227,6 +227,43 @@ fn closed_form_a_box_rests_on_a_shaken_table_while_its_guide_turns_round() {
     }
 }
 
+/// A table that a host sets between events has no rate, so that a box that rests on it stays where it is, until an event: where the table is back there, or
+/// less far down, nothing is violated, and the box is put on it.
+#[test]
+fn a_table_that_is_set_back_at_an_event_does_not_hit_the_box_on_it() {
+    let description = Description {
+        gravity: 10.0,
+        bodies: vec![
+            heavy("box", 2.0, -1.0, 0.0, 0.0),
+            prescribed(
+                "table",
+                Signal { input: true, steps: vec![Step { time: 0.1, height: 1e-3 }], ..Signal::default() },
+                0.0,
+            ),
+        ],
+        stops: vec![rigid("contact", &[(0, -1.0), (1, 1.0)], 0.0, 0.5)],
+        ..Description::default()
+    };
+    let assembly = Arc::new(Assembly::new(description).unwrap());
+    for (between, at, time) in
+        [(-0.01, 0.0, 0.05), (-0.01, -5e-3, 0.05), (-1e-9, 0.0, 0.05), (0.01, 0.0, 0.05), (-0.01, -0.01, 0.1)]
+    {
+        let mut motion = Motion::new(assembly.clone()).unwrap();
+        let mut course = motion.begin_course().unwrap();
+        motion.place_at(&course, time);
+        motion.set_input_on(&mut course, 0, between);
+        motion.handle_on(&mut course, &mut |_| ()).unwrap();
+        let step = if time < 0.1 { 0.0 } else { 1e-3 };
+        motion.set_inputs_on(&mut course, &[(0, [at, 0.0, 0.0, 0.0])]).unwrap();
+        assert_eq!(
+            (motion.mode().stops[0], motion.impacts(0).count),
+            (StopState::Closed, 0),
+            "{between} {at}"
+        );
+        assert_eq!(motion.states(), [at + step, 0.0], "{between} {at}");
+    }
+}
+
 /// An impact is met late. What puts its bodies on the gap then moves one of them onto another stop's gap, which the impact drives shut.
 /// Bodies that fall as one then have no event: their stops' forces are nothing, and not the rounding of their weights.
 #[test]

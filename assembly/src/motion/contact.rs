@@ -186,15 +186,23 @@ impl Motion {
     /// change in the inertia's metric.
     pub(super) fn keep_contacts(&mut self) {
         let Hybrid { mode, z, .. } = &mut self.hybrid;
+        // Stops come first, and so does their part of the triangle.
+        let stops = mode.basis.iter().take_while(|c| matches!(c, Contact::Stop(_))).count();
+        if stops > 0 {
+            let (system, r) = (&self.assembly.system, &self.tables.at(self.place).table.triangle);
+            project(system, &mode.basis[..stops], r, false, z.as_mut_slice(), &mut self.scratch.off);
+        }
+        self.keep_rates();
+    }
+
+    /// The same for the rates alone.
+    pub(super) fn keep_rates(&mut self) {
+        let Hybrid { mode, z, .. } = &mut self.hybrid;
         if mode.basis.is_empty() {
             return;
         }
         let (system, r) = (&self.assembly.system, &self.tables.at(self.place).table.triangle);
-        let z = z.as_mut_slice();
-        // Stops come first, and so does their part of the triangle.
-        let stops = mode.basis.iter().take_while(|c| matches!(c, Contact::Stop(_))).count();
-        project(system, &mode.basis[..stops], r, false, z, &mut self.scratch.off);
-        project(system, &mode.basis, r, true, z, &mut self.scratch.off);
+        project(system, &mode.basis, r, true, z.as_mut_slice(), &mut self.scratch.off);
     }
 
     /// Puts touching stops exactly on their gap. Others that this moves onto theirs touch, too: they take part in the impacts.

@@ -192,8 +192,9 @@ impl Motion {
     /// As [`set_inputs`](Self::set_inputs); nothing has changed then.
     pub fn set_inputs_on(&mut self, course: &mut Course, inputs: &[(usize, Input)]) -> Result<(), Error> {
         let left = self.hybrid.z.clone();
-        // As at an event: what a host's solver has left of closed contacts is no impact.
-        self.keep_contacts();
+        // As at an event: what a host's solver has left of closed contacts is no impact. Their places are the jump's: the table of a closed stop may have
+        // been set elsewhere since the last event.
+        self.keep_rates();
         self.set_inputs(inputs).inspect_err(|_| self.hybrid.z = left)?;
         *course = Course { event: self.time(), time: self.time(), z: self.hybrid.z.clone() };
         Ok(())
@@ -279,11 +280,15 @@ impl Motion {
             return Ok(false);
         }
         // First its closed contacts, which a host's solver has left a little off where they move: that is neither an impact nor their end. What
-        // has passed zero by that alone has not.
-        let left = self.hybrid.z.clone();
-        self.keep_contacts();
+        // has passed zero by that alone has not. Where prescribed bodies jump, places are the jump's.
+        let (left, is_at_knot) = (self.hybrid.z.clone(), self.is_at_knot(course));
+        if is_at_knot {
+            self.keep_rates()
+        } else {
+            self.keep_contacts()
+        }
         let mut changed = left != self.hybrid.z;
-        if self.is_at_knot(course) {
+        if is_at_knot {
             course.event = self.time();
             let stood = self.before_jump();
             self.refill_on(course);

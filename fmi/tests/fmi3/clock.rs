@@ -145,3 +145,35 @@ fn the_main_description_has_no_clock_and_no_clock_is_an_input() {
         );
     }
 }
+
+/// An error while it ticks ends the tick: what was shown of it stays, here and in a state saved then, and is that of one impact.
+#[test]
+fn invariant_an_error_during_a_tick_ends_it() {
+    let fmu = started(TT);
+    let mut time = 0.0;
+    for impact in impacts(100.0) {
+        loop {
+            time = fmu.step(time, 100.0 - time).time;
+            fmu.enter_event_mode();
+            if fmu.get("impacts.clock") == 1.0 {
+                break;
+            }
+            fmu.update();
+            fmu.enter_step_mode();
+        }
+        let tick = fmu.bytes();
+        // SAFETY: a live instance; no variable has this reference.
+        assert_eq!(unsafe { fmi3SetFloat64(fmu.c, &u32::MAX, 1, &1.0, 1) }, ERROR);
+        let other = Fmu::clocked(TT);
+        other.restore(&fmu.bytes());
+        for ended in [&fmu, &other] {
+            let shown = CLOCKED.map(|name| ended.get(name));
+            assert!(close(shown, impact), "{shown:?} {impact:?}");
+            assert_eq!(ended.get("impacts.clock"), 0.0);
+        }
+        fmu.restore(&tick);
+        assert_eq!(fmu.get("impacts.clock"), 1.0);
+        fmu.update();
+        fmu.enter_step_mode();
+    }
+}

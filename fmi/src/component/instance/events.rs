@@ -266,7 +266,11 @@ impl Instance {
     }
 
     /// An error has ended the simulation. An event that has been shown but not been updated has not taken place: neither here nor in a state saved now.
+    /// A clock that ticks there has ticked: what it has shown stays as that of its last tick.
     pub fn fail(&mut self) {
+        if self.end_tick().is_err() {
+            self.tick.active = false;
+        }
         if self.looks_past_the_event() {
             self.invalidate();
         }
