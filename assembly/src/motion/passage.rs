@@ -92,7 +92,8 @@ impl Flight<'_> {
     }
 
     /// The same within a short sub-step. There no place or speed that is zero throughout passes anything: what a flight makes of it is looked at where the
-    /// sub-step ends, with the flight taken into the sizes. Before that, what begins at nothing, of which any multiple is nothing, would leave zero again and again.
+    /// sub-step ends, with the flight taken into the sizes. Before that, what begins at nothing, of which any multiple is nothing,
+    /// would leave zero again and again.
     #[inline(always)]
     fn short_limit(&self, place: usize) -> f64 {
         match self.table.watched[place].watch {
