@@ -415,30 +415,39 @@ fn an_obsolete_announcement_is_harmless() {
     assert!(fmu.step(end.time, 20.0).event);
 }
 
+/// Modes, and whether a parameter is set in the event or it is an impact, whose reading shows what comes after.
+const SHOWN: [(f64, bool); 4] = [(1.0, false), (2.0, true), (3.0, true), (3.0, false)];
+
+/// An instance in such an event, and the flags with which it was made.
+fn in_an_event((mode, set): (f64, bool)) -> (Fmu, Flags) {
+    let flags = if set { TF } else { TT };
+    let fmu = Fmu::new(flags);
+    assert_eq!(fmu.set("mode", mode), OK);
+    fmu.initialize();
+    if set {
+        assert_eq!(fmu.set("drive.amplitude", 0.2), OK);
+    } else {
+        fmu.update();
+        fmu.enter_step_mode();
+        assert!(fmu.step(0.0, 60.0).event);
+        // SAFETY: a live instance.
+        assert_eq!(unsafe { fmi3EnterEventMode(fmu.c) }, OK);
+    }
+    (fmu, flags)
+}
+
 /// What an event shows stays where the host ends the simulation in it, and in a state saved then: what was set there, and an impact.
 #[test]
 fn invariant_the_end_in_an_event_keeps_what_was_shown() {
-    for (mode, set) in [(1.0, false), (2.0, true), (3.0, true), (3.0, false)] {
-        let flags = if set { TF } else { TT };
-        let fmu = Fmu::new(flags);
-        assert_eq!(fmu.set("mode", mode), OK);
-        fmu.initialize();
-        if set {
-            assert_eq!(fmu.set("drive.amplitude", 0.2), OK);
-        } else {
-            fmu.update();
-            fmu.enter_step_mode();
-            assert!(fmu.step(0.0, 60.0).event);
-            // SAFETY: a live instance.
-            assert_eq!(unsafe { fmi3EnterEventMode(fmu.c) }, OK);
-        }
+    for case in SHOWN {
+        let (fmu, flags) = in_an_event(case);
         let shown = fmu.motion().map(f64::to_bits);
-        // SAFETY: as above.
+        // SAFETY: a live instance.
         assert_eq!(unsafe { fmi3Terminate(fmu.c) }, OK);
         let other = Fmu::new(flags);
         other.restore(&fmu.bytes());
         for ended in [&fmu, &other] {
-            assert_eq!(ended.motion().map(f64::to_bits), shown, "mode {mode}, set: {set}");
+            assert_eq!(ended.motion().map(f64::to_bits), shown, "{case:?}");
         }
     }
 }
@@ -446,26 +455,14 @@ fn invariant_the_end_in_an_event_keeps_what_was_shown() {
 /// An error in an event ends the simulation before it: here and in a state saved then, whatever was shown.
 #[test]
 fn invariant_an_error_in_an_event_leaves_what_is_saved() {
-    for (mode, set) in [(1.0, false), (2.0, true), (3.0, true), (3.0, false)] {
-        let flags = if set { TF } else { TT };
-        let fmu = Fmu::new(flags);
-        assert_eq!(fmu.set("mode", mode), OK);
-        fmu.initialize();
-        if set {
-            assert_eq!(fmu.set("drive.amplitude", 0.2), OK);
-        } else {
-            fmu.update();
-            fmu.enter_step_mode();
-            assert!(fmu.step(0.0, 60.0).event);
-            // SAFETY: a live instance.
-            assert_eq!(unsafe { fmi3EnterEventMode(fmu.c) }, OK);
-        }
+    for case in SHOWN {
+        let (fmu, flags) = in_an_event(case);
         fmu.motion(); // what comes after the event
-        // SAFETY: as above; no variable has this reference.
+        // SAFETY: a live instance; no variable has this reference.
         assert_eq!(unsafe { fmi3SetFloat64(fmu.c, &u32::MAX, 1, &1.0, 1) }, ERROR);
         let other = Fmu::new(flags);
         other.restore(&fmu.bytes());
         let [ended, restored] = [&fmu, &other].map(|fmu| fmu.motion().map(f64::to_bits));
-        assert_eq!(ended, restored, "mode {mode}, set: {set}");
+        assert_eq!(ended, restored, "{case:?}");
     }
 }
