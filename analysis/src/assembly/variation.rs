@@ -39,6 +39,7 @@ impl Variation {
         variation
     }
 
+    /// Its length, in which coordinates count by ω.
     fn length(&self) -> f64 {
         let weight = |k: usize| if k < self.coordinates { self.omega } else { 1.0 };
         (0..self.v.len()).map(|k| (weight(k) * self.v[k]).powi(2)).sum::<f64>().sqrt()

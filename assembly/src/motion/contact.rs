@@ -328,6 +328,7 @@ impl Motion {
         }
     }
 
+    /// Finds the order of the zero from which each watched functional of the mode goes down, [`ORDERS`] where it is zero throughout.
     fn find_departures(&mut self) {
         let Hybrid { departing, sizes, z, .. } = &mut self.hybrid;
         let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
@@ -344,7 +345,7 @@ impl Motion {
 
     /// Where a body is caged by compliant stops at whose edges it is for ever, by the law, what goes into one of them goes out of another. A rate that
     /// counts as zero is put to zero there like those of contacts: it would drift from one to the other without end. What may drift into a stop alone
-    /// keeps its rate. Tells whether there is such a cage.
+    /// keeps its rate. True where there is such a cage.
     fn rest_at_edges(&mut self) -> bool {
         let Hybrid { departing, z, mode, sizes, .. } = &mut self.hybrid;
         let (system, watched) = (&self.assembly.system, &self.tables.at(self.place).table.watched);
