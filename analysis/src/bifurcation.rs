@@ -85,8 +85,8 @@ pub trait DiagramPoint {
     fn class(&self) -> MotionClass;
     /// Impacts a period.
     fn contacts(&self) -> f64;
-    /// Whether another motion has for certain ended elsewhere.
-    fn differs(&self, other: &Self) -> bool;
+    /// Whether another motion has ended elsewhere; `None` where that is not decided.
+    fn differs(&self, other: &Self) -> Option<bool>;
 }
 
 impl DiagramPoint for SweepPoint {
@@ -106,9 +106,12 @@ impl DiagramPoint for SweepPoint {
         self.attractor.impacts[0] + self.attractor.impacts[1]
     }
 
-    fn differs(&self, other: &Self) -> bool {
-        let decided = |p: &Self| p.class.is_decided();
-        decided(self) && decided(other) && self.attractor.relation(&other.attractor) == Relation::Different
+    fn differs(&self, other: &Self) -> Option<bool> {
+        let both = self.class.is_decided() && other.class.is_decided();
+        match self.attractor.relation(&other.attractor) {
+            Relation::Undecided => None,
+            relation => both.then_some(relation == Relation::Different),
+        }
     }
 }
 
@@ -370,8 +373,13 @@ impl<P: DiagramPoint> Diagram<P> {
     /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two without a period are two
     /// where their [means](crate::statistics) differ for certain; what has not settled is on no attractor.
     pub fn hysteresis(&self) -> Vec<bool> {
-        let both = self.up.iter().zip(&self.down);
-        both.map(|pair| matches!(pair, (Some(a), Some(b)) if a.differs(b))).collect()
+        self.apart().into_iter().map(|apart| apart == Some(true)).collect()
+    }
+
+    /// Whether the two directions end [elsewhere](Self::hysteresis), by value; `None` where that is not
+    /// decided: a motion has not settled, was refused, or neither has a period and nothing tells them apart.
+    pub fn apart(&self) -> Vec<Option<bool>> {
+        self.up.iter().zip(&self.down).map(|(a, b)| a.as_ref()?.differs(b.as_ref()?)).collect()
     }
 
     /// The motion at the value of the rising direction that is nearest to `value`; `None` where the simulator refused all.

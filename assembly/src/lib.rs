@@ -20,6 +20,7 @@ mod kinds;
 pub mod law;
 pub mod mode;
 pub mod motion;
+pub mod neutral;
 pub mod parameters;
 mod rates;
 pub mod refusal;

@@ -65,7 +65,7 @@ impl DiagramPoint for Point {
         self.settled.contacts
     }
 
-    fn differs(&self, other: &Self) -> bool {
+    fn differs(&self, other: &Self) -> Option<bool> {
         self.settled.differs(&other.settled)
     }
 }

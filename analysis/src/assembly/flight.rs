@@ -4,7 +4,7 @@
 //! engine says where flights end, and within one the states are a power series.
 
 use crate::error::Result;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 use std::sync::Arc;
 use vibro_assembly::Motion;
@@ -18,6 +18,11 @@ use vibro_impact::events::turns;
 const RADIUS: f64 = 2.0;
 /// A series ends with the first term under this part of the state's rate bound.
 const REMAINDER: f64 = 1e-19;
+
+/// Stretches of a flight above which variations are carried by a matrix that is squared, …
+const MANY: f64 = 64.0;
+/// … where the augmented state is no longer than this: its products cost the cube.
+const LARGE: usize = 160;
 
 /// The linear system of a mode, by rows.
 #[derive(Debug)]
@@ -85,6 +90,32 @@ impl Flow {
             state = (0..state.len()).map(|i| series.iter().rev().map(|term| term[i]).sum()).collect();
         }
         state
+    }
+
+    /// Carries variations over a flight, each on its own, or all by the matrix exp(A t), doubled up,
+    /// where the flight has many stretches.
+    pub fn carry(&self, variations: &mut [Vec<f64>], span: f64) {
+        let (count, size) = (self.stretches_of(span), variations.first().map_or(0, Vec::len));
+        if count <= MANY || size > LARGE {
+            for v in variations.iter_mut() {
+                *v = self.stretches(v, span, &mut |_, _| ());
+            }
+            return;
+        }
+        let doublings = count.log2().ceil();
+        let part = span / doublings.exp2();
+        let mut matrix = DMatrix::identity(size, size);
+        for mut column in matrix.column_iter_mut() {
+            let end = self.stretches(column.as_slice(), part, &mut |_, _| ());
+            column.copy_from_slice(&end);
+        }
+        for _ in 0..doublings as u32 {
+            matrix = &matrix * &matrix;
+        }
+        for v in variations.iter_mut() {
+            let end = &matrix * DVector::from_column_slice(v);
+            v.copy_from_slice(end.as_slice());
+        }
     }
 }
 

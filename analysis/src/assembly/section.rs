@@ -5,7 +5,7 @@ use super::flight::{Flows, Observer, follow};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use vibro_assembly::Motion;
-use vibro_assembly::description::{BodyKind, Description, Signal};
+use vibro_assembly::description::{BodyKind, Description, Harmonic, Signal};
 use vibro_assembly::motion::{Event, EventKind, Outcome};
 
 /// Frequencies are multiples of one another to this part.
@@ -14,6 +14,9 @@ const COMMENSURATE: f64 = 1e-9;
 const MOST_PERIODS: u32 = 1000;
 /// The time within which an event that makes the section must come again, s.
 const WITHIN: f64 = 100.0;
+
+/// Where a section lies beside one of whole periods, in parts of the period: no simple fraction.
+const BESIDE: f64 = 0.381_966_011_250_105;
 
 /// How the section is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -32,6 +35,8 @@ pub enum SectionRule {
 pub enum Section {
     /// At whole multiples of a time, s.
     Period(f64),
+    /// At a time, s, after whole multiples of another: beside events that fall on these.
+    Shifted(f64, f64),
     /// Where a stop is hit or met.
     Stop(usize),
     /// Where a friction begins to stick.
@@ -48,10 +53,20 @@ fn signals(d: &Description) -> impl Iterator<Item = &Signal> {
     motions.chain(levels).chain(d.loads.iter().map(|l| &l.force))
 }
 
+/// The harmonics of all signals.
+pub(super) fn harmonics(d: &Description) -> impl Iterator<Item = &Harmonic> {
+    signals(d).flat_map(|s| s.harmonics.iter())
+}
+
+/// Whether no signal changes with time: prescribed bodies may move evenly.
+pub(super) fn is_steady(d: &Description) -> bool {
+    signals(d).all(|s| s.harmonics.is_empty() && s.steps.is_empty() && s.table.is_none())
+}
+
 /// The least time that is a whole number of periods of each harmonic, s: `None` without harmonics, or where there is none up to 1000
 /// periods of the slowest.
 pub fn common_period(d: &Description) -> Option<f64> {
-    let frequencies: Vec<f64> = signals(d).flat_map(|s| s.harmonics.iter().map(|h| h.frequency)).collect();
+    let frequencies: Vec<f64> = harmonics(d).map(|h| h.frequency).collect();
     let slowest = frequencies.iter().copied().reduce(f64::min)?;
     let is_whole = |ratio: f64| (ratio - ratio.round()).abs() <= COMMENSURATE * ratio;
     let all = |k: &u32| frequencies.iter().all(|f| is_whole(f64::from(*k) * f / slowest));
@@ -101,7 +116,9 @@ impl Section {
     /// In words: `periods of 0.1 s`, `events of stop.floor`.
     pub fn in_words(&self, d: &Description) -> String {
         match self {
-            Self::Period(period) => format!("periods of {} s", crate::significant(*period)),
+            Self::Period(period) | Self::Shifted(period, _) => {
+                format!("periods of {} s", crate::significant(*period))
+            }
             Self::Stop(i) => format!("events of stop.{}", d.stops[*i].name),
             Self::Friction(i) => format!("events of friction.{}", d.frictions[*i].name),
         }
@@ -122,9 +139,31 @@ impl Section {
         }
     }
 
-    /// The end of the next period.
-    fn next_multiple(time: f64, period: f64) -> f64 {
-        ((time / period + COMMENSURATE).floor() + 1.0) * period
+    /// The end of the period that is under way; none where events are the section.
+    fn end(&self, time: f64) -> Option<f64> {
+        let (period, shift) = match self {
+            Self::Period(period) => (*period, 0.0),
+            Self::Shifted(period, shift) => (*period, *shift),
+            Self::Stop(_) | Self::Friction(_) => return None,
+        };
+        Some((((time - shift) / period + COMMENSURATE).floor() + 1.0) * period + shift)
+    }
+
+    /// Whether each return is a whole number of turns of a harmonic, of a frequency in Hz.
+    pub(super) fn holds(&self, frequency: f64) -> bool {
+        let turns = match self {
+            Self::Period(period) | Self::Shifted(period, _) => period * frequency,
+            Self::Stop(_) | Self::Friction(_) => return false,
+        };
+        (turns - turns.round()).abs() <= COMMENSURATE * turns && turns.round() >= 1.0
+    }
+
+    /// A section beside this one, where it is one of times.
+    pub(super) fn beside(&self) -> Option<Self> {
+        match self {
+            Self::Period(period) => Some(Self::Shifted(*period, BESIDE * period)),
+            _ => None,
+        }
     }
 
     /// Advances to the next return and tells every event on the way.
@@ -132,8 +171,8 @@ impl Section {
     /// # Errors
     /// As [`Motion::advance_to`]; [`Error::Described`] where an element has no event for 100 s.
     pub fn advance(&self, motion: &mut Motion, tell: &mut dyn FnMut(&Event)) -> Result<()> {
-        if let Self::Period(period) = self {
-            return Ok(motion.advance_observed(Self::next_multiple(motion.time(), *period), tell)?);
+        if let Some(end) = self.end(motion.time()) {
+            return Ok(motion.advance_observed(end, tell)?);
         }
         let end = motion.time() + WITHIN;
         let mut events = Vec::new();
@@ -161,17 +200,12 @@ impl Section {
         flows: &mut Flows,
         observers: &mut [&mut dyn Observer],
     ) -> Result<()> {
-        match self {
-            Self::Period(period) => {
-                let end = Self::next_multiple(motion.time(), *period);
-                follow(motion, flows, end, observers, &mut |_| false)?;
-                Ok(())
-            }
-            _ => {
-                let end = motion.time() + WITHIN;
-                let met = follow(motion, flows, end, observers, &mut |events| self.is_met(events))?;
-                if met { Ok(()) } else { Err(self.missed(motion)) }
-            }
+        if let Some(end) = self.end(motion.time()) {
+            follow(motion, flows, end, observers, &mut |_| false)?;
+            return Ok(());
         }
+        let end = motion.time() + WITHIN;
+        let met = follow(motion, flows, end, observers, &mut |events| self.is_met(events))?;
+        if met { Ok(()) } else { Err(self.missed(motion)) }
     }
 }

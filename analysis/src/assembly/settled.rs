@@ -1,125 +1,61 @@
-//! What a motion of a described machine settles on: its period in returns to the section, its class, its largest exponent.
+//! What a motion of a described machine settles on: its period in returns to the section, its class, its
+//! largest exponent.
+//!
+//! A period is said where states return, where the [derivative of the period](super::monodromy) says that
+//! the orbit is near, and where no part of the period would do: what seems to return in 2T next to a
+//! doubling is followed until it returns in T, or until its two states are farther apart than the way that
+//! is left. What is not decided after the most returns is settling or not settled.
 
 use super::flight::Flows;
-use super::section::Section;
-use super::variation::Variation;
-use crate::attractor::{LONGEST, MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT, least_period, nears};
+use super::growth::{ALIGN, Growth};
+use super::monodromy::{Period, neutral, shift};
+use super::returns::Record;
+use super::section::{Section, common_period, harmonics};
+use super::variation::{Metric, Variation};
+use crate::attractor::{MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT};
 use crate::error::Result;
-use crate::largest_exponent::{BLOCK, ExponentSign, LargestExponent};
+use crate::largest_exponent::{ExponentSign, LargestExponent};
+use nalgebra::{DMatrix, Schur};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
-use vibro_assembly::description::Dimension;
-use vibro_assembly::motion::{Event, EventKind};
+use vibro_assembly::mode::{FrictionState, StopState};
+use vibro_assembly::system::System;
 
-/// A motion has settled when its states return to this part of their sizes, over four times its period: it is then not followed
-/// further.
+/// A motion is not followed further where its states return to this part of their sizes.
 const STEADY: f64 = 1e-9;
 /// Returns between two looks at whether a motion has settled.
 const LOOK: u32 = 4;
-/// Most returns over which an exponent is counted before its sign is left open.
-const MOST_RETURNS: u32 = 512;
-/// Contacts slower than this part of the fastest are chatter, of which the number does not make a period.
-const CHATTER: f64 = 1e-6;
+/// A motion whose derivative of the period was in vain is looked at again when it has been followed so
+/// many times as long.
+const AGAIN: f64 = 1.25;
+/// States of an orbit are apart by so many times the distance that is left to it, or may be one.
+const APART: f64 = 20.0;
+/// Most returns over which an exponent is counted before its sign is left open: as many as tell that it is
+/// zero, by [`ZERO_EXPONENT`].
+const MOST_RETURNS: u32 = 3_300;
+/// Most returns for which a motion is followed while it is on its way.
+const PROLONGED: u32 = 8_192;
+/// Returns between two looks at an exponent's sign.
+const BLOCK: u32 = 8;
+/// An exponent by the multiplier of a period is exact where the orbit is as near as this.
+const NEAR: f64 = 1e-9;
 
-/// A state at the section: rates of the coordinates, elongations of springs and stops. What is not among them, such as the angle of a
-/// wheel that nothing holds, does not act.
-#[derive(Clone, Debug)]
-struct Return {
-    state: Vec<f64>,
-    /// The contacts since the last one: how many, and their order as a number.
-    contacts: u32,
-    pattern: u64,
-    /// s.
-    time: f64,
-}
-
-/// Returns of a motion.
-#[derive(Debug, Default)]
-struct Record {
-    returns: Vec<Return>,
-    /// The kind of each number of a state: rate or elongation, of translation or rotation.
-    kinds: Vec<usize>,
-    /// The largest size of each kind.
-    sizes: [f64; 4],
-    fastest: f64,
-    contacts: u32,
-    pattern: u64,
-    rests: bool,
-}
-
-impl Record {
-    fn event(&mut self, event: &Event) {
-        match event.kind {
-            EventKind::Impact { stop, speed, .. } | EventKind::Press { stop, speed } => {
-                self.contacts += 1;
-                self.fastest = self.fastest.max(speed);
-                if speed > CHATTER * self.fastest {
-                    self.pattern = self.pattern.wrapping_mul(31).wrapping_add(1 + stop as u64);
-                }
-            }
-            EventKind::Close { .. } | EventKind::Stick { .. } => self.rests = true,
-            _ => {}
-        }
-    }
-
-    fn arrive(&mut self, motion: &Motion) {
-        let assembly = motion.assembly();
-        let (d, system, z) = (&assembly.description, assembly.system(), motion.state());
-        let n = system.coordinates;
-        let rotates = |dimension: Dimension| usize::from(dimension == Dimension::Rotation);
-        if self.kinds.is_empty() {
-            self.kinds.extend(system.bodies_of.iter().map(|&b| rotates(d.bodies[b].dimension)));
-            let elements = d.springs.iter().map(|s| &s.arms).chain(d.stops.iter().map(|s| &s.arms));
-            self.kinds.extend(elements.map(|arms| 2 + rotates(arms.dimension)));
-        }
-        let mut state: Vec<f64> = z.as_slice()[n..2 * n].to_vec();
-        state.extend(system.springs.iter().map(|s| s.elongation.e.dot(z)));
-        state.extend(system.stops.iter().map(|s| s.elongation.e.dot(z)));
-        for (kind, x) in self.kinds.iter().zip(&state) {
-            self.sizes[*kind] = self.sizes[*kind].max(x.abs());
-        }
-        let (contacts, pattern) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.pattern));
-        self.returns.push(Return { state, contacts, pattern, time: motion.time() });
-    }
-
-    /// Mean time between returns, s.
-    fn interval(&self) -> f64 {
-        match &self.returns[..] {
-            [first, .., last] => (last.time - first.time) / (self.returns.len() - 1) as f64,
-            _ => 1.0,
-        }
-    }
-
-    /// The sizes by which states are compared, number by number.
-    fn scales(&self) -> Vec<f64> {
-        let omega = TAU / self.interval();
-        let [rate, spin, length, angle] = self.sizes;
-        // A rate that happens to be small at the section is compared with what its coordinate does.
-        let sizes = [rate.max(omega * length), spin.max(omega * angle), length, angle];
-        self.kinds.iter().map(|kind| sizes[*kind]).collect()
-    }
-
-    fn period(&self, near: f64) -> Option<u32> {
-        let scales = self.scales();
-        least_period(&self.returns, |a, b| {
-            a.pattern == b.pattern && is_near(&a.state, &b.state, &scales, near)
-        })
-    }
-}
-
-fn is_near(a: &[f64], b: &[f64], scales: &[f64], near: f64) -> bool {
-    a.iter().zip(b).zip(scales).all(|((a, b), scale)| (a - b).abs() <= near * scale)
-}
+/// Most coordinates of a machine of which own rates are found: their cost is the cube.
+const LARGE: usize = 100;
+/// Sweeps of the Schur decomposition for each coordinate.
+const SWEEPS: usize = 400;
+/// A rate under this part of the fastest is that of a neutral direction.
+const NO_RATE: f64 = 1e-9;
 
 /// What a motion has settled on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settled {
-    /// Its period in returns, where it has one up to [`LONGEST`].
+    /// Its period in returns, where it has one up to [`LONGEST`](crate::attractor::LONGEST).
     pub period: Option<u32>,
     /// Its class.
     pub class: MotionClass,
-    /// Its largest exponent, where it was computed.
+    /// The largest exponent beside neutral ones, where it was computed.
     pub exponent: Option<LargestExponent>,
     /// Impacts and first touches a return.
     pub contacts: f64,
@@ -127,31 +63,133 @@ pub struct Settled {
     pub rests: bool,
     /// Mean time between returns, s.
     pub interval: f64,
-    /// The states of one period, in parts of [`scales`](Self::scales).
+    /// The states of one period: what [must return](super::returns), SI.
     pub states: Vec<Vec<f64>>,
     /// The sizes of the states' numbers, SI.
     pub scales: Vec<f64>,
+    /// Time after the section at which the states are taken, s.
+    pub shift: f64,
 }
 
 impl Settled {
-    /// Whether both are for certain not one attractor: two periods, or states that differ.
-    pub fn differs(&self, other: &Self) -> bool {
+    /// Whether both are two attractors: two classes, two periods, or states that differ. None where that is
+    /// not decided, as of two chaotic motions.
+    pub fn differs(&self, other: &Self) -> Option<bool> {
         if !(self.class.is_decided() && other.class.is_decided()) {
-            return false;
+            return None;
         }
-        if self.period != other.period {
-            return true;
+        if self.class != other.class {
+            return Some(true);
         }
-        let ones = vec![1.0; self.scales.len()];
-        let inverse: Vec<f64> = self.scales.iter().zip(&other.scales).map(|(a, b)| b / a).collect();
-        let own = |theirs: &[f64]| -> Vec<f64> {
-            theirs.iter().zip(&inverse).map(|(x, r)| if r.is_finite() { x * r } else { 0.0 }).collect()
+        if self.period.is_none() || self.shift != other.shift {
+            return None;
+        }
+        let scales: Vec<f64> = self.scales.iter().zip(&other.scales).map(|(a, b)| a.max(*b)).collect();
+        let is_same = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).zip(&scales).all(|((a, b), scale)| (a - b).abs() <= SAME * scale)
         };
-        self.period.is_some()
-            && !other.states.iter().all(|theirs| {
-                let theirs = own(theirs);
-                self.states.iter().any(|mine| is_near(mine, &theirs, &ones, SAME))
-            })
+        Some(!other.states.iter().all(|theirs| self.states.iter().any(|mine| is_same(mine, theirs))))
+    }
+}
+
+/// A motion that is followed from return to return.
+struct Follower<'a> {
+    motion: &'a mut Motion,
+    section: Section,
+    record: Record,
+    /// Returns for which it has been followed.
+    followed: u32,
+    /// How far it must have been followed before the derivative of the period is looked at again.
+    next_look: u32,
+}
+
+impl<'a> Follower<'a> {
+    fn new(motion: &'a mut Motion, section: &Section) -> Self {
+        let record = Record::new(motion, section);
+        Self { motion, section: *section, record, followed: 0, next_look: 0 }
+    }
+
+    fn at_event(&self) -> bool {
+        matches!(self.section, Section::Stop(_) | Section::Friction(_))
+    }
+
+    fn begin(&mut self) {
+        self.record = Record::new(self.motion, &self.section);
+        let at_event = self.at_event();
+        self.record.arrive(self.motion, at_event);
+    }
+
+    /// Goes on to the next return.
+    fn advance(&mut self) -> Result<()> {
+        let record = &mut self.record;
+        self.section.advance(self.motion, &mut |event| record.event(event))?;
+        let at_event = self.at_event();
+        self.record.arrive(self.motion, at_event);
+        if self.record.returns.len() == 2 {
+            let interval = self.record.interval();
+            self.record.look_between(self.motion, interval);
+        }
+        self.followed += 1;
+        Ok(())
+    }
+
+    /// The period, with its derivative, where it is decided; the motion is then a period further.
+    fn period(&mut self, near: f64) -> Result<Option<(u32, Period)>> {
+        if self.followed < self.next_look || self.record.is_beside {
+            return Ok(None);
+        }
+        let Some(returns) = self.record.period(near) else { return Ok(None) };
+        let mut after = self.motion.clone();
+        let period = Period::follow(&mut after, &self.section, &self.record, returns)?;
+        self.next_look = (f64::from(self.followed) * AGAIN) as u32 + LOOK;
+        let parts = (2..=returns).filter(|factor| returns.is_multiple_of(*factor));
+        let mut apart = parts.map(|factor| self.record.return_distance(returns / factor));
+        let is_whole = apart.all(|apart| apart > APART * period.distance);
+        if period.distance > RETURN || !is_whole {
+            return Ok(None);
+        }
+        *self.motion = after;
+        Ok(Some((returns, period)))
+    }
+
+    /// Whether the motion has a period by its returns alone.
+    fn seems_periodic(&self) -> bool {
+        self.record.period(RETURN).is_some()
+    }
+
+    /// Follows it until its period is decided, over up to [`OBSERVED`] returns.
+    fn observe(&mut self) -> Result<Option<(u32, Period)>> {
+        self.begin();
+        for k in 1..=OBSERVED {
+            self.advance()?;
+            if k % LOOK == 0
+                && let Some(found) = self.period(STEADY)?
+            {
+                return Ok(Some(found));
+            }
+        }
+        if self.record.is_beside
+            && let Some(section) = self.section.beside()
+        {
+            // Contacts at the very section come on either side of it.
+            self.section = section;
+            return self.observe();
+        }
+        self.period(RETURN)
+    }
+
+    /// Follows it for as long as it has been followed, or until its period is decided.
+    fn prolong(&mut self) -> Result<Option<(u32, Period)>> {
+        for k in 1..=self.followed {
+            self.advance()?;
+            self.record.shorten();
+            if k % LOOK == 0
+                && let Some(found) = self.period(STEADY)?
+            {
+                return Ok(Some(found));
+            }
+        }
+        Ok(None)
     }
 }
 
@@ -160,104 +198,162 @@ impl Settled {
 /// # Errors
 /// As [`Section::advance`].
 pub fn discard(motion: &mut Motion, section: &Section, discard: u32) -> Result<()> {
-    let mut record = Record::default();
+    let mut follower = Follower::new(motion, section);
     for k in 1..=discard {
-        section.advance(motion, &mut |event| record.event(event))?;
-        record.arrive(motion);
-        if k % LOOK == 0 && record.period(STEADY).is_some() {
+        follower.advance()?;
+        if k % LOOK == 0 && follower.period(STEADY)?.is_some() {
             return Ok(());
         }
-        // Four times the longest period is looked at.
-        if record.returns.len() >= 8 * LONGEST as usize {
-            record.returns.drain(..4 * LONGEST as usize);
-        }
+        follower.record.shorten();
     }
     Ok(())
 }
 
-/// Follows a motion until its returns have settled, or over [`OBSERVED`] of them.
-fn observe(motion: &mut Motion, section: &Section) -> Result<Record> {
-    let mut record = Record::default();
-    record.arrive(motion);
-    for k in 1..=OBSERVED {
-        section.advance(motion, &mut |event| record.event(event))?;
-        record.arrive(motion);
-        if k % LOOK == 0 && record.period(STEADY).is_some() {
+/// The slowest of a motion's rates, 1/s: that of its returns or, where it is slower, of the machine's own
+/// motion without contacts, where that has up to [`LARGE`] coordinates.
+fn slowest(motion: &Motion, interval: f64) -> f64 {
+    let system: &System = motion.assembly().system();
+    let (n, returns) = (system.coordinates, TAU / interval);
+    if n > LARGE {
+        return returns;
+    }
+    let open = vec![StopState::Open; system.stops.len()];
+    let off = vec![FrictionState::Off; system.frictions.len()];
+    let accelerations = system.free_acceleration(&open, &off);
+    let a = DMatrix::from_fn(2 * n, 2 * n, |i, j| match i < n {
+        true => f64::from(u8::from(j == i + n)),
+        false => accelerations[(i - n, j)],
+    });
+    let Some(schur) = Schur::try_new(a, f64::EPSILON, SWEEPS * n) else { return returns };
+    let rates: Vec<f64> = schur.complex_eigenvalues().iter().map(|value| value.re.hypot(value.im)).collect();
+    let fastest = rates.iter().copied().fold(0.0, f64::max);
+    rates.into_iter().filter(|rate| *rate > NO_RATE * fastest).fold(returns, f64::min)
+}
+
+/// The growth of a variation from the present on: until its sign is decided and it has been counted over
+/// `least` returns, or over the most.
+fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Growth> {
+    let motion = &mut *follower.motion;
+    let assembly = motion.assembly().clone();
+    let system = assembly.system();
+    let metric = Metric::by_frequency(system.coordinates, TAU / follower.record.interval());
+    let neutral = neutral(motion, &follower.record);
+    let mut variation = Variation::new(system, motion.mode(), metric, &neutral);
+    let mut flows = Flows::default();
+    let mut growth = Growth::default();
+    variation.grown(shift(motion));
+    let most = MOST_RETURNS.max(least);
+    for k in 1..=most + ALIGN as u32 {
+        let from = motion.time();
+        follower.section.follow(motion, &mut flows, &mut [&mut variation])?;
+        growth.add(variation.grown(shift(motion)), motion.time() - from);
+        if growth.is_lost() {
+            break;
+        }
+        let decided = || growth.sign(threshold) != ExponentSign::Undecided;
+        if k % BLOCK == 0 && growth.returns() >= least && decided() {
             break;
         }
     }
-    Ok(record)
+    Ok(growth)
 }
 
-/// The largest exponent of a motion from the present on: until its sign is decided or, where `most` is given, over as many returns.
-///
-/// # Errors
-/// As [`Section::advance`].
-pub fn exponent(
-    motion: &mut Motion,
-    section: &Section,
-    interval: f64,
-    most: Option<u32>,
+/// The exponent of a motion with a period, by its multipliers; by the growth of a variation where they are
+/// too small to be told from rounding.
+fn periodic_exponent(
+    follower: &mut Follower<'_>,
+    (returns, first): (u32, Period),
+    least: u32,
 ) -> Result<LargestExponent> {
-    let assembly = motion.assembly().clone();
-    let (mut flows, omega) = (Flows::default(), TAU / interval);
-    let mut variation = Variation::new(assembly.system(), motion.mode(), omega);
-    let begin = motion.time();
-    let (limit, threshold) = (most.unwrap_or(MOST_RETURNS), ZERO_EXPONENT * omega);
-    let mut blocks = 0;
-    loop {
-        for _ in 0..BLOCK {
-            section.follow(motion, &mut flows, &mut [&mut variation])?;
-            variation.scale();
+    let mut periods = [first; 2];
+    let mut left = PROLONGED / 4;
+    while periods[1].exponent().is_some() && left >= returns {
+        // What is left of the way changes multipliers in proportion.
+        if periods[1].distance <= NEAR && periods[1] != first {
+            break;
         }
-        variation.end_block();
-        blocks += 1;
-        let block = (motion.time() - begin) / f64::from(blocks);
-        let found = variation.exponent(block);
-        let threshold = if most.is_some() { f64::INFINITY } else { threshold };
-        if variation.is_decided(block, threshold, limit) || found.value == f64::NEG_INFINITY {
-            return Ok(found);
+        let next = Period::follow(follower.motion, &follower.section, &follower.record, returns)?;
+        let came_nearer = next.distance < periods[1].distance;
+        periods = [periods[1], next];
+        left -= returns;
+        if !came_nearer && left < PROLONGED / 8 {
+            break;
         }
     }
+    let Some(value) = periods[1].exponent() else {
+        return Ok(growth(follower, least, f64::INFINITY)?.exponent());
+    };
+    let before = periods[0].exponent().unwrap_or(value);
+    Ok(LargestExponent { value, error: (value - before).abs(), periods: returns })
 }
 
-/// What a motion settles on, from the present on. The exponent of a motion with a period is computed where `exponents` gives the
-/// number of returns; of one without, its sign decides on the class.
+/// What a motion settles on, from the present on. The exponent of a motion with a period is computed where
+/// `exponents` gives the least number of returns over which one without is counted; of these the sign
+/// decides on the class.
 ///
 /// # Errors
 /// As [`Section::advance`].
 pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -> Result<Settled> {
-    let mut record = observe(motion, section)?;
-    let mut period = record.period(RETURN);
-    let mut found = None;
-    if period.is_none() {
-        found = Some(exponent(motion, section, record.interval(), None)?);
-        let threshold = ZERO_EXPONENT * TAU / record.interval();
-        let sign = found.map(|e| e.sign_beyond(threshold, record.interval()));
-        if sign == Some(ExponentSign::Negative) {
-            // It was still on its way.
-            discard(motion, section, MOST_RETURNS)?;
-            record = observe(motion, section)?;
-            period = record.period(RETURN);
+    let mut follower = Follower::new(motion, section);
+    let mut period = follower.observe()?;
+    let (mut class, mut exponent) = (MotionClass::Settling, None);
+    while period.is_none() {
+        let on_its_way = follower.seems_periodic();
+        if !on_its_way {
+            let d = &follower.motion.assembly().description;
+            let has_periods = common_period(d).is_some() || harmonics(d).next().is_none();
+            let threshold = ZERO_EXPONENT * slowest(follower.motion, follower.record.interval());
+            let growth = growth(&mut follower, exponents.unwrap_or(0), threshold)?;
+            exponent = Some(growth.exponent());
+            let sign = growth.sign(threshold);
+            class = MotionClass::by_sign(None, Some(sign), follower.record.is_approaching());
+            if class == MotionClass::Settling && !has_periods {
+                // All that two frequencies without a common period leave is a motion as theirs.
+                class = MotionClass::QuasiPeriodic;
+            }
+            follower.followed += growth.returns();
+        }
+        if class != MotionClass::Settling && !on_its_way || follower.followed >= PROLONGED {
+            break;
+        }
+        period = follower.prolong()?;
+        if period.is_none() {
+            period = follower.observe()?;
         }
     }
-    let interval = record.interval();
-    let sign = found.map(|e| e.sign_beyond(ZERO_EXPONENT * TAU / interval, interval));
-    let scales = record.scales();
-    let approaching = period.is_none()
-        && nears(&record.returns, |a, b| {
-            let parts = a.state.iter().zip(&b.state).zip(&scales);
-            parts.map(|((a, b), s)| if *s > 0.0 { (a - b).abs() / s } else { 0.0 }).fold(0.0, f64::max)
-        });
-    let class = MotionClass::by_sign(period, sign, approaching);
-    if let Some(returns) = exponents {
-        found = Some(exponent(motion, section, interval, Some(returns))?);
+    if let Some((returns, found)) = period {
+        class = MotionClass::Periodic(returns);
+        exponent = match exponents {
+            Some(least) => Some(periodic_exponent(&mut follower, (returns, found), least)?),
+            None => None,
+        };
+    } else if follower.seems_periodic() {
+        class = MotionClass::Settling;
     }
-    let count = period.map_or(record.returns.len().saturating_sub(1), |n| n as usize).max(1);
-    let last = &record.returns[record.returns.len().saturating_sub(count)..];
-    let contacts = last.iter().map(|r| f64::from(r.contacts)).sum::<f64>() / last.len() as f64;
-    let part = |(x, s): (&f64, &f64)| if *s > 0.0 { x / s } else { 0.0 };
-    let shown = if period.is_some() { last } else { &last[last.len() - 1..] };
-    let states = shown.iter().map(|r| r.state.iter().zip(&scales).map(part).collect()).collect();
-    Ok(Settled { period, class, exponent: found, contacts, rests: record.rests, interval, states, scales })
+    Ok(follower.seen(period.map(|p| p.0), class, exponent))
+}
+
+impl Follower<'_> {
+    /// What was seen of the motion.
+    fn seen(&self, period: Option<u32>, class: MotionClass, exponent: Option<LargestExponent>) -> Settled {
+        let record = &self.record;
+        let count = period.map_or(record.returns.len().saturating_sub(1), |n| n as usize).max(1);
+        let last = &record.returns[record.returns.len().saturating_sub(count)..];
+        let contacts = last.iter().map(|r| f64::from(r.contacts)).sum::<f64>() / last.len() as f64;
+        let shown = if period.is_some() { last } else { &last[last.len() - 1..] };
+        Settled {
+            period,
+            class,
+            exponent,
+            contacts,
+            rests: record.rests,
+            interval: record.interval(),
+            states: shown.iter().map(|r| r.state.clone()).collect(),
+            scales: record.scales(),
+            shift: match self.section {
+                Section::Shifted(_, shift) => shift,
+                _ => 0.0,
+            },
+        }
+    }
 }

@@ -6,6 +6,8 @@ use crate::parts::Task;
 use crate::plane::ParameterAxis;
 use vibro_impact::{Parameters, Simulator, State};
 
+mod verdicts;
+
 /// Rounding of a motion that has settled to 1e-9 of its size.
 const SETTLED: f64 = 1e-8;
 /// A variation that turns has a length that swings by at most its ratio of axes, whose logarithm counts over 74 s at -2/s.

@@ -1,94 +1,194 @@
-//! The largest Lyapunov exponent of a described machine's motion: one variation, carried exactly through flights and events.
-//! How a variation passes flights and events is docs/assembly-law.md (A21).
+//! Variations of a described machine's motion, carried exactly through flights and events
+//! (docs/assembly-law.md (A21)): one for the largest Lyapunov exponent, all for the multipliers of a period.
+//!
+//! What contacts hold is no direction of a variation, and neutral directions are told apart: what is left of
+//! a variation where both are taken away is what can grow or shrink.
 
-use super::flight::{Flight, Observer, Passage, dot};
-use crate::largest_exponent::{Growth, LargestExponent};
-use vibro_assembly::mode::Mode;
+use super::flight::{Flight, Flow, Observer, Passage, dot};
+use nalgebra::DVector;
+use vibro_assembly::mode::{Contact, Mode};
 use vibro_assembly::motion::{Crossing, keep};
+use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::System;
 
 /// Stretches after which a variation's length is looked at: it changes by e¹⁰⁰ in them at most.
 const STRETCHES: f64 = 50.0;
-/// Lengths between which a variation is not scaled on the way: its squares stay numbers for as many stretches more.
+/// Lengths between which a variation is not scaled on the way: its squares stay numbers for as many
+/// stretches more.
 const SCALED: std::ops::Range<f64> = 1e-100..1e100;
+/// A variation of which contacts leave less than this part is held by them: the rest is rounding.
+const HELD: f64 = 1e-12;
 
-/// One variation of a motion, and how it has grown.
+/// Units of the numbers of a state (q, q'), by which variations have one length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metric(pub Vec<f64>);
+
+impl Metric {
+    /// The metric in which coordinates count by ω, 1/s.
+    pub fn by_frequency(coordinates: usize, omega: f64) -> Self {
+        Self((0..2 * coordinates).map(|k| if k < coordinates { 1.0 / omega } else { 1.0 }).collect())
+    }
+
+    /// The length of a variation.
+    pub fn length(&self, v: &[f64]) -> f64 {
+        v.iter().zip(&self.0).map(|(x, unit)| (x / unit).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// A change of the state in these units.
+    pub fn scaled(&self, v: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(self.0.len(), v.iter().zip(&self.0).map(|(x, unit)| x / unit))
+    }
+
+    /// An orthonormal basis, in these units, of some changes of the state.
+    pub fn basis(&self, directions: impl IntoIterator<Item = Vec<f64>>) -> Vec<DVector<f64>> {
+        let mut basis: Vec<DVector<f64>> = Vec::new();
+        for direction in directions {
+            let mut u = self.scaled(&direction);
+            let size = u.norm();
+            // Twice is enough for orthogonality to rounding.
+            for _ in 0..2 {
+                basis.iter().for_each(|b| u.axpy(-b.dot(&u), b, 1.0));
+            }
+            if u.norm() > HELD * size {
+                basis.push(u.normalize());
+            }
+        }
+        basis
+    }
+
+    /// Takes away from a variation what lies along a basis.
+    pub fn remove(&self, basis: &[DVector<f64>], v: &mut [f64]) {
+        for b in basis {
+            let share: f64 = b.iter().zip(v.iter().zip(&self.0)).map(|(b, (x, unit))| b * x / unit).sum();
+            v.iter_mut().zip(b.iter().zip(&self.0)).for_each(|(x, (b, unit))| *x -= share * b * unit);
+        }
+    }
+}
+
+/// Takes from a variation what contacts hold; one that they hold whole is zero from there on.
+fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
+    if basis.is_empty() {
+        return;
+    }
+    let before = metric.length(v);
+    keep(system, basis, v);
+    if metric.length(v) <= HELD * before {
+        v.fill(0.0);
+    }
+}
+
+/// The event's derivative on some variations.
+fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<f64>], metric: &Metric) {
+    let Passage { watch, flows, states, events, .. } = passage;
+    let rates = [0, 1].map(|k| flows[k].derivative(states[k]));
+    // Of two functionals with one name the one that is zero here.
+    let ended = flows[0].watched.iter().filter(|ended| Some(ended.0) == watch);
+    let off = |row: &[f64]| dot(row, states[0]).abs();
+    let row = ended.map(|(_, row)| row.as_slice()).min_by(|a, b| off(a).total_cmp(&off(b)));
+    let (modes, rates) = (flows.map(|flow| &flow.mode), [&rates[0][..], &rates[1][..]]);
+    let crossing = Crossing { modes, states, rates, row, events };
+    let before: Vec<f64> = variations.iter().map(|v| metric.length(v)).collect();
+    crossing.carry(system, variations.iter_mut().map(Vec::as_mut_slice));
+    for (v, before) in variations.iter_mut().zip(before) {
+        if metric.length(v) <= HELD * before {
+            v.fill(0.0);
+        }
+    }
+}
+
+/// All variations of the state, carried over a period.
+#[derive(Debug)]
+pub struct Frame {
+    /// By number of the state (q, q'): the variation that began as this number's.
+    pub columns: Vec<Vec<f64>>,
+    metric: Metric,
+}
+
+impl Frame {
+    /// The variations by each number of the state, less what the contacts of a mode hold.
+    pub fn new(system: &System, mode: &Mode, metric: &Metric) -> Self {
+        let unit = |place: usize| {
+            let mut v = vec![0.0; system.signals.size];
+            v[place] = 1.0;
+            hold(system, &mode.basis, &mut v, metric);
+            v
+        };
+        Self { columns: (0..2 * system.coordinates).map(unit).collect(), metric: metric.clone() }
+    }
+}
+
+impl Observer for Frame {
+    fn flight(&mut self, system: &System, flight: Flight<'_>) {
+        flight.flow.carry(&mut self.columns, flight.span);
+        for v in &mut self.columns {
+            hold(system, &flight.flow.mode.basis, v, &self.metric);
+        }
+    }
+
+    fn passage(&mut self, system: &System, passage: Passage<'_>) {
+        pass(system, passage, &mut self.columns, &self.metric);
+    }
+}
+
+/// One variation of a motion, and the logarithm of its growth.
 #[derive(Debug)]
 pub struct Variation {
-    v: Vec<f64>,
-    /// Number of coordinates q.
-    coordinates: usize,
-    /// Weight of coordinates beside rates in the length, 1/s.
-    omega: f64,
-    growth: Growth,
+    v: [Vec<f64>; 1],
+    metric: Metric,
+    neutral: Vec<Vec<f64>>,
+    /// The logarithm of its growth since it was last asked for.
+    growth: f64,
 }
 
 impl Variation {
-    /// In general position, for a motion that is in this mode; `omega` is a frequency of the motion, 1/s.
-    pub fn new(system: &System, mode: &Mode, omega: f64) -> Self {
-        let n = system.coordinates;
+    /// In general position, for a motion that is in this mode.
+    pub fn new(system: &System, mode: &Mode, metric: Metric, neutral: &Neutral) -> Self {
         let mut v = vec![0.0; system.signals.size];
-        for (k, x) in v[..2 * n].iter_mut().enumerate() {
+        for (k, (x, unit)) in v.iter_mut().zip(&metric.0).enumerate() {
             // No two alike, none zero.
-            *x = (1.0 + 0.7 * k as f64).sin() / if k < n { omega } else { 1.0 };
+            *x = (1.0 + 0.7 * k as f64).sin() * unit;
         }
-        let mut variation = Self { v, coordinates: n, omega, growth: Growth::default() };
-        keep(system, &mode.basis, &mut variation.v);
-        variation.scale();
-        variation.growth = Growth::default();
-        variation
+        hold(system, &mode.basis, &mut v, &metric);
+        Self { v: [v], metric, neutral: neutral.states(), growth: 0.0 }
     }
 
-    /// Its length, in which coordinates count by ω.
-    fn length(&self) -> f64 {
-        let weight = |k: usize| if k < self.coordinates { self.omega } else { 1.0 };
-        (0..self.v.len()).map(|k| (weight(k) * self.v[k]).powi(2)).sum::<f64>().sqrt()
+    /// Takes away what lies along neutral directions, and along `shift` where a shift in time is one; makes
+    /// the length one, and returns the logarithm of the growth since this was last done: -∞ where nothing is
+    /// left of the variation.
+    pub fn grown(&mut self, shift: Option<Vec<f64>>) -> f64 {
+        let before = self.metric.length(&self.v[0]);
+        let basis = self.metric.basis(self.neutral.iter().cloned().chain(shift));
+        self.metric.remove(&basis, &mut self.v[0]);
+        if self.metric.length(&self.v[0]) <= HELD * before {
+            self.v[0].fill(0.0);
+        }
+        self.scale();
+        std::mem::take(&mut self.growth)
     }
 
-    /// Makes its length one, and notes by how much it has grown.
-    pub fn scale(&mut self) {
-        let length = self.length();
-        self.growth.add(length.ln());
+    fn scale(&mut self) {
+        let length = self.metric.length(&self.v[0]);
+        self.growth += length.ln();
         let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
-        self.v.iter_mut().for_each(|x| *x *= scale);
-    }
-
-    /// Ends a block of so many returns.
-    pub fn end_block(&mut self) {
-        self.growth.end_block();
-    }
-
-    /// The exponent so far, of blocks of this many seconds.
-    pub fn exponent(&self, block: f64) -> LargestExponent {
-        self.growth.exponent(block)
-    }
-
-    /// Whether its sign is decided.
-    pub fn is_decided(&self, block: f64, threshold: f64, most: u32) -> bool {
-        self.growth.is_decided(block, threshold, most)
+        self.v[0].iter_mut().for_each(|x| *x *= scale);
     }
 }
 
 impl Observer for Variation {
-    fn flight(&mut self, _: &System, flight: Flight<'_>) {
-        let parts = (flight.flow.stretches_of(flight.span) / STRETCHES).ceil();
+    fn flight(&mut self, system: &System, flight: Flight<'_>) {
+        let Flight { flow, span, .. } = flight;
+        let parts = (flow.stretches_of(span) / STRETCHES).ceil();
         for _ in 0..parts as u64 {
-            self.v = flight.flow.stretches(&self.v, flight.span / parts, &mut |_, _| ());
+            self.v[0] = Flow::stretches(flow, &self.v[0], span / parts, &mut |_, _| ());
+            hold(system, &flow.mode.basis, &mut self.v[0], &self.metric);
             // Beside a slow drive dampers may take all of it within one return.
-            if !SCALED.contains(&self.length()) {
+            if !SCALED.contains(&self.metric.length(&self.v[0])) {
                 self.scale();
             }
         }
     }
 
     fn passage(&mut self, system: &System, passage: Passage<'_>) {
-        let Passage { watch, flows, states, events, .. } = passage;
-        let rates = [0, 1].map(|k| flows[k].derivative(states[k]));
-        // Of two functionals with one name the one that is zero here.
-        let ended = flows[0].watched.iter().filter(|ended| Some(ended.0) == watch);
-        let off = |row: &[f64]| dot(row, states[0]).abs();
-        let row = ended.map(|(_, row)| row.as_slice()).min_by(|a, b| off(a).total_cmp(&off(b)));
-        let (modes, rates) = (flows.map(|flow| &flow.mode), [&rates[0][..], &rates[1][..]]);
-        Crossing { modes, states, rates, row, events }.carry(system, [&mut self.v[..]]);
+        pass(system, passage, &mut self.v, &self.metric);
     }
 }

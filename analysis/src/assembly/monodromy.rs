@@ -1,0 +1,182 @@
+//! The derivative of a period: how far a motion is from the orbit that it nears, and by how much neighbours
+//! come nearer in a period.
+//!
+//! A return that moves a state by r, and has the derivative M, belongs to a fixed point that is
+//! (1 - M)⁻¹ r away. A slow approach shows itself so: returns may be as near as one likes while the orbit is
+//! far. Neutral directions are left out, and of an autonomous machine a shift in time.
+
+use super::flight::Flows;
+use super::returns::Record;
+use super::section::{Section, is_steady};
+use super::variation::{Frame, Metric};
+use crate::error::Result;
+use nalgebra::{DMatrix, DVector, Schur};
+use vibro_assembly::Motion;
+use vibro_assembly::description::Dimension;
+use vibro_assembly::neutral::Neutral;
+use vibro_assembly::system::Row;
+
+/// Roundings of a state beside one another, and the most of a size that counts for rounding.
+const ROUNDINGS: f64 = 64.0;
+const MOST_ROUNDING: f64 = 1e-7;
+/// Singular values under this are zero: a family of orbits.
+const SINGULAR: f64 = 1e-12;
+/// Logarithms of multipliers under this are zero: what rounding makes of a defective multiplier 1.
+const MARGINAL: f64 = 1e-6;
+/// Multipliers under this are rounding beside the variations that they are differences of.
+const LEAST_MULTIPLIER: f64 = 1e-10;
+/// Sweeps of the Schur decomposition for each multiplier.
+const SWEEPS: usize = 200;
+/// Part of the rates' sizes under which a shift in time is one exactly.
+const EXACT: f64 = 1e-9;
+
+/// The neutral directions of a motion: those of its machine, and those along which friction slips in one
+/// direction throughout.
+pub fn neutral(motion: &Motion, record: &Record) -> Neutral {
+    let modes = &motion.mode().frictions;
+    Neutral::of(motion.assembly().system(), |i| !record.sticks[i] && !modes[i].sticks())
+}
+
+/// The lengths by which changes of a motion's state are measured: how far elongations and rates of each
+/// dimension have been apart.
+pub fn metric(motion: &Motion, record: &Record) -> Metric {
+    let assembly = motion.assembly();
+    let (d, system) = (&assembly.description, assembly.system());
+    let sizes = record.sizes();
+    let unit = |body: usize, first: usize| {
+        let rotates = usize::from(d.bodies[body].dimension == Dimension::Rotation);
+        Some(sizes[first + rotates]).filter(|size| *size > 0.0).unwrap_or(1.0)
+    };
+    let of = |first: usize| system.bodies_of.iter().map(move |body| unit(*body, first));
+    Metric(of(0).chain(of(2)).collect())
+}
+
+/// The change of the state (q, q') by which the motion is the one a little later: z' less the even motion
+/// of what prescribed bodies carry along. None where the machine is not autonomous.
+pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
+    let assembly = motion.assembly();
+    let (d, system, z) = (&assembly.description, assembly.system(), motion.state());
+    if !is_steady(d) {
+        return None;
+    }
+    let n = system.coordinates;
+    let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
+    let held: Vec<_> = springs.chain(system.stops.iter().map(|s| &s.elongation)).collect();
+    // How elongations change by time alone.
+    let explicit = |rate: &Row| rate.iter().zip(z.iter()).skip(2 * n).map(|(r, x)| r * x).sum::<f64>();
+    let rates = DVector::from_iterator(held.len(), held.iter().map(|e| -explicit(&e.rate)));
+    let mut along: DVector<f64> = DVector::zeros(n);
+    if rates.amax() > 0.0 {
+        let rows = DMatrix::from_fn(held.len(), n, |i, j| held[i].w[j]);
+        along = rows.clone().svd(true, true).solve(&rates, EXACT).ok()?;
+        if (rows * &along - &rates).amax() > EXACT * rates.amax() {
+            return None;
+        }
+    }
+    let later = motion.time_derivative(1);
+    let mut shift: Vec<f64> = later.state().iter().take(2 * n).copied().collect();
+    shift.iter_mut().zip(along.iter()).for_each(|(x, u)| *x -= u);
+    Some(shift)
+}
+
+/// What the derivative of a period says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Period {
+    /// The distance of the state from the orbit, in parts of the motion's sizes.
+    pub distance: f64,
+    /// The modulus of the largest multiplier; none where rounding hides it, or where all is lost.
+    pub multiplier: Option<f64>,
+    /// s.
+    pub time: f64,
+}
+
+impl Period {
+    /// Follows the motion over a period of so many returns.
+    ///
+    /// # Errors
+    /// As [`Section::advance`].
+    pub fn follow(motion: &mut Motion, section: &Section, record: &Record, returns: u32) -> Result<Self> {
+        let assembly = motion.assembly().clone();
+        let system = assembly.system();
+        let metric = metric(motion, record);
+        let neutral = neutral(motion, record);
+        let basis = metric.basis(neutral.states().into_iter().chain(shift(motion)));
+        let mut frame = Frame::new(system, motion.mode(), &metric);
+        let (from, start) = (motion.time(), motion.state().clone());
+        let mut flows = Flows::default();
+        for _ in 0..returns {
+            section.follow(motion, &mut flows, &mut [&mut frame])?;
+        }
+        let size = 2 * system.coordinates;
+        let change: Vec<f64> = (0..size).map(|i| motion.state()[i] - start[i]).collect();
+        let scale = |i: usize| start[i].abs().max(motion.state()[i].abs()) / metric.0[i];
+        let rounding = (0..size).map(scale).fold(1.0, f64::max) * ROUNDINGS * f64::EPSILON;
+        let without = |v: DVector<f64>| basis.iter().fold(v, |v, b| &v - b * b.dot(&v));
+        let mut m = DMatrix::zeros(size, size);
+        for (j, column) in frame.columns.iter().enumerate() {
+            m.set_column(j, &(without(metric.scaled(&column[..size])) * metric.0[j]));
+        }
+        // From the right, too.
+        let mut m = m.transpose();
+        for mut column in m.column_iter_mut() {
+            let own = without(column.clone_owned());
+            column.copy_from(&own);
+        }
+        let m = m.transpose();
+        let residual = without(metric.scaled(&change));
+        let off = offset(&m, &basis, &residual, rounding.min(MOST_ROUNDING));
+        let off: Option<Vec<f64>> =
+            off.map(|off| off.iter().zip(&metric.0).map(|(x, unit)| x * unit).collect());
+        let scales = record.scales();
+        let distance = off.map_or(f64::INFINITY, |off| {
+            let changes = record.functionals().changes(&off);
+            let parts = changes.iter().zip(&scales).filter(|(_, scale)| **scale > 0.0);
+            parts.map(|(x, scale)| x.abs() / scale).fold(0.0, f64::max)
+        });
+        Ok(Self { distance, multiplier: largest_multiplier(m), time: motion.time() - from })
+    }
+
+    /// The largest exponent, 1/s, where the multiplier tells it.
+    pub fn exponent(&self) -> Option<f64> {
+        let logarithm = self.multiplier?.ln();
+        Some(if logarithm.abs() < MARGINAL { 0.0 } else { logarithm / self.time })
+    }
+}
+
+/// (1 - M)⁻¹ r outside the neutral directions; none where r has a part beyond rounding in a direction in
+/// which M is 1.
+fn offset(
+    m: &DMatrix<f64>,
+    basis: &[DVector<f64>],
+    r: &DVector<f64>,
+    rounding: f64,
+) -> Option<DVector<f64>> {
+    let mut a = DMatrix::identity(m.nrows(), m.ncols()) - m;
+    basis.iter().for_each(|b| a += b * b.transpose());
+    let svd = a.try_svd(true, true, f64::EPSILON, 0)?;
+    let (u, v) = (svd.u?, svd.v_t?);
+    let mut off = DVector::zeros(r.len());
+    for (k, sigma) in svd.singular_values.iter().enumerate() {
+        let share = u.column(k).dot(r);
+        if share.abs() <= rounding {
+            continue;
+        }
+        if *sigma <= SINGULAR {
+            return None;
+        }
+        off += v.row(k).transpose() * (share / sigma);
+    }
+    Some(off)
+}
+
+/// The largest modulus of the eigenvalues, where it is not rounding.
+fn largest_multiplier(m: DMatrix<f64>) -> Option<f64> {
+    let size = m.amax();
+    if !size.is_finite() {
+        return None;
+    }
+    let sweeps = SWEEPS * m.nrows().max(1);
+    let values = Schur::try_new(m, f64::EPSILON, sweeps)?.complex_eigenvalues();
+    let largest = values.iter().map(|value| value.re.hypot(value.im)).fold(0.0, f64::max);
+    (largest > LEAST_MULTIPLIER * size.max(1.0)).then_some(largest)
+}

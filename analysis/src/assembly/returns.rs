@@ -1,0 +1,280 @@
+//! What must return for a motion of a described machine to be periodic: what forces depend on.
+//!
+//! Elongations of springs with stiffness and of stops, rates of all elements, and the phases of harmonics where the section
+//! does not hold them. The angle of a shaft that nothing holds, and the elongation of a dashpot, do not act.
+
+use super::section::{Section, harmonics};
+use crate::attractor::{LONGEST, RETURN, least_period, nears};
+use std::f64::consts::TAU;
+use vibro_assembly::Motion;
+use vibro_assembly::description::{Arms, Description, Dimension};
+use vibro_assembly::motion::{Event, EventKind};
+use vibro_assembly::system::{Row, System};
+
+/// Contacts slower than this part of the fastest are chatter, of which the number does not make a period.
+const CHATTER: f64 = 1e-6;
+/// Part of a size that stands still, beside which changes of it count: a buffer of which the deflection is
+/// 10⁵ times what it swings by is at rest.
+const STANDING: f64 = 1e-5;
+/// Roundings of the terms of a functional beside one another.
+const ROUNDINGS: f64 = 64.0;
+/// An event this near to a section, in parts of the interval, may come on either side of it.
+const BESIDE: f64 = 1e-6;
+/// Points between two returns at which sizes are taken.
+const SAMPLES: u32 = 8;
+
+/// The numbers that must return.
+#[derive(Clone, Debug)]
+pub struct Functionals {
+    rows: Vec<Row>,
+    /// The kind of each: elongation or rate, of translation or rotation.
+    kinds: Vec<usize>,
+    /// Frequencies, Hz, whose phases must return.
+    phases: Vec<f64>,
+}
+
+impl Functionals {
+    /// Those of a machine that is looked at in a section.
+    pub fn of(d: &Description, system: &System, section: &Section) -> Self {
+        let rotates = |arms: &Arms| usize::from(arms.dimension == Dimension::Rotation);
+        let (mut rows, mut kinds) = (Vec::new(), Vec::new());
+        let mut push = |row: &Row, kind: usize| {
+            rows.push(row.clone());
+            kinds.push(kind);
+        };
+        for (own, rows) in d.springs.iter().zip(&system.springs) {
+            if own.stiffness != 0.0 {
+                push(&rows.elongation.e, rotates(&own.arms));
+            }
+            if own.stiffness != 0.0 || own.damping != 0.0 {
+                push(&rows.elongation.rate, 2 + rotates(&own.arms));
+            }
+        }
+        for (own, rows) in d.stops.iter().zip(&system.stops) {
+            push(&rows.elongation.e, rotates(&own.arms));
+            push(&rows.elongation.rate, 2 + rotates(&own.arms));
+        }
+        for (own, rows) in d.frictions.iter().zip(&system.frictions) {
+            push(&rows.elongation.rate, 2 + rotates(&own.arms));
+        }
+        let phases = harmonics(d).map(|h| h.frequency).filter(|f| !section.holds(*f)).collect();
+        Self { rows, kinds, phases }
+    }
+
+    /// Their values, cosine and sine of the phases last, and the sums of their terms' sizes.
+    fn at(&self, motion: &Motion) -> (Vec<f64>, Vec<f64>) {
+        let z = motion.state();
+        let size = |row: &Row| row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum::<f64>();
+        let mut values: Vec<f64> = self.rows.iter().map(|row| row.dot(z)).collect();
+        let mut sizes: Vec<f64> = self.rows.iter().map(size).collect();
+        for frequency in &self.phases {
+            let turns = frequency * motion.time();
+            let (sine, cosine) = (TAU * turns.fract()).sin_cos();
+            values.extend([cosine, sine]);
+            sizes.extend([turns.max(1.0); 2]);
+        }
+        (values, sizes)
+    }
+
+    /// How a change of the state (q, q') changes each, phases left out.
+    pub fn changes(&self, change: &[f64]) -> Vec<f64> {
+        let along = |row: &Row| row.iter().zip(change).map(|(r, x)| r * x).sum();
+        self.rows.iter().map(along).collect()
+    }
+}
+
+/// A return: the values of the functionals.
+#[derive(Clone, Debug)]
+pub struct Return {
+    pub state: Vec<f64>,
+    /// The contacts since the last one, and a number that tells how many of each stop.
+    pub contacts: u32,
+    pattern: u64,
+    /// s.
+    pub time: f64,
+}
+
+/// Returns of a motion.
+#[derive(Clone, Debug)]
+pub struct Record {
+    functionals: Functionals,
+    pub returns: Vec<Return>,
+    /// The least and the largest value of each functional.
+    extents: Vec<[f64; 2]>,
+    /// The largest sum of each one's terms.
+    terms: Vec<f64>,
+    fastest: f64,
+    contacts: u32,
+    pattern: u64,
+    /// The times of contacts since the last return but one, s.
+    struck: Vec<f64>,
+    /// Whether a contact lies beside a return.
+    pub is_beside: bool,
+    /// Whether a stop stays closed or a friction sticks.
+    pub rests: bool,
+    /// By friction: whether it has changed from slipping in one direction.
+    pub sticks: Vec<bool>,
+}
+
+impl Record {
+    /// Without a return so far.
+    pub fn new(motion: &Motion, section: &Section) -> Self {
+        let assembly = motion.assembly();
+        let functionals = Functionals::of(&assembly.description, assembly.system(), section);
+        let (count, slips) = (functionals.kinds.len() + 2 * functionals.phases.len(), &motion.mode().frictions);
+        Self {
+            functionals,
+            returns: Vec::new(),
+            extents: vec![[f64::INFINITY, f64::NEG_INFINITY]; count],
+            terms: vec![0.0; count],
+            fastest: 0.0,
+            contacts: 0,
+            pattern: 0,
+            struck: Vec::new(),
+            is_beside: false,
+            rests: motion.mode().contacts().next().is_some(),
+            sticks: slips.iter().map(|state| state.sticks()).collect(),
+        }
+    }
+
+    pub fn event(&mut self, event: &Event) {
+        match event.kind {
+            EventKind::Impact { stop, speed, .. } | EventKind::Press { stop, speed } => {
+                self.contacts += 1;
+                self.fastest = self.fastest.max(speed);
+                if speed > CHATTER * self.fastest {
+                    // A sum, since of two contacts at one instant rounding says which comes first.
+                    let own = (1 + stop as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+                    self.pattern = self.pattern.wrapping_add(own ^ (own >> 29));
+                    self.struck.push(event.time);
+                }
+            }
+            EventKind::Close { .. } => self.rests = true,
+            EventKind::Stick { friction } => {
+                self.rests = true;
+                self.sticks[friction] = true;
+            }
+            EventKind::Slip { friction, .. } | EventKind::Level { friction, .. } => {
+                self.sticks[friction] = true;
+            }
+            _ => {}
+        }
+    }
+
+    /// Takes a state into the sizes.
+    fn include(&mut self, motion: &Motion) -> Vec<f64> {
+        let (values, terms) = self.functionals.at(motion);
+        for (([least, largest], size), (x, terms)) in
+            self.extents.iter_mut().zip(&mut self.terms).zip(values.iter().zip(terms))
+        {
+            *least = least.min(*x);
+            *largest = largest.max(*x);
+            *size = size.max(terms);
+        }
+        values
+    }
+
+    /// Takes the way to the next return into the sizes, on a copy of the motion.
+    pub fn look_between(&mut self, motion: &Motion, interval: f64) {
+        let mut copy = motion.clone();
+        for k in 1..=SAMPLES {
+            let end = motion.time() + interval * f64::from(k) / f64::from(SAMPLES + 1);
+            if copy.advance_to(end).is_err() {
+                return;
+            }
+            self.include(&copy);
+        }
+    }
+
+    pub fn arrive(&mut self, motion: &Motion, at_event: bool) {
+        let time = motion.time();
+        if let (false, Some(before)) = (at_event, self.returns.last().map(|r| r.time)) {
+            let beside = BESIDE * (time - before);
+            self.is_beside |=
+                self.struck.iter().any(|t| (t - time).abs() <= beside || (t - before).abs() <= beside);
+        }
+        self.struck.clear();
+        let state = self.include(motion);
+        let (contacts, pattern) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.pattern));
+        self.returns.push(Return { state, contacts, pattern, time });
+    }
+
+    /// Mean time between returns, s.
+    pub fn interval(&self) -> f64 {
+        match &self.returns[..] {
+            [first, .., last] => (last.time - first.time) / (self.returns.len() - 1) as f64,
+            _ => 1.0,
+        }
+    }
+
+    /// The sizes of elongations and rates of a kind: how far they have been apart, in the way from one return
+    /// to the next too, and at least a small part of what they are.
+    fn size_of(&self, kind: usize) -> f64 {
+        let kinds = self.functionals.kinds.iter().zip(&self.extents);
+        let own = kinds.filter(|(own, _)| **own == kind).map(|(_, [least, largest])| {
+            (largest - least).max(STANDING * largest.abs().max(least.abs()))
+        });
+        own.fold(0.0, f64::max)
+    }
+
+    /// Sizes of lengths, angles, rates and spins: each at least what the other of its pair makes at the
+    /// frequency of the returns.
+    pub fn sizes(&self) -> [f64; 4] {
+        let omega = TAU / self.interval();
+        let [length, angle, rate, spin] = [0, 1, 2, 3].map(|kind| self.size_of(kind));
+        [length.max(rate / omega), angle.max(spin / omega), rate.max(omega * length), spin.max(omega * angle)]
+    }
+
+    /// The sizes by which states are compared, number by number.
+    pub fn scales(&self) -> Vec<f64> {
+        let sizes = self.sizes();
+        let mut scales: Vec<f64> = self.functionals.kinds.iter().map(|kind| sizes[*kind]).collect();
+        scales.resize(self.extents.len(), 1.0);
+        scales
+    }
+
+    /// The numbers that return.
+    pub fn functionals(&self) -> &Functionals {
+        &self.functionals
+    }
+
+    /// The largest difference of two states in parts of the sizes, roundings left out.
+    pub fn distance(&self, a: &[f64], b: &[f64], scales: &[f64]) -> f64 {
+        let parts = a.iter().zip(b).zip(scales.iter().zip(&self.terms));
+        let part = |((a, b), (scale, terms)): ((&f64, &f64), (&f64, &f64))| {
+            let rounding = (ROUNDINGS * f64::EPSILON * terms).min(RETURN * scale);
+            let apart = (a - b).abs() - rounding;
+            if apart > 0.0 && *scale > 0.0 { apart / scale } else { 0.0 }
+        };
+        parts.map(part).fold(0.0, f64::max)
+    }
+
+    /// The least period up to [`LONGEST`] after which states return to a part of their sizes.
+    pub fn period(&self, near: f64) -> Option<u32> {
+        let scales = self.scales();
+        least_period(&self.returns, |a, b| {
+            a.pattern == b.pattern && self.distance(&a.state, &b.state, &scales) <= near
+        })
+    }
+
+    /// The largest distance of the last returns from those so many before.
+    pub fn return_distance(&self, period: u32) -> f64 {
+        let (lag, scales) = (period as usize, self.scales());
+        let last = &self.returns[self.returns.len().saturating_sub(2 * lag)..];
+        let pairs = last.iter().zip(last.iter().skip(lag));
+        pairs.map(|(a, b)| self.distance(&a.state, &b.state, &scales)).fold(0.0, f64::max)
+    }
+
+    /// Whether returns come nearer from one eighth of the record to the next.
+    pub fn is_approaching(&self) -> bool {
+        let scales = self.scales();
+        nears(&self.returns, |a, b| self.distance(&a.state, &b.state, &scales))
+    }
+
+    /// Forgets early returns where there are more than are needed.
+    pub fn shorten(&mut self) {
+        if self.returns.len() >= 8 * LONGEST as usize {
+            self.returns.drain(..4 * LONGEST as usize);
+        }
+    }
+}

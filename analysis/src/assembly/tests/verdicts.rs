@@ -1,0 +1,174 @@
+//! Classes and exponents of machines whose motions are known in closed form.
+
+use super::*;
+use std::f64::consts::TAU;
+
+/// An exponent by multipliers: what the distance 1e-9 that is left to the orbit makes of it.
+const EXACT: f64 = 1e-7;
+
+fn verdict(machine: &Machine, first: u32) -> Settled {
+    let (mut motion, section) = machine.motion(&Start::default()).unwrap();
+    discard(&mut motion, &section, first).unwrap();
+    settled(&mut motion, &section, Some(64)).unwrap()
+}
+
+fn exponent_of(found: &Settled) -> f64 {
+    found.exponent.unwrap().value
+}
+
+const ROTOR: &str = "name = \"R\"\n[body.r]\ninertia = 0.5\nstart = { v = 3.0 }\n[spring.drag]\nbetween = [\"ground\", \"r\"]\n\
+    stiffness = 0.0\ndamping = 0.4\n[load.t]\non = \"r\"\nconstant = 2.0\namplitude = 1.0\nfrequency = 5.0\n";
+
+#[test]
+fn closed_form_a_free_shaft_with_drag_has_a_period_and_the_exponent_of_its_speed() {
+    let found = verdict(&text(ROTOR), 0);
+    assert_eq!(found.class, MotionClass::Periodic(1));
+    // 0.5 v' = -0.4 v + …
+    assert!((exponent_of(&found) + 0.8).abs() < EXACT, "{found:?}");
+}
+
+/// A shaft that a torque turns against friction that always slips: neighbours separate linearly.
+#[test]
+fn closed_form_a_shaft_that_always_slips_has_no_exponent_but_neutral_ones() {
+    let of = |relative: &str| {
+        text(&format!(
+            "name = \"G\"\n[body.a]\ninertia = 0.5\nstart = {{ v = 30.0 }}\n{relative}[friction.drag]\nbetween = [\"ground\", \"a\"]\n\
+             force = 2.0\n[load.t]\non = \"a\"\nconstant = 2.0\namplitude = 1.0\nfrequency = 5.0\n"
+        ))
+    };
+    let found = verdict(&of(""), 0);
+    assert_eq!(found.class, MotionClass::Periodic(1));
+    assert_eq!(exponent_of(&found), f64::NEG_INFINITY, "no direction is left");
+    // What a spring couples to it turns about it: 0.5·0.5/(0.5 + 0.5) φ'' + 2 φ' + 100 φ = …
+    let relative = "[body.b]\ninertia = 0.5\nstart = { v = 30.0 }\n[spring.k]\nbetween = [\"a\", \"b\"]\n\
+        stiffness = 100.0\ndamping = 2.0\n";
+    let found = verdict(&of(relative), 0);
+    assert_eq!(found.class, MotionClass::Periodic(1));
+    assert!((exponent_of(&found) + 2.0 / (2.0 * 0.25)).abs() < EXACT, "{found:?}");
+}
+
+const REST_ON_TABLE: &str = "name = \"RestOnTable\"\ngravity = 9.81\n[body.table]\nmotion = { amplitude = 0.005, frequency = 5.0 }\n\
+    [body.ball]\nmass = 0.3\ngravity = -1.0\nstart = { v = 0.15707963267948966 }\n[spring.k]\nbetween = [\"ground\", \"ball\"]\n\
+    stiffness = 100.0\ndamping = 2.0\n[stop.s]\nbetween = [\"ball\", \"table\"]\ngap = 0.0\nrestitution = 0.4\n";
+
+#[test]
+fn closed_form_what_rests_on_a_table_for_ever_has_the_tables_period_and_no_exponent() {
+    for frequency in ["2.0", "3.3", "4.0", "5.0", "6.1"] {
+        for mass in ["0.1", "0.3", "0.7"] {
+            let file = REST_ON_TABLE.replace("frequency = 5.0", &format!("frequency = {frequency}"));
+            let file = file.replace("mass = 0.3", &format!("mass = {mass}"));
+            let found = verdict(&text(&file), 0);
+            assert_eq!(found.class, MotionClass::Periodic(1), "{frequency} Hz, {mass} kg");
+            assert_eq!(exponent_of(&found), f64::NEG_INFINITY, "{frequency} Hz, {mass} kg");
+        }
+    }
+    // What oscillates beside it: δ'' + δ' + 50 δ = 0.
+    let beside = "[body.other]\nmass = 2.0\nstart = { s = 0.01 }\n[spring.other]\nbetween = [\"ground\", \"other\"]\nstiffness = 100.0\ndamping = 2.0\n";
+    let found = verdict(&text(&format!("{REST_ON_TABLE}{beside}")), 0);
+    assert_eq!(found.class, MotionClass::Periodic(1));
+    assert!((exponent_of(&found) + 0.5).abs() < EXACT, "{found:?}");
+}
+
+/// Where the ball's 1T motion, which hits the table once a period, meets it: the table's place, and sine and
+/// cosine of its phase. The speed at which it leaves is g T/2, and as much it comes with.
+fn ball_phase(amplitude: f64) -> [f64; 2] {
+    // g T/2 = (1 + e) p' + e g T/2.
+    let cosine = G * PERIOD / 2.0 * (1.0 - E) / (1.0 + E) / (amplitude * TAU / PERIOD);
+    [(1.0 - cosine * cosine).sqrt(), cosine]
+}
+
+const E: f64 = 0.5;
+const G: f64 = 9.81;
+const PERIOD: f64 = 0.04;
+
+/// A ball on a table, which starts on its 1T motion but for a hundredth of its speed.
+fn ball(amplitude: f64) -> Machine {
+    let [sine, cosine] = ball_phase(amplitude);
+    let since = PERIOD - sine.atan2(cosine) / TAU * PERIOD;
+    let s = amplitude * sine + G * PERIOD / 2.0 * since - G * since * since / 2.0;
+    let v = 1.01 * (G * PERIOD / 2.0 - G * since);
+    text(&format!(
+        "name = \"B\"\ngravity = {G:?}\n[body.table]\nmotion = {{ amplitude = {amplitude:?}, frequency = {:?} }}\n[body.ball]\n\
+         mass = 0.1\ngravity = -1.0\nstart = {{ s = {s:?}, v = {v:?} }}\n[stop.s]\nbetween = [\"ball\", \"table\"]\n\
+         gap = 0.0\nrestitution = {E:?}\n",
+        1.0 / PERIOD
+    ))
+}
+
+/// The largest modulus of the multipliers of the ball's 1T motion.
+fn ball_multiplier(amplitude: f64) -> f64 {
+    let [sine, cosine] = ball_phase(amplitude);
+    let w = TAU / PERIOD;
+    let (speed, acceleration) = (amplitude * w * cosine, -amplitude * w * w * sine);
+    let after = G * PERIOD / 2.0;
+    // From an impact at t with v after it to the next at t': p(t) + v s - g s²/2 = p(t') with s = t' - t, of
+    // which the derivatives are p' δt + s δv + (v - g s)(δt' - δt) = p' δt'.
+    let closing = after - G * PERIOD - speed;
+    let [dt_t, dt_v] = [(after - G * PERIOD - speed) / closing, -PERIOD / closing];
+    let [v_t, v_v] = [-G * (dt_t - 1.0), 1.0 - G * dt_v];
+    // v⁺ = (1 + e) p' - e v⁻.
+    let jump = (1.0 + E) * acceleration;
+    let m = [[dt_t, dt_v], [jump * dt_t - E * v_t, jump * dt_v - E * v_v]];
+    let (trace, det) = (m[0][0] + m[1][1], m[0][0] * m[1][1] - m[0][1] * m[1][0]);
+    let root = trace * trace - 4.0 * det;
+    if root < 0.0 { det.sqrt() } else { 0.5 * (trace.abs() + root.sqrt()) }
+}
+
+#[test]
+fn closed_form_a_ball_beside_its_doubling_has_its_period_and_multiplier() {
+    // The doubling is at 0.60704 mm.
+    for (amplitude, period) in [(0.55e-3, 1), (0.605e-3, 1), (0.6065e-3, 1), (0.6075e-3, 2), (0.62e-3, 2)] {
+        let found = verdict(&ball(amplitude), 100);
+        assert_eq!(found.class, MotionClass::Periodic(period), "{amplitude}");
+        if period == 1 {
+            let expected = ball_multiplier(amplitude).ln() / PERIOD;
+            let own = exponent_of(&found);
+            let error = found.exponent.unwrap().error;
+            assert!((own - expected).abs() < EXACT * 10.0, "{amplitude}: {own} {expected}");
+            assert!((own - expected).abs() <= 3.0 * error + 1e-9, "{amplitude}: {own} {expected} {error}");
+        }
+    }
+}
+
+#[test]
+fn closed_form_two_frequencies_without_a_common_period_are_quasi_periodic() {
+    let two = OSCILLATOR.replace(
+        "amplitude = 10.0\nfrequency = \"5 Hz\"",
+        "harmonics = [{amplitude = 10.0, frequency = 5.0}, {amplitude = 10.0, frequency = 7.071067811865475}]",
+    );
+    let mut machine = text(&two);
+    machine.section = SectionRule::Period(0.2);
+    let found = verdict(&machine, 0);
+    assert_eq!(found.class, MotionClass::QuasiPeriodic);
+    // δ'' + 4 δ' + 400 δ = 0: within two of its standard errors.
+    let exponent = found.exponent.unwrap();
+    assert!((exponent.value + 2.0).abs() <= 2.0 * exponent.error, "{exponent:?}");
+}
+
+/// A weak ripple of 1 MHz beside the stick-slip of a block on a belt.
+#[test]
+fn second_method_a_ripple_of_microseconds_is_no_period_of_a_slow_motion() {
+    let belt = "name = \"B\"\n[body.belt]\nmotion = { rate = 0.1 }\n[body.block]\nmass = 1.0\n[spring.k]\n\
+        between = [\"ground\", \"block\"]\nstiffness = 100.0\n[friction.f]\nbetween = [\"belt\", \"block\"]\nforce = 2.0\nstatic = 4.0\n";
+    let ripple = "[load.l]\non = \"block\"\namplitude = 1e-6\nfrequency = \"1 MHz\"\n";
+    let found = verdict(&text(&format!("{belt}{ripple}")), 8);
+    assert_eq!(found.class, MotionClass::NotSettled, "{found:?}");
+    assert!(matches!(verdict(&text(belt), 8).class, MotionClass::Periodic(1)));
+}
+
+/// Exponents of linear machines, whose multipliers are those of exp(A T), by a characteristic polynomial.
+#[test]
+fn closed_form_exponents_of_oscillators_that_turn_against_the_section() {
+    for k in 0..12 {
+        let (m, c, f) = (1.0 + 0.3 * f64::from(k), 0.5 + 0.1 * f64::from(k), 1.0 + 0.37 * f64::from(k));
+        let file = format!(
+            "name = \"O\"\n[body.a]\nmass = {m:?}\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 300.0\ndamping = {c:?}\n\
+             [load.f]\non = \"a\"\namplitude = 1.0\nfrequency = {f:?}\nphase = \"{} deg\"\n",
+            17 * k
+        );
+        let found = verdict(&text(&file), 20);
+        let expected = -c / (2.0 * m);
+        assert_eq!(found.class, MotionClass::Periodic(1), "{k} {found:?}");
+        assert!((exponent_of(&found) - expected).abs() < EXACT, "{k}: {:?} {expected}", found.exponent);
+    }
+}

@@ -1,0 +1,132 @@
+//! Neutral directions: changes of the coordinates on which no force depends, such as the angle of a
+//! free shaft or the place of a train (docs/assembly-law.md (A23)).
+//!
+//! A direction u of the coordinates is neutral where no elongation that a force depends on changes
+//! along it: w · u = 0 for every spring with stiffness and every stop. Where in addition no dashpot and
+//! no friction acts along u, momentum along u is conserved but for the loads, and the direction u of the
+//! velocities is neutral, too. The motion from a state changed along neutral directions is the motion
+//! itself, changed along them by a known amount: they have the exponent 0, and no return depends on them.
+
+use crate::description::Description;
+use crate::system::System;
+use nalgebra::DVector;
+
+/// A row of unit size whose entries are under this is zero: arms and links are given to more digits.
+const ZERO: f64 = 1e-10;
+
+/// The neutral directions of a machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Neutral {
+    /// Number of coordinates.
+    coordinates: usize,
+    /// Directions of the coordinates, as few entries as elimination leaves in each.
+    places: Vec<DVector<f64>>,
+    /// Directions of the velocities.
+    rates: Vec<DVector<f64>>,
+}
+
+impl Neutral {
+    /// The directions of a machine in which the frictions for which `slips` holds always slip in one
+    /// direction: the force of such a friction does not depend on its rate.
+    pub fn of(system: &System, slips: impl Fn(usize) -> bool) -> Self {
+        let springs = |acts: &dyn Fn(&crate::system::SpringRows) -> bool| {
+            let all = system.springs.iter().filter(|s| acts(s));
+            all.map(|s| s.elongation.w.clone()).collect::<Vec<_>>()
+        };
+        let mut rows = springs(&|s| s.stiffness != 0.0);
+        rows.extend(system.stops.iter().map(|s| s.elongation.w.clone()));
+        let places = null_space(rows.clone(), system.coordinates);
+        rows.extend(springs(&|s| s.damping != 0.0));
+        let frictions = system.frictions.iter().enumerate().filter(|(i, _)| !slips(*i));
+        rows.extend(frictions.map(|(_, f)| f.elongation.w.clone()));
+        let rates = null_space(rows, system.coordinates);
+        Self { coordinates: system.coordinates, places, rates }
+    }
+
+    /// Directions of the coordinates q on which no force depends; columns of length N.
+    pub fn places(&self) -> &[DVector<f64>] {
+        &self.places
+    }
+
+    /// Directions of the velocities q' on which no force depends, each among the span of the
+    /// [places](Self::places).
+    pub fn rates(&self) -> &[DVector<f64>] {
+        &self.rates
+    }
+
+    /// All of them as changes of the state (q, q').
+    pub fn states(&self) -> Vec<Vec<f64>> {
+        let n = self.coordinates;
+        let all = self.places.iter().map(|u| (u, 0)).chain(self.rates.iter().map(|u| (u, n)));
+        all.map(|(u, first)| {
+            let mut state = vec![0.0; 2 * n];
+            state[first..first + n].copy_from_slice(u.as_slice());
+            state
+        })
+        .collect()
+    }
+
+    /// The directions in words, by the machine's bodies: `no force depends on rotor.s`.
+    pub fn in_words(&self, d: &Description, system: &System) -> Vec<String> {
+        let along = |u: &DVector<f64>, letter: &str| {
+            let moved = |row: &DVector<f64>| row.iter().zip(u.iter()).map(|(r, u)| r * u).sum::<f64>();
+            let shares = system.bodies.iter().map(|body| moved(&body.s));
+            let shares: Vec<(usize, f64)> = shares.enumerate().filter(|s| s.1.abs() > ZERO).collect();
+            let names: Vec<String> =
+                shares.iter().map(|(i, _)| format!("{}.{letter}", d.bodies[*i].name)).collect();
+            let numbers: Vec<String> = shares.iter().map(|(_, x)| short(*x / shares[0].1)).collect();
+            match &names[..] {
+                [one] => one.clone(),
+                _ => format!("{} together, as {}", names.join(", "), numbers.join(" : ")),
+            }
+        };
+        let place = |u| format!("no force depends on {}", along(u, "s"));
+        let rate = |u| format!("nor on {}: its momentum changes by loads alone", along(u, "v"));
+        self.places.iter().map(place).chain(self.rates.iter().map(rate)).collect()
+    }
+}
+
+/// A ratio to a few digits.
+fn short(x: f64) -> String {
+    let rounded = (x * 1e6).round() / 1e6;
+    format!("{}", if rounded == 0.0 { x } else { rounded })
+}
+
+/// The directions u with w · u = 0 for all rows w, by elimination with the largest pivots, so that a
+/// body on which nothing acts is a direction of its own.
+fn null_space(rows: Vec<DVector<f64>>, count: usize) -> Vec<DVector<f64>> {
+    let mut pivots: Vec<(usize, DVector<f64>)> = Vec::new();
+    for mut row in rows {
+        let size = row.amax();
+        if size == 0.0 {
+            continue;
+        }
+        row /= size;
+        for (pivot, other) in &pivots {
+            let share = row[*pivot];
+            row.axpy(-share, other, 1.0);
+        }
+        let pivot = row.iamax();
+        if row[pivot].abs() <= ZERO {
+            continue;
+        }
+        row /= row[pivot];
+        for (_, other) in &mut pivots {
+            let share = other[pivot];
+            other.axpy(-share, &row, 1.0);
+        }
+        pivots.push((pivot, row));
+    }
+    let free = (0..count).filter(|place| pivots.iter().all(|(pivot, _)| pivot != place));
+    free.map(|place| {
+        let mut direction = DVector::zeros(count);
+        direction[place] = 1.0;
+        for (pivot, row) in &pivots {
+            if row[place].abs() > ZERO {
+                direction[*pivot] = -row[place];
+            }
+        }
+        direction
+    })
+    .collect()
+}
