@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, Schur};
 use vibro_assembly::Motion;
 use vibro_assembly::description::Dimension;
 use vibro_assembly::neutral::Neutral;
-use vibro_assembly::system::Row;
+use vibro_assembly::system::{Elongation, Row, System};
 
 /// Roundings of a state beside one another, and the most of a size that counts for rounding.
 const ROUNDINGS: f64 = 64.0;
@@ -59,24 +59,29 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     if !is_steady(d) {
         return None;
     }
+    let along = carried(system, z.as_slice(), true)?;
+    let later = motion.time_derivative(1);
+    let mut shift: Vec<f64> = later.state().iter().take(2 * system.coordinates).copied().collect();
+    shift.iter_mut().zip(along.iter()).for_each(|(x, u)| *x -= u);
+    Some(shift)
+}
+
+/// The change of the coordinates by which elongations stay what they are while signals change as in a change
+/// of the augmented state, or their rates where the state itself is given: what a body that moves evenly
+/// carries along. None where nothing does that.
+fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
     let held: Vec<_> = springs.chain(system.stops.iter().map(|s| &s.elongation)).collect();
-    // How elongations change by time alone.
-    let explicit = |rate: &Row| rate.iter().zip(z.iter()).skip(2 * n).map(|(r, x)| r * x).sum::<f64>();
-    let rates = DVector::from_iterator(held.len(), held.iter().map(|e| -explicit(&e.rate)));
-    let mut along: DVector<f64> = DVector::zeros(n);
-    if rates.amax() > 0.0 {
-        let rows = DMatrix::from_fn(held.len(), n, |i, j| held[i].w[j]);
-        along = rows.clone().svd(true, true).solve(&rates, EXACT).ok()?;
-        if (rows * &along - &rates).amax() > EXACT * rates.amax() {
-            return None;
-        }
+    let by_time = |row: &Row| row.iter().zip(change).skip(2 * n).map(|(r, x)| r * x).sum::<f64>();
+    let row = |e: &Elongation| if rates { -by_time(&e.rate) } else { -by_time(&e.e) };
+    let changes = DVector::from_iterator(held.len(), held.iter().map(|e| row(e)));
+    if changes.iter().all(|change| *change == 0.0) {
+        return Some(DVector::zeros(n));
     }
-    let later = motion.time_derivative(1);
-    let mut shift: Vec<f64> = later.state().iter().take(2 * n).copied().collect();
-    shift.iter_mut().zip(along.iter()).for_each(|(x, u)| *x -= u);
-    Some(shift)
+    let rows = DMatrix::from_fn(held.len(), n, |i, j| held[i].w[j]);
+    let along = rows.clone().svd(true, true).solve(&changes, EXACT).ok()?;
+    ((rows * &along - &changes).amax() <= EXACT * changes.amax()).then_some(along)
 }
 
 /// What the derivative of a period says.
@@ -108,7 +113,19 @@ impl Period {
             section.follow(motion, &mut flows, &mut [&mut frame])?;
         }
         let size = 2 * system.coordinates;
-        let change: Vec<f64> = (0..size).map(|i| motion.state()[i] - start[i]).collect();
+        let mut change = motion.state() - &start;
+        // Signals that return do so to rounding, which is no even motion.
+        let terms = motion.state().abs() + start.abs();
+        let signals = change.iter_mut().zip(terms.iter()).skip(size);
+        signals.for_each(|(x, terms)| {
+            if x.abs() <= EXACT * terms.max(1.0) {
+                *x = 0.0;
+            }
+        });
+        let Some(along) = carried(system, change.as_slice(), false) else {
+            return Ok(Self { distance: f64::INFINITY, multiplier: None, time: motion.time() - from });
+        };
+        change.iter_mut().zip(along.iter()).for_each(|(x, u)| *x -= u);
         let scale = |i: usize| start[i].abs().max(motion.state()[i].abs()) / metric.0[i];
         let rounding = (0..size).map(scale).fold(1.0, f64::max) * ROUNDINGS * f64::EPSILON;
         let without = |v: DVector<f64>| basis.iter().fold(v, |v, b| &v - b * b.dot(&v));
@@ -123,16 +140,11 @@ impl Period {
             column.copy_from(&own);
         }
         let m = m.transpose();
-        let residual = without(metric.scaled(&change));
+        let residual = without(metric.scaled(&change.as_slice()[..size]));
         let off = offset(&m, &basis, &residual, rounding.min(MOST_ROUNDING));
         let off: Option<Vec<f64>> =
             off.map(|off| off.iter().zip(&metric.0).map(|(x, unit)| x * unit).collect());
-        let scales = record.scales();
-        let distance = off.map_or(f64::INFINITY, |off| {
-            let changes = record.functionals().changes(&off);
-            let parts = changes.iter().zip(&scales).filter(|(_, scale)| **scale > 0.0);
-            parts.map(|(x, scale)| x.abs() / scale).fold(0.0, f64::max)
-        });
+        let distance = off.map_or(f64::INFINITY, |off| record.size_of_change(&off));
         Ok(Self { distance, multiplier: largest_multiplier(m), time: motion.time() - from })
     }
 

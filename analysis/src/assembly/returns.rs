@@ -4,12 +4,12 @@
 //! does not hold them. The angle of a shaft that nothing holds, and the elongation of a dashpot, do not act.
 
 use super::section::{Section, harmonics};
-use crate::attractor::{LONGEST, RETURN, least_period, nears};
+use crate::attractor::{LONGEST, least_period, nears};
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
-use vibro_assembly::description::{Arms, Description, Dimension};
+use vibro_assembly::description::{Arms, Description, Dimension, StopLaw};
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::system::{Row, System};
+use vibro_assembly::system::{Elongation, Row, System};
 
 /// Contacts slower than this part of the fastest are chatter, of which the number does not make a period.
 const CHATTER: f64 = 1e-6;
@@ -18,6 +18,8 @@ const CHATTER: f64 = 1e-6;
 const STANDING: f64 = 1e-5;
 /// Roundings of the terms of a functional beside one another.
 const ROUNDINGS: f64 = 64.0;
+/// Roundings are at most this part of the sizes by which states are compared.
+const ROUNDING_PART: f64 = 1e-4;
 /// An event this near to a section, in parts of the interval, may come on either side of it.
 const BESIDE: f64 = 1e-6;
 /// Points between two returns at which sizes are taken.
@@ -29,6 +31,9 @@ pub struct Functionals {
     rows: Vec<Row>,
     /// The kind of each: elongation or rate, of translation or rotation.
     kinds: Vec<usize>,
+    /// Of a rate the place of its elongation, where a stiffness makes forces of it, and the frequency, rad/s,
+    /// with which these turn roundings of the elongation into ones of the rate.
+    stiff: Vec<Option<(usize, f64)>>,
     /// Frequencies, Hz, whose phases must return.
     phases: Vec<f64>,
 }
@@ -37,28 +42,35 @@ impl Functionals {
     /// Those of a machine that is looked at in a section.
     pub fn of(d: &Description, system: &System, section: &Section) -> Self {
         let rotates = |arms: &Arms| usize::from(arms.dimension == Dimension::Rotation);
-        let (mut rows, mut kinds) = (Vec::new(), Vec::new());
-        let mut push = |row: &Row, kind: usize| {
-            rows.push(row.clone());
+        let (mut all, mut kinds, mut stiff) = (Vec::new(), Vec::new(), Vec::new());
+        let mut push = |row: &Row, kind: usize, stiffness: Option<(&Elongation, f64)>| {
+            let frequency = |(e, k): (&Elongation, f64)| (k * e.w.dot(&e.mobility)).max(0.0).sqrt();
+            stiff.push(stiffness.map(|own| (all.len() - 1, frequency(own))));
+            all.push(row.clone());
             kinds.push(kind);
         };
         for (own, rows) in d.springs.iter().zip(&system.springs) {
+            let e = &rows.elongation;
             if own.stiffness != 0.0 {
-                push(&rows.elongation.e, rotates(&own.arms));
-            }
-            if own.stiffness != 0.0 || own.damping != 0.0 {
-                push(&rows.elongation.rate, 2 + rotates(&own.arms));
+                push(&e.e, rotates(&own.arms), None);
+                push(&e.rate, 2 + rotates(&own.arms), Some((e, own.stiffness)));
+            } else if own.damping != 0.0 {
+                push(&e.rate, 2 + rotates(&own.arms), None);
             }
         }
         for (own, rows) in d.stops.iter().zip(&system.stops) {
-            push(&rows.elongation.e, rotates(&own.arms));
-            push(&rows.elongation.rate, 2 + rotates(&own.arms));
+            let (e, stiffness) = (&rows.elongation, match own.law {
+                StopLaw::Rigid { .. } => 0.0,
+                StopLaw::Compliant { stiffness, .. } => stiffness,
+            });
+            push(&e.e, rotates(&own.arms), None);
+            push(&e.rate, 2 + rotates(&own.arms), Some((e, stiffness)));
         }
         for (own, rows) in d.frictions.iter().zip(&system.frictions) {
-            push(&rows.elongation.rate, 2 + rotates(&own.arms));
+            push(&rows.elongation.rate, 2 + rotates(&own.arms), None);
         }
         let phases = harmonics(d).map(|h| h.frequency).filter(|f| !section.holds(*f)).collect();
-        Self { rows, kinds, phases }
+        Self { rows: all, kinds, stiff, phases }
     }
 
     /// Their values, cosine and sine of the phases last, and the sums of their terms' sizes.
@@ -67,6 +79,9 @@ impl Functionals {
         let size = |row: &Row| row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum::<f64>();
         let mut values: Vec<f64> = self.rows.iter().map(|row| row.dot(z)).collect();
         let mut sizes: Vec<f64> = self.rows.iter().map(size).collect();
+        for (i, stiff) in self.stiff.iter().enumerate() {
+            sizes[i] += stiff.map_or(0.0, |(place, frequency)| frequency * sizes[place]);
+        }
         for frequency in &self.phases {
             let turns = frequency * motion.time();
             let (sine, cosine) = (TAU * turns.fract()).sin_cos();
@@ -77,7 +92,7 @@ impl Functionals {
     }
 
     /// How a change of the state (q, q') changes each, phases left out.
-    pub fn changes(&self, change: &[f64]) -> Vec<f64> {
+    fn changes(&self, change: &[f64]) -> Vec<f64> {
         let along = |row: &Row| row.iter().zip(change).map(|(r, x)| r * x).sum();
         self.rows.iter().map(along).collect()
     }
@@ -225,28 +240,29 @@ impl Record {
         [length.max(rate / omega), angle.max(spin / omega), rate.max(omega * length), spin.max(omega * angle)]
     }
 
-    /// The sizes by which states are compared, number by number.
+    /// The sizes by which states are compared, number by number: of a shaft that has turned far, at least
+    /// so much that rounding is a small part.
     pub fn scales(&self) -> Vec<f64> {
         let sizes = self.sizes();
-        let mut scales: Vec<f64> = self.functionals.kinds.iter().map(|kind| sizes[*kind]).collect();
-        scales.resize(self.extents.len(), 1.0);
-        scales
-    }
-
-    /// The numbers that return.
-    pub fn functionals(&self) -> &Functionals {
-        &self.functionals
+        let kinds = self.functionals.kinds.iter().map(|kind| sizes[*kind]);
+        let kinds = kinds.chain(std::iter::repeat(1.0)).zip(&self.terms);
+        kinds.map(|(size, terms)| size.max(ROUNDINGS * f64::EPSILON * terms / ROUNDING_PART)).collect()
     }
 
     /// The largest difference of two states in parts of the sizes, roundings left out.
-    pub fn distance(&self, a: &[f64], b: &[f64], scales: &[f64]) -> f64 {
+    fn distance(&self, a: &[f64], b: &[f64], scales: &[f64]) -> f64 {
         let parts = a.iter().zip(b).zip(scales.iter().zip(&self.terms));
         let part = |((a, b), (scale, terms)): ((&f64, &f64), (&f64, &f64))| {
-            let rounding = (ROUNDINGS * f64::EPSILON * terms).min(RETURN * scale);
-            let apart = (a - b).abs() - rounding;
+            let apart = (a - b).abs() - ROUNDINGS * f64::EPSILON * terms;
             if apart > 0.0 && *scale > 0.0 { apart / scale } else { 0.0 }
         };
         parts.map(part).fold(0.0, f64::max)
+    }
+
+    /// A change of the state (q, q') in parts of the sizes, roundings left out.
+    pub fn size_of_change(&self, change: &[f64]) -> f64 {
+        let changes = self.functionals.changes(change);
+        self.distance(&changes, &vec![0.0; changes.len()], &self.scales())
     }
 
     /// The least period up to [`LONGEST`] after which states return to a part of their sizes.

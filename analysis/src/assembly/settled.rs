@@ -299,6 +299,7 @@ pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -
     let (mut class, mut exponent) = (MotionClass::Settling, None);
     while period.is_none() {
         let on_its_way = follower.seems_periodic();
+        class = MotionClass::Settling;
         if !on_its_way {
             let d = &follower.motion.assembly().description;
             let has_periods = common_period(d).is_some() || harmonics(d).next().is_none();
@@ -313,10 +314,12 @@ pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -
             }
             follower.followed += growth.returns();
         }
-        if class != MotionClass::Settling && !on_its_way || follower.followed >= PROLONGED {
+        if class.is_decided() || follower.followed >= PROLONGED {
             break;
         }
-        period = follower.prolong()?;
+        if on_its_way || class == MotionClass::Settling {
+            period = follower.prolong()?;
+        }
         if period.is_none() {
             period = follower.observe()?;
         }
