@@ -103,7 +103,7 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
         // In 1/s throughout: without a spring between box and ground ω10 is no unit.
         let options = SpectrumOptions::default();
         let options = SpectrumOptions { threshold: options.threshold * p.box_frequency(), ..options };
-        exponent = Some(lyapunov::spectrum(simulator, &options)?.exponents[0]);
+        exponent = Some(lyapunov::spectrum(simulator, &options)?.largest_beside_phase());
     }
     let number = |measure: &Measure| match measure {
         Measure::Class => None,

@@ -85,7 +85,7 @@ pub enum Measure {
     PowerSecondaryDamper,
     /// The [class](crate::attractor::MotionClass), a text.
     Class,
-    /// The largest Lyapunov exponent, 1/s; 0 where the motion is not chaotic, since the drive's phase has the exponent 0.
+    /// The largest Lyapunov exponent beside the drive phase's zero, 1/s.
     Exponent,
     /// The amplitude of the box alone, m: [`amplitude_without_block`](super::amplitude_without_block).
     AmplitudeWithoutBlock,
@@ -173,7 +173,7 @@ impl Measure {
             Self::PowerBoxDamper => "mean power lost in the box's damper".into(),
             Self::PowerSecondaryDamper => "mean power lost in the secondary oscillator's damper".into(),
             Self::Class => "1T, 2T, … (period in drive periods), quasi-periodic, chaotic".into(),
-            Self::Exponent => "largest Lyapunov exponent, 0 where not chaotic".into(),
+            Self::Exponent => "largest Lyapunov exponent beside the drive phase's zero".into(),
             Self::AmplitudeWithoutBlock => "amplitude of the box alone, closed form".into(),
         }
     }
