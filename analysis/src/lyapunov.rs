@@ -70,7 +70,8 @@ impl Spectrum {
     /// The largest exponent beside that of the drive's phase, 1/s, which is zero: the exponent nearest to
     /// zero is left out. What is left is the same on a torus, where two are zero.
     pub fn largest_beside_phase(&self) -> f64 {
-        let phase = (0..DIMENSION).min_by(|&i, &j| self.exponents[i].abs().total_cmp(&self.exponents[j].abs()));
+        let phase =
+            (0..DIMENSION).min_by(|&i, &j| self.exponents[i].abs().total_cmp(&self.exponents[j].abs()));
         let others = (0..DIMENSION).filter(|i| Some(*i) != phase).map(|i| self.exponents[i]);
         others.fold(f64::NEG_INFINITY, f64::max)
     }

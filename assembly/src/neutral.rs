@@ -1,5 +1,5 @@
 //! Neutral directions: changes of the coordinates on which no force depends, such as the angle of a
-//! free shaft or the place of a train (docs/assembly-law.md (A23)).
+//! free shaft or the place of a train (docs/assembly-law.md (A25)).
 //!
 //! A direction u of the coordinates is neutral where no elongation that a force depends on changes
 //! along it: w · u = 0 for every spring with stiffness and every stop. Where in addition no dashpot and

@@ -157,12 +157,7 @@ impl Period {
 
 /// (1 - M)⁻¹ r outside the neutral directions; none where r has a part beyond rounding in a direction in
 /// which M is 1.
-fn offset(
-    m: &DMatrix<f64>,
-    basis: &[DVector<f64>],
-    r: &DVector<f64>,
-    rounding: f64,
-) -> Option<DVector<f64>> {
+fn offset(m: &DMatrix<f64>, basis: &[DVector<f64>], r: &DVector<f64>, rounding: f64) -> Option<DVector<f64>> {
     let mut a = DMatrix::identity(m.nrows(), m.ncols()) - m;
     basis.iter().for_each(|b| a += b * b.transpose());
     let svd = a.try_svd(true, true, f64::EPSILON, 0)?;

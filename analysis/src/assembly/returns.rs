@@ -59,10 +59,13 @@ impl Functionals {
             }
         }
         for (own, rows) in d.stops.iter().zip(&system.stops) {
-            let (e, stiffness) = (&rows.elongation, match own.law {
-                StopLaw::Rigid { .. } => 0.0,
-                StopLaw::Compliant { stiffness, .. } => stiffness,
-            });
+            let (e, stiffness) = (
+                &rows.elongation,
+                match own.law {
+                    StopLaw::Rigid { .. } => 0.0,
+                    StopLaw::Compliant { stiffness, .. } => stiffness,
+                },
+            );
             push(&e.e, rotates(&own.arms), None);
             push(&e.rate, 2 + rotates(&own.arms), Some((e, stiffness)));
         }
@@ -136,7 +139,8 @@ impl Record {
     pub fn new(motion: &Motion, section: &Section) -> Self {
         let assembly = motion.assembly();
         let functionals = Functionals::of(&assembly.description, assembly.system(), section);
-        let (count, slips) = (functionals.kinds.len() + 2 * functionals.phases.len(), &motion.mode().frictions);
+        let (count, slips) =
+            (functionals.kinds.len() + 2 * functionals.phases.len(), &motion.mode().frictions);
         Self {
             functionals,
             returns: Vec::new(),
@@ -226,9 +230,9 @@ impl Record {
     /// to the next too, and at least a small part of what they are.
     fn size_of(&self, kind: usize) -> f64 {
         let kinds = self.functionals.kinds.iter().zip(&self.extents);
-        let own = kinds.filter(|(own, _)| **own == kind).map(|(_, [least, largest])| {
-            (largest - least).max(STANDING * largest.abs().max(least.abs()))
-        });
+        let own = kinds
+            .filter(|(own, _)| **own == kind)
+            .map(|(_, [least, largest])| (largest - least).max(STANDING * largest.abs().max(least.abs())));
         own.fold(0.0, f64::max)
     }
 

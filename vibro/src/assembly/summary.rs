@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use vibro_assembly::description::{BodyKind, Description, Dimension, StopLaw};
 use vibro_assembly::mode::{FrictionState, StopState};
+use vibro_assembly::neutral::Neutral;
 use vibro_assembly::{Assembly, Motion};
 
 /// A real part or frequency counts as zero under this part of the largest: the rounding of eigenvalues, of which a double one has
@@ -73,10 +74,19 @@ pub fn summary(machine: Description) -> Result<String> {
     }
     lines.push("elements at the start".into());
     lines.extend(elements(d, &motion));
+    lines.extend(neutral(&assembly));
     lines.push(equilibrium(&assembly));
     lines.push("natural frequencies in the start's mode".into());
     lines.extend(frequencies(&assembly, &motion));
     Ok(lines.join("\n"))
+}
+
+/// What no force depends on, which is left out of returns and exponents.
+fn neutral(assembly: &Assembly) -> Vec<String> {
+    let found = Neutral::of(assembly.system(), |_| false);
+    let lines = found.in_words(&assembly.description, assembly.system());
+    let title = (!lines.is_empty()).then(|| "neutral directions".to_owned());
+    title.into_iter().chain(lines.into_iter().map(|line| format!("  {line}"))).collect()
 }
 
 fn elements(d: &Description, m: &Motion) -> Vec<String> {

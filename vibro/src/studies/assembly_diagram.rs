@@ -2,7 +2,9 @@
 
 use super::Study;
 use super::design_sweep::Told;
-use super::diagram::{DIRECTIONS, contact_panel, maxima_rows, reach, remarks, shaded, window_table};
+use super::diagram::{
+    DIRECTIONS, contact_panel, hysteresis, maxima_rows, reach, remarks, shaded, window_table,
+};
 use super::sweep::letters;
 use crate::Result;
 use crate::table::{Table, exact};
@@ -26,7 +28,7 @@ pub fn assembly_diagram(
     diagram: &Diagram<Point>,
     name: &str,
 ) -> Result<Study> {
-    let apart = diagram.hysteresis();
+    let apart = diagram.apart();
     let (axis, of) = (&request.axis, request.of.to_string());
     let parameter = &axis.name;
     let drawn = if request.at_section { "Values at the section" } else { "Local maxima" };
@@ -107,9 +109,19 @@ pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &s
         found.rests.to_string(),
         found.class.name(),
     ]);
-    let told = exponent.map_or(String::new(), |e| {
-        let (value, error) = (significant(e.value), significant(e.error));
-        format!("{value} 1/s, standard error {error}, over {} returns", e.periods)
+    let told = exponent.map_or(String::new(), |e| match (e.value, found.period) {
+        (f64::NEG_INFINITY, _) => {
+            "-inf: contacts take every direction, or there is none but neutral ones".into()
+        }
+        (value, Some(period)) => {
+            format!("{} 1/s, by the multipliers of {period}T to {}", significant(value), significant(e.error))
+        }
+        (value, None) => format!(
+            "{} 1/s, standard error {}, over {} returns",
+            significant(value),
+            significant(e.error),
+            e.periods
+        ),
     });
     let what = format!("largest Lyapunov exponent {told}");
     let remarks = vec![format!("class: {}", found.class.name())];
@@ -119,7 +131,7 @@ pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &s
     })
 }
 
-fn point_table(parameter: &str, diagram: &Diagram<Point>, apart: &[bool]) -> Table {
+fn point_table(parameter: &str, diagram: &Diagram<Point>, apart: &[Option<bool>]) -> Table {
     let header =
         ["direction", "class", "period", "interval", "contacts", "rests", "hysteresis", "exponent", "error"];
     let mut table = Table::new(&[&[parameter][..], &header].concat());
@@ -135,7 +147,7 @@ fn point_table(parameter: &str, diagram: &Diagram<Point>, apart: &[bool]) -> Tab
                 exact(settled.interval),
                 exact(settled.contacts),
                 settled.rests.to_string(),
-                apart.to_string(),
+                hysteresis(*apart),
                 number(settled.exponent.map(|e| e.value)),
                 number(settled.exponent.map(|e| e.error)),
             ]);

@@ -53,7 +53,7 @@ pub(super) fn reach<P: DiagramPoint>(diagram: &Diagram<P>, length: Length<'_, P>
 fn cells<N: AxisName, P: DiagramPoint>(
     (axis, kept): (&ParameterAxis<N>, u32),
     diagram: &Diagram<P>,
-    apart: &[bool],
+    apart: &[Option<bool>],
     (y, length): ((f64, f64), Length<'_, P>),
 ) -> Shape {
     let columns = axis.count.min(COLUMNS);
@@ -64,7 +64,7 @@ fn cells<N: AxisName, P: DiagramPoint>(
     (0..axis.count).for_each(|value| shares[value * columns / axis.count] += 1);
     for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
         for (value, point) in points.iter().enumerate() {
-            if direction == 1 && !apart[value] {
+            if direction == 1 && apart[value] != Some(true) {
                 continue;
             }
             let Some(p) = point else { continue };
@@ -92,7 +92,7 @@ fn cells<N: AxisName, P: DiagramPoint>(
 pub(super) fn shaded<N: AxisName, P: DiagramPoint>(
     axis: (&ParameterAxis<N>, u32),
     diagram: &Diagram<P>,
-    apart: &[bool],
+    apart: &[Option<bool>],
     lengths: ((f64, f64), Length<'_, P>),
 ) -> Vec<Layer> {
     vec![
@@ -155,11 +155,16 @@ pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) ->
     table
 }
 
+/// Whether the directions end elsewhere at a value, in words.
+pub(super) fn hysteresis(apart: Option<bool>) -> String {
+    apart.map_or_else(|| "undecided".into(), |apart| apart.to_string())
+}
+
 /// What is worth saying of a diagram: ranges of one class with the value rising, where the directions part, what is missing.
 pub(super) fn remarks<P: DiagramPoint>(
     name: &str,
     diagram: &Diagram<P>,
-    apart: &[bool],
+    apart: &[Option<bool>],
     told: &dyn Fn(f64) -> String,
 ) -> Vec<String> {
     let windows = Diagram::windows(&diagram.up);
@@ -168,8 +173,13 @@ pub(super) fn remarks<P: DiagramPoint>(
     if windows.len() > TOLD {
         lines.push(format!("… and {} more windows in the table", windows.len() - TOLD));
     }
-    let elsewhere = apart.iter().filter(|h| **h).count();
-    lines.push(format!("{elsewhere} of {} values end elsewhere with the value falling", apart.len()));
+    let count = |sought: Option<bool>| apart.iter().filter(|apart| **apart == sought).count();
+    let (elsewhere, undecided) = (count(Some(true)), count(None));
+    let undecided = if undecided > 0 { format!(", of {undecided} it is undecided") } else { String::new() };
+    lines.push(format!(
+        "{elsewhere} of {} values end elsewhere with the value falling{undecided}",
+        apart.len()
+    ));
     let refused = diagram.up.iter().chain(&diagram.down).filter(|p| p.is_none()).count();
     if refused > 0 {
         lines.push(format!("{refused} values left out: the simulator refused them"));
@@ -178,7 +188,12 @@ pub(super) fn remarks<P: DiagramPoint>(
 }
 
 /// The panel of all maxima: shaded by how often they come, the falling direction where it ends elsewhere, the set's own value.
-pub(super) fn maxima_panel(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, apart: &[bool]) -> Panel {
+pub(super) fn maxima_panel(
+    set: &ParameterSet,
+    sweep: &Sweep,
+    diagram: &Diagram,
+    apart: &[Option<bool>],
+) -> Panel {
     let (axis, lengths) = (&sweep.axis, Lengths::of(set));
     let symbol = lengths.displacement(sweep.of.symbol());
     let length = |p: &SweepPoint, x: f64| lengths.ratio(axis.name, p.value) * x;

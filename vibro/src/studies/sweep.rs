@@ -2,7 +2,7 @@
 
 use super::Study;
 use super::diagram::{
-    DIRECTIONS, WIDE, contact_panel, maxima_panel, maxima_rows, method, remarks, window_table,
+    DIRECTIONS, WIDE, contact_panel, hysteresis, maxima_panel, maxima_rows, method, remarks, window_table,
 };
 use super::diagram_orbits::{DiagramOrbits, end_cells, end_in_words};
 use super::lengths::Lengths;
@@ -27,13 +27,13 @@ const DECIMALS: usize = 4;
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
 pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
-    let hysteresis = diagram.hysteresis();
+    let apart = diagram.apart();
     let (axis, lengths) = (&sweep.axis, Lengths::of(set));
     let (symbol, along) = (lengths.displacement(sweep.of.symbol()), set.symbol(axis.name));
     // The paper shows the block.
     let as_paper = sweep.of == Displacement::X2 && axis.name.name() == "f10" && !set.is_si();
     let (cf, alike) = if as_paper { (" (cf. the paper's figure 14)", " as in figure 14") } else { ("", "") };
-    let mut panels = vec![maxima_panel(set, sweep, diagram, &hysteresis)];
+    let mut panels = vec![maxima_panel(set, sweep, diagram, &apart)];
     if sweep.exponents.is_some() {
         panels.push(exponent_panel(set, axis, &diagram.up));
     }
@@ -48,12 +48,12 @@ pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -
         panel: (2900, 1150),
         shared_legend: false,
     };
-    let remarks = remarks(axis.name.name(), diagram, &hysteresis, &|value| set.with_unit(axis.name, value));
+    let remarks = remarks(axis.name.name(), diagram, &apart, &|value| set.with_unit(axis.name, value));
     let what = format!("local maxima of {symbol} over {along}{alike}, both directions");
     Ok(Study {
         tables: vec![
             (name.into(), maxima_table(sweep, diagram)?),
-            (format!("{name}-points"), point_table(axis, diagram, &hysteresis).csv()?),
+            (format!("{name}-points"), point_table(axis, diagram, &apart).csv()?),
             (format!("{name}-windows"), window_table(axis.name.name(), diagram).csv()?),
         ],
         figure: Some(figure),
@@ -98,7 +98,7 @@ pub fn maxima_table(sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
     maxima_rows((sweep.axis.name.name(), &maximum), diagram, &|x| format!("{x:.6}"))
 }
 
-fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[bool]) -> Table {
+fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) -> Table {
     let mut header = vec![axis.name.name(), "direction", "class", "period", "impacts_upper", "impacts_lower"];
     header.extend(["rests", "symmetric", "hysteresis"]);
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
@@ -114,7 +114,7 @@ fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[bool]) -> Table
             // Of a motion that is settling the symmetry is not decided.
             let periodic = matches!(p.class, MotionClass::Periodic(_));
             let symmetric = if periodic { a.is_symmetric().to_string() } else { String::new() };
-            row.extend([a.rests.to_string(), symmetric, apart.to_string()]);
+            row.extend([a.rests.to_string(), symmetric, hysteresis(*apart)]);
             match &p.spectrum {
                 Some(s) => {
                     row.extend(s.exponents.map(exact));
@@ -187,7 +187,7 @@ pub fn spectra(
 /// What the theories refuse, [`Error::Output`](crate::Error::Output).
 pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let axis = &sweep.axis;
-    let apart = diagram.hysteresis();
+    let apart = diagram.apart();
     let mut panel = maxima_panel(set, sweep, diagram, &apart);
     panel.title = String::new();
     let mut table = Table::new(&[axis.name.name(), "theory", "A2", "stable"]);

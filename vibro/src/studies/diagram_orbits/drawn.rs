@@ -78,7 +78,7 @@ impl Drawn {
         diagram: &Diagram,
         branches: &[Branch],
     ) -> Panel {
-        let mut panel = maxima_panel(set, sweep, diagram, &diagram.hysteresis());
+        let mut panel = maxima_panel(set, sweep, diagram, &diagram.apart());
         panel.title = String::new();
         panel.layers.iter_mut().for_each(pale);
         // By period, unstable ones below.
