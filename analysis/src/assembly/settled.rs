@@ -360,3 +360,61 @@ impl Follower<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assembly::{Machine, Start};
+    use vibro_assembly::file;
+
+    /// Two coupled oscillators with random numbers, of which the second hits a stop in every second machine.
+    fn machine(draw: &mut impl FnMut(f64, f64) -> f64, hits: bool) -> Machine {
+        let stop = if hits {
+            "[stop.s]\nbetween = [\"ground\", \"b\"]\ngap = 0.002\nrestitution = 0.6\n"
+        } else {
+            ""
+        };
+        let text = format!(
+            "name = \"M\"\n[body.a]\nmass = {}\n[body.b]\nmass = {}\n[spring.a]\nbetween = [\"ground\", \"a\"]\nstiffness = {}\n\
+             damping = {}\n[spring.b]\nbetween = [\"a\", \"b\"]\nstiffness = {}\ndamping = {}\n{stop}[load.f]\non = \"b\"\n\
+             amplitude = {}\nfrequency = {}\n",
+            draw(0.5, 2.0),
+            draw(0.5, 2.0),
+            draw(100.0, 1000.0),
+            draw(0.5, 3.0),
+            draw(100.0, 1000.0),
+            draw(0.5, 3.0),
+            draw(1.0, 5.0),
+            draw(1.0, 5.0)
+        );
+        Machine::new(file::parse(&text, "m.toml", &file::no_records).unwrap())
+    }
+
+    /// Of 200 machines with a period the multipliers are known; a variation's growth, counted as if they were not, must be as near as it says.
+    #[test]
+    fn second_method_errors_of_growth_cover_the_exponents_by_multipliers() {
+        /// 95 % of normal errors are within two of them; growth that swings regularly is nearer.
+        const COVERED: usize = 190;
+        let mut seed = 44u64;
+        let mut draw = |from: f64, to: f64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            from * (to / from).powf((seed >> 11) as f64 / (1u64 << 53) as f64)
+        };
+        let (mut machines, mut covered, mut tight) = (0, 0, 0);
+        while machines < 200 {
+            let machine = machine(&mut draw, machines % 2 == 1);
+            let (motion, section) = machine.motion(&Start::default()).unwrap();
+            let mut motion = motion.without_energy_accounts();
+            discard(&mut motion, &section, 400).unwrap();
+            let mut follower = Follower::new(&mut motion, &section);
+            let Some(found) = follower.observe().unwrap() else { continue };
+            let exact = periodic_exponent(&mut follower, found, 64).unwrap().value;
+            let grown = growth(&mut follower, 128, f64::INFINITY).unwrap().exponent();
+            machines += 1;
+            covered += usize::from((grown.value - exact).abs() <= 2.0 * grown.error);
+            tight += usize::from(grown.error < 0.5 * exact.abs());
+        }
+        assert!(covered >= COVERED, "{covered}");
+        assert!(tight > 150, "errors that say nothing: {tight}");
+    }
+}

@@ -172,3 +172,37 @@ fn closed_form_exponents_of_oscillators_that_turn_against_the_section() {
         assert!((exponent_of(&found) - expected).abs() < EXACT, "{k}: {:?} {expected}", found.exponent);
     }
 }
+
+/// The ball's 1T motion by a table whose phase lets it hit the table at whole periods: rounding says on which
+/// side of the section an impact comes.
+#[test]
+fn closed_form_a_ball_that_hits_the_table_at_the_section_has_its_period_and_multiplier() {
+    for amplitude in [0.55e-3, 0.58e-3] {
+        let [sine, cosine] = ball_phase(amplitude);
+        let phase = sine.atan2(cosine).to_degrees();
+        let file = format!(
+            "name = \"B\"\ngravity = {G:?}\n[body.table]\nmotion = {{ amplitude = {amplitude:?}, frequency = {:?}, phase = \"{phase} deg\" }}\n\
+             [body.ball]\nmass = 0.1\ngravity = -1.0\nstart = {{ s = {:?}, v = {:?} }}\n[stop.s]\nbetween = [\"ball\", \"table\"]\n\
+             gap = 0.0\nrestitution = {E:?}\n",
+            1.0 / PERIOD,
+            amplitude * sine + 1e-9,
+            G * PERIOD / 2.0
+        );
+        let found = verdict(&text(&file), 100);
+        assert_eq!((found.class, found.contacts), (MotionClass::Periodic(1), 1.0), "{amplitude}");
+        let expected = ball_multiplier(amplitude).ln() / PERIOD;
+        assert!((exponent_of(&found) - expected).abs() < 10.0 * EXACT, "{found:?} {expected}");
+    }
+}
+
+#[test]
+fn invariant_what_is_not_decided_is_no_hysteresis() {
+    let decided = verdict(&text(ROTOR), 0);
+    let other = verdict(&text(&ROTOR.replace("constant = 2.0", "constant = 3.0")), 0);
+    assert_eq!(decided.differs(&decided), Some(false));
+    assert_eq!(decided.differs(&other), Some(true), "another speed");
+    let open = Settled { class: MotionClass::Settling, period: None, ..decided.clone() };
+    assert_eq!((decided.differs(&open), open.differs(&decided)), (None, None));
+    let chaotic = Settled { class: MotionClass::Chaotic, period: None, ..decided.clone() };
+    assert_eq!((chaotic.differs(&chaotic), chaotic.differs(&decided)), (None, Some(true)));
+}
