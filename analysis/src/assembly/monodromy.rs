@@ -22,7 +22,7 @@ const MOST_ROUNDING: f64 = 1e-7;
 /// Singular values under this are zero: a family of orbits.
 const SINGULAR: f64 = 1e-12;
 /// Logarithms of multipliers under this are zero: what rounding makes of a defective multiplier 1.
-const MARGINAL: f64 = 1e-6;
+pub const MARGINAL: f64 = 1e-6;
 /// Multipliers under this are rounding beside the variations that they are differences of.
 const LEAST_MULTIPLIER: f64 = 1e-10;
 /// Sweeps of the Schur decomposition for each multiplier.

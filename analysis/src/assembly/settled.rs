@@ -8,7 +8,7 @@
 
 use super::flight::Flows;
 use super::growth::{ALIGN, Growth};
-use super::monodromy::{Period, neutral, shift};
+use super::monodromy::{MARGINAL, Period, neutral, shift};
 use super::returns::Record;
 use super::section::{Section, common_period, harmonics};
 use super::variation::{Metric, Variation};
@@ -38,6 +38,8 @@ const MOST_RETURNS: u32 = 3_300;
 const PROLONGED: u32 = 8_192;
 /// Returns between two looks at an exponent's sign.
 const BLOCK: u32 = 8;
+/// The logarithm by which rounding grows to what is seen.
+const PARTED: f64 = 20.0;
 /// An exponent by the multiplier of a period is exact where the orbit is as near as this.
 const NEAR: f64 = 1e-9;
 
@@ -101,12 +103,14 @@ struct Follower<'a> {
     followed: u32,
     /// How far it must have been followed before the derivative of the period is looked at again.
     next_look: u32,
+    /// Whether the orbit that its returns seem to be near was unstable when this was last looked at.
+    is_unstable: bool,
 }
 
 impl<'a> Follower<'a> {
     fn new(motion: &'a mut Motion, section: &Section) -> Self {
         let record = Record::new(motion, section);
-        Self { motion, section: *section, record, followed: 0, next_look: 0 }
+        Self { motion, section: *section, record, followed: 0, next_look: 0, is_unstable: false }
     }
 
     fn at_event(&self) -> bool {
@@ -145,16 +149,21 @@ impl<'a> Follower<'a> {
         let parts = (2..=returns).filter(|factor| returns.is_multiple_of(*factor));
         let mut apart = parts.map(|factor| self.record.return_distance(returns / factor));
         let is_whole = apart.all(|apart| apart > APART * period.distance);
-        if period.distance > RETURN || !is_whole {
+        // A motion that stays for long where its neighbours part is on that orbit exactly, as by symmetry.
+        let growth = period.multiplier.map_or(0.0, f64::ln);
+        let turns = self.record.returns.len() as f64 / f64::from(returns);
+        let stays = near <= STEADY && turns * growth > PARTED;
+        self.is_unstable = growth > MARGINAL && !stays;
+        if period.distance > RETURN || !is_whole || self.is_unstable {
             return Ok(None);
         }
         *self.motion = after;
         Ok(Some((returns, period)))
     }
 
-    /// Whether the motion has a period by its returns alone.
+    /// Whether the motion has a period by its returns, and no unstable one.
     fn seems_periodic(&self) -> bool {
-        self.record.period(RETURN).is_some()
+        !self.is_unstable && self.record.period(RETURN).is_some()
     }
 
     /// Follows it until its period is decided, over up to [`OBSERVED`] returns.
