@@ -67,8 +67,8 @@ fn follow(a: &Motion, common: &Common) -> Result<bool> {
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program as well, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
-    let progress = Progress::new(times.len(), "samples");
-    let record = assembly::record(machine, &times, &stop, &mut || progress.step())?;
+    let progress = Progress::new(times.len(), "samples").ticking();
+    let record = assembly::record(machine, &times, &stop, &mut |part| progress.part(part))?;
     drop(progress);
     let held = destination::hold(&out);
     let account = write(&record, &out, &manifest)?;
@@ -127,6 +127,7 @@ fn write(record: &Record, out: &Path, manifest: &Manifest) -> Result<String> {
     destination::write_manifest(out, manifest)?;
     write_whole(&out.join("states.csv"), &record.states()?)?;
     write_whole(&out.join("events.csv"), &record.events()?)?;
+    write_whole(&out.join("contacts.csv"), &record.contacts()?)?;
     let mut lines = record.account();
     match &record.ended {
         Some(Ended::Error(error)) => lines.push(format!("ended early: {error}")),
