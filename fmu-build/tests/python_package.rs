@@ -127,7 +127,7 @@ const SAMPLES: usize = 50;
 /// What `vibro assembly run` and `draw` and `fmu-build assembly` write of a machine.
 fn assembly(name: &str, until: f64) -> Value {
     let file = common::python::root().join("examples/assembly").join(name).with_extension("toml");
-    let machine = vibro::assembly::read(&file, &[]).expect("an example");
+    let machine = vibro_assembly::file::read(&file).expect("an example");
     let sketch = canvas::svg(&Sketch::new(&machine)).expect("it is drawn");
     let times = vibro::assembly::even_times(until, SAMPLES).expect("some samples");
     let record =

@@ -13,29 +13,47 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_analysis::assembly::{
-    Contact, Contacts, Extreme, Extremes, Followed, NamedEvent, Place, Quantity, What, columns, named, values,
+    self, Contact, Contacts, Extreme, Extremes, Followed, Machine, NamedEvent, Place, What, columns, named, values,
 };
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::{Assembly, Motion, file};
+use vibro_assembly::{Assembly, Motion};
+use vibro_impact::quantities::{Quantity, Unit};
 
 /// Most samples of a motion, a few gigabytes of a table.
 const MOST: usize = 10_000_000;
 
-/// Reads a machine's file and replaces parameters, each as `NAME=VALUE` with or without a unit.
+/// Reads a machine's file and replaces parameters, each as `NAME=VALUE`. A value without a unit is in that in which the file or a value
+/// before it writes the parameter; `note` hears where it makes a difference.
 ///
 /// # Errors
 /// [`Error::Refusal`], with every problem of the file, or of the new values.
-pub fn read(path: &Path, set: &[String]) -> Result<Description> {
-    let machine = file::read(path)?;
+pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result<Machine> {
+    let mut machine = Machine::read(path)?;
     let mut changes = Vec::new();
     for text in set {
         let Some((name, value)) = text.split_once('=') else {
             return Err(Error::form(text, "NAME=VALUE, e.g. stop.upper.gap=5mm"));
         };
-        changes.push((name.trim(), machine.parameter(name.trim())?.read(value)?));
+        let name = name.trim();
+        let read = machine.quantity(name, value)?;
+        taken(&[value], &read, text).into_iter().for_each(&mut *note);
+        machine.note_unit(name, value);
+        changes.push((name, read.value));
     }
     Ok(machine.with(changes)?)
+}
+
+/// Words that say in which unit numbers without one were read, where it makes a difference; `read` is one of them.
+pub fn taken(numbers: &[&str], read: &Quantity, typed: &str) -> Option<String> {
+    let bare = |number: &&str| number.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
+    let unit = read.unit.filter(|unit| !unit.is_si() && numbers.iter().any(bare))?;
+    Some(read_in(typed, unit))
+}
+
+/// Words that say in which unit a number without one was read.
+pub fn read_in(typed: &str, unit: &Unit) -> String {
+    format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }
 
 /// The instants 0, end/count, …, end.
@@ -156,7 +174,7 @@ pub fn record(
 
 /// The quantities whose extremes are told or drawn: coordinates and rates of bodies, forces of stops and friction.
 fn watched(d: &Description) -> Result<Vec<Place>> {
-    let of = |name: &String, what| Quantity { of: name.clone(), what };
+    let of = |name: &String, what| assembly::Quantity { of: name.clone(), what };
     let contacts = d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
     let all = d.bodies.iter().map(|b| of(&b.name, What::S));
     let all = all.chain(contacts.map(|name| of(name, What::F)));

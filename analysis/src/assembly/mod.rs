@@ -20,6 +20,7 @@ mod section;
 mod settled;
 mod variation;
 mod watch;
+mod written;
 
 pub use columns::{NamedEvent, columns, named, values};
 pub use contacts::{Contact, Contacts};
