@@ -13,7 +13,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_analysis::assembly::{
-    self, Contact, Contacts, Extreme, Extremes, Followed, Machine, NamedEvent, Place, What, columns, named, values,
+    self, Contact, Contacts, Extreme, Extremes, Followed, Machine, NamedEvent, Place, What, columns, named,
+    values,
 };
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::{Event, EventKind};
@@ -256,21 +257,21 @@ impl Record {
         csv.text()
     }
 
-    /// The text of `events.csv`.
+    /// The text of `events.csv`, with the knots of signals or without.
     ///
     /// # Errors
     /// [`Error::Output`].
-    pub fn events(&self) -> Result<Vec<u8>> {
+    pub fn events(&self, knots: bool) -> Result<Vec<u8>> {
         let mut csv = CsvRows::new(["time", "kind", "element", "value", "stops"])?;
-        for event in &self.events {
+        for event in self.events.iter().filter(|event| knots || event.kind != EventKind::Knot) {
             let [kind, element, value, stops] = event_in_words(&self.assembly.description, &event.kind);
             csv.push([exact(event.time), kind, element, value, stops])?;
         }
         csv.text()
     }
 
-    /// Extents, events and energies, line by line.
-    pub fn account(&self) -> Vec<String> {
-        summary::account(self)
+    /// Extents, contacts, events and energies, line by line; `knots` tells whether [`events`](Self::events) has the knots.
+    pub fn account(&self, knots: bool) -> Vec<String> {
+        summary::account(self, knots)
     }
 }

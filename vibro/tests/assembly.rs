@@ -119,7 +119,10 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     ];
     let other = command(&out, &arguments).output().unwrap();
     let error = String::from_utf8(other.stderr).unwrap();
-    assert!(other.status.code() == Some(2) && error.contains("body.box.mass: 12 there, 13 here"), "{error}");
+    // What differs, and nothing else of either machine.
+    let words =
+        "of another run; they differ in\n    body.box.mass: 12 there, 13 here\n  allowed: another --out";
+    assert!(other.status.code() == Some(2) && error.contains(words), "{error}");
 }
 
 /// Ten samples meet no contact with the buffer, which holds for a millisecond.
@@ -219,6 +222,81 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
         let (code, error) = refused(&arguments);
         assert!(code == 2 && error.contains(words), "{error}");
     }
+}
+
+/// Standard output and error of a run that must succeed.
+fn both(out: &Path, arguments: &[&str]) -> (String, String) {
+    let run = command(out, arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    let (told, noted) = (text(run.stdout), text(run.stderr));
+    assert!(run.status.success(), "{noted}");
+    (told, noted)
+}
+
+/// The file writes `gap = "4 mm"`: 3 and 3 mm are one machine, wherever the option stands.
+#[test]
+fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
+    let (damper, out) = (machine("damper_with_buffer.toml"), folder("assembly-bare"));
+    let with_unit = drawn(&out, &["assembly", "check", &damper, "--set", "stop.steel.gap=3mm"]);
+    for arguments in [
+        ["assembly", "check", &damper, "--set", "stop.steel.gap=3"],
+        ["assembly", "--set", "stop.steel.gap=3", "check", &damper],
+        ["--set", "stop.steel.gap=3", "assembly", "check", &damper],
+    ] {
+        let (told, noted) = both(&out, &arguments);
+        assert_eq!(told, with_unit);
+        let words = "note: stop.steel.gap=3 is read in mm, the unit in which that parameter was written\n";
+        assert_eq!(noted, words);
+    }
+    // An axis, a list, and a unit that --set has written since.
+    let sweep = |vary: &str, set: &str| {
+        let set = ["--set", set];
+        let rest = ["--discard", "2", "--periods", "4", "--output", "amplitude.box.s", "--replace"];
+        let (_, noted) =
+            both(&out, &[&["assembly", "sweep", &damper, "--vary", vary][..], &set, &rest].concat());
+        let rows = table(&out, "assembly-sweep.csv");
+        (rows.iter().map(|row| row["stop.steel.gap"].clone()).collect::<Vec<_>>(), noted)
+    };
+    let (values, noted) = sweep("stop.steel.gap=3:5:3", "body.box.mass=12kg");
+    assert_eq!(values, ["0.003", "0.004", "0.005"]);
+    assert!(noted.contains("stop.steel.gap=3:5:3 is read in mm"), "{noted}");
+    let (values, noted) = sweep("stop.steel.gap=0.003,0.005", "stop.steel.gap=0.004m");
+    assert!(values == ["0.003", "0.005"] && noted.is_empty(), "{values:?} {noted}");
+}
+
+#[test]
+fn help_names_what_a_command_takes() {
+    let out = folder("assembly-help");
+    let help = |words: &[&str]| drawn(&out, &[words, &["--help"]].concat());
+    for words in [&["assembly"][..], &["assembly", "run"], &["assembly", "check"], &["assembly", "sweep"]] {
+        let text = help(words);
+        assert!(!text.contains("--config") && !text.contains("kappa") && !text.contains("LIMITS"), "{text}");
+        assert!(text.contains("stop.upper.gap=5mm") && text.contains("NUMBERS"), "{text}");
+    }
+    assert!(!help(&["assembly", "check"]).contains("--out") && help(&["assembly", "run"]).contains("--out"));
+    assert!(!help(&["template"]).contains("--config") && !help(&["merge"]).contains("--set"));
+    let text = help(&["steady"]);
+    assert!(text.contains("--config") && text.contains("LIMITS of the 3-DOF machine"), "{text}");
+    let (code, error) = refused(&["assembly", "check", &machine("cradle.toml"), "--config", "x.toml"]);
+    assert!(code == 2 && error.contains("--config x.toml"), "{error}");
+}
+
+/// A record of 3,000 knots on a body without a stop: there are no other events.
+#[test]
+fn knots_are_counted_and_listed_where_they_are_asked_for() {
+    let knots: String = (1..=3000).map(|k| format!("{},{}\n", f64::from(k) / 1000.0, k % 2)).collect();
+    file("assembly-knots.csv", &knots);
+    let text = "name = \"Knots\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n\
+        [load.f]\non = \"a\"\ntable = \"assembly-knots.csv\"\n";
+    let path = file("assembly-knots.toml", text).display().to_string();
+    let out = folder("assembly-knots");
+    let run = ["assembly", "run", &path, "--until", "3", "--samples", "10"];
+    let told = drawn(&out, &run);
+    assert!(told.contains("; events.csv leaves out the 3000 knots (--knots)"), "{told}");
+    assert!(table(&out, "events.csv").is_empty());
+    let told = drawn(&out, &[&run[..], &["--knots", "--replace"]].concat());
+    assert!(told.contains("events: 3000 (3000 × knot)\n"), "{told}");
+    assert_eq!(table(&out, "events.csv").len(), 3000);
 }
 
 #[test]

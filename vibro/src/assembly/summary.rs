@@ -192,8 +192,25 @@ fn contacts(record: &Record) -> Vec<String> {
     d.stops.iter().enumerate().filter_map(line).collect()
 }
 
+/// How many events of each kind there were, and which are not in the file.
+fn events(record: &Record, knots: bool) -> String {
+    let d = &record.assembly.description;
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for event in &record.events {
+        let [kind, element, ..] = event_in_words(d, &event.kind);
+        *counts.entry(format!("{kind} {element}").trim().into()).or_default() += 1;
+    }
+    let left = counts.get("knot").filter(|_| !knots);
+    let left = left.map_or(String::new(), |n| format!("; events.csv leaves out the {n} knots (--knots)"));
+    let counts: Vec<_> = counts.iter().map(|(what, count)| format!("{count} × {what}")).collect();
+    match record.events.len() {
+        0 => "events: none".into(),
+        all => format!("events: {all} ({}){left}", counts.join(", ")),
+    }
+}
+
 /// Extents, events and energies of a motion.
-pub(super) fn account(record: &Record) -> Vec<String> {
+pub(super) fn account(record: &Record, knots: bool) -> Vec<String> {
     let d = &record.assembly.description;
     let mut lines = Vec::new();
     for (i, body) in d.bodies.iter().enumerate() {
@@ -208,16 +225,7 @@ pub(super) fn account(record: &Record) -> Vec<String> {
             short(record.followed.left_out)
         ));
     }
-    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-    for event in &record.events {
-        let [kind, element, ..] = event_in_words(d, &event.kind);
-        *counts.entry(format!("{kind} {element}").trim().into()).or_default() += 1;
-    }
-    let counts: Vec<_> = counts.iter().map(|(what, count)| format!("{count} × {what}")).collect();
-    lines.push(match record.events.len() {
-        0 => "events: none".into(),
-        all => format!("events: {all} ({})", counts.join(", ")),
-    });
+    lines.push(events(record, knots));
     let (kinetic, stored) = record.motion.kinetic_and_stored();
     let energy = record.motion.energy();
     let sum = |parts: &[vibro_impact::numerics::double_double::DoubleDouble]| {

@@ -66,7 +66,8 @@ fn follow(a: &Motion, common: &Common) -> Result<bool> {
         (Some(path), _) => assembly::times_of(path)?,
         (None, until) => assembly::even_times(until.unwrap_or_default(), a.samples as usize)?,
     };
-    let manifest = manifest(&machine, &times, common);
+    let mut manifest = manifest(&machine, &times, common);
+    manifest.invocation.options.insert("knots".into(), a.knots.to_string());
     // Refused before work begins.
     let out = place(common, &manifest)?;
     let stop = Arc::new(AtomicBool::new(false));
@@ -77,7 +78,7 @@ fn follow(a: &Motion, common: &Common) -> Result<bool> {
     let record = assembly::record(machine, &times, &stop, &mut |part| progress.part(part))?;
     drop(progress);
     let held = destination::hold(&out);
-    let account = write(&record, &out, &manifest)?;
+    let account = write(&record, &out, &manifest, a.knots)?;
     drop(held);
     let stem = out.join("motion");
     output::say(&format!(
@@ -128,13 +129,13 @@ fn place(common: &Common, manifest: &Manifest) -> Result<PathBuf> {
 }
 
 /// Writes tables, picture and account; returns the account.
-fn write(record: &Record, out: &Path, manifest: &Manifest) -> Result<String> {
+fn write(record: &Record, out: &Path, manifest: &Manifest, knots: bool) -> Result<String> {
     std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
     destination::write_manifest(out, manifest)?;
     write_whole(&out.join("states.csv"), &record.states()?)?;
-    write_whole(&out.join("events.csv"), &record.events()?)?;
+    write_whole(&out.join("events.csv"), &record.events(knots)?)?;
     write_whole(&out.join("contacts.csv"), &record.contacts()?)?;
-    let mut lines = record.account();
+    let mut lines = record.account(knots);
     match &record.ended {
         Some(Ended::Error(error)) => lines.push(format!("ended early: {error}")),
         Some(Ended::Stopped) => lines.push(format!("interrupted at t = {} s", record.motion.time())),
