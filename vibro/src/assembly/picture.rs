@@ -13,6 +13,8 @@ const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLAC
 const POINTS: usize = 4000;
 /// Size of a panel in units of the drawing.
 const PANEL: (u32, u32) = (2600, 900);
+/// Points of a curve nearer than this part of its size are one.
+const SAME: f64 = 1e-9;
 /// Lengths up to this, m, are shown in mm.
 const SHORT: f64 = 0.1;
 /// Half the size of the marks of impacts.
@@ -77,6 +79,10 @@ impl Curve<'_> {
         let samples = record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + self.column]));
         let mut points: Path = samples.chain(self.extreme.points()).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Samples are ends of flights too, but for rounding.
+        let end = points.last().map_or(0.0, |point| point.0);
+        let near = |a: f64, b: f64, size: f64| (a - b).abs() <= SAME * size;
+        points.dedup_by(|b, a| near(a.0, b.0, end) && near(a.1, b.1, self.extreme.largest));
         points
     }
 }
