@@ -66,7 +66,7 @@ fn parts_of_another_study_are_refused_and_kept_unless_discarded() {
     for word in [
         "--discard: 1 there, 2 here",
         "vibro basin --discard 1",
-        "vibro basin --discard 2",
+        "--discard: 1 there, 2 here",
         "--discard-unfinished",
     ] {
         assert!(text.contains(word), "{word}: {text}");
