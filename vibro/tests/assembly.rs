@@ -292,7 +292,7 @@ fn knots_are_counted_and_listed_where_they_are_asked_for() {
     let out = folder("assembly-knots");
     let run = ["assembly", "run", &path, "--until", "3", "--samples", "10"];
     let told = drawn(&out, &run);
-    assert!(told.contains("; events.csv leaves out the 3000 knots (--knots)"), "{told}");
+    assert!(told.contains("; not in events.csv: 3000 × knot (--knots lists them)"), "{told}");
     assert!(table(&out, "events.csv").is_empty());
     let told = drawn(&out, &[&run[..], &["--knots", "--replace"]].concat());
     assert!(told.contains("events: 3000 (3000 × knot)\n"), "{told}");

@@ -19,6 +19,8 @@ pub struct Extreme {
     pub largest: f64,
     /// By column the least and the largest value with their times; none while it is zero.
     curve: Vec<Option<[(f64, f64); 2]>>,
+    /// Whether it began with zero.
+    was_zero: bool,
 }
 
 /// The extremes of some quantities.
@@ -33,8 +35,13 @@ pub struct Extremes {
 impl Extremes {
     /// Of these quantities; curves are kept between two times, s.
     pub fn new(places: &[Place], times: (f64, f64)) -> Self {
-        let extreme =
-            |&place: &Place| Extreme { place, row: Sparse::default(), largest: 0.0, curve: Vec::new() };
+        let extreme = |&place: &Place| Extreme {
+            place,
+            row: Sparse::default(),
+            largest: 0.0,
+            curve: Vec::new(),
+            was_zero: false,
+        };
         Self { all: places.iter().map(extreme).collect(), times }
     }
 
@@ -64,17 +71,19 @@ impl Extremes {
 impl Extreme {
     fn meet(&mut self, time: f64, value: f64, (from, to): (f64, f64), keeps: bool) {
         self.largest = self.largest.max(value.abs());
-        if !keeps || to <= from || (self.curve.is_empty() && value == 0.0) {
+        let starts = self.curve.is_empty();
+        if !keeps || to <= from || (starts && value == 0.0) {
+            self.was_zero |= starts;
             return;
         }
-        let starts = self.curve.is_empty();
         if starts {
             self.curve = vec![None; COLUMNS];
         }
         let column = ((time - from) / (to - from) * COLUMNS as f64) as usize;
         let Some(column) = self.curve.get_mut(column.min(COLUMNS - 1)) else { return };
         let point = (time, value + 0.0);
-        let [least, largest] = column.get_or_insert(if starts { [(time, 0.0); 2] } else { [point; 2] });
+        let zero = starts && self.was_zero;
+        let [least, largest] = column.get_or_insert(if zero { [(time, 0.0); 2] } else { [point; 2] });
         if point.1 < least.1 {
             *least = point;
         }

@@ -201,7 +201,8 @@ fn events(record: &Record, knots: bool) -> String {
         *counts.entry(format!("{kind} {element}").trim().into()).or_default() += 1;
     }
     let left = counts.get("knot").filter(|_| !knots);
-    let left = left.map_or(String::new(), |n| format!("; events.csv leaves out the {n} knots (--knots)"));
+    let left =
+        left.map_or(String::new(), |n| format!("; not in events.csv: {n} × knot (--knots lists them)"));
     let counts: Vec<_> = counts.iter().map(|(what, count)| format!("{count} × {what}")).collect();
     match record.events.len() {
         0 => "events: none".into(),

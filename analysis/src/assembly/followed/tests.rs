@@ -163,4 +163,10 @@ fn closed_form_extremes_lie_between_samples() {
     assert!(motion.body(0)[0].abs() < 1e-9);
     near(found.extremes.all[0].largest, 3e-3, 3e-3, ROUNDING);
     assert_eq!(found.left_out, 0.0);
+    // It begins where it is, and not at zero.
+    let mut motion = text(
+        "name = \"O\"\n[body.a]\nmass = 1.0\nstart = { s = 0.02 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n",
+    );
+    let points = followed(&mut motion, 0.1, 1).extremes.all[0].points();
+    assert!(points.iter().all(|p| p.1 > 0.01), "{points:?}");
 }
