@@ -77,7 +77,8 @@ pub fn command() -> clap::Command {
         // Its machines are of another class.
         "assembly" => of_described_machines(command, &shared),
         "template" => {
-            without(command, &shared, &["config", "set", "out", "replace", "discard_unfinished", "threads"])
+            let unused = ["config", "set", "out", "replace", "discard_unfinished", "threads"];
+            with_limits(without(command, &shared, &unused))
         }
         "merge" => with_limits(without(command, &shared, &["config", "set"])),
         _ => with_limits(command),
