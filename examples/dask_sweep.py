@@ -1,8 +1,8 @@
 """A sweep or a plane of machines on dask: a cluster of this machine's cores, or any scheduler.
 
-    python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:200 --output sweep.parquet
+    python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:200 --out sweep.parquet
     python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:100 --vary drive.amplitude=0.05:0.25:50 \\
-        --set stop.restitution=0.6 --scheduler tcp://node1:8786 --output plane.parquet
+        --set stop.restitution=0.6 --scheduler tcp://node1:8786 --out plane.parquet
     python examples/dask_sweep.py --fmu target/VibroImpact3DOF.fmu --vary drive.frequency=0.9:1.2:200
 
 Every point is a motion whose last periods are measured. Workers need the Python package alone, which measures exactly. With --fmu they
@@ -271,7 +271,7 @@ def main() -> None:
     parser.add_argument("--periods", default=Measure.periods, type=int, help="drive periods that are measured")
     parser.add_argument("--scheduler", help="address of a dask scheduler [default: a cluster of this machine's cores]")
     parser.add_argument("--workers", type=int, help="processes of the local cluster [default: one a core]")
-    parser.add_argument("--output", default=Path("sweep.parquet"), type=Path)
+    parser.add_argument("--out", "--output", dest="output", default=Path("sweep.parquet"), type=Path)
     arguments = parser.parse_args()
     if arguments.periods < 1 or arguments.discard < 0:
         parser.error(f"--discard {arguments.discard} --periods {arguments.periods}: allowed are 0 and 1 or more")

@@ -1,6 +1,6 @@
 """A run with fmpy and its picture; parameters in dimensionless form, in any scales.
 
-    python examples/run_and_plot.py --set f10=1.8 --mass 2 --stiffness 200 --length 0.01 --output run.png
+    python examples/run_and_plot.py --set f10=1.8 --mass 2 --stiffness 200 --length 0.01 --out run.png
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def main() -> None:
     parser.add_argument("--stiffness", default=1.0, type=float, help="k1, N/m")
     parser.add_argument("--length", default=1.0, type=float, help="gap L, m")
     parser.add_argument("--periods", default=100, type=int)
-    parser.add_argument("--output", default=Path("run.png"), type=Path)
+    parser.add_argument("--out", "--output", dest="output", default=Path("run.png"), type=Path)
     arguments = parser.parse_args()
 
     changes = dict(text.partition("=")[::2] for text in arguments.set)

@@ -1,6 +1,6 @@
 """The steady state in three ways: simulated until it has settled, and by the two closed forms the FMU knows.
 
-    python examples/steady_state.py --output steady.png
+    python examples/steady_state.py --out steady.png
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def main() -> None:
     """Prints what the FMU says of the steady state, and draws a period in each mode."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU, type=Path)
-    parser.add_argument("--output", default=Path("steady.png"), type=Path)
+    parser.add_argument("--out", "--output", dest="output", default=Path("steady.png"), type=Path)
     arguments = parser.parse_args()
     period = 2.0 * math.pi / start_values(arguments.fmu)["drive.frequency"]
     orbits = {}

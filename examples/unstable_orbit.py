@@ -5,7 +5,7 @@ of the gap, has grown to something that can be seen. Each passage multiplies the
 writes the start values and the multipliers into the folder that this script reads:
 
     cargo run --release -p vibro -- orbit --word U- --set f10=2.3 --out orbit
-    python examples/unstable_orbit.py --orbit orbit --output unstable_orbit.png
+    python examples/unstable_orbit.py --orbit orbit --out unstable_orbit.png
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU, type=Path)
     parser.add_argument("--orbit", default=Path("vibro-out"), type=Path, help="folder written by `vibro orbit`")
-    parser.add_argument("--output", default=Path("unstable_orbit.png"), type=Path)
+    parser.add_argument("--out", "--output", dest="output", default=Path("unstable_orbit.png"), type=Path)
     arguments = parser.parse_args()
     if not (arguments.orbit / "orbit-start.csv").exists():
         parser.error(f"{arguments.orbit} has no orbit-start.csv: `vibro orbit --out {arguments.orbit}` writes it")

@@ -34,6 +34,33 @@ fn invariant_comments_are_not_wider_than_a_screen() {
     assert!(found.is_empty(), "comments wider than {WIDEST} characters: {found:#?}");
 }
 
+/// A row that a blank line parts from its table is shown as text.
+#[test]
+fn invariant_every_row_of_a_table_stands_under_its_head() {
+    let is_rule = |line: &str| line.starts_with('|') && line.chars().all(|c| "|-: ".contains(c));
+    let cells = |line: &str| line.replace("\\|", "").matches('|').count();
+    let mut found = Vec::new();
+    for (path, text) in all().into_iter().filter(|(path, _)| path.extension().is_some_and(|e| e == "md")) {
+        let (mut fenced, mut columns) = (false, None);
+        let lines: Vec<&str> = text.lines().collect();
+        for (i, line) in lines.iter().enumerate() {
+            fenced ^= line.starts_with("```");
+            if fenced || !line.starts_with('|') {
+                columns = None;
+                continue;
+            }
+            let heads = columns.is_none() && lines.get(i + 1).is_some_and(|next| is_rule(next));
+            if heads {
+                columns = Some(cells(line));
+            }
+            if columns != Some(cells(line)) {
+                found.push(format!("{}:{}", shown(&path), i + 1));
+            }
+        }
+    }
+    assert!(found.is_empty(), "rows without a head, or with other columns: {found:#?}");
+}
+
 /// Whether a text has these words, not as parts of others.
 fn has_words(text: &str, words: &str) -> bool {
     let inside = |c: Option<char>| c.is_some_and(char::is_alphabetic);

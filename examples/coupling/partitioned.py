@@ -5,7 +5,7 @@ oscillator (oscillator.py, an FMU made by pythonfmu) takes the block's displacem
 couple them by FMI 2.0, and one by FMI 3.0, which steps to the announced events and never goes back. The script draws their
 error against the communication step, and against the work:
 
-    python examples/coupling/partitioned.py --output coupling.png
+    python examples/coupling/partitioned.py --out coupling.png
 """
 
 from __future__ import annotations
@@ -354,7 +354,7 @@ def main() -> None:
     """Runs everything and draws it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU, type=Path)
-    parser.add_argument("--output", default=Path("coupling.png"), type=Path)
+    parser.add_argument("--out", "--output", dest="output", default=Path("coupling.png"), type=Path)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         oscillator = build_oscillator(folder)

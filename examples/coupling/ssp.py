@@ -1,7 +1,7 @@
 """A system of two FMUs in one SSP 1.0 archive: VibroImpact3DOF shaken by an unbalanced motor (drive_train.py, pythonfmu).
 
-    python examples/coupling/ssp.py --output motor.ssp          # writes the archive and runs it in fmpy
-    python examples/coupling/ssp.py --output motor.ssp --host libcosimpy
+    python examples/coupling/ssp.py --out motor.ssp          # writes the archive and runs it in fmpy
+    python examples/coupling/ssp.py --out motor.ssp --host libcosimpy
 
 The archive holds both FMUs and the structure with its units and a parameter set for each (SystemStructure.ssd). Two signals go
 from the machine to the motor: the box's acceleration, which has no impacts in it, and the impulse of the stops on the box since
@@ -208,7 +208,7 @@ def main() -> None:
     """Writes the archive, runs it, prints what it has come to."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU, type=Path)
-    parser.add_argument("--output", default=Path("motor.ssp"), type=Path)
+    parser.add_argument("--out", "--output", dest="output", default=Path("motor.ssp"), type=Path)
     parser.add_argument("--host", default="fmpy", choices=sorted(HOSTS))
     parser.add_argument("--stop", default=300.0, type=float, help="s")
     parser.add_argument("--step", default=0.01, type=float, help="communication step, s")

@@ -20,8 +20,8 @@ const TARGET: &str = "wasm32-unknown-unknown";
 #[command(version)]
 struct Arguments {
     /// Where the page goes [default: target/explorer/explorer.html]
-    #[arg(long, short)]
-    output: Option<PathBuf>,
+    #[arg(long, short, alias = "output")]
+    out: Option<PathBuf>,
     /// Compile the core faster, without link-time optimization
     #[arg(long)]
     quick: bool,
@@ -85,7 +85,7 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     let target =
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
     let folder = target.join("explorer");
-    let page = arguments.output.clone().unwrap_or_else(|| folder.join("explorer.html"));
+    let page = arguments.out.clone().unwrap_or_else(|| folder.join("explorer.html"));
     let doors = folder.join(if arguments.scalar { "core-scalar" } else { "core" });
     bindings(&core(&folder, arguments)?, &doors)?;
     let npm = packages(&folder)?;

@@ -3,6 +3,7 @@
 
 use crate::archive::{self, Content};
 use crate::error::Result;
+use crate::package::placed;
 use crate::version::Version;
 use std::path::{Path, PathBuf};
 use vibro_assembly_fmi::Plan;
@@ -16,15 +17,15 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     Ok(vibro_pack::content(version.fmi(), plan, kit)?)
 }
 
-/// Writes the archives of the machine in a file, that of FMI 2.0 to `output` or, without it, under the machine's name here, and those
-/// of FMI 3.0 beside it, the one with arrays where it is asked for; returns their paths.
+/// Writes the archives of the machine in a file, that of FMI 2.0 [where `out` says](placed), and those of FMI 3.0 beside it, the one
+/// with arrays where it is asked for; returns their paths.
 ///
 /// # Errors
 /// [`Error::Refusal`](crate::Error::Refusal) with everything that is wrong with the file,
 /// [`Error::Machine`](crate::Error::Machine) for a machine that has no start, [`Error::File`](crate::Error::File).
-pub fn write(file: &Path, output: Option<&Path>, arrays: bool, kit: &Kit) -> Result<Vec<PathBuf>> {
+pub fn write(file: &Path, out: Option<&Path>, arrays: bool, kit: &Kit) -> Result<Vec<PathBuf>> {
     let mut plan = Plan::of(&vibro_assembly::file::read(file)?)?;
-    let output = output.map_or_else(|| PathBuf::from(format!("{}.fmu", plan.name())), Path::to_owned);
+    let output = placed(out, plan.name());
     let mut written = Vec::new();
     for version in Version::USUAL.into_iter().chain(arrays.then_some(Version::Arrays)) {
         if version == Version::Arrays {

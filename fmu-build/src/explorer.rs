@@ -20,7 +20,7 @@ pub fn page() -> Result<Vec<u8>, LeftOut> {
     // A target folder of its own, so that it never waits for the lock of a cargo that runs us.
     build
         .arg(target().join("explorer/tool"))
-        .args(["--config", "profile.release.lto=false", "--", "--output"])
+        .args(["--config", "profile.release.lto=false", "--", "--out"])
         .arg(&file);
     let output =
         build.stdin(Stdio::null()).output().map_err(|e| left_out(format!("cargo cannot be run: {e}")))?;

@@ -14,6 +14,7 @@ use fmu_build::{archive, compile, explorer, package, platforms, reference, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use vibro_figures::canvas;
+use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Builds VibroImpact3DOF.fmu (FMI 2.0) and VibroImpact3DOF-FMI3.fmu, runs both beside the native library and draws what
@@ -21,9 +22,10 @@ use vibro_impact::{Parameters, Simulator, State};
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// File of the FMU of FMI 2.0 [default: target/VibroImpact3DOF.fmu]. That of FMI 3.0 and the pictures go beside it
-    #[arg(long, short)]
-    output: Option<PathBuf>,
+    /// File of the FMU of FMI 2.0, or a folder for it [default: VibroImpact3DOF.fmu here, in the repository in target/]. That of FMI 3.0
+    /// and the pictures go beside it
+    #[arg(long, short, alias = "output")]
+    out: Option<PathBuf>,
     /// Drive periods to run
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     periods: u32,
@@ -65,9 +67,9 @@ enum Task {
     Assembly {
         /// The machine's file
         file: PathBuf,
-        /// File of the FMU of FMI 2.0 [default: NAME.fmu here]. That of FMI 3.0 goes beside it
-        #[arg(long, short)]
-        output: Option<PathBuf>,
+        /// File of the FMU of FMI 2.0, or a folder for it [default: NAME.fmu here]. That of FMI 3.0 goes beside it
+        #[arg(long, short, alias = "output")]
+        out: Option<PathBuf>,
         /// Pack a binary for every platform that can be built here, and say what the others need
         #[arg(long)]
         all_platforms: bool,
@@ -98,9 +100,9 @@ enum Task {
         /// Only this platform, by its name in FMI 3.0, e.g. x86_64-linux. May be repeated
         #[arg(long, conflicts_with = "tag")]
         platform: Vec<String>,
-        /// The folder [default: dist/], which is replaced
-        #[arg(long)]
-        output: Option<PathBuf>,
+        /// The folder [default: dist/ of the repository], which is replaced
+        #[arg(long, alias = "output")]
+        out: Option<PathBuf>,
     },
 }
 
@@ -109,13 +111,13 @@ fn main() -> ExitCode {
     let done = match arguments.command {
         Some(Task::Refresh { description: true }) => package::described().and_then(write),
         Some(Task::Refresh { description: false }) => refresh(),
-        Some(Task::Assembly { ref file, ref output, all_platforms, arrays }) => {
+        Some(Task::Assembly { ref file, ref out, all_platforms, arrays }) => {
             let (all, arrays) = (arguments.all_platforms || all_platforms, arguments.arrays || arrays);
-            pack(file, output.as_deref(), arrays, all)
+            pack(file, out.as_deref(), arrays, all)
         }
         Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
-        Some(Task::Release { tag, preview, platform, output }) => {
-            assemble(&Intent { tag, preview }, &platform, output)
+        Some(Task::Release { tag, preview, platform, out }) => {
+            assemble(&Intent { tag, preview }, &platform, out)
         }
         None => build(&arguments),
     };
@@ -129,7 +131,11 @@ fn main() -> ExitCode {
 }
 
 fn build(arguments: &Arguments) -> fmu_build::Result<()> {
-    let output = arguments.output.clone().unwrap_or_else(package::default_output);
+    let in_repository = arguments.out.is_none() && package::is_here();
+    let output = match in_repository {
+        true => package::default_output(),
+        false => package::placed(arguments.out.as_deref(), MODEL_IDENTIFIER),
+    };
     let mut versions = Version::USUAL.to_vec();
     let asked = [(arguments.arrays, Version::Arrays), (arguments.clocked, Version::Clocked)];
     versions.extend(asked.into_iter().filter(|(asked, _)| *asked).map(|(_, version)| version));
@@ -149,7 +155,7 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     for version in versions {
         println!("{}", version.beside(&output).display());
     }
-    if arguments.output.is_none() {
+    if in_repository {
         println!("{}", write_kit(&output, arguments)?.display());
     }
     if !arguments.no_run {
@@ -174,9 +180,9 @@ fn write_kit(output: &Path, arguments: &Arguments) -> fmu_build::Result<PathBuf>
 }
 
 /// Packs a machine and names its archives.
-fn pack(file: &Path, output: Option<&Path>, arrays: bool, all_platforms: bool) -> fmu_build::Result<()> {
+fn pack(file: &Path, out: Option<&Path>, arrays: bool, all_platforms: bool) -> fmu_build::Result<()> {
     let (kit, left_out) = if all_platforms { kit::all()? } else { (kit::own()?, Vec::new()) };
-    for path in assembly::write(file, output, arrays, &kit)? {
+    for path in assembly::write(file, out, arrays, &kit)? {
         println!("{}", path.display());
     }
     for part in left_out {
@@ -186,8 +192,8 @@ fn pack(file: &Path, output: Option<&Path>, arrays: bool, all_platforms: bool) -
 }
 
 /// Assembles a release and lists it.
-fn assemble(intent: &Intent, platforms: &[String], output: Option<PathBuf>) -> fmu_build::Result<()> {
-    let folder = output.unwrap_or_else(|| compile::workspace().join("dist"));
+fn assemble(intent: &Intent, platforms: &[String], out: Option<PathBuf>) -> fmu_build::Result<()> {
+    let folder = out.unwrap_or_else(|| compile::workspace().join("dist"));
     let (parts, left_out) = release::assemble(compile::workspace(), intent, platforms, &folder)?;
     print!("{}", notes::table(&parts));
     for part in left_out {

@@ -11,7 +11,25 @@ use std::path::{Path, PathBuf};
 use vibro_figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
-/// Where the archive goes when nobody says otherwise.
+/// Where an archive goes: to the file that is named, under its own name into a folder that is, and else here.
+pub fn placed(out: Option<&Path>, name: &str) -> PathBuf {
+    let file = PathBuf::from(format!("{name}.fmu"));
+    let is_folder = |out: &Path| out.is_dir() || out.to_string_lossy().ends_with(['/', '\\']);
+    match out {
+        Some(folder) if is_folder(folder) => folder.join(file),
+        Some(out) => out.to_owned(),
+        None => file,
+    }
+}
+
+/// Whether the current folder is in the repository that this program was compiled in.
+pub fn is_here() -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    let here = std::env::current_dir().ok().and_then(|here| real(&here));
+    here.zip(real(compile::workspace())).is_some_and(|(here, home)| here.starts_with(home))
+}
+
+/// Where the archive goes in the repository when nobody says otherwise.
 pub fn default_output() -> PathBuf {
     compile::target().join(format!("{MODEL_IDENTIFIER}.fmu"))
 }

@@ -205,7 +205,7 @@ fn check_replaceable(folder: &Path) -> Result<()> {
         return Ok(());
     }
     Err(Error::Option {
-        name: "--output",
+        name: "--out",
         value: folder.display().to_string(),
         allowed: "a folder that is empty, not there yet, or holds an earlier release".into(),
     })

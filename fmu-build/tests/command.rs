@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 fn fmu_build(arguments: &[&str], output: &Path) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
-    command.args(arguments).arg("--output").arg(output).output().unwrap()
+    command.args(arguments).arg("--out").arg(output).output().unwrap()
 }
 
 #[test]
@@ -54,4 +54,30 @@ fn senseless_options_are_refused() {
     let output = fmu_build(&["--periods", "0"], &folder.path().join("x.fmu"));
     assert!(!output.status.success());
     assert!(String::from_utf8_lossy(&output.stderr).contains("--periods"));
+}
+
+/// What a command writes into a folder that it is called in.
+fn written_in(folder: &Path, arguments: &[&str]) -> Vec<String> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    let output = command.args(arguments).current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+    let mut names: Vec<_> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn archives_go_where_the_caller_stands_or_into_the_folder_that_is_named() {
+    let both = ["VibroImpact3DOF-FMI3.fmu", "VibroImpact3DOF.fmu"];
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(written_in(folder.path(), &["--no-run"]), both);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("fmus")).unwrap();
+    assert_eq!(written_in(folder.path(), &["--no-run", "--out", "fmus"]), ["fmus"]);
+    // The older word, and a folder that is not there yet.
+    assert_eq!(written_in(folder.path(), &["--no-run", "--output", "more/"]), ["fmus", "more"]);
+    for name in ["fmus", "more"] {
+        assert!(both.iter().all(|fmu| folder.path().join(name).join(fmu).is_file()), "{name}");
+    }
 }

@@ -10,7 +10,7 @@ use std::process::{Command, Output};
 
 fn packed(fmu: &Path, environment: &[(&str, OsString)]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
-    command.args(["--explorer", "--no-run", "--output"]).arg(fmu).envs(environment.iter().cloned());
+    command.args(["--explorer", "--no-run", "--out"]).arg(fmu).envs(environment.iter().cloned());
     command.output().unwrap()
 }
 

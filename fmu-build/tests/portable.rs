@@ -67,7 +67,7 @@ fn the_portable_library_is_what_is_packed() {
     let folder = tempfile::tempdir().unwrap();
     let fmu = folder.path().join("x.fmu");
     let mut packager = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
-    let output = packager.args(["--portable", "--periods", "60", "--output"]).arg(&fmu).output().unwrap();
+    let output = packager.args(["--portable", "--periods", "60", "--out"]).arg(&fmu).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout);
     assert!(printed.contains("bit for bit"), "{printed}");
@@ -85,7 +85,7 @@ fn a_missing_tool_is_named_with_what_to_install() {
     let without: Vec<_> =
         std::env::split_paths(&path).filter(|folder| !folder.join("cargo-zigbuild").exists()).collect();
     let output = Command::new(env!("CARGO_BIN_EXE_fmu-build"))
-        .args(["--all-platforms", "--no-run", "--output"])
+        .args(["--all-platforms", "--no-run", "--out"])
         .arg(&fmu)
         .env("PATH", std::env::join_paths(without).unwrap())
         .output()

@@ -127,16 +127,16 @@ const SAMPLES: usize = 50;
 /// What `vibro assembly run` and `draw` and `fmu-build assembly` write of a machine.
 fn assembly(name: &str, until: f64) -> Value {
     let file = common::python::root().join("examples/assembly").join(name).with_extension("toml");
-    let machine = vibro::assembly::read(&file, &[]).expect("an example");
+    let machine = vibro_assembly::file::read(&file).expect("an example");
     let sketch = canvas::svg(&Sketch::new(&machine)).expect("it is drawn");
     let times = vibro::assembly::even_times(until, SAMPLES).expect("some samples");
     let record =
-        vibro::assembly::record(machine, &times, &Arc::default(), &mut || ()).expect("it has a start");
+        vibro::assembly::record(machine, &times, &Arc::default(), &mut |_| ()).expect("it has a start");
     let text = |csv: vibro::Result<Vec<u8>>| String::from_utf8(csv.expect("a table")).expect("text");
     let kit = Kit::read(&common::python::kit()).expect("a kit");
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("assemblies").join(name).with_extension("fmu");
     let archives = fmu_build::assembly::write(&file, Some(&output), false, &kit).expect("they are packed");
-    json!({"until": until, "states": text(record.states()), "events": text(record.events()), "sketch": sketch,
+    json!({"until": until, "states": text(record.states()), "events": text(record.events(true)), "sketch": sketch,
            "archives": {"2": archives[0], "3": archives[1]}})
 }
 

@@ -401,10 +401,10 @@ fn a_folder_with_anything_else_in_it_is_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("mine"), "").unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
-    let output = command.args(["release", "--preview", "--output"]).arg(folder.path()).output().unwrap();
+    let output = command.args(["release", "--preview", "--out"]).arg(folder.path()).output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(
-        !output.status.success() && told.contains("--output") && told.contains("earlier release"),
+        !output.status.success() && told.contains("--out ") && told.contains("earlier release"),
         "{told}"
     );
     assert!(folder.path().join("mine").exists());
@@ -431,7 +431,7 @@ fn the_whole_for_this_machine_has_the_same_bytes_in_two_folders_and_builds_from_
     };
     let release = |into: &Path| {
         let mut release = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
-        release.args(["release", "--preview", "--platform", compile::PLATFORM_TUPLE, "--output"]).arg(into);
+        release.args(["release", "--preview", "--platform", compile::PLATFORM_TUPLE, "--out"]).arg(into);
         quick(&mut release);
         release
     };

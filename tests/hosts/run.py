@@ -502,7 +502,7 @@ def main():
     TARGET.mkdir(parents=True, exist_ok=True)
     fmu = TARGET / "VibroImpact3DOF.fmu"
     if not arguments.assemblies:
-        run(["cargo", "run", "--quiet", "--bin", "fmu-build", "--", "--portable", "--no-run", "--output", fmu])
+        run(["cargo", "run", "--quiet", "--bin", "fmu-build", "--", "--portable", "--no-run", "--out", fmu])
     archives = assembly_archives()
     missing, failed = [], []
     for name, host in HOSTS:

@@ -12,28 +12,49 @@ use crate::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro_analysis::assembly::{NamedEvent, columns, named, values};
+use vibro_analysis::assembly::{
+    self, Contact, Contacts, Extreme, Extremes, Followed, Machine, NamedEvent, Place, What, columns, named,
+    values,
+};
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::{Assembly, Motion, file};
+use vibro_assembly::{Assembly, Motion};
+use vibro_impact::quantities::{Quantity, Unit};
 
 /// Most samples of a motion, a few gigabytes of a table.
 const MOST: usize = 10_000_000;
 
-/// Reads a machine's file and replaces parameters, each as `NAME=VALUE` with or without a unit.
+/// Reads a machine's file and replaces parameters, each as `NAME=VALUE`. A value without a unit is in that in which the file or a value
+/// before it writes the parameter; `note` hears where it makes a difference.
 ///
 /// # Errors
 /// [`Error::Refusal`], with every problem of the file, or of the new values.
-pub fn read(path: &Path, set: &[String]) -> Result<Description> {
-    let machine = file::read(path)?;
+pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result<Machine> {
+    let mut machine = Machine::read(path)?;
     let mut changes = Vec::new();
     for text in set {
         let Some((name, value)) = text.split_once('=') else {
             return Err(Error::form(text, "NAME=VALUE, e.g. stop.upper.gap=5mm"));
         };
-        changes.push((name.trim(), machine.parameter(name.trim())?.read(value)?));
+        let name = name.trim();
+        let read = machine.quantity(name, value)?;
+        taken(&[value], &read, text).into_iter().for_each(&mut *note);
+        machine.note_unit(name, value);
+        changes.push((name, read.value));
     }
     Ok(machine.with(changes)?)
+}
+
+/// Words that say in which unit numbers without one were read, where it makes a difference; `read` is one of them.
+pub fn taken(numbers: &[&str], read: &Quantity, typed: &str) -> Option<String> {
+    let bare = |number: &&str| number.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
+    let unit = read.unit.filter(|unit| !unit.is_si() && numbers.iter().any(bare))?;
+    Some(read_in(typed, unit))
+}
+
+/// Words that say in which unit a number without one was read.
+pub fn read_in(typed: &str, unit: &Unit) -> String {
+    format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }
 
 /// The instants 0, end/count, …, end.
@@ -93,6 +114,8 @@ pub struct Record {
     pub rows: Vec<Vec<f64>>,
     /// What happened up to the last instant.
     pub events: Vec<Event>,
+    /// Contacts and extremes of the flow.
+    pub followed: Followed,
     /// The motion where it ended.
     pub motion: Motion,
     /// Kinetic and stored energy at the start, J.
@@ -110,8 +133,8 @@ pub enum Ended {
     Stopped,
 }
 
-/// Follows a machine to each of the instants, until `asked` is set; `done` hears of each. Where coordinates become too large for numbers, the record
-/// ends with the instant before.
+/// Follows a machine to each of the instants, until `asked` is set; `done` hears of each instant and of each event, as the part of the time
+/// that is over. Where coordinates become too large for numbers, the record ends with the instant before.
 ///
 /// # Errors
 /// [`Error::Assembly`] for a machine without a motion from its start.
@@ -119,7 +142,7 @@ pub fn record(
     machine: Description,
     times: &[f64],
     asked: &Arc<AtomicBool>,
-    done: &mut dyn FnMut(),
+    done: &mut dyn FnMut(f64),
 ) -> Result<Record> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let mut events = Vec::new();
@@ -128,32 +151,36 @@ pub fn record(
     let (kinetic, stored) = motion.kinetic_and_stored();
     let start = kinetic + stored - motion.energy().balance();
     let columns = columns(&assembly.description);
-    let mut record = Record { assembly, columns, rows: Vec::new(), events, motion, start, ended: None };
+    let end = times.last().copied().unwrap_or(0.0);
+    let extremes =
+        Extremes::new(&watched(&assembly.description)?, (times.first().copied().unwrap_or(0.0), end));
+    let followed = Followed::new(Contacts::new(&motion, &events)?, extremes);
+    let mut record =
+        Record { assembly, columns, rows: Vec::new(), events, followed, motion, start, ended: None };
     for &time in times {
-        let (before, told) = (record.motion.save(), record.events.len());
-        let events = &mut record.events;
-        let end = record.motion.advance_observed(time, &mut |event| events.push(event.clone()));
-        record.ended = match end {
-            Ok(_) => None,
-            Err(vibro_assembly::Error::Interrupted { .. }) => Some(Ended::Stopped),
-            Err(error) => Some(Ended::Error(error)),
-        };
-        if let Some(Ended::Error(vibro_assembly::Error::Beyond { .. })) = record.ended {
-            record.motion.restore(&before);
-            record.events.truncate(told);
-        }
+        record.ended = record.advance(time, &mut |now| done(now / end));
         if record.ended.is_some() {
             return Ok(record);
         }
         let row = std::iter::once(record.motion.time()).chain(values(&record.motion)).collect();
         record.rows.push(row);
-        done();
+        done(time / end);
         if asked.load(Ordering::Relaxed) {
             record.ended = Some(Ended::Stopped);
             return Ok(record);
         }
     }
     Ok(record)
+}
+
+/// The quantities whose extremes are told or drawn: coordinates and rates of bodies, forces of stops and friction.
+fn watched(d: &Description) -> Result<Vec<Place>> {
+    let of = |name: &String, what| assembly::Quantity { of: name.clone(), what };
+    let contacts = d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
+    let all = d.bodies.iter().map(|b| of(&b.name, What::S));
+    let all = all.chain(contacts.map(|name| of(name, What::F)));
+    let all = all.chain(d.bodies.iter().map(|b| of(&b.name, What::V)));
+    all.map(|quantity| Ok(quantity.place(d)?)).collect()
 }
 
 /// Kind, element and value of an event, and how many stops took part: the columns of `events.csv` after the time.
@@ -163,6 +190,61 @@ pub fn event_in_words(d: &Description, kind: &EventKind) -> [String; 4] {
 }
 
 impl Record {
+    /// To an instant; why it ended before, if it did.
+    fn advance(&mut self, time: f64, met: &mut dyn FnMut(f64)) -> Option<Ended> {
+        let (before, told) = (self.motion.save(), self.events.len());
+        let events = &mut self.events;
+        let mut tell = |event: &Event| events.push(event.clone());
+        match self.followed.advance(&mut self.motion, time, &mut tell, met) {
+            Ok(()) => None,
+            Err(vibro_assembly::Error::Interrupted { .. }) => Some(Ended::Stopped),
+            Err(error) => {
+                if let vibro_assembly::Error::Beyond { .. } = error {
+                    self.motion.restore(&before);
+                    self.events.truncate(told);
+                    self.followed.contacts.cut(self.motion.time());
+                }
+                Some(Ended::Error(error))
+            }
+        }
+    }
+
+    /// The extremes of a body's coordinate or rate.
+    fn body(&self, i: usize, what: What) -> &Extreme {
+        let d = &self.assembly.description;
+        let first = if what == What::S { 0 } else { d.bodies.len() + d.stops.len() + d.frictions.len() };
+        &self.followed.extremes.all[first + i]
+    }
+
+    /// The extremes of the force of a stop or, after all stops, of a friction.
+    fn force(&self, i: usize) -> &Extreme {
+        &self.followed.extremes.all[self.assembly.description.bodies.len() + i]
+    }
+
+    /// The text of `contacts.csv`.
+    ///
+    /// # Errors
+    /// [`Error::Output`].
+    pub fn contacts(&self) -> Result<Vec<u8>> {
+        let names = ["element", "begin", "end", "peak_force", "impulse", "closing_speed", "energy_lost"];
+        let mut csv = CsvRows::new(names)?;
+        let cell = |value: Option<f64>| value.map_or(String::new(), exact);
+        for contact in self.followed.contacts.all() {
+            let Contact { begin, end, peak, impulse, speed, lost, .. } = contact;
+            let element = contact.element(&self.assembly.description);
+            csv.push([
+                element,
+                exact(begin),
+                cell(end),
+                cell(peak),
+                cell(impulse),
+                exact(speed),
+                cell(lost),
+            ])?;
+        }
+        csv.text()
+    }
+
     /// The text of `states.csv`: every number reads back to the same double.
     ///
     /// # Errors
@@ -175,21 +257,21 @@ impl Record {
         csv.text()
     }
 
-    /// The text of `events.csv`.
+    /// The text of `events.csv`, with the knots of signals or without.
     ///
     /// # Errors
     /// [`Error::Output`].
-    pub fn events(&self) -> Result<Vec<u8>> {
+    pub fn events(&self, knots: bool) -> Result<Vec<u8>> {
         let mut csv = CsvRows::new(["time", "kind", "element", "value", "stops"])?;
-        for event in &self.events {
+        for event in self.events.iter().filter(|event| knots || event.kind != EventKind::Knot) {
             let [kind, element, value, stops] = event_in_words(&self.assembly.description, &event.kind);
             csv.push([exact(event.time), kind, element, value, stops])?;
         }
         csv.text()
     }
 
-    /// Extents, events and energies, line by line.
-    pub fn account(&self) -> Vec<String> {
-        summary::account(self)
+    /// Extents, contacts, events and energies, line by line; `knots` tells whether [`events`](Self::events) has the knots.
+    pub fn account(&self, knots: bool) -> Vec<String> {
+        summary::account(self, knots)
     }
 }

@@ -118,8 +118,13 @@ impl Manifest {
         for name in names {
             let (a, b) = (there.get(name), here.get(name));
             if a != b {
-                let word = |x: Option<&String>| x.map_or("not given", String::as_str).to_owned();
-                found.push(format!("{name}: {} there, {} here", word(a), word(b)));
+                let [a, b] = [a, b].map(|x| x.map_or("not given", String::as_str));
+                match a.contains('\n') || b.contains('\n') {
+                    // The machine's numbers have their names.
+                    true if self.si != other.si && without_numbers(a) == without_numbers(b) => {}
+                    true => found.extend(lines_apart(name, a, b)),
+                    false => found.push(format!("{name}: {a} there, {b} here")),
+                }
             }
         }
         found
@@ -131,6 +136,14 @@ impl Manifest {
             // Captions name the parameters that were given.
             [] => "which parameters were given and which are defaults".into(),
             all => all.join("; "),
+        }
+    }
+
+    /// [`Self::differences`], a line each, for refusals.
+    pub fn differences_in_lines(&self, other: &Self) -> String {
+        match self.differences(other).as_slice() {
+            [] => format!("    {}", self.differences_in_words(other)),
+            all => all.iter().map(|line| format!("    {line}")).collect::<Vec<_>>().join("\n"),
         }
     }
 
@@ -159,13 +172,29 @@ impl Manifest {
         let hash = fnv1a(text.as_bytes());
         format!("{:08x}", (hash ^ (hash >> 32)) as u32)
     }
+}
 
-    /// In two lines: the command line with its version, and the groups.
-    pub fn in_words(&self) -> String {
-        let groups: Vec<_> =
-            self.groups.iter().map(|(k, v)| format!("{k} = {}", vibro_analysis::short(*v))).collect();
-        format!("{} (version {})\n         {}", self.invocation.command_line, self.version, groups.join(", "))
-    }
+/// Lines of a text that are told at most.
+const LINES: usize = 10;
+
+/// A text without what its numbers are made of.
+fn without_numbers(text: &str) -> String {
+    text.chars().filter(|c| !(c.is_ascii_digit() || "+-.e".contains(*c))).collect()
+}
+
+/// The lines that one of two texts has alone.
+fn lines_apart(name: &str, there: &str, here: &str) -> Vec<String> {
+    let alone = |a: &str, b: &str, whose: &str| {
+        let lines: Vec<String> = a
+            .lines()
+            .filter(|line| !b.lines().any(|other| other == *line))
+            .map(|line| format!("{name} {whose}: {}", line.trim()))
+            .collect();
+        let more = lines.len().saturating_sub(LINES);
+        let more = (more > 0).then(|| format!("{name} {whose}: {more} lines more"));
+        lines.into_iter().take(LINES).chain(more).collect::<Vec<_>>()
+    };
+    [alone(there, here, "there"), alone(here, there, "here")].concat()
 }
 
 /// The form of parts that a manifest names which cannot be read as one of this program's; none where it is this program's own form,
@@ -207,6 +236,22 @@ mod tests {
         assert!(one.digest() != two.digest() && one.digest().len() == 8);
         let newer = Manifest { version: "9.9.9".into(), ..one.clone() };
         assert!(one.describes_same(&newer) && one.digest() == newer.digest());
+    }
+
+    #[test]
+    fn of_two_machines_the_lines_that_differ_are_told_alone() {
+        let machine = |text: &str, mass: f64| {
+            let mut found = manifest("kappa=0.5");
+            found.invocation.options.insert("machine".into(), text.into());
+            found.si.insert("body.box.mass".into(), mass);
+            found
+        };
+        let one = machine("name = \"M\"\n[body.box]\nmass = 12.0\n", 12.0);
+        let heavier = machine("name = \"M\"\n[body.box]\nmass = 13.0\n", 13.0);
+        assert_eq!(one.differences(&heavier), ["body.box.mass: 12 there, 13 here"]);
+        let other = machine("name = \"M\"\n[body.box]\nmass = 12.0\ngravity = 1.0\n", 12.0);
+        assert_eq!(one.differences(&other), ["--machine here: gravity = 1.0"]);
+        assert_eq!(other.differences_in_lines(&one), "    --machine there: gravity = 1.0");
     }
 
     #[test]

@@ -226,13 +226,13 @@ pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
     }
     let count = there.long_study.as_ref().map_or(0, |s| s.count());
     let problem = format!(
-        "holds {} of another run\n  there: {}\n  here:  {}\n  they differ in {}\n  allowed: \
+        "holds {} of another run; they differ in\n{}\n  begun by: {} (version {})\n  allowed: \
          another --out; to finish that run first by its command line; `vibro merge` if it is a share of a study; or \
          --discard-unfinished, which deletes its parts",
         parts_in_words(PartFolder::kept(folder), count, "finished parts"),
-        there.in_words(),
-        here.in_words(),
-        there.differences_in_words(here)
+        there.differences_in_lines(here),
+        there.invocation.command_line,
+        there.version
     );
     Error::Config { path: folder.into(), problem }
 }

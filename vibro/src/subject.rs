@@ -2,7 +2,8 @@
 //! user's own by its file.
 
 use std::collections::BTreeMap;
-use vibro_analysis::{GROUPS, Name, ParameterSet, Unit, assembly, physical_parameters};
+use vibro_analysis::assembly::{self, Section, SectionRule};
+use vibro_analysis::{GROUPS, Name, ParameterSet, Unit, physical_parameters, significant};
 use vibro_impact::parameters::{FIELDS, LOADS};
 
 /// What is told of the machine of a study.
@@ -62,7 +63,14 @@ impl Subject for assembly::Machine {
     fn caption(&self) -> String {
         let d = &self.description;
         let section = assembly::Section::of(d, &self.section);
-        let section = section.map_or(String::new(), |s| format!(", looked at after {}", s.in_words(d)));
+        let section = section.map_or(String::new(), |s| match (s, &self.section) {
+            // A study may vary the frequencies.
+            (Section::Period(period), SectionRule::Auto) => {
+                let period = significant(period);
+                format!(", looked at after each common period of its harmonics ({period} s as it stands)")
+            }
+            _ => format!(", looked at after {}", s.in_words(d)),
+        });
         format!("{}{section}", d.name)
     }
 

@@ -239,3 +239,14 @@ fn second_method_exponents_over_a_plane_are_those_of_a_diagram() {
         assert!((number("exponent") + number("spring.k.damping") / 4.0).abs() < 2e-2, "{row:?}");
     }
 }
+
+/// The frequency is varied, so that no one period is that of the study.
+#[test]
+fn a_study_of_a_frequency_names_no_period_as_its_own() {
+    let vary = ["--vary", "load.shaker.frequency=9:10:2", "--discard", "2", "--keep", "2"];
+    let out = folder("assembly-frequency");
+    let run = command(&out, &[&["assembly", "bifurcation", DAMPER][..], &vary].concat()).output().unwrap();
+    let told = String::from_utf8(run.stdout).unwrap();
+    assert!(run.status.success() && !told.contains("periods of 0.1 s"), "{told}");
+    assert!(told.contains("after each common period of its harmonics (0.1 s as it stands)"), "{told}");
+}

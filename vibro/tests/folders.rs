@@ -41,8 +41,7 @@ fn a_run_with_other_parameters_is_refused_and_keeps_the_parts_of_the_first() {
     let error = refused(&out, &[&BASIN[..], &["--set", "kappa=0.6"]].concat());
     for word in [
         "basin.parts: holds ",
-        "there: vibro basin --resolution 16 --discard 60 (version ",
-        "here:  vibro basin --resolution 16 --discard 60 --set kappa=0.6 (version ",
+        "begun by: vibro basin --resolution 16 --discard 60 (version ",
         "kappa: 0.75 there, 0.6 here",
         "stop.restitution: 0.75 there, 0.6 here",
         "another --out",

@@ -3,15 +3,14 @@
 //! Everything that is read off a motion along the way (extrema, mean squares, maxima, variations) comes through [`follow`]: the
 //! engine says where flights end, and within one the states are a power series.
 
-use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 use std::sync::Arc;
-use vibro_assembly::Motion;
 use vibro_assembly::flow::{ORDERS, SparseMatrix, rate_bound};
 use vibro_assembly::mode::{Linear, Mode, Watch};
 use vibro_assembly::motion::{Event, Outcome};
 use vibro_assembly::system::{Row, System};
+use vibro_assembly::{Error, Motion};
 use vibro_impact::events::turns;
 
 /// The bound of A times the length of a stretch: a series to [`ORDERS`] terms leaves out less than 2²⁶/26! of the state.
@@ -131,22 +130,33 @@ pub fn coefficients(row: &[f64], series: &[Vec<f64>]) -> [f64; ORDERS] {
     c
 }
 
+/// The value of a polynomial.
+pub fn value_at(q: &[f64; ORDERS], u: f64) -> f64 {
+    q.iter().rev().fold(0.0, |sum, c| sum * u + c)
+}
+
 /// Visits the values of a polynomial at 0, at every extremum between and at 1, in this order: it is monotone from one to the next.
 pub fn monotone_pieces(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64)) {
-    let value = |u: f64| q.iter().rev().fold(0.0, |sum, c| sum * u + c);
-    visit(q[0]);
+    turning_points(q, &mut |_, value| visit(value));
+}
+
+/// Visits places and values of [`monotone_pieces`].
+pub fn turning_points(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64, f64)) {
+    visit(0.0, q[0]);
     let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
     if spread > 0.0 {
         let slope: [f64; ORDERS] =
             std::array::from_fn(|k| if k + 1 < ORDERS { (k + 1) as f64 * q[k + 1] } else { 0.0 });
-        turns(&slope, (0.0, 1.0), &mut (slope[0] > 0.0), |u, _| visit(value(u)));
+        turns(&slope, (0.0, 1.0), &mut (slope[0] > 0.0), |u, _| visit(u, value_at(q, u)));
     }
-    visit(value(1.0));
+    visit(1.0, value_at(q, 1.0));
 }
 
 /// A flight: its mode, its state at the start, its length in s.
 #[derive(Clone, Copy, Debug)]
 pub struct Flight<'a> {
+    /// When it begins, s.
+    pub time: f64,
     /// The linear system that holds.
     pub flow: &'a Flow,
     /// The augmented state at its start.
@@ -168,6 +178,8 @@ pub struct Passage<'a> {
     pub states: [&'a [f64]; 2],
     /// What was told of it.
     pub events: &'a [Event],
+    /// What the account of losses at impacts has taken in by it, J: nothing where the motion keeps none.
+    pub lost: f64,
 }
 
 /// What looks at a motion while it is followed.
@@ -176,6 +188,8 @@ pub trait Observer {
     fn flight(&mut self, system: &System, flight: Flight<'_>);
     /// An event after it.
     fn passage(&mut self, system: &System, passage: Passage<'_>);
+    /// What is told of an event, at once: also where its law then fails.
+    fn told(&mut self, _event: &Event) {}
 }
 
 /// The linear systems of the modes that were met.
@@ -213,7 +227,7 @@ pub fn follow(
     end: f64,
     observers: &mut [&mut dyn Observer],
     stops: &mut dyn FnMut(&[Event]) -> bool,
-) -> Result<bool> {
+) -> Result<bool, Error> {
     let assembly = motion.assembly().clone();
     let system = assembly.system();
     let mut events = Vec::new();
@@ -221,18 +235,29 @@ pub fn follow(
         let (start, from) = (own(motion.state()), motion.time());
         let flow = flows.of(system, motion.mode());
         events.clear();
-        let outcome = motion.advance_before_event(end, &mut |event| events.push(event.clone()))?;
+        let mut tell = |event: &Event| {
+            observers.iter_mut().for_each(|o| o.told(event));
+            events.push(event.clone());
+        };
+        let outcome = motion.advance_before_event(end, &mut tell);
         let span = motion.time() - from;
-        if span > 0.0 {
-            let flight = Flight { flow: &flow, start: &start, span };
+        // What has left all numbers is no flight to be looked at.
+        if span > 0.0 && !matches!(outcome, Err(Error::Beyond { .. })) {
+            let flight = Flight { time: from, flow: &flow, start: &start, span };
             observers.iter_mut().for_each(|o| o.flight(system, flight));
         }
-        if outcome == Outcome::Event {
+        if outcome? == Outcome::Event {
             let (before, watch, time) = (own(motion.state()), motion.due(), motion.time());
-            motion.apply_event(&mut |event| events.push(event.clone()))?;
+            let impacts = motion.energy().impacts;
+            let mut tell = |event: &Event| {
+                observers.iter_mut().for_each(|o| o.told(event));
+                events.push(event.clone());
+            };
+            motion.apply_event(&mut tell)?;
+            let lost = motion.energy().impacts.minus(impacts).value();
             let (after, next) = (own(motion.state()), flows.of(system, motion.mode()));
             let (flows, states) = ([&*flow, &*next], [&before[..], &after[..]]);
-            let passage = Passage { time, watch, flows, states, events: &events };
+            let passage = Passage { time, watch, flows, states, events: &events, lost };
             observers.iter_mut().for_each(|o| o.passage(system, passage));
             if stops(&events) {
                 return Ok(true);

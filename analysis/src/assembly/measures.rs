@@ -301,7 +301,7 @@ impl Window {
             None => self.watcher.contacts.iter().map(|c| f64::from(c.count)).sum(),
         };
         let [loads, dashpots, stops, frictions] = &self.energies;
-        match measure {
+        let number = match measure {
             Measure::Amplitude(q) => of(q, &|e| e.largest.max(-e.least)),
             Measure::Rms(q) => of(q, &|e| (e.square / self.duration).sqrt()),
             Measure::PeakToPeak(q) => of(q, &|e| e.largest - e.least),
@@ -328,7 +328,9 @@ impl Window {
             }
             // Not of the window.
             Measure::Class | Measure::Exponent => 0.0,
-        }
+        };
+        // A sum of nothing is -0.
+        number + 0.0
     }
 }
 

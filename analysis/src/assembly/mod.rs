@@ -6,25 +6,33 @@
 //! each event of an element. What the other modules call a drive period is here the way from one return to the next.
 
 mod columns;
+mod contacts;
 mod designs;
 pub mod diagram;
+mod extremes;
 mod flight;
+mod followed;
 mod growth;
 mod measures;
 mod monodromy;
 mod plane;
 mod quantity;
 mod returns;
+mod rows;
 mod section;
 mod settled;
 mod variation;
 mod watch;
+mod written;
 
 pub use columns::{NamedEvent, columns, named, values};
+pub use contacts::{Contact, Contacts};
 pub use designs::FileStart;
+pub use extremes::{Extreme, Extremes};
+pub use followed::Followed;
 pub use measures::{Measure, measure};
 pub use plane::PlanePoint;
-pub use quantity::{Place, Quantity};
+pub use quantity::{Place, Quantity, What};
 pub use section::{Section, SectionRule, common_period};
 pub use settled::{Settled, discard, settled};
 

@@ -8,6 +8,14 @@ use vibro_assembly::system::System;
 
 /// Values of a plateau differ by less than this part of the largest.
 const FLAT: f64 = 1e-12;
+/// An extremum under this part of the largest value is zero, as at a stop with gap 0: its time is known to the clock's rounding, which
+/// after 1e5 periods is some 1e-11 of one.
+const ZERO: f64 = 1e-10;
+
+/// A value beside the largest that was met.
+fn rounded(value: f64, size: f64) -> f64 {
+    if value.abs() <= ZERO * size { 0.0 } else { value }
+}
 
 /// Extrema of a quantity so far, and the integral of its square.
 #[derive(Clone, Debug)]
@@ -49,7 +57,7 @@ impl Maxima {
             self.rising = true;
         } else if value < last - FLAT * self.size {
             if self.rising {
-                self.found.push(last);
+                self.found.push(rounded(last, self.size));
             }
             self.rising = false;
         } else {
@@ -123,6 +131,9 @@ impl Observer for Watcher {
                         extent.least = extent.least.min(x);
                         extent.largest = extent.largest.max(x);
                     });
+                    let size = extent.largest.max(-extent.least);
+                    extent.least = rounded(extent.least, size);
+                    extent.largest = rounded(extent.largest, size);
                 }
             }
             if let (Some(maxima), Some(row)) = (&mut self.maxima, &top) {
@@ -150,5 +161,30 @@ impl Observer for Watcher {
                 _ => {}
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Machine, Measure, discard, measure};
+    use vibro_assembly::file::no_records;
+
+    /// The wall stands where the spring is without force, so that the largest coordinate is 0 at every impact; without it nothing is hit.
+    #[test]
+    fn closed_form_what_is_zero_has_no_rounding_and_no_sign() {
+        let text = "name = \"M\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n\
+            damping = 0.5\n[load.f]\non = \"a\"\namplitude = 1.0\nfrequency = 2.3\n";
+        let wall = "[stop.w]\nbetween = [\"ground\", \"a\"]\ngap = 0.0\nrestitution = 0.6\n";
+        let measured = |text: &str, names: &[&str]| {
+            let machine = Machine::parse(text, "m.toml", &no_records).unwrap();
+            let (mut motion, section) = machine.motion(&Default::default()).unwrap();
+            discard(&mut motion, &section, 200).unwrap();
+            let names: Vec<Measure> = names.iter().map(|n| n.parse().unwrap()).collect();
+            measure(&mut motion, &section, &names, 10).unwrap().numbers
+        };
+        let found = measured(&format!("{text}{wall}"), &["maximum.a.s", "maximum.w.e", "impacts"]);
+        assert_eq!(found, [Some(0.0), Some(0.0), Some(1.0)]);
+        let found = measured(text, &["impacts", "impact.rate"]);
+        assert!(found.iter().all(|x| x.is_some_and(|x| x == 0.0 && x.is_sign_positive())), "{found:?}");
     }
 }

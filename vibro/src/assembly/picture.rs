@@ -1,6 +1,7 @@
 //! The picture of a motion: coordinates, forces of stops and friction, and the speeds of impacts over time.
 
 use super::Record;
+use vibro_analysis::assembly::{Extreme, What};
 use vibro_assembly::description::Dimension;
 use vibro_assembly::motion::EventKind;
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
@@ -12,6 +13,8 @@ const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLAC
 const POINTS: usize = 4000;
 /// Size of a panel in units of the drawing.
 const PANEL: (u32, u32) = (2600, 900);
+/// Points of a curve nearer than this part of its size are one.
+const SAME: f64 = 1e-9;
 /// Lengths up to this, m, are shown in mm.
 const SHORT: f64 = 0.1;
 /// Half the size of the marks of impacts.
@@ -26,22 +29,30 @@ pub fn figure(record: &Record, caption: Vec<String>) -> Option<Figure> {
     let mut panels = Vec::new();
     for (dimension, label) in [(Dimension::Translation, "s (m)"), (Dimension::Rotation, "s (rad)")] {
         let bodies = d.bodies.iter().enumerate().filter(|(_, b)| b.dimension == dimension);
-        let curves: Vec<_> = bodies.map(|(i, b)| (b.name.clone(), 3 * i)).collect();
+        let curves: Vec<_> = bodies
+            .map(|(i, b)| Curve { name: &b.name, column: 3 * i, extreme: record.body(i, What::S) })
+            .collect();
         panels.extend(curves_over_time(record, "coordinates", label, &curves));
     }
     let first = 3 * (d.bodies.len() + d.springs.len());
     let contacts = d.stops.iter().map(|s| (&s.name, s.arms.dimension));
     let contacts = contacts.chain(d.frictions.iter().map(|f| (&f.name, f.arms.dimension)));
-    let contacts: Vec<_> =
-        contacts.enumerate().map(|(i, (name, dimension))| (name, dimension, first + 3 * i + 2)).collect();
+    let contacts: Vec<_> = contacts.enumerate().collect();
     for (dimension, label) in [(Dimension::Translation, "f (N)"), (Dimension::Rotation, "f (N·m)")] {
-        let these = contacts.iter().filter(|c| c.1 == dimension);
+        let these = contacts.iter().filter(|(_, contact)| contact.1 == dimension);
+        let curves = these.map(|&(i, (name, _))| {
+            let (column, extreme) = (first + 3 * i + 2, record.force(i));
+            Curve { name, column, extreme }
+        });
         // A stop that is never closed or pressed has no force to show.
-        let acts = |column: usize| record.rows.iter().any(|row| row[1 + column] != 0.0);
-        let curves: Vec<_> = these.filter(|c| acts(c.2)).map(|c| (c.0.clone(), c.2)).collect();
+        let curves: Vec<_> = curves.filter(|curve| curve.extreme.largest != 0.0).collect();
         panels.extend(curves_over_time(record, "forces of stops and friction", label, &curves));
     }
-    panels.extend(impacts(record));
+    for (dimension, label) in
+        [(Dimension::Translation, "closing speed (m/s)"), (Dimension::Rotation, "closing speed (rad/s)")]
+    {
+        panels.extend(impacts(record, dimension, label));
+    }
     let letters = 'a'..='z';
     for (letter, panel) in letters.zip(&mut panels) {
         panel.title = format!("({letter}) {}", panel.title);
@@ -54,19 +65,38 @@ fn time_axis(record: &Record) -> Axis {
     Axis::over("time (s)", time(record.rows.first()), time(record.rows.last()))
 }
 
-fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[(String, usize)]) -> Option<Panel> {
+/// A quantity that is drawn: its name, its column of the samples, its extremes between them.
+struct Curve<'a> {
+    name: &'a str,
+    column: usize,
+    extreme: &'a Extreme,
+}
+
+impl Curve<'_> {
+    /// Samples and extremes in order of time: no peak is lost between samples, however few there are.
+    fn points(&self, record: &Record) -> Path {
+        let stride = record.rows.len().div_ceil(POINTS);
+        let samples = record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + self.column]));
+        let mut points: Path = samples.chain(self.extreme.points()).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Samples are ends of flights too, but for rounding.
+        let end = points.last().map_or(0.0, |point| point.0);
+        let near = |a: f64, b: f64, size: f64| (a - b).abs() <= SAME * size;
+        points.dedup_by(|b, a| near(a.0, b.0, end) && near(a.1, b.1, self.extreme.largest));
+        points
+    }
+}
+
+fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[Curve]) -> Option<Panel> {
     if curves.is_empty() {
         return None;
     }
-    let stride = record.rows.len().div_ceil(POINTS);
-    let layers = curves.iter().zip(COLOURS).map(|((name, column), colour)| {
-        let points: Path = record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + column])).collect();
-        Layer::line(name, colour, Dash::Solid, points).stroke(THIN)
+    let layers = curves.iter().zip(COLOURS).map(|(curve, colour)| {
+        Layer::line(curve.name, colour, Dash::Solid, curve.points(record)).stroke(THIN)
     });
     let layers = layers.collect();
     // Small lengths are told in mm, so that the numbers at the axis are short.
-    let sizes = record.rows.iter().flat_map(|row| curves.iter().map(|(_, column)| row[1 + column].abs()));
-    let size = sizes.fold(0.0, f64::max);
+    let size = curves.iter().map(|curve| curve.extreme.largest).fold(0.0, f64::max);
     let y = match label {
         "s (m)" if size < SHORT => Axis::new("s (mm)").times(1e3),
         _ => Axis::new(label),
@@ -79,10 +109,10 @@ fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[(String
     Some(Panel { title, x: time_axis(record), y, layers })
 }
 
-fn impacts(record: &Record) -> Option<Panel> {
+fn impacts(record: &Record, dimension: Dimension, label: &str) -> Option<Panel> {
     let d = &record.assembly.description;
     let mut layers = Vec::new();
-    for (i, stop) in d.stops.iter().enumerate() {
+    for (i, stop) in d.stops.iter().enumerate().filter(|(_, stop)| stop.arms.dimension == dimension) {
         let hits = record.events.iter().filter_map(|event| match event.kind {
             EventKind::Impact { stop, speed, .. } if stop == i => Some((event.time, speed)),
             _ => None,
@@ -94,7 +124,7 @@ fn impacts(record: &Record) -> Option<Panel> {
             layers.push(Layer::marks(&stop.name, colour, Mark::Disc, points).stroke(SMALL));
         }
     }
-    let y = Axis::new("closing speed (SI)");
+    let y = Axis::new(label);
     let title = "impacts".into();
     (!layers.is_empty()).then(|| Panel { title, x: time_axis(record), y, layers })
 }

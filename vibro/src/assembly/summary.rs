@@ -6,7 +6,8 @@ use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use vibro_assembly::description::{BodyKind, Description, Dimension, StopLaw};
+use vibro_analysis::assembly::{Contact, What};
+use vibro_assembly::description::{BodyKind, Description, Dimension, Stop, StopLaw};
 use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::{Assembly, Motion};
@@ -174,27 +175,68 @@ fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     lines
 }
 
-/// Extents, events and energies of a motion.
-pub(super) fn account(record: &Record) -> Vec<String> {
+/// How many contacts each stop has had, and the worst of each.
+fn contacts(record: &Record) -> Vec<String> {
     let d = &record.assembly.description;
-    let mut lines = Vec::new();
-    let largest = |column: usize| record.rows.iter().map(|r| r[1 + column].abs()).fold(0.0, f64::max);
-    for (i, body) in d.bodies.iter().enumerate() {
-        let [length, speed, _] = units(body.dimension);
-        let (s, v) = (short(largest(3 * i)), short(largest(3 * i + 1)));
-        lines
-            .push(format!("{}: largest |s| {s} {length}, largest |v| {v} {speed} at the samples", body.name));
-    }
+    let all = record.followed.contacts.all();
+    let line = |(i, stop): (usize, &Stop)| {
+        let own: Vec<_> = all.iter().filter(|contact| contact.stop == i).collect();
+        let [_, speed_unit, force] = units(stop.arms.dimension);
+        let largest =
+            |of: &dyn Fn(&Contact) -> Option<f64>| own.iter().filter_map(|c| of(c)).reduce(f64::max);
+        let speed = largest(&|c| Some(c.speed))?;
+        let blow = largest(&|c| c.impulse.filter(|_| c.peak.is_none()));
+        let peak = largest(&|c| c.peak);
+        let part = |name: &str, value: Option<f64>, unit: &str| {
+            value.map_or(String::new(), |x| format!(", {name} {} {unit}", short(x)))
+        };
+        Some(format!(
+            "stop.{}: {} contacts{}{}{}",
+            stop.name,
+            own.len(),
+            part("largest force", peak, force),
+            part("largest impulse", blow, &format!("{force}·s")),
+            part("largest closing speed", Some(speed), speed_unit)
+        ))
+    };
+    d.stops.iter().enumerate().filter_map(line).collect()
+}
+
+/// How many events of each kind there were, and which are not in the file.
+fn events(record: &Record, knots: bool) -> String {
+    let d = &record.assembly.description;
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for event in &record.events {
         let [kind, element, ..] = event_in_words(d, &event.kind);
         *counts.entry(format!("{kind} {element}").trim().into()).or_default() += 1;
     }
+    let left = counts.get("knot").filter(|_| !knots);
+    let left =
+        left.map_or(String::new(), |n| format!("; not in events.csv: {n} × knot (--knots lists them)"));
     let counts: Vec<_> = counts.iter().map(|(what, count)| format!("{count} × {what}")).collect();
-    lines.push(match record.events.len() {
+    match record.events.len() {
         0 => "events: none".into(),
-        all => format!("events: {all} ({})", counts.join(", ")),
-    });
+        all => format!("events: {all} ({}){left}", counts.join(", ")),
+    }
+}
+
+/// Extents, events and energies of a motion.
+pub(super) fn account(record: &Record, knots: bool) -> Vec<String> {
+    let d = &record.assembly.description;
+    let mut lines = Vec::new();
+    for (i, body) in d.bodies.iter().enumerate() {
+        let [length, speed, _] = units(body.dimension);
+        let [s, v] = [What::S, What::V].map(|what| short(record.body(i, what).largest));
+        lines.push(format!("{}: largest |s| {s} {length}, largest |v| {v} {speed}", body.name));
+    }
+    lines.extend(contacts(record));
+    if record.followed.left_out > 0.0 {
+        lines.push(format!(
+            "extremes and contacts: of {} s only the samples and events were looked at, since a body is too fast there",
+            short(record.followed.left_out)
+        ));
+    }
+    lines.push(events(record, knots));
     let (kinetic, stored) = record.motion.kinetic_and_stored();
     let energy = record.motion.energy();
     let sum = |parts: &[vibro_impact::numerics::double_double::DoubleDouble]| {

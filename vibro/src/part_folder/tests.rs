@@ -63,12 +63,7 @@ fn parts_of_another_study_are_refused_and_kept_unless_discarded() {
     let error = open(&folder, 2).unwrap_err();
     let text = error.to_string();
     assert!(error.is_usage() && text.contains("holds 3 of 8 finished parts"), "{text}");
-    for word in [
-        "--discard: 1 there, 2 here",
-        "vibro basin --discard 1",
-        "vibro basin --discard 2",
-        "--discard-unfinished",
-    ] {
+    for word in ["--discard: 1 there, 2 here", "vibro basin --discard 1", "--discard-unfinished"] {
         assert!(text.contains(word), "{word}: {text}");
     }
     assert_eq!(open(&folder, 1).unwrap().missing(3), 0);

@@ -53,22 +53,59 @@ EXAMPLES
 
 /// What the model does not have.
 const LIMITS: &str = "\
-LIMITS
+LIMITS of the 3-DOF machine; `vibro assembly` takes machines of any bodies, with friction, links and compliant stops
   Three bodies on one line: box, block, secondary oscillator. Both stops are rigid and have one coefficient of restitution.
   No friction; springs and dampers are linear.";
 
-/// The command line as clap has it. The help of every command ends with the model's limits.
+/// What is said of the numbers of described machines.
+const DESCRIBED: &str = "\
+NUMBERS
+  A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
+  Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
+  Names of parameters are the file's own: docs/assemblies.md.";
+
+/// The command line as clap has it. The help of every command names what that command takes; those of the 3-DOF machine end with its
+/// limits.
 pub fn command() -> clap::Command {
     let with_limits = |command: clap::Command| {
         let own = command.get_after_help().map(|help| format!("{help}\n\n")).unwrap_or_default();
         command.after_help(format!("{own}{LIMITS}"))
     };
-    with_negative_numbers(with_limits(Arguments::command())).mut_subcommands(|command| {
-        match command.get_name() {
-            // Its machines are of another class.
-            "assembly" => command,
-            _ => with_limits(command),
+    let all = with_negative_numbers(with_limits(Arguments::command()));
+    let shared: Vec<clap::Arg> = all.get_arguments().cloned().collect();
+    all.mut_subcommands(|command| match command.get_name() {
+        // Its machines are of another class.
+        "assembly" => of_described_machines(command, &shared),
+        "template" => {
+            let unused = ["config", "set", "out", "replace", "discard_unfinished", "threads"];
+            with_limits(without(command, &shared, &unused))
         }
+        "merge" => with_limits(without(command, &shared, &["config", "set"])),
+        _ => with_limits(command),
+    })
+}
+
+/// A command whose help does not name some of the shared options. It refuses or ignores them as before.
+fn without(command: clap::Command, shared: &[clap::Arg], names: &[&str]) -> clap::Command {
+    let hidden = shared.iter().filter(|arg| names.contains(&arg.get_id().as_str()));
+    hidden.fold(command, |command, arg| command.arg(arg.clone().hide(true)))
+}
+
+/// `vibro assembly`, whose machine is the file that it names.
+fn of_described_machines(command: clap::Command, shared: &[clap::Arg]) -> clap::Command {
+    let set = shared.iter().filter(|arg| arg.get_id() == "set").map(|arg| {
+        arg.clone()
+            .help("Set one parameter of the machine by its name, e.g. stop.upper.gap=5mm. May be repeated")
+    });
+    let command = set.fold(without(command, shared, &["config"]), clap::Command::arg);
+    command.after_help(DESCRIBED).mut_subcommands(|command| {
+        let unused: &[&str] = match command.get_name() {
+            "check" => &["out", "replace", "discard_unfinished", "threads"],
+            "draw" => &["replace", "discard_unfinished", "threads"],
+            "run" => &["discard_unfinished", "threads"],
+            _ => &[],
+        };
+        without(command, shared, unused).after_help(DESCRIBED)
     })
 }
 

@@ -14,6 +14,7 @@ use vibro::assembly::{self, Ended, Record};
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
+use vibro_assembly::Description;
 use vibro_figures::canvas;
 use vibro_sketch::Sketch;
 
@@ -33,7 +34,7 @@ pub fn run(command: &AssemblyCommand, common: &Common) -> Result<bool> {
     }
     match command {
         AssemblyCommand::Check { file } => {
-            output::say(&assembly::summary(assembly::read(file, &common.set)?)?).map(|()| true)
+            output::say(&assembly::summary(read(file, common)?)?).map(|()| true)
         }
         AssemblyCommand::Draw { file } => sketch(file, common).map(|()| true),
         AssemblyCommand::Run(a) => follow(a, common),
@@ -43,9 +44,14 @@ pub fn run(command: &AssemblyCommand, common: &Common) -> Result<bool> {
     }
 }
 
+/// The machine, with what `--set` changes.
+fn read(file: &Path, common: &Common) -> Result<Description> {
+    Ok(assembly::read(file, &common.set, &mut |words| crate::note(&words))?.description)
+}
+
 /// Writes NAME.svg and NAME.png, without whatever else the folder holds.
 fn sketch(file: &Path, common: &Common) -> Result<()> {
-    let machine = assembly::read(file, &common.set)?;
+    let machine = read(file, common)?;
     let (svg, png) = canvas::svg_and_png(&Sketch::new(&machine))?;
     std::fs::create_dir_all(&common.out).map_err(Error::file("making folder", &common.out))?;
     let stem = common.out.join(&machine.name);
@@ -55,23 +61,24 @@ fn sketch(file: &Path, common: &Common) -> Result<()> {
 }
 
 fn follow(a: &Motion, common: &Common) -> Result<bool> {
-    let machine = assembly::read(&a.file, &common.set)?;
+    let machine = read(&a.file, common)?;
     let times = match (&a.times, a.until) {
         (Some(path), _) => assembly::times_of(path)?,
         (None, until) => assembly::even_times(until.unwrap_or_default(), a.samples as usize)?,
     };
-    let manifest = manifest(&machine, &times, common);
+    let mut manifest = manifest(&machine, &times, common);
+    manifest.invocation.options.insert("knots".into(), a.knots.to_string());
     // Refused before work begins.
     let out = place(common, &manifest)?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program as well, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
-    let progress = Progress::new(times.len(), "samples");
-    let record = assembly::record(machine, &times, &stop, &mut || progress.step())?;
+    let progress = Progress::new(times.len(), "samples").ticking();
+    let record = assembly::record(machine, &times, &stop, &mut |part| progress.part(part))?;
     drop(progress);
     let held = destination::hold(&out);
-    let account = write(&record, &out, &manifest)?;
+    let account = write(&record, &out, &manifest, a.knots)?;
     drop(held);
     let stem = out.join("motion");
     output::say(&format!(
@@ -90,7 +97,7 @@ fn follow(a: &Motion, common: &Common) -> Result<bool> {
 }
 
 /// What the motion is computed from: the machine's numbers by their names, and the file of the whole machine.
-fn manifest(machine: &vibro_assembly::Description, times: &[f64], common: &Common) -> Manifest {
+fn manifest(machine: &Description, times: &[f64], common: &Common) -> Manifest {
     let si = machine.parameters().into_iter().map(|p| (p.name, p.value)).collect();
     let mut invocation: Invocation = common.invocation.clone();
     invocation.options.insert("machine".into(), machine.to_toml());
@@ -122,12 +129,13 @@ fn place(common: &Common, manifest: &Manifest) -> Result<PathBuf> {
 }
 
 /// Writes tables, picture and account; returns the account.
-fn write(record: &Record, out: &Path, manifest: &Manifest) -> Result<String> {
+fn write(record: &Record, out: &Path, manifest: &Manifest, knots: bool) -> Result<String> {
     std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
     destination::write_manifest(out, manifest)?;
     write_whole(&out.join("states.csv"), &record.states()?)?;
-    write_whole(&out.join("events.csv"), &record.events()?)?;
-    let mut lines = record.account();
+    write_whole(&out.join("events.csv"), &record.events(knots)?)?;
+    write_whole(&out.join("contacts.csv"), &record.contacts()?)?;
+    let mut lines = record.account(knots);
     match &record.ended {
         Some(Ended::Error(error)) => lines.push(format!("ended early: {error}")),
         Some(Ended::Stopped) => lines.push(format!("interrupted at t = {} s", record.motion.time())),

@@ -21,7 +21,7 @@ pub enum AssemblyCommand {
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },
-    /// Follows the machine's motion, exactly from event to event: states.csv, events.csv, a picture and an account
+    /// Follows the machine's motion, exactly from event to event: states.csv, events.csv, contacts.csv, a picture and an account
     Run(Motion),
     /// Bifurcation diagram: local maxima of a quantity over a parameter, both directions, with periods and classes
     ///
@@ -54,6 +54,9 @@ pub struct Motion {
     /// Times of the rows instead: a number in s a line
     #[arg(long, value_name = "FILE", conflicts_with_all = ["samples", "until"])]
     pub times: Option<PathBuf>,
+    /// List the knots of signals in events.csv too: a record has one at each of its times
+    #[arg(long)]
+    pub knots: bool,
 }
 
 /// The machine, and where its motions are looked at.
@@ -62,7 +65,7 @@ pub struct Which {
     /// The machine's file (TOML); docs/assemblies.md says what may stand in it
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Look at the motion after whole multiples of this time [default: the common period of all harmonics]
+    /// Look at the motion after whole multiples of this time, in s or with a unit [default: the common period of all harmonics]
     #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "section", allow_hyphen_values = true)]
     pub period: Option<f64>,
     /// Look at the motion at each impact or first touch of a stop, or each time that a friction begins to stick [default of a machine

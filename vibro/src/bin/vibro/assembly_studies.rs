@@ -15,7 +15,6 @@ use vibro_analysis::design_sweep::{Designs, ParameterInterval, Request, SampledA
 use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::sobol::DIMENSIONS;
-use vibro_impact::quantities::quantity_in;
 
 /// Values in a range without a count, of a diagram and of a plane.
 const VALUES: u16 = 200;
@@ -25,24 +24,13 @@ const MOST_OF_PLANE: usize = 3_000;
 
 /// Reads the machine.
 fn machine(which: &Which, common: &Common) -> Result<Machine> {
-    let mut machine = Machine::new(assembly::read(&which.file, &common.set)?);
-    for (name, value) in common.set.iter().filter_map(|text| text.split_once('=')) {
-        note_unit(&mut machine, name.trim(), value);
-    }
+    let mut machine = assembly::read(&which.file, &common.set, &mut |words| crate::note(&words))?;
     machine.section = match (which.period, &which.section) {
         (Some(period), _) => SectionRule::Period(period),
         (None, Some(element)) => SectionRule::Element(element.clone()),
         (None, None) => SectionRule::Auto,
     };
     Ok(machine)
-}
-
-/// A parameter is shown in the unit in which it was written last.
-fn note_unit(machine: &mut Machine, name: &str, text: &str) {
-    let unit = quantity_in(machine.si_unit(name), text.trim()).and_then(|q| q.unit);
-    if let Some(unit) = unit {
-        machine.units.insert(name.into(), unit.plain().into());
-    }
 }
 
 /// A parameter, its numbers as texts, and whether they are a range.
@@ -59,16 +47,26 @@ fn split(text: &str) -> Result<(String, Vec<&str>, bool)> {
     Ok((name.trim().into(), numbers, is_range))
 }
 
-/// Numbers of a parameter, with or without units: at all or at none.
+/// Numbers of a parameter, with or without units: at all or at none. Without, they are in that in which the parameter was written.
 fn numbers(machine: &mut Machine, name: &str, texts: &[&str], whole: &str) -> Result<Vec<f64>> {
-    let parameter = machine.description.parameter(name)?;
-    let values = texts.iter().map(|text| Ok(parameter.read(text)?)).collect::<Result<Vec<f64>>>()?;
-    let has_unit = |text: &&str| quantity_in(parameter.unit, text).is_some_and(|q| q.unit.is_some());
-    if texts.iter().any(|text| has_unit(text) != has_unit(&texts[0])) {
+    let read = texts.iter().map(|text| Ok(machine.quantity(name, text)?)).collect::<Result<Vec<_>>>()?;
+    let is_bare = |text: &&str| text.parse::<f64>().is_ok();
+    if texts.iter().any(|text| is_bare(text) != is_bare(&texts[0])) {
         return Err(Error::form(whole, "a unit at every number or at none"));
     }
-    texts.iter().for_each(|text| note_unit(machine, name, text));
-    Ok(values)
+    assembly::taken(texts, &read[0], whole).iter().for_each(|words| crate::note(words));
+    texts.iter().for_each(|text| machine.note_unit(name, text));
+    Ok(read.into_iter().map(|quantity| quantity.value).collect())
+}
+
+/// A range or list as its numbers are in SI, for manifests.
+fn in_si(machine: &Machine, text: &str) -> Result<String> {
+    let (name, texts, is_range) = split(text)?;
+    let numbers = texts.iter().enumerate().map(|(i, number)| match (is_range, i) {
+        (true, 2) => Ok((*number).to_owned()),
+        _ => Ok(machine.quantity(&name, number)?.value.to_string()),
+    });
+    Ok(format!("{name}={}", numbers.collect::<Result<Vec<_>>>()?.join(if is_range { ":" } else { "," })))
 }
 
 /// The axis of a range.
@@ -272,11 +270,14 @@ pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
     request.check()?;
     // What no design could do without.
     vibro_analysis::assembly::Section::of(&machine.description, &machine.section)?;
-    let words = |texts: &[String]| texts.join(" ");
+    let words = |texts: &[String]| {
+        let all = texts.iter().map(|text| in_si(&machine, text));
+        Ok::<_, Error>(all.collect::<Result<Vec<_>>>()?.join(" "))
+    };
     let outputs: Vec<String> = request.measures.iter().map(ToString::to_string).collect();
     let options = [
-        ("vary", words(&a.vary)),
-        ("over", words(&a.over)),
+        ("vary", words(&a.vary)?),
+        ("over", words(&a.over)?),
         ("resolution", a.resolution.to_string()),
         ("samples", a.samples.map_or(String::new(), |n| n.to_string())),
         ("output", outputs.join(" ")),

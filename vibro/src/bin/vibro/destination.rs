@@ -182,12 +182,8 @@ pub fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
         if there.describes_same(here) {
             return Ok(None);
         }
-        format!(
-            "holds the result `{name}` of another run\n  there: {}\n  here:  {}\n  they differ in {}\n  {allowed}",
-            there.in_words(),
-            here.in_words(),
-            there.differences_in_words(here)
-        )
+        let lines = there.differences_in_lines(here);
+        format!("holds the result `{name}` of another run; they differ in\n{lines}\n  {allowed}")
     } else {
         let mut files = ENDINGS.iter().map(|ending| format!("{name}.{ending}"));
         match files.find(|file| out.join(file).exists()) {

@@ -161,5 +161,10 @@ fn units_taken(common: &Common) -> Result<Vec<String>> {
 
 /// Tells what was understood in a way that a reader may not expect.
 fn said(words: &[String]) {
-    words.iter().for_each(|words| eprintln!("note: {words}"));
+    words.iter().for_each(|words| note(words));
+}
+
+/// Tells it in a line.
+fn note(words: &str) {
+    eprintln!("note: {words}");
 }

@@ -2,11 +2,15 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, OnceLock};
+use std::sync::mpsc::{RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex, OnceLock};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Shorter work shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// How often a clock is drawn.
+const TICK: Duration = Duration::from_millis(250);
 
 /// Counts steps; shows them after [`PATIENCE`].
 pub struct Progress {
@@ -55,11 +59,29 @@ impl Progress {
         }
     }
 
+    /// So much of all is done, from 0 to 1.
+    pub fn part(&self, part: f64) {
+        self.at((part * self.total as f64) as usize, self.total as usize);
+    }
+
+    /// The same that shows itself also while no step ends.
+    pub fn ticking(self) -> Ticking {
+        let progress = Arc::new(self);
+        let (over, ended) = std::sync::mpsc::channel::<()>();
+        let shown = progress.clone();
+        let thread = std::thread::spawn(move || {
+            if ended.recv_timeout(shown.patience) == Err(RecvTimeoutError::Timeout) {
+                shown.bar.get_or_init(|| shown.bar()).enable_steady_tick(TICK);
+            }
+        });
+        Ticking { progress, over: Some(over), thread: Some(thread) }
+    }
+
     fn bar(&self) -> ProgressBar {
         let target = self.target.lock().ok().and_then(|mut t| t.take());
         let bar =
             ProgressBar::with_draw_target(Some(self.total), target.unwrap_or(ProgressDrawTarget::hidden()));
-        let form = format!("{{bar:40}} {{pos}}/{{len}} {}, {{eta}} left", self.unit);
+        let form = format!("{{bar:40}} {{pos}}/{{len}} {}, {{elapsed}} gone, {{eta}} left", self.unit);
         if let Ok(style) = ProgressStyle::with_template(&form) {
             bar.set_style(style);
         }
@@ -71,6 +93,31 @@ impl Drop for Progress {
     fn drop(&mut self) {
         if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();
+        }
+    }
+}
+
+/// A [`Progress`] whose clock runs on the terminal.
+pub struct Ticking {
+    progress: Arc<Progress>,
+    over: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl std::ops::Deref for Ticking {
+    type Target = Progress;
+
+    fn deref(&self) -> &Progress {
+        &self.progress
+    }
+}
+
+impl Drop for Ticking {
+    fn drop(&mut self) {
+        drop(self.over.take());
+        // Its bar goes with the last of the two.
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
         }
     }
 }
@@ -95,6 +142,19 @@ mod tests {
         progress.bar.get().expect("a bar").tick();
         let shown = terminal.contents();
         assert!(shown.contains("3/8 parts") && shown.ends_with("left"), "{shown}");
+        drop(progress);
+        assert_eq!(terminal.contents(), "");
+    }
+
+    #[test]
+    fn a_step_that_does_not_end_shows_its_clock() {
+        let (terminal, progress) = after(0, Duration::ZERO);
+        let progress = progress.ticking();
+        let begin = Instant::now();
+        while progress.bar.get().is_none() || !terminal.contents().contains("0/8 parts, 0s gone") {
+            assert!(begin.elapsed() < Duration::from_secs(60), "{}", terminal.contents());
+            std::thread::sleep(Duration::from_millis(10));
+        }
         drop(progress);
         assert_eq!(terminal.contents(), "");
     }

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
+pub use vibro::assembly::read_in;
 use vibro::{Error, Result};
 use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::ParameterAxis;
@@ -185,11 +186,6 @@ pub trait InWrittenUnit: fmt::Display {
         }
         Ok(written.map(|unit| read_in(&typed, unit)))
     }
-}
-
-/// Words that say in which unit a number without one was read.
-pub fn read_in(typed: &str, unit: &Unit) -> String {
-    format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }
 
 impl InWrittenUnit for ParameterRange {

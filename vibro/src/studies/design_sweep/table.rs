@@ -37,7 +37,8 @@ enum Cell {
 
 impl Cell {
     fn number(value: Option<f64>) -> Self {
-        value.filter(|v| v.is_finite()).map_or(Self::Empty, Self::Number)
+        // An exponent may be -inf, which is another thing than none.
+        value.filter(|v| !v.is_nan()).map_or(Self::Empty, Self::Number)
     }
 
     fn text(words: String) -> Self {
@@ -239,4 +240,17 @@ fn write_parquet<M: Told>(
         waiting.write(&columns, &mut writer).map_err(&problem)?;
     }
     writer.close().map(|_| ()).map_err(&problem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An impact with restitution 0 takes all of a variation.
+    #[test]
+    fn an_exponent_of_minus_infinity_is_no_empty_cell() {
+        assert!(matches!(Cell::number(Some(f64::NEG_INFINITY)), Cell::Number(v) if v == f64::NEG_INFINITY));
+        assert!(matches!(Cell::number(Some(f64::NAN)), Cell::Empty));
+        assert!(matches!(Cell::number(None), Cell::Empty));
+    }
 }

@@ -1,0 +1,195 @@
+//! The contacts of a motion one by one: impacts and rests on rigid stops, contacts with compliant ones.
+
+use super::Place;
+use super::flight::{Flow, value_at};
+use super::quantity::{Quantity, What};
+use super::rows::Sparse;
+use crate::error::Result;
+use vibro_assembly::Motion;
+use vibro_assembly::description::Description;
+use vibro_assembly::energy::NODES;
+use vibro_assembly::mode::StopState;
+use vibro_assembly::motion::{Event, EventKind};
+use vibro_assembly::system::System;
+
+/// A contact of a stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Place of the stop.
+    pub stop: usize,
+    /// When it begins, s: an impact, a rigid stop that closes, a compliant one that is met.
+    pub begin: f64,
+    /// When it ends, s: that of an impact is its begin; `None` while it lasts.
+    pub end: Option<f64>,
+    /// The largest force, N or N m; `None` for an impact, and where the flow was not looked at.
+    pub peak: Option<f64>,
+    /// The force's integral, or an impact's impulse, N s or N m s; `None` where the flow was not looked at.
+    pub impulse: Option<f64>,
+    /// Closing speed at its begin, m/s or rad/s: 0 where a rigid stop stays closed, whose impacts are contacts of their own.
+    pub speed: f64,
+    /// Energy lost, J: at the impact; in the compliant stop, with what its spring loses after it without force. `None` where the flow
+    /// was not looked at.
+    pub lost: Option<f64>,
+}
+
+/// Collects the contacts of a motion that keeps its energy accounts.
+#[derive(Clone, Debug)]
+pub struct Contacts {
+    all: Vec<Contact>,
+    /// By stop the place of its contact that lasts, or whose loss does.
+    current: Vec<Option<usize>>,
+    forces: Vec<Place>,
+    /// The stops with force or loss in the mode, with their functionals.
+    acting: Vec<Acting>,
+}
+
+#[derive(Clone, Debug)]
+struct Acting {
+    stop: usize,
+    force: Sparse,
+    /// The force that is lost, and the rate; none of a rigid stop.
+    loss: Option<(Sparse, Sparse)>,
+}
+
+impl Contacts {
+    /// Of a motion at its start, with the events that were told of it.
+    ///
+    /// # Errors
+    /// None for the motion of a machine that was read.
+    pub fn new(motion: &Motion, told: &[Event]) -> Result<Self> {
+        let d = &motion.assembly().description;
+        let force = |name: &String| Quantity { of: name.clone(), what: What::F }.place(d);
+        let forces = d.stops.iter().map(|stop| force(&stop.name)).collect::<Result<_>>()?;
+        let current = vec![None; d.stops.len()];
+        let mut contacts = Self { all: Vec::new(), current, forces, acting: Vec::new() };
+        contacts.meet(motion.assembly().system(), told, motion.energy().impacts.value());
+        for (i, state) in motion.mode().stops.iter().enumerate() {
+            if holds(*state) && contacts.current[i].is_none() {
+                let speed = if *state == StopState::Closed { 0.0 } else { motion.stop(i)[1] };
+                contacts.begin(i, motion.time(), speed);
+            }
+        }
+        Ok(contacts)
+    }
+
+    /// The contacts so far, by their begin.
+    pub fn all(&self) -> Vec<Contact> {
+        let mut all = self.all.clone();
+        all.sort_by(|a, b| a.begin.total_cmp(&b.begin));
+        all
+    }
+
+    fn begin(&mut self, stop: usize, begin: f64, speed: f64) {
+        self.current[stop] = Some(self.all.len());
+        // Zero without a sign.
+        let (speed, zero) = (speed + 0.0, Some(0.0));
+        self.all.push(Contact { stop, begin, end: None, peak: zero, impulse: zero, speed, lost: zero });
+    }
+
+    fn end(&mut self, stop: usize, time: f64) {
+        if let Some(place) = self.current[stop] {
+            let contact = &mut self.all[place];
+            contact.end = contact.end.or(Some(time.max(contact.begin)));
+        }
+    }
+
+    /// Events of one instant, at which impacts have lost so much.
+    pub(super) fn meet(&mut self, system: &System, events: &[Event], lost: f64) {
+        let first = self.all.len();
+        let closes = |i: usize| events.iter().any(|e| e.kind == EventKind::Close { stop: i });
+        let (mut left, mut work) = (lost, 0.0);
+        for event in events {
+            match event.kind {
+                EventKind::Impact { stop, speed, impulse, .. } => {
+                    // A stop's last impact before it stays closed has no restitution.
+                    let own = system.stops[stop].restitution().unwrap_or(0.0);
+                    let restitution = if closes(stop) { 0.0 } else { own };
+                    let loss = 0.5 * (1.0 - restitution) * speed * impulse;
+                    (left, work) = (left - loss, work + speed * impulse);
+                    let (end, peak, impulse) = (Some(event.time), None, Some(impulse));
+                    let lost = Some(loss);
+                    self.all.push(Contact { stop, begin: event.time, end, peak, impulse, speed, lost });
+                }
+                EventKind::Close { stop } => self.begin(stop, event.time, 0.0),
+                EventKind::Press { stop, speed } => self.begin(stop, event.time, speed),
+                EventKind::Open { stop } | EventKind::Free { stop } => self.end(stop, event.time),
+                _ => {}
+            }
+        }
+        // What ends endless bounces takes the rest.
+        for contact in self.all[first..].iter_mut().filter(|c| c.peak.is_none()) {
+            let share = contact.speed * contact.impulse.unwrap_or(0.0) / work;
+            if share.is_finite() {
+                contact.lost = contact.lost.map(|loss| loss + left * share);
+            }
+        }
+    }
+
+    /// A mode begins.
+    pub(super) fn enter(&mut self, system: &System, flow: &Flow) {
+        self.acting.clear();
+        for (stop, &state) in flow.mode.stops.iter().enumerate() {
+            if !holds(state) && state != StopState::Free {
+                continue;
+            }
+            let force = self.forces[stop].row(system, flow);
+            let rows = &system.stops[stop];
+            let loss = (state != StopState::Closed).then(|| {
+                let beyond = force.iter().zip(rows.spring.iter()).map(|(f, k)| f - k);
+                (Sparse::of(beyond), Sparse::of(rows.elongation.rate.iter().copied()))
+            });
+            self.acting.push(Acting { stop, force: Sparse::of(force), loss });
+        }
+    }
+
+    /// A stretch of a flight, of this length in s.
+    pub(super) fn stretch(&mut self, series: &[Vec<f64>], length: f64) {
+        for Acting { stop, force, loss } in &self.acting {
+            let Some(place) = self.current[*stop] else { continue };
+            let contact = &mut self.all[place];
+            if contact.end.is_none() {
+                let f = force.along(series);
+                super::flight::monotone_pieces(&f, &mut |x| contact.peak = contact.peak.map(|p| p.max(x)));
+                let integral: f64 = f.iter().enumerate().map(|(k, c)| c / (k + 1) as f64).sum();
+                contact.impulse = contact.impulse.map(|p| p + length * integral);
+            }
+            if let Some((beyond, rate)) = loss {
+                let (beyond, rate) = (beyond.along(series), rate.along(series));
+                let power = |u: f64| value_at(&beyond, u) * value_at(&rate, u);
+                let work: f64 = NODES.iter().map(|(u, w)| w * power(*u)).sum();
+                contact.lost = contact.lost.map(|lost| lost + length * work);
+            }
+        }
+    }
+
+    /// Forgets what came after a time, s.
+    pub fn cut(&mut self, time: f64) {
+        self.all.retain(|contact| contact.begin <= time);
+        self.current.fill(None);
+        for contact in self.all.iter_mut().filter(|contact| contact.end.is_none_or(|end| end > time)) {
+            (contact.end, contact.peak, contact.impulse, contact.lost) = (None, None, None, None);
+        }
+    }
+
+    /// A flight is not looked at.
+    pub(super) fn leave_out(&mut self) {
+        for Acting { stop, .. } in &self.acting {
+            let Some(place) = self.current[*stop] else { continue };
+            let contact = &mut self.all[place];
+            contact.lost = contact.lost.filter(|_| contact.peak.is_none());
+            (contact.peak, contact.impulse) = (None, None);
+        }
+    }
+}
+
+/// Whether a stop has force in a state.
+fn holds(state: StopState) -> bool {
+    matches!(state, StopState::Closed | StopState::Pressed | StopState::Capped)
+}
+
+impl Contact {
+    /// `stop.NAME`.
+    pub fn element(&self, d: &Description) -> String {
+        format!("stop.{}", d.stops[self.stop].name)
+    }
+}

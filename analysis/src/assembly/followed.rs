@@ -1,0 +1,136 @@
+//! A motion that is followed from instant to instant while everything between them is looked at.
+
+use super::contacts::Contacts;
+use super::extremes::Extremes;
+use super::flight::{Flight, Flow, Flows, Observer, Passage, follow};
+use vibro_assembly::mode::Mode;
+use vibro_assembly::motion::Event;
+use vibro_assembly::system::System;
+use vibro_assembly::{Error, Motion};
+
+/// Events of one advance after which it is asked whether the engine would go on.
+const MANY: u32 = 20_000;
+/// Stretches of a flight that are looked at in any case.
+const USUAL: f64 = 64.0;
+/// Stretches beyond these that are looked at in a whole motion: some seconds. A body that is far faster than all others has more, and
+/// its motion is mostly at rest in them.
+const MOST: f64 = 500_000.0;
+
+/// Contacts and extremes of a motion.
+#[derive(Debug)]
+pub struct Followed {
+    /// Its contacts.
+    pub contacts: Contacts,
+    /// Extremes of quantities.
+    pub extremes: Extremes,
+    /// Time in flights of which only the ends were looked at, s.
+    pub left_out: f64,
+    /// Stretches that may still be looked at.
+    left: f64,
+    mode: Option<Mode>,
+    flows: Flows,
+}
+
+struct Tell<'a>(&'a mut dyn FnMut(&Event));
+
+impl Observer for Tell<'_> {
+    fn flight(&mut self, _: &System, _: Flight<'_>) {}
+    fn passage(&mut self, _: &System, _: Passage<'_>) {}
+    fn told(&mut self, event: &Event) {
+        (self.0)(event);
+    }
+}
+
+impl Followed {
+    /// Nothing is followed yet.
+    pub fn new(contacts: Contacts, extremes: Extremes) -> Self {
+        Self { contacts, extremes, left_out: 0.0, left: MOST, mode: None, flows: Flows::default() }
+    }
+
+    /// Advances to a time, on the bits of [`Motion::advance_observed`]; `met` hears the time of each event.
+    ///
+    /// # Errors
+    /// As [`Motion::advance_to`].
+    pub fn advance(
+        &mut self,
+        motion: &mut Motion,
+        end: f64,
+        tell: &mut dyn FnMut(&Event),
+        met: &mut dyn FnMut(f64),
+    ) -> Result<(), Error> {
+        let mut flows = std::mem::take(&mut self.flows);
+        let done = self.follow(motion, &mut flows, end, tell, met);
+        self.flows = flows;
+        done
+    }
+
+    fn follow(
+        &mut self,
+        motion: &mut Motion,
+        flows: &mut Flows,
+        end: f64,
+        tell: &mut dyn FnMut(&Event),
+        met: &mut dyn FnMut(f64),
+    ) -> Result<(), Error> {
+        loop {
+            let mut count = 0;
+            let mut many = |events: &[Event]| {
+                events.last().into_iter().for_each(|event| met(event.time));
+                count += 1;
+                count == MANY
+            };
+            let mut teller = Tell(tell);
+            if !follow(motion, flows, end, &mut [&mut teller, self], &mut many)? {
+                break;
+            }
+            // An advance without pauses has a limit of work, which pauses do not see.
+            motion.clone().advance_to(end)?;
+        }
+        // What rounding of the clock has left.
+        let (before, mut events) = (motion.energy().impacts, Vec::new());
+        let rest = motion.advance_observed(end, &mut |event| {
+            tell(event);
+            events.push(event.clone());
+        });
+        let lost = motion.energy().impacts.minus(before).value();
+        self.contacts.meet(motion.assembly().system(), &events, lost);
+        rest.map(drop)
+    }
+
+    fn enter(&mut self, system: &System, flow: &Flow) {
+        if self.mode.as_ref() != Some(&flow.mode) {
+            self.extremes.enter(system, flow);
+            self.contacts.enter(system, flow);
+            self.mode = Some(flow.mode.clone());
+        }
+    }
+}
+
+impl Observer for Followed {
+    fn flight(&mut self, system: &System, flight: Flight<'_>) {
+        self.enter(system, flight.flow);
+        let beyond = flight.flow.stretches_of(flight.span) - USUAL;
+        if beyond > self.left {
+            self.left_out += flight.span;
+            self.contacts.leave_out();
+            self.extremes.state(flight.start, flight.time);
+            return;
+        }
+        self.left -= beyond.max(0.0);
+        let mut time = flight.time;
+        flight.flow.stretches(flight.start, flight.span, &mut |series, length| {
+            self.extremes.stretch(series, time, length);
+            self.contacts.stretch(series, length);
+            time += length;
+        });
+    }
+
+    fn passage(&mut self, system: &System, passage: Passage<'_>) {
+        self.contacts.meet(system, passage.events, passage.lost);
+        self.enter(system, passage.flows[1]);
+        self.extremes.state(passage.states[1], passage.time);
+    }
+}
+
+#[cfg(test)]
+mod tests;

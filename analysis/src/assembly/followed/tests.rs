@@ -1,0 +1,172 @@
+use super::*;
+use crate::assembly::{Contact, Quantity, What};
+use std::f64::consts::PI;
+use std::path::Path;
+use std::sync::Arc;
+use vibro_assembly::{Assembly, file};
+
+/// Roundings of a motion of a few dozen events.
+const ROUNDING: f64 = 1e-11;
+/// Bounces that are cut off are under 1e-9 of the first; what they would have carried is of that size.
+const CUT: f64 = 1e-8;
+
+fn text(text: &str) -> Motion {
+    let description = file::parse(text, "m.toml", &file::no_records).unwrap();
+    Motion::new(Arc::new(Assembly::new(description).unwrap())).unwrap()
+}
+
+fn example(name: &str) -> Motion {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly")).join(name);
+    Motion::new(Arc::new(Assembly::new(file::read(&path).unwrap()).unwrap())).unwrap()
+}
+
+/// Follows a motion in equal steps; looks at the coordinate of each body.
+fn followed(motion: &mut Motion, end: f64, steps: u32) -> Followed {
+    let d = motion.assembly().description.clone();
+    let place = |name: &String| Quantity { of: name.clone(), what: What::S }.place(&d).unwrap();
+    let places: Vec<_> = d.bodies.iter().map(|b| place(&b.name)).collect();
+    let contacts = Contacts::new(motion, &[]).unwrap();
+    let mut followed = Followed::new(contacts, Extremes::new(&places, (0.0, end)));
+    for k in 1..=steps {
+        let time = end * f64::from(k) / f64::from(steps);
+        followed.advance(motion, time, &mut |_| (), &mut |_| ()).unwrap();
+    }
+    followed
+}
+
+fn sum(contacts: &[Contact], stop: usize, of: fn(&Contact) -> Option<f64>) -> f64 {
+    contacts.iter().filter(|c| c.stop == stop).filter_map(of).sum()
+}
+
+#[track_caller]
+fn near(a: f64, b: f64, size: f64, part: f64) {
+    assert!((a - b).abs() <= part * size, "{a} {b}");
+}
+
+/// A block of 2 kg that meets a spring of 1800 N/m with 0.6 m/s: half a period of ω = 30/s.
+#[test]
+fn closed_form_of_a_contact_with_a_spring() {
+    let text_of = |damping: &str| {
+        format!(
+            "name = \"M\"\n[body.a]\nmass = 2.0\nstart = {{ v = 0.6 }}\n[stop.b]\nbetween = [\"ground\", \"a\"]\n\
+             gap = 0.06\nstiffness = 1800.0\n{damping}"
+        )
+    };
+    let contacts = followed(&mut text(&text_of("")), 1.0, 7).contacts.all();
+    let [one] = contacts[..] else { panic!("{contacts:?}") };
+    near(one.begin, 0.1, 0.1, ROUNDING);
+    near(one.end.unwrap(), 0.1 + PI / 30.0, 0.1, ROUNDING);
+    near(one.peak.unwrap(), 0.6 * (2.0f64 * 1800.0).sqrt(), 36.0, ROUNDING);
+    near(one.impulse.unwrap(), 2.0 * 2.0 * 0.6, 2.4, ROUNDING);
+    near(one.speed, 0.6, 0.6, ROUNDING);
+    near(one.lost.unwrap(), 0.0, 0.36, ROUNDING);
+    // Critical damping, c = 2 m ω: the force is largest at first touch, and it is zero from 2/ω on.
+    let mut motion = text(&text_of("damping = 120.0"));
+    let contacts = followed(&mut motion, 1.0, 7).contacts.all();
+    let [one] = contacts[..] else { panic!("{contacts:?}") };
+    near(one.peak.unwrap(), 120.0 * 0.6, 72.0, ROUNDING);
+    near(one.end.unwrap(), 0.1 + 2.0 / 30.0, 0.1, ROUNDING);
+    let after = motion.body(0)[1];
+    near(one.impulse.unwrap(), 2.0 * (0.6 - after), 2.4, ROUNDING);
+    // The spring loses without force what it still holds.
+    near(one.lost.unwrap(), 0.36 - after * after, 0.36, ROUNDING);
+}
+
+/// A ball that bounces, comes to rest and is lifted off again at 2 s by a load.
+#[test]
+fn invariants_momentum_and_energy_of_bounces_and_rest() {
+    let mut motion = text(
+        "name = \"Ball\"\ngravity = 10.0\n[body.ball]\nmass = 0.5\ngravity = 1.0\n[stop.floor]\n\
+         between = [\"ground\", \"ball\"]\ngap = 0.2\nrestitution = 0.5\n[load.lift]\non = \"ball\"\nsteps = [[2.0, -7.5]]\n",
+    );
+    let contacts = followed(&mut motion, 2.5, 11).contacts.all();
+    let impulse = sum(&contacts, 0, |c| c.impulse);
+    near(impulse, 5.0 * 2.5 - 7.5 * 0.5 - 0.5 * motion.body(0)[1], 12.5, CUT);
+    // From 0.2 m: all of its energy is lost before it is lifted.
+    near(sum(&contacts, 0, |c| c.lost), 1.0, 1.0, CUT);
+    near(sum(&contacts, 0, |c| c.lost), motion.energy().impacts.value(), 1.0, ROUNDING);
+    let rest = contacts.last().unwrap();
+    near(rest.peak.unwrap(), 5.0, 5.0, ROUNDING);
+    near(rest.end.unwrap(), 2.0, 2.0, ROUNDING);
+    // (1 + e)/(1 - e) falls of 0.2 s.
+    near(rest.begin, 0.6, 0.6, CUT);
+    assert!(contacts.len() > 10 && contacts[..contacts.len() - 1].iter().all(|c| c.peak.is_none()));
+    assert!(contacts.iter().all(|c| c.end.is_some_and(|end| end >= c.begin)));
+    // While it rests, the contact has no end.
+    let mut resting = text(
+        "name = \"Ball\"\ngravity = 10.0\n[body.ball]\nmass = 0.5\ngravity = 1.0\n[stop.floor]\n\
+         between = [\"ground\", \"ball\"]\ngap = 0.0\nrestitution = 0.5\n",
+    );
+    let contacts = followed(&mut resting, 1.0, 3).contacts.all();
+    let [one] = contacts[..] else { panic!("{contacts:?}") };
+    assert_eq!((one.begin, one.end), (0.0, None));
+    near(one.impulse.unwrap(), 5.0, 5.0, ROUNDING);
+}
+
+#[test]
+fn invariant_losses_of_contacts_are_the_accounts() {
+    for (name, end) in [
+        ("damper_with_buffer.toml", 1.0),
+        ("msl_elastogap.toml", 2.0),
+        ("three_balls.toml", 1.0),
+        ("pipe_supports.toml", 1.0),
+    ] {
+        let mut motion = example(name);
+        let contacts = followed(&mut motion, end, 40).contacts.all();
+        assert!(!contacts.is_empty(), "{name}");
+        let energy = motion.energy();
+        let mut impacts = 0.0;
+        for i in 0..motion.assembly().description.stops.len() {
+            let lost = sum(&contacts, i, |c| c.lost);
+            if motion.assembly().system().stops[i].restitution().is_some() {
+                impacts += lost;
+            } else {
+                let through: f64 = contacts.iter().map(|c| c.speed * c.impulse.unwrap_or(0.0)).sum();
+                near(lost, energy.stops[i].value(), through, ROUNDING);
+            }
+        }
+        near(impacts, energy.impacts.value(), energy.impacts.value(), ROUNDING);
+    }
+}
+
+#[test]
+fn second_method_the_motion_is_the_engines_and_samples_change_nothing() {
+    let (mut by_engine, mut one, mut many) = (
+        example("damper_with_buffer.toml"),
+        example("damper_with_buffer.toml"),
+        example("damper_with_buffer.toml"),
+    );
+    for k in 1..=40 {
+        by_engine.advance_to(f64::from(k) / 40.0).unwrap();
+    }
+    let (few, fine) = (followed(&mut one, 1.0, 1), followed(&mut many, 1.0, 40));
+    assert_eq!(many.save(), by_engine.save());
+    let (few_contacts, fine_contacts) = (few.contacts.all(), fine.contacts.all());
+    assert_eq!(few_contacts.len(), fine_contacts.len());
+    for (a, b) in few_contacts.iter().zip(&fine_contacts) {
+        near(a.begin, b.begin, 1.0, CUT);
+        near(a.peak.unwrap_or(0.0), b.peak.unwrap_or(0.0), 1e3, CUT);
+    }
+    for (a, b) in few.extremes.all.iter().zip(&fine.extremes.all) {
+        near(a.largest, b.largest, b.largest, CUT);
+        assert!(a.points().iter().any(|p| p.1.abs() == a.largest));
+    }
+}
+
+/// A spring swings by 3 mm from the start; it is looked at after whole periods.
+#[test]
+fn closed_form_extremes_lie_between_samples() {
+    let mut motion = text(
+        "name = \"O\"\n[body.a]\nmass = 1.0\nstart = { v = 0.03 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n",
+    );
+    let found = followed(&mut motion, 10.0 * PI / 5.0, 10);
+    assert!(motion.body(0)[0].abs() < 1e-9);
+    near(found.extremes.all[0].largest, 3e-3, 3e-3, ROUNDING);
+    assert_eq!(found.left_out, 0.0);
+    // It begins where it is, and not at zero.
+    let mut motion = text(
+        "name = \"O\"\n[body.a]\nmass = 1.0\nstart = { s = 0.02 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n",
+    );
+    let points = followed(&mut motion, 0.1, 1).extremes.all[0].points();
+    assert!(points.iter().all(|p| p.1 > 0.01), "{points:?}");
+}

@@ -1,0 +1,181 @@
+//! In which units the numbers of a machine's file are written, and what a number without a unit means beside it.
+
+use super::Machine;
+use crate::error::Result;
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::{Table, Value};
+use vibro_assembly::description::Description;
+use vibro_assembly::file::{self, Records};
+use vibro_impact::quantities::{Quantity, quantity_in};
+
+impl Machine {
+    /// The machine of a file, with the units in which the file writes its parameters.
+    ///
+    /// # Errors
+    /// As [`vibro_assembly::file::read`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let mut machine = Self::new(file::read(path)?);
+        // Read already, so that it can be read.
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        machine.units = units(&text, &machine.description);
+        Ok(machine)
+    }
+
+    /// The machine of a file's text, likewise; `name` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`vibro_assembly::file::parse`].
+    pub fn parse(text: &str, name: &str, records: Records) -> Result<Self> {
+        let mut machine = Self::new(file::parse(text, name, records)?);
+        machine.units = units(text, &machine.description);
+        Ok(machine)
+    }
+
+    /// Reads a value of a parameter, in SI, with its unit. A number without one is in the unit in which the parameter was written, by the
+    /// file or [since](Self::note_unit), and in SI where none was.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name, and for what is no allowed value, with what is.
+    pub fn quantity(&self, name: &str, text: &str) -> Result<Quantity> {
+        let parameter = self.description.parameter(name)?;
+        let typed = quantity_in(parameter.unit, text.trim()).and_then(|q| q.unit);
+        let is_bare = text.trim().parse::<f64>().is_ok();
+        Ok(match self.written_unit(&parameter.name).filter(|_| is_bare) {
+            Some(own) => {
+                let value = parameter.read(&format!("{} {}", text.trim(), own.plain()))?;
+                Quantity { value, unit: Some(own) }
+            }
+            None => Quantity { value: parameter.read(text)?, unit: typed },
+        })
+    }
+
+    /// From now on a parameter is read and shown in the unit of this value, where it has one.
+    pub fn note_unit(&mut self, name: &str, text: &str) {
+        let Ok(parameter) = self.description.parameter(name) else { return };
+        if let Some(unit) = quantity_in(parameter.unit, text.trim()).and_then(|q| q.unit) {
+            self.units.insert(parameter.name, unit.plain().into());
+        }
+    }
+}
+
+/// The units in which the text of a machine's file writes its parameters.
+fn units(text: &str, d: &Description) -> BTreeMap<String, String> {
+    let Ok(root) = text.parse::<Table>() else { return BTreeMap::new() };
+    let root = Value::Table(root);
+    let unit = |name: &str, si: &str| quantity_in(si, written(&root, name)?.as_str()?.trim())?.unit;
+    let all = d.parameters().into_iter();
+    all.filter_map(|p| Some((unit(&p.name, p.unit)?.plain().to_owned(), p.name)))
+        .map(|(unit, name)| (name, unit))
+        .collect()
+}
+
+/// What stands in the file for a parameter.
+fn written<'t>(root: &'t Value, name: &str) -> Option<&'t Value> {
+    let found = name.split('.').try_fold(root, step)?;
+    // A level whose table has a constant alone.
+    found.as_table().map_or(Some(found), |table| table.get("constant"))
+}
+
+/// The value of a part of a name, such as `harmonics[1]`.
+fn step<'t>(value: &'t Value, part: &str) -> Option<&'t Value> {
+    let (key, index) = match part.split_once('[') {
+        Some((key, index)) => (key, Some(index.trim_end_matches(']').parse::<usize>().ok()?)),
+        None => (part, None),
+    };
+    let found = match value {
+        Value::Table(table) => {
+            let harmonic = || table.get("harmonics")?.as_array()?.first()?.get(key);
+            let offset = || table.get("offset").filter(|_| key == "constant");
+            table.get(key).or_else(harmonic).or_else(offset)?
+        }
+        Value::Array(pair) => pair.get(["time", "height"].iter().position(|&k| k == key)?)?,
+        // A signal that is a number.
+        number => Some(number).filter(|_| key == "constant")?,
+    };
+    index.map_or(Some(found), |index| found.as_array()?.get(index))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibro_assembly::file::no_records;
+
+    const TEXT: &str = r#"
+        name = "M"
+        gravity = "9.81 m/s2"
+        body.a = { mass = "350 g", gravity = 1.0, start = { s = "2 mm" } }
+        body.table = { motion = { offset = "1 cm", amplitude = "3 mm", frequency = "600 rpm" } }
+        [body.shaft]
+        motion = { rate = "1500 rpm", steps = [["20 ms", "5 deg"]] }
+        [body.disc]
+        inertia = 2.0
+        [spring.k]
+        between = ["ground", "a"]
+        stiffness = "2 N/mm"
+        [spring.t]
+        arms = { disc = "50 mm", a = 1.0 }
+        stiffness = 3.0
+        [friction.f]
+        between = ["table", "a"]
+        force = { constant = "4 kN" }
+        [friction.g]
+        between = ["shaft", "disc"]
+        force = "4 N mm"
+        [load.two]
+        on = "a"
+        harmonics = [{ amplitude = 1.0, frequency = "2 Hz" }, { amplitude = "3 kN", frequency = "4 Hz", phase = "5 deg" }]
+        [load.one]
+        on = "a"
+        harmonics = [{ amplitude = "7 mN", frequency = "6 rad/s" }]
+    "#;
+
+    /// Each number that the text writes with a unit stands beside the parameter that it is.
+    #[test]
+    fn a_bare_number_is_in_the_unit_of_the_files_number() {
+        let machine = Machine::parse(TEXT, "m.toml", &no_records).unwrap();
+        for (name, number, value) in [
+            ("body.a.mass", "350", 0.35),
+            ("body.a.start.s", "2", 0.002),
+            ("body.table.motion.constant", "1", 0.01),
+            ("body.table.motion.amplitude", "3", 0.003),
+            ("body.table.motion.frequency", "600", 10.0),
+            ("body.shaft.motion.steps[0].time", "20", 0.02),
+            ("spring.k.stiffness", "2", 2000.0),
+            ("spring.t.arms.disc", "50", 0.05),
+            ("friction.f.force", "4", 4000.0),
+            ("friction.g.force", "4", 0.004),
+            ("load.two.harmonics[1].amplitude", "3", 3000.0),
+            ("load.one.amplitude", "7", 0.007),
+            // No unit in the file.
+            ("spring.t.stiffness", "3", 3.0),
+            ("load.two.harmonics[0].amplitude", "1", 1.0),
+            ("body.disc.inertia", "2", 2.0),
+        ] {
+            let read = machine.quantity(name, number).unwrap();
+            assert_eq!((read.value, machine.description.get(name).unwrap()), (value, value), "{name}");
+        }
+        for (name, angle) in [
+            ("body.shaft.motion.rate", 1500.0 * std::f64::consts::TAU / 60.0),
+            ("body.shaft.motion.steps[0].height", 5f64.to_radians()),
+            ("load.two.harmonics[1].phase", 5f64.to_radians()),
+            ("load.one.frequency", 6.0 / std::f64::consts::TAU),
+        ] {
+            let text = machine.description.get(name).unwrap();
+            assert!((text - angle).abs() < 1e-14 * angle && machine.units.contains_key(name), "{name}");
+            let number = machine.written_unit(name).unwrap().number(text).round().to_string();
+            assert!((machine.quantity(name, &number).unwrap().value - angle).abs() < 1e-14 * angle, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_unit_beside_the_number_counts_and_is_that_of_the_numbers_after_it() {
+        let mut machine = Machine::parse(TEXT, "m.toml", &no_records).unwrap();
+        assert_eq!(machine.quantity("body.a.mass", "2 kg").unwrap().value, 2.0);
+        machine.note_unit("body.a.mass", "2 kg");
+        assert_eq!(machine.quantity("body.a.mass", "3").unwrap().value, 3.0);
+        let refused = machine.quantity("body.a.start.s", "far").unwrap_err().to_string();
+        assert!(refused.contains("body.a.start.s = \"far\""), "{refused}");
+        assert!(machine.quantity("body.a.maß", "3").is_err());
+    }
+}
