@@ -17,7 +17,7 @@ use vibro_orbits::{Family, Span, TreeOptions, tree_in_parts};
 
 /// The form of the parts on disk: how a study is divided and what a part holds. It is counted up whenever one of them changes, so that
 /// parts of another form are never put together. Before it was written down it was 1.
-pub const FORMAT: u32 = 5;
+pub const FORMAT: u32 = 6;
 
 /// One long study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -14,6 +14,7 @@ mod plane;
 mod quantity;
 mod section;
 mod settled;
+mod timescales;
 mod variation;
 mod watch;
 
@@ -24,6 +25,8 @@ pub use plane::PlanePoint;
 pub use quantity::{Place, Quantity};
 pub use section::{Section, SectionRule, common_period};
 pub use settled::{Settled, discard, exponent, settled};
+
+pub use timescales::{runs_on, settle};
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};

@@ -198,7 +198,8 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     let machine = example("damper_with_buffer.toml");
     let axis = ParameterAxis::of("stop.steel.gap".to_owned(), (4e-3, 6e-3), 3).unwrap();
     let of = "block.s".parse().unwrap();
-    let request = Request { axis, of, at_section: false, discard: 150, keep: 12, exponents: None };
+    let request =
+        Request { axis, of, at_section: false, discard: 150, keep: 12, exponents: None, anew: false };
     let found = diagram::diagram(&machine, &request, &Task::ALL).unwrap().unwrap();
     let first = found.up[0].as_ref().unwrap();
     let top = measured(&machine.with([("stop.steel.gap", 4e-3)]).unwrap(), &["maximum.block.s"])[0];

@@ -155,6 +155,10 @@ pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) ->
     table
 }
 
+/// How the lines on values that end elsewhere and on values left out end.
+pub(super) const ELSEWHERE: &str = "values end elsewhere with the value falling";
+pub(super) const REFUSED: &str = "values left out: the simulator refused them";
+
 /// What is worth saying of a diagram: ranges of one class with the value rising, where the directions part, what is missing.
 pub(super) fn remarks<P: DiagramPoint>(
     name: &str,
@@ -169,10 +173,10 @@ pub(super) fn remarks<P: DiagramPoint>(
         lines.push(format!("… and {} more windows in the table", windows.len() - TOLD));
     }
     let elsewhere = apart.iter().filter(|h| **h).count();
-    lines.push(format!("{elsewhere} of {} values end elsewhere with the value falling", apart.len()));
+    lines.push(format!("{elsewhere} of {} {ELSEWHERE}", apart.len()));
     let refused = diagram.up.iter().chain(&diagram.down).filter(|p| p.is_none()).count();
     if refused > 0 {
-        lines.push(format!("{refused} values left out: the simulator refused them"));
+        lines.push(format!("{refused} {REFUSED}"));
     }
     lines
 }
