@@ -45,7 +45,7 @@ pub const MOST_DESIGNS: usize = 1_000_000;
 /// Most motions of one design.
 pub const MOST_MOTIONS: usize = 100_000;
 /// Periods of motion that a choice may spend unless told otherwise.
-pub const AGAIN: u64 = 1_000_000;
+pub const AGAIN: u64 = 300_000;
 /// A scatter of this part of a value and less is rounding.
 const REGULAR: f64 = 1e-6;
 

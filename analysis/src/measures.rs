@@ -190,9 +190,9 @@ const WAY: usize = 5;
 /// A step of a way is at most as many times as large as the one before.
 const EVEN: f64 = 1.01;
 /// What would still come is counted by a ratio of steps up to this.
-const SLOWEST: f64 = 0.99;
-/// A way of this part of a number and less is rounding.
-const REGULAR: f64 = 1e-6;
+const SLOWEST: f64 = 0.9;
+/// A way of this part of a number and less is not worth a word.
+const WORTH: f64 = 1e-3;
 
 /// How far a number that rises or falls from each part to the next, by steps that do not grow, has come and, by the ratio of its last two
 /// steps, would still go; `None` where it does not. Numbers without an order do so once in some ten thousand times.
@@ -206,10 +206,10 @@ fn way_to_go(numbers: &[f64]) -> Option<f64> {
     (numbers.len() >= WAY && is_way).then_some(way)
 }
 
-/// Whether a number has not settled, by its parts.
+/// Whether a number has not settled to three digits, by its parts.
 pub(crate) fn is_on_its_way(numbers: &[f64]) -> bool {
     let size = numbers.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    way_to_go(numbers).is_some_and(|way| way > REGULAR * size)
+    way_to_go(numbers).is_some_and(|way| way > WORTH * size)
 }
 
 /// What is said of a motion that was measured before it had settled.

@@ -408,7 +408,7 @@ fn windows(motion: &mut Motion, section: &Section, places: &[Place], periods: u3
         }
         let duration = motion.time() - from;
         let repeats = parts.push(Window { watcher: watcher.clone(), returns: 1.0, duration, energies });
-        if passed.is_enough(motion, section, (watcher.events, repeats))? {
+        if passed.is_enough(motion, (watcher.events, repeats))? {
             return Ok(parts.finish());
         }
     }

@@ -51,21 +51,26 @@ fn slowest(motion: &Motion) -> f64 {
 /// [`Error::Described`] where it is more than a hundred times what was asked for.
 pub(super) fn needed(motion: &Motion, section: &Section, periods: u32) -> Result<f64> {
     let slowest = slowest(motion);
+    is_allowed(section, periods, slowest, "measured, --periods")?;
+    Ok(SLOWEST * slowest)
+}
+
+/// Refuses periods so short that the slowest own oscillation needs more than a hundred times as many.
+fn is_allowed(section: &Section, periods: u32, slowest: f64, option: &str) -> Result<()> {
     match section {
         Section::Period(period) if SLOWEST * slowest > MOST * f64::from(periods) * period => {
-            Err(too_short(section, motion, (f64::from(periods) * period, periods), slowest))
+            Err(too_short(f64::from(periods) * period, periods, slowest, option))
         }
-        _ => Ok(SLOWEST * slowest),
+        _ => Ok(()),
     }
 }
 
-fn too_short(section: &Section, motion: &Motion, (time, periods): (f64, u32), slowest: f64) -> Error {
-    let words = section.in_words(&motion.assembly().description);
+fn too_short(time: f64, periods: u32, slowest: f64, option: &str) -> Error {
     let least = (SLOWEST * slowest / (time / f64::from(periods))).ceil();
     Error::Described {
         problem: format!(
-            "{periods} {words} last {} s, and the machine's slowest own oscillation takes {} s, of which a window has {SLOWEST} \
-             at least; allowed are {least} periods or more, or a longer period (--periods, --period)",
+            "{periods} periods ({option}) last {} s, and the machine's slowest own oscillation takes {} s, which must fit in {SLOWEST} \
+             times; allowed are {least} periods or more, or a longer --period",
             significant(time),
             significant(slowest)
         ),
@@ -91,12 +96,7 @@ impl Passed {
     ///
     /// # Errors
     /// [`Error::Described`] where it would be more than a hundred times what was asked for.
-    pub fn is_enough(
-        &mut self,
-        motion: &Motion,
-        section: &Section,
-        (events, repeats): (u32, bool),
-    ) -> Result<bool> {
+    pub fn is_enough(&mut self, motion: &Motion, (events, repeats): (u32, bool)) -> Result<bool> {
         self.returns += 1;
         self.events = self.events.saturating_add(events);
         let time = motion.time() - self.begin;
@@ -108,7 +108,7 @@ impl Passed {
         }
         if time < self.needed {
             let is_too_long = f64::from(self.returns) >= MOST * f64::from(self.periods);
-            let problem = || too_short(section, motion, (time, self.returns), self.needed / SLOWEST);
+            let problem = || too_short(time, self.returns, self.needed / SLOWEST, "measured, --periods");
             return if is_too_long { Err(problem()) } else { Ok(false) };
         }
         let is_rare = (1..EVENTS).contains(&self.events);
@@ -172,14 +172,18 @@ pub fn settle(motion: &mut Motion, section: &Section, returns: u32) -> Result<()
     if motion.time() < end || returns == 0 {
         return Ok(());
     }
-    let needed = needed(motion, section, returns)?;
-    let begin = motion.time();
+    let slowest = slowest(motion);
+    is_allowed(section, returns, slowest, "discarded, --discard")?;
+    let (begin, most) = (motion.time(), (MOST * f64::from(returns)) as u64);
     discard(motion, section, returns)?;
-    if motion.time() - begin < needed {
-        while motion.time() - begin < needed {
-            section.advance(motion, &mut |_| ())?;
-        }
-        discard(motion, section, returns)?;
+    if motion.time() - begin >= SLOWEST * slowest {
+        return Ok(());
     }
-    Ok(())
+    for _ in 0..most {
+        if motion.time() - begin >= SLOWEST * slowest {
+            break;
+        }
+        section.advance(motion, &mut |_| ())?;
+    }
+    discard(motion, section, returns)
 }

@@ -45,19 +45,26 @@ struct Estimate {
     value: f64,
     spread: f64,
     is_exact: bool,
+    /// Whether nothing is left to look at between values.
+    is_looked: bool,
     /// How often it was measured again.
     rounds: u32,
 }
 
 impl Estimate {
-    fn of(found: Summary, rounds: u32) -> Self {
-        Self { value: found.largest, spread: found.spread, is_exact: found.is_exact(), rounds }
+    fn of(found: Summary, rounds: u32, is_looked: bool) -> Self {
+        Self { value: found.largest, spread: found.spread, is_exact: found.is_exact(), is_looked, rounds }
     }
 
-    /// Whether it may be less than another whose value is not larger.
-    fn may_be_less(&self, best: &Self) -> bool {
-        let bar = if self.is_exact && best.is_exact { 0.0 } else { APART * self.spread.hypot(best.spread) };
-        self.value - best.value <= bar.max(SAME * best.value.abs())
+    /// What no other may pass by more than twice its spread and still be less than this.
+    fn most(&self) -> f64 {
+        self.value + APART * self.spread
+    }
+
+    /// Whether it may be less than another.
+    fn may_be_less(&self, other: &Self) -> bool {
+        let bar = if self.is_exact && other.is_exact { 0.0 } else { APART * self.spread.hypot(other.spread) };
+        self.value - other.value <= bar.max(SAME * other.value.abs())
     }
 }
 
@@ -72,28 +79,24 @@ struct Race<'a, M: Machine> {
 }
 
 impl<M: Machine> Race<'_, M> {
-    /// Whether anything between values is to be looked at.
-    fn looks_between(&self) -> bool {
-        let is_interval = |axis: &super::SampledAxis<M::Name>| {
-            axis.values.len() > 1 && self.request.between.contains(&axis.name)
-        };
-        self.request.over.iter().any(is_interval)
-    }
-
     /// Whether a design can be measured again.
     fn is_open(&self, index: usize) -> bool {
         let Some(own) = self.estimates[index] else { return false };
-        (!own.is_exact && own.rounds < ROUNDS) || (own.rounds == 0 && self.looks_between())
+        (!own.is_exact && own.rounds < ROUNDS) || !own.is_looked
+    }
+
+    /// What has the least value for certain: nothing has a lower upper end of its error bar.
+    fn surest(&self) -> Option<Estimate> {
+        let known = self.estimates.iter().flatten().copied();
+        known.reduce(|a, b| if b.most() < a.most() { b } else { a })
     }
 
     /// The designs that may have the least value, the least first.
     fn possible(&self) -> Vec<usize> {
+        let Some(surest) = self.surest() else { return Vec::new() };
         let known = |i: usize| Some((i, self.estimates[i]?));
-        let all = || (0..self.estimates.len()).filter_map(known);
-        let Some((_, best)) = all().reduce(|a, b| if b.1.value < a.1.value { b } else { a }) else {
-            return Vec::new();
-        };
-        let mut found: Vec<(usize, Estimate)> = all().filter(|(_, own)| own.may_be_less(&best)).collect();
+        let all = (0..self.estimates.len()).filter_map(known);
+        let mut found: Vec<(usize, Estimate)> = all.filter(|(_, own)| own.may_be_less(&surest)).collect();
         found.sort_by(|a, b| a.1.value.total_cmp(&b.1.value).then(a.0.cmp(&b.0)));
         found.into_iter().map(|(i, _)| i).collect()
     }
@@ -106,11 +109,7 @@ impl<M: Machine> Race<'_, M> {
 
     /// Most periods of motion that this takes.
     fn cost(&self, index: usize) -> u64 {
-        let further = match self.found.rows.get(&index).and_then(|row| row.again.as_ref()) {
-            Some(again) => again.between.len(),
-            None if self.looks_between() => MOST * self.request.between.len(),
-            None => 0,
-        };
+        let further = if looks_between(self.request) { MOST * self.request.between.len() } else { 0 };
         let motions = self.request.motions() + further * self.request.starts.len();
         motions as u64 * (u64::from(self.request.discard) + u64::from(self.periods(index)))
     }
@@ -124,8 +123,9 @@ impl<M: Machine> Race<'_, M> {
         found.ok_or_else(|| Error::Form { text: index.to_string(), expected: "a design of the sweep" })
     }
 
-    /// Measures a design again; returns its row and the periods of motion that it took.
-    fn measured(&self, index: usize) -> Result<(Row, u64)> {
+    /// Measures a design again as long as it may be less than `enough`; returns its row, whether all was looked at, and the periods of
+    /// motion that it took.
+    fn measured(&self, index: usize, enough: f64) -> Result<(Row, bool, u64)> {
         let mut row = self.row(index)?;
         let periods = self.periods(index);
         let own = design(self.set, self.request, &row.values)?;
@@ -137,13 +137,11 @@ impl<M: Machine> Race<'_, M> {
         let asked = self.request.places();
         let mut looked = Looked { outcomes: motions(&own, &request, &asked), places: asked };
         let before = looked.places.len();
-        match self.found.rows.get(&index).and_then(|row| row.again.as_ref()) {
-            Some(again) => {
-                looked.outcomes.extend(motions(&own, &request, &again.between));
-                looked.places.extend(again.between.iter().cloned());
-            }
-            None => look_between(&own, &request, measure, &mut looked),
+        if let Some(again) = self.found.rows.get(&index).and_then(|row| row.again.as_ref()) {
+            looked.outcomes.extend(motions(&own, &request, &again.between));
+            looked.places.extend(again.between.iter().cloned());
         }
+        let is_looked = look_between(&own, &request, (measure, enough), &mut looked);
         let cost = looked.outcomes.len() as u64 * (u64::from(request.discard) + u64::from(periods));
         let again = Again { periods, between: looked.places.split_off(before) };
         let mut found = summary(self.set, row.values.clone(), &request, &looked.outcomes, Some(again));
@@ -152,7 +150,7 @@ impl<M: Machine> Race<'_, M> {
         }
         row.reason = row.reason.or(found.reason.take());
         row.again = found.again;
-        Ok((row, cost))
+        Ok((row, is_looked, cost))
     }
 
     /// Measures again, a few at a time, until nothing is open or nothing more may be spent.
@@ -172,15 +170,21 @@ impl<M: Machine> Race<'_, M> {
                 return Ok(self.found);
             }
             self.task.store.go_on()?;
-            let found: Vec<(Row, u64)> = next.par_iter().map(|&i| self.measured(i)).collect::<Result<_>>()?;
-            for (index, (row, cost)) in next.into_iter().zip(found) {
+            let enough = self.surest().map_or(f64::INFINITY, |surest| surest.most());
+            let found: Vec<_> = next.par_iter().map(|&i| self.measured(i, enough)).collect::<Result<_>>()?;
+            for (index, (row, is_looked, cost)) in next.into_iter().zip(found) {
                 let rounds = self.estimates[index].map_or(0, |own| own.rounds + 1);
-                self.estimates[index] = row.outputs[self.measure].map(|s| Estimate::of(s, rounds));
+                self.estimates[index] = row.outputs[self.measure].map(|s| Estimate::of(s, rounds, is_looked));
                 self.found.rows.insert(index, row);
                 self.found.spent += cost;
             }
         }
     }
+}
+
+/// Whether anything between values is to be looked at.
+fn looks_between<M: Machine>(request: &Request<M>) -> bool {
+    request.over.iter().any(|axis| axis.values.len() > 1 && request.between.contains(&axis.name))
 }
 
 /// The best design of a sweep whose parts are all in the task's store, where the choice is then kept too; `None` where there is nothing to
@@ -195,9 +199,10 @@ pub fn choice<M: Machine>(set: &M, request: &Request<M>, task: &Task) -> Result<
     }
     let quiet = Task { shard: Shard::ALL, done: &|_| (), ..*task };
     quiet.part(request.count(), |_| {
+        let is_looked = !looks_between(request);
         let mut estimates = Vec::with_capacity(request.designs.count());
         super::each_row(set, request, &quiet, |row| -> Result<()> {
-            estimates.push(row.outputs[measure].map(|found| Estimate::of(found, 0)));
+            estimates.push(row.outputs[measure].map(|found| Estimate::of(found, 0, is_looked)));
             Ok(())
         })?;
         let found = Choice { measure, ..Choice::default() };
