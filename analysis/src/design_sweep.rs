@@ -21,9 +21,12 @@
 //! # Ok::<(), vibro_analysis::Error>(())
 //! ```
 
+mod between;
+mod choice;
 mod designs;
 mod three_dof;
 
+pub use choice::{Choice, choice, each_final_row};
 pub use designs::{Designs, ParameterInterval, SampledAxis, spread_starts};
 
 use crate::attractor::MotionClass;
@@ -41,6 +44,10 @@ use std::fmt::{Debug, Display};
 pub const MOST_DESIGNS: usize = 1_000_000;
 /// Most motions of one design.
 pub const MOST_MOTIONS: usize = 100_000;
+/// Periods of motion that a choice may spend unless told otherwise.
+pub const AGAIN: u64 = 300_000;
+/// A scatter of this part of a value and less is rounding.
+const REGULAR: f64 = 1e-6;
 
 /// What a machine's parameters, starts and measures are for a sweep: plain data that a manifest holds.
 pub trait Plain: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync {}
@@ -74,6 +81,10 @@ pub trait Machine: Clone + Send + Sync {
     fn outcomes(&self, request: &Request<Self>) -> Vec<Outcome>;
     /// At least as many starts, spread evenly; fewer where the machine has no more.
     fn spread_starts(count: u32) -> Vec<Self::Start>;
+    /// Whether a measure is read off the window of a motion, so that a longer one tells more: not the class, the exponent, a closed form.
+    fn is_of_window(measure: &Self::Measure) -> bool;
+    /// Values of a parameter that is a frequency at which the machine may resonate.
+    fn resonances(&self, name: &Self::Name) -> Vec<f64>;
 }
 
 /// What to compute.
@@ -92,6 +103,11 @@ pub struct Request<M: Machine = ParameterSet> {
     pub periods: u32,
     /// What is measured.
     pub measures: Vec<M::Measure>,
+    /// Parameters of [`over`](Self::over) that stand for an interval: what lies between their values is looked at for designs that may
+    /// be the best.
+    pub between: Vec<M::Name>,
+    /// Periods of motion that may be spent on measuring again what may be the best: [`choice`].
+    pub again: u64,
 }
 
 impl<M: Machine> Default for Request<M> {
@@ -99,7 +115,7 @@ impl<M: Machine> Default for Request<M> {
     fn default() -> Self {
         let starts = vec![M::Start::default()];
         let (designs, over, measures) = (Designs::Grid(Vec::new()), Vec::new(), Vec::new());
-        Self { designs, over, starts, discard: 400, periods: 60, measures }
+        Self { designs, over, starts, discard: 400, periods: 60, measures, between: Vec::new(), again: AGAIN }
     }
 }
 
@@ -108,14 +124,30 @@ impl<M: Machine> Default for Request<M> {
 pub struct Summary {
     /// The least.
     pub least: f64,
-    /// The mean of all motions.
+    /// The mean of all motions that were asked for.
     pub mean: f64,
     /// The largest.
     pub largest: f64,
-    /// The first motion that has the largest, for [`Request::motion`].
+    /// The first motion that has the largest, for [`Request::motion`] and [`Row::motion`].
     pub at: usize,
-    /// How much the largest would scatter from one window of the motion to the next: [`Measured::spreads`].
+    /// How much the largest would scatter from one window of the motions to the next, by their [`Measured::spreads`].
     pub spread: f64,
+}
+
+impl Summary {
+    /// Whether the largest is known but for rounding: it is of motions that repeat.
+    pub fn is_exact(&self) -> bool {
+        self.spread <= REGULAR * self.largest.abs()
+    }
+}
+
+/// How a design that may be the best was measured again.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Again {
+    /// Periods over which its motions were measured, but for those that repeat.
+    pub periods: u32,
+    /// What was looked at between the values of [`Request::over`]: further combinations of them.
+    pub between: Vec<Vec<f64>>,
 }
 
 /// What was found of one design.
@@ -127,8 +159,20 @@ pub struct Row {
     pub outputs: Vec<Option<Summary>>,
     /// The different classes in the order in which they are met, where the class was asked for and every motion has one.
     pub classes: Vec<MotionClass>,
-    /// Why there are values missing.
+    /// Why there are values missing, or what they are worth: a motion may have been measured before it had settled.
     pub reason: Option<String>,
+    /// How it was measured again, if it was.
+    pub again: Option<Again>,
+}
+
+impl Row {
+    /// What tells a motion of this row from the others, those between the values that were asked for included: as [`Request::motion`].
+    pub fn motion<M: Machine>(&self, request: &Request<M>, index: usize) -> (Vec<f64>, M::Start) {
+        let (asked, starts) = (request.motions(), request.starts.len().max(1));
+        let further = index.checked_sub(asked).and_then(|i| self.again.as_ref()?.between.get(i / starts));
+        let (values, start) = request.motion(index % asked.max(1));
+        (further.cloned().unwrap_or(values), start)
+    }
 }
 
 impl<M: Machine> Request<M> {
@@ -182,6 +226,11 @@ impl<M: Machine> Request<M> {
     /// motions have in common.
     pub fn motion_in_words(&self, set: &M, index: usize) -> String {
         let (values, start) = self.motion(index);
+        self.place_in_words(set, (values, start))
+    }
+
+    /// Values of [`over`](Self::over) and a start in words, as [`motion_in_words`](Self::motion_in_words).
+    pub fn place_in_words(&self, set: &M, (values, start): (Vec<f64>, M::Start)) -> String {
         let told = |(axis, value): (&SampledAxis<M::Name>, f64)| {
             format!("{} = {}", M::name(&axis.name), set.with_unit(&axis.name, value))
         };
@@ -240,26 +289,30 @@ pub fn each_row<M: Machine, E: From<Error>>(
 /// One design.
 pub fn row<M: Machine>(set: &M, request: &Request<M>, index: usize) -> Row {
     let values = request.designs.values(index);
-    let assigned = request.designs.names().into_iter().zip(values.iter().copied());
-    let count = request.measures.len();
-    match set.varied(&assigned.collect::<Vec<_>>()) {
-        Ok(own) => summary(set, values, request, &motions(&own, request)),
+    match design(set, request, &values) {
+        Ok(own) => summary(set, values, request, &motions(&own, request, &request.places()), None),
         Err(error) => {
-            let reason = Some(error.to_string());
-            Row { values, outputs: vec![None; count], classes: Vec::new(), reason }
+            let (outputs, reason) = (vec![None; request.measures.len()], Some(error.to_string()));
+            Row { values, outputs, classes: Vec::new(), reason, again: None }
         }
     }
+}
+
+/// The machine of a design.
+fn design<M: Machine>(set: &M, request: &Request<M>, values: &[f64]) -> Result<M> {
+    let assigned = request.designs.names().into_iter().zip(values.iter().copied());
+    set.varied(&assigned.collect::<Vec<_>>())
 }
 
 /// What was measured of one motion, and what there was against it.
 pub type Outcome = (Measured, Option<String>);
 
-/// All motions of a design.
-fn motions<M: Machine>(set: &M, request: &Request<M>) -> Vec<Outcome> {
-    let mut found = Vec::with_capacity(request.motions());
-    for index in 0..request.motions() / request.starts.len() {
-        let values = designs::combination(&request.over, index);
-        let assigned: Vec<_> = request.over.iter().map(|a| a.name.clone()).zip(values).collect();
+/// The motions of a design at some values of [`Request::over`], from all starts at each.
+fn motions<M: Machine>(set: &M, request: &Request<M>, places: &[Vec<f64>]) -> Vec<Outcome> {
+    let mut found = Vec::with_capacity(places.len() * request.starts.len());
+    for values in places {
+        let names = request.over.iter().map(|a| a.name.clone());
+        let assigned: Vec<_> = names.zip(values.iter().copied()).collect();
         match set.varied(&assigned) {
             Ok(own) => found.extend(own.outcomes(request)),
             Err(error) => {
@@ -273,18 +326,25 @@ fn motions<M: Machine>(set: &M, request: &Request<M>) -> Vec<Outcome> {
 
 /// A motion that there is not.
 pub(crate) fn failed(error: &Error, measures: usize) -> Outcome {
-    let nothing = Measured { numbers: vec![None; measures], class: None, spreads: vec![0.0; measures] };
+    let nothing =
+        Measured { numbers: vec![None; measures], spreads: vec![0.0; measures], ..Measured::default() };
     (nothing, Some(error.to_string()))
 }
 
-/// The row of all motions of a design.
-fn summary<M: Machine>(set: &M, values: Vec<f64>, request: &Request<M>, motions: &[Outcome]) -> Row {
+/// The row of all motions of a design: those that were asked for and, after them, those of `again`.
+fn summary<M: Machine>(
+    set: &M,
+    values: Vec<f64>,
+    request: &Request<M>,
+    motions: &[Outcome],
+    again: Option<Again>,
+) -> Row {
     let outputs = (0..request.measures.len())
         .map(|m| {
             let one = |(found, _): &Outcome| {
                 Some((found.numbers.get(m).copied().flatten()?, found.spreads.get(m).copied().unwrap_or(0.0)))
             };
-            together(motions.iter().map(one))
+            together(motions.iter().map(one), request.motions())
         })
         .collect();
     let mut classes: Vec<MotionClass> = Vec::new();
@@ -295,49 +355,54 @@ fn summary<M: Machine>(set: &M, values: Vec<f64>, request: &Request<M>, motions:
             }
         }
     }
+    let mut row = Row { values, outputs, classes, reason: None, again };
     let bad: Vec<(usize, &String)> =
         motions.iter().enumerate().filter_map(|(i, (_, reason))| Some((i, reason.as_ref()?))).collect();
-    let reason =
-        bad.first().map(|(index, reason)| match (motions.len(), request.motion_in_words(set, *index)) {
-            (1, _) => (*reason).clone(),
-            (all, words) => format!("{} of {all} motions, the first at {words}: {reason}", bad.len()),
-        });
-    Row { values, outputs, classes, reason }
+    row.reason = bad.first().map(|(index, reason)| match motions.len() {
+        1 => (*reason).clone(),
+        all => {
+            let words = request.place_in_words(set, row.motion(request, *index));
+            format!("{} of {all} motions, the first at {words}: {reason}", bad.len())
+        }
+    });
+    row
 }
 
-/// Least, mean and largest of numbers, all of which must be there, with their spreads.
-fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>) -> Option<Summary> {
+/// Least, mean and largest of numbers, all of which must be there, with their spreads; the mean of the first few.
+fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>, asked: usize) -> Option<Summary> {
     let (numbers, spreads): (Vec<f64>, Vec<f64>) =
         numbers.collect::<Option<Vec<(f64, f64)>>>()?.into_iter().unzip();
     let at = (1..numbers.len()).fold(0, |best, i| if numbers[i] > numbers[best] { i } else { best });
     let largest = *numbers.get(at)?;
     let least = numbers.iter().copied().fold(largest, f64::min);
-    let mean = if least == largest { largest } else { numbers.iter().sum::<f64>() / numbers.len() as f64 };
-    Some(Summary { least, mean, largest, at, spread: spreads[at] })
+    let first = &numbers[..asked.clamp(1, numbers.len())];
+    let mean = if least == largest { largest } else { first.iter().sum::<f64>() / first.len() as f64 };
+    // Another motion may come above this one in another window.
+    let reach = numbers.iter().zip(&spreads).map(|(number, spread)| number + spread - largest);
+    Some(Summary { least, mean, largest, at, spread: reach.fold(spreads[at], f64::max) })
 }
 
-/// Starts that are added when designs are measured again.
+/// Starts that are added to look whether a design has other motions.
 pub const MORE_STARTS: u32 = 8;
-/// How many times as long they are then measured.
-pub const LONGER: u32 = 10;
 
 impl<M: Machine> Request<M> {
-    /// Some of its designs measured again by one measure, ten times as long and from eight more starts.
-    pub fn again(&self, designs: Vec<Vec<f64>>, measure: M::Measure) -> Self {
+    /// One of its designs measured by one measure from eight more starts; `None` where the machine has no more.
+    pub fn from_more_starts(&self, design: Vec<f64>, measure: M::Measure) -> Option<Self> {
         let mut starts = self.starts.clone();
         for start in M::spread_starts(self.starts.len() as u32 + MORE_STARTS) {
             if starts.len() < self.starts.len() + MORE_STARTS as usize && !starts.contains(&start) {
                 starts.push(start);
             }
         }
-        Self {
-            designs: Designs::Rows { names: self.designs.names(), rows: designs },
-            over: self.over.clone(),
-            starts,
-            discard: self.discard,
-            periods: self.periods.saturating_mul(LONGER),
-            measures: vec![measure],
-        }
+        let designs = Designs::Rows { names: self.designs.names(), rows: vec![design] };
+        let is_more = starts.len() > self.starts.len();
+        is_more.then(|| Self { designs, starts, measures: vec![measure], ..self.clone() })
+    }
+
+    /// All combinations of the values of [`over`](Self::over).
+    fn places(&self) -> Vec<Vec<f64>> {
+        let count = self.motions() / self.starts.len().max(1);
+        (0..count).map(|index| designs::combination(&self.over, index)).collect()
     }
 }
 

@@ -21,6 +21,7 @@
 
 mod extent;
 mod name;
+pub(crate) mod parts;
 
 pub use name::{Coordinate, Measure};
 
@@ -31,6 +32,7 @@ use crate::smooth_pieces::{PieceEnd, smooth_pieces};
 use crate::trajectories::Start;
 use crate::verdict::verdict;
 use extent::Extent;
+use parts::{Parts, Seen, whole};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
 use vibro_impact::flow::expand_along;
@@ -44,10 +46,13 @@ pub struct Measured {
     /// A number for each measure, in their order and units; `None` for the class, and for a closed form that has no value.
     pub numbers: Vec<Option<f64>>,
     /// By how much each number would scatter from one window of this length to the next: the standard deviation that the six parts of
-    /// this one give. 0 for what is exact, and for regular motion but for rounding. docs/studies.md, (N4) and (N5).
+    /// this one give, each a whole number of periods of a motion that repeats. 0 for what is exact, and for regular motion but for
+    /// rounding. docs/studies.md, (N4) and (N5).
     pub spreads: Vec<f64>,
     /// The class, where it was asked for.
     pub class: Option<MotionClass>,
+    /// The first number that goes one way from part to part, by its place: the motion has not settled.
+    pub unsettled: Option<usize>,
 }
 
 /// Impacts of a window.
@@ -65,6 +70,7 @@ struct Impacts {
 pub(crate) const PARTS: u32 = 6;
 
 /// A window of whole drive periods.
+#[derive(Clone, Debug)]
 struct Window {
     /// Of the coordinates that the measures need.
     extents: Vec<Extent>,
@@ -90,7 +96,7 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
         );
     }
     let parts = windows(simulator, measures, periods.max(1))?;
-    let window = Window::joined(&parts);
+    let window = whole(&parts);
     let wants = |sought: Measure| measures.contains(&sought);
     let (mut class, mut exponent) = (None, None);
     if wants(Measure::Class) {
@@ -113,7 +119,8 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
     };
     let numbers = measures.iter().map(number).collect();
     let spreads = measures.iter().map(|measure| spread(&parts, *measure, &p)).collect();
-    Ok(Measured { numbers, class, spreads })
+    let goes = |measure: &Measure| is_of_window(measure) && is_on_its_way(&of_parts(&parts, *measure, &p));
+    Ok(Measured { numbers, class, spreads, unsettled: measures.iter().position(goes) })
 }
 
 fn undefined(name: &'static str, needed_by: &'static str) -> Error {
@@ -139,9 +146,19 @@ pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error
     }
 }
 
+/// Whether a measure is read off the window: not the class, the exponent, the closed form.
+pub(crate) fn is_of_window(measure: &Measure) -> bool {
+    !matches!(measure, Measure::Class | Measure::Exponent | Measure::AmplitudeWithoutBlock)
+}
+
+/// The number of a measure in each part.
+fn of_parts(parts: &[Window], measure: Measure, p: &Parameters) -> Vec<f64> {
+    parts.iter().map(|part| part.number(measure, p)).collect()
+}
+
 /// The spread of a measure over windows as long as these parts together.
 fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
-    let numbers: Vec<f64> = parts.iter().map(|part| part.number(measure, p)).collect();
+    let numbers = of_parts(parts, measure, p);
     match measure {
         Measure::Class | Measure::Exponent | Measure::AmplitudeWithoutBlock => 0.0,
         Measure::Amplitude(_) | Measure::PeakToPeak(_) | Measure::Maximum(_) => spread_of(&numbers, true),
@@ -152,18 +169,53 @@ fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
 
 /// The spread of a number that a window's parts have, over windows as long as these parts together. An extreme of a long window scatters
 /// as that of a part does, since the scale of the limit law of extremes does not depend on the number of parts, docs/studies.md (N4); a
-/// mean by as much less as there are more of them, (N5).
+/// mean by as much less as there are more of them, (N5). A number that goes one way from part to part is on its way, (N6).
 pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if numbers.len() < 2 {
         return 0.0;
     }
+    let way = way_to_go(numbers).unwrap_or(0.0);
     if is_extreme {
-        return deviation(numbers);
+        return deviation(numbers).max(way);
     }
     // Parts that follow each other are not independent; pairs are less dependent than single ones.
     let pairs: Vec<f64> = numbers.chunks_exact(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     let error = |of: &[f64]| deviation(of) / (of.len() as f64).sqrt();
-    if pairs.len() < 2 { error(numbers) } else { error(numbers).max(error(&pairs)) }
+    let scatter = if pairs.len() < 2 { error(numbers) } else { error(numbers).max(error(&pairs)) };
+    scatter.max(way)
+}
+
+/// Least parts that show a way.
+const WAY: usize = 5;
+/// A step of a way is at most as many times as large as the one before.
+const EVEN: f64 = 1.01;
+/// What would still come is counted by a ratio of steps up to this.
+const SLOWEST: f64 = 0.9;
+/// A way of this part of a number and less is not worth a word.
+const WORTH: f64 = 1e-3;
+
+/// How far a number that rises or falls from each part to the next, by steps that do not grow, has come and, by the ratio of its last two
+/// steps, would still go; `None` where it does not. Numbers without an order do so once in some ten thousand times.
+fn way_to_go(numbers: &[f64]) -> Option<f64> {
+    let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let [.., before, last] = steps[..] else { return None };
+    let is_way = steps.iter().all(|step| step * last > 0.0)
+        && steps.windows(2).all(|pair| pair[1].abs() <= EVEN * pair[0].abs());
+    let ratio = (last / before).min(SLOWEST);
+    let way = (numbers[numbers.len() - 1] - numbers[0]).abs() + last.abs() * ratio / (1.0 - ratio);
+    (numbers.len() >= WAY && is_way).then_some(way)
+}
+
+/// Whether a number has not settled to three digits, by its parts.
+pub(crate) fn is_on_its_way(numbers: &[f64]) -> bool {
+    let size = numbers.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    way_to_go(numbers).is_some_and(|way| way > WORTH * size)
+}
+
+/// What is said of a motion that was measured before it had settled.
+pub(crate) fn unsettled_in_words(found: &Measured, measures: &[impl std::fmt::Display]) -> Option<String> {
+    let name = measures.get(found.unsettled?)?;
+    Some(format!("not settled: {name} goes one way while it is measured; discard more"))
 }
 
 /// The standard deviation of numbers, of which there are two at least.
@@ -174,7 +226,7 @@ fn deviation(numbers: &[f64]) -> f64 {
     (scatter / (count - 1.0)).sqrt()
 }
 
-/// Passes over the next drive periods, in parts.
+/// Passes over the next drive periods, in parts; of a motion that repeats no more of them than show that.
 fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Result<Vec<Window>> {
     let p = *simulator.parameters();
     let model = Model::new(&p)?;
@@ -186,64 +238,61 @@ fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Res
     let fresh: Vec<_> = Coordinate::ALL.into_iter().filter_map(extent).collect();
     let (begin, length) = (simulator.time(), p.period());
     let arch = pulp::Arch::new();
-    let count = PARTS.min(periods);
-    let (mut parts, mut i) = (Vec::with_capacity(count as usize), 0);
-    for k in 1..=count {
-        let (first, last) = (i, (u64::from(periods) * u64::from(k) / u64::from(count)) as u32);
+    let mut parts = Parts::new();
+    for i in 1..=periods {
         let (mut extents, mut impacts) = (fresh.clone(), Impacts::default());
         let (before, from) = (simulator.energy_accounts(), simulator.state());
-        while i < last {
-            i += 1;
-            smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
-                if !extents.is_empty() {
-                    // No operation is fused, so that all instruction sets give the same bits.
-                    arch.dispatch(
-                        #[inline(always)]
-                        || {
-                            let from = (&piece.start, forces.as_ref());
-                            expand_along(&model, piece.mode, from, piece.span, |series, radius| {
-                                extents.iter_mut().for_each(|extent| extent.take(series, radius));
-                            })
-                        },
-                    );
-                }
-                if let PieceEnd::Impact { side, rate, impulse, .. } = piece.end {
-                    impacts.counts[usize::from(side < 0.0)] += 1;
-                    impacts.speed = impacts.speed.max(rate.abs());
-                    impacts.impulse = impacts.impulse.max(impulse.abs());
-                }
-            })?;
-        }
+        smooth_pieces(simulator, &model, begin + f64::from(i) * length, &mut |piece| {
+            if !extents.is_empty() {
+                // No operation is fused, so that all instruction sets give the same bits.
+                arch.dispatch(
+                    #[inline(always)]
+                    || {
+                        let from = (&piece.start, forces.as_ref());
+                        expand_along(&model, piece.mode, from, piece.span, |series, radius| {
+                            extents.iter_mut().for_each(|extent| extent.take(series, radius));
+                        })
+                    },
+                );
+            }
+            if let PieceEnd::Impact { side, rate, impulse, .. } = piece.end {
+                impacts.counts[usize::from(side < 0.0)] += 1;
+                impacts.speed = impacts.speed.max(rate.abs());
+                impacts.impulse = impacts.impulse.max(impulse.abs());
+            }
+        })?;
         let after = simulator.energy_accounts();
         // The account of input is that of the drive and of the constant loads.
         let way = simulator.state().x.into_iter().zip(from.x).map(|(to, from)| to - from);
         let of_loads: f64 = p.constant_loads.into_iter().zip(way).map(|(load, way)| load * way).sum();
         let energy = [after.input - before.input - of_loads, after.impact - before.impact];
-        let periods = f64::from(last - first);
-        parts.push(Window { extents, impacts, duration: periods * length, energy, periods });
+        if parts.push(Window { extents, impacts, duration: length, energy, periods: 1.0 }) {
+            break;
+        }
     }
-    Ok(parts)
+    Ok(parts.finish())
+}
+
+impl Seen for Window {
+    fn numbers(&self) -> [Vec<f64>; 3] {
+        let ends = self.extents.iter().flat_map(|e| [e.within(f64::INFINITY).0, e.within(f64::INFINITY).1]);
+        [ends.collect(), vec![self.impacts.speed], self.energy.to_vec()]
+    }
+
+    fn join(&mut self, later: &Self) {
+        self.extents.iter_mut().zip(&later.extents).for_each(|(own, other)| own.join(other));
+        for side in 0..2 {
+            self.impacts.counts[side] += later.impacts.counts[side];
+            self.energy[side] += later.energy[side];
+        }
+        self.impacts.speed = self.impacts.speed.max(later.impacts.speed);
+        self.impacts.impulse = self.impacts.impulse.max(later.impacts.impulse);
+        self.duration += later.duration;
+        self.periods += later.periods;
+    }
 }
 
 impl Window {
-    /// Parts one after the other, of which there is one at least.
-    fn joined(parts: &[Self]) -> Self {
-        let (first, others) = (&parts[0], &parts[1..]);
-        let mut whole = Self { extents: first.extents.clone(), ..*first };
-        for part in others {
-            whole.extents.iter_mut().zip(&part.extents).for_each(|(own, other)| own.join(other));
-            for side in 0..2 {
-                whole.impacts.counts[side] += part.impacts.counts[side];
-                whole.energy[side] += part.energy[side];
-            }
-            whole.impacts.speed = whole.impacts.speed.max(part.impacts.speed);
-            whole.impacts.impulse = whole.impacts.impulse.max(part.impacts.impulse);
-            whole.duration += part.duration;
-            whole.periods += part.periods;
-        }
-        whole
-    }
-
     fn extent(&self, coordinate: Coordinate) -> &Extent {
         const NONE: &Extent = &Extent::new(Coordinate::X1, false);
         // Those that the measures need are there.

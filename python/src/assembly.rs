@@ -326,7 +326,8 @@ pub fn assembly_diagram<'py>(
     let axis = ParameterAxis::of(name, ends, count).map_err(Failure::from)?;
     let of = of.parse().map_err(Failure::from)?;
     let (discard, keep) = periods;
-    let request = diagram::Request { axis: axis.clone(), of, at_section, discard, keep, exponents };
+    let request =
+        diagram::Request { axis: axis.clone(), of, at_section, discard, keep, exponents, anew: false };
     let own = machine.machine(section);
     let found: Diagram<Point> = compute(py, progress, move |control| {
         in_parts(control, request.count(), |task| diagram::diagram(&own, &request, task))

@@ -31,6 +31,14 @@ pub enum Error {
         /// Why it does not fit, and what does.
         problem: String,
     },
+    /// Nothing that was asked for could be computed.
+    #[error("{what}: {problem}")]
+    Failed {
+        /// The study.
+        what: String,
+        /// Why, of the first that failed.
+        problem: String,
+    },
     /// Reading or writing a file failed.
     #[error("{doing} {}: {source}", path.display())]
     File {
@@ -70,6 +78,7 @@ impl Error {
             self,
             Self::File { doing: "writing" | "making folder", .. }
                 | Self::Output { .. }
+                | Self::Failed { .. }
                 | Self::Picture(_)
                 | Self::Assembly(
                     vibro_assembly::Error::Jammed { .. }

@@ -68,6 +68,10 @@ pub struct Study {
     pub remarks: Vec<String>,
     /// Its parameters where they are not those of the command.
     pub set: Option<Box<ParameterSet>>,
+    /// The machine in a line, where what varies makes what is said of it as it is wrong.
+    pub subject: Option<String>,
+    /// Why nothing that was asked for could be computed, where that is so.
+    pub failure: Option<String>,
 }
 
 impl Study {
@@ -89,6 +93,8 @@ impl Study {
             figure: None,
             remarks,
             set: None,
+            subject: None,
+            failure: None,
         }
     }
 

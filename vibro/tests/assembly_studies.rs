@@ -7,7 +7,7 @@ use command::{DAMPER, command, drawn, folder, refused, table};
 use std::path::Path;
 use vibro_analysis::assembly::{Machine, Start, discard, measure};
 
-const SWEEP: [&str; 12] = [
+const SWEEP: [&str; 14] = [
     "assembly",
     "sweep",
     DAMPER,
@@ -20,6 +20,9 @@ const SWEEP: [&str; 12] = [
     "--discard",
     "60",
     "--periods=6",
+    // Each row as it is found first.
+    "--again",
+    "0",
 ];
 
 fn read(out: &Path, name: &str) -> Vec<u8> {
@@ -53,6 +56,56 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
     }
     // The buffer pressed far in from the start is a design without an equilibrium; it has a row that says why.
     assert!(rows.iter().all(|row| row["reason"].is_empty() != row["amplitude.box.s"].is_empty()));
+}
+
+#[test]
+fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
+    let out = folder("assembly-best");
+    let line = ["assembly", "sweep", DAMPER, "--vary", "stop.steel.gap=60mm,90mm,92mm"];
+    let over = ["--vary", "stop.buffer.gap=75mm,90mm", "--over", "load.shaker.frequency=9Hz:11Hz:2"];
+    let rest =
+        ["--output", "amplitude.box.s,power.buffer", "--discard", "20", "--periods", "6", "--again", "20000"];
+    let said = drawn(&out, &[&line[..], &over, &rest].concat());
+    assert!(
+        said.contains("best by amplitude.box.s: ") || said.contains("not told apart by amplitude.box.s: "),
+        "{said}"
+    );
+    assert!(said.contains("looked at after the common period of its harmonics, which varies"), "{said}");
+    let rows = table(&out, "assembly-sweep.csv");
+    let number =
+        |row: &std::collections::HashMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+    let least = rows.iter().map(|row| number(row, "amplitude.box.s.max")).fold(f64::INFINITY, f64::min);
+    let best = rows.iter().find(|row| number(row, "amplitude.box.s.max") == least).unwrap();
+    assert!(number(best, "periods") >= 24.0 && number(best, "between") >= 1.0, "{best:?}");
+    // The digits of its spread, in m on the screen and in mm in the picture.
+    let spread = number(best, "amplitude.box.s.spread");
+    let power = spread.log10().floor();
+    let decimals = |power: f64| {
+        ((if spread / 10f64.powf(spread.log10().floor()) < 2.0 { 1.0 } else { 0.0 }) - power).max(0.0)
+            as usize
+    };
+    let (metres, millimetres) = (decimals(power), decimals(power + 3.0));
+    assert!(said.contains(&format!("{least:.metres$} ± {spread:.metres$} m")), "{said}");
+    let svg = String::from_utf8(read(&out, "assembly-sweep.svg")).unwrap();
+    let (shown, bar) = (1e3 * least, 1e3 * spread);
+    assert!(svg.contains(&format!("least, {shown:.millimetres$} ± {bar:.millimetres$} mm")), "{shown} {bar}");
+}
+
+#[test]
+fn a_sweep_of_which_every_design_fails_says_so_by_its_exit() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("assembly-failed.toml");
+    let text = "name = \"F\"\n[body.a]\nmass = 2.0\n[stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 0.01\nrestitution = 0.5\n\
+        [load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"5 Hz\"\n";
+    std::fs::write(&path, text).unwrap();
+    let path = path.display().to_string();
+    for output in ["class", "amplitude.a.s"] {
+        // The start at 0 lies beyond the stop.
+        let line = ["assembly", "sweep", &path, "--vary", "stop.s.gap=-20mm,-30mm", "--output", output];
+        let found = command(&folder(&format!("assembly-failed-{output}")), &line).output().unwrap();
+        let error = String::from_utf8_lossy(&found.stderr).into_owned();
+        assert_eq!(found.status.code(), Some(1), "{error}");
+        assert!(error.contains("all 2 designs failed; the first: stop.s.gap = "), "{error}");
+    }
 }
 
 #[test]

@@ -81,7 +81,7 @@ fn a_number_without_a_unit_is_in_the_unit_of_the_file_on_every_axis() {
     assert!(same("sweep.csv") && same("sweep.parquet"));
     let over =
         ["sweep", "--vary", "stop.gap=40,60", "--over", "drive.frequency=9:11:3", "--output", "amplitude.x1"];
-    let (folder, (_, notes)) = with("over", &[&over, &QUICK[..]].concat());
+    let (folder, (_, notes)) = with("over", &[&over, &QUICK[..], &["--again", "0"]].concat());
     assert!(notes.contains("in mm") && notes.contains("in Hz"), "{notes}");
     assert_eq!(numbers(&folder, "sweep.csv", "stop.gap"), [0.04, 0.06]);
     assert!(
@@ -206,8 +206,10 @@ fn loads_have_one_grammar_in_every_command() {
     assert_eq!(bytes(&load, "sweep.csv"), bytes(&parameter, "sweep.csv"));
     assert_ne!(bytes(&load, "sweep.csv"), bytes(&none, "sweep.csv"));
     // Loads on a body add up, and a load is an axis.
-    let axis =
-        with("axis", &sweep(&["--vary", "load.block=-6N:0N:3", "--load", "box=1N", "--load", "box=-1N"]));
+    // Each row as it is found first.
+    let once = ["--again", "0"];
+    let vary = ["--vary", "load.block=-6N:0N:3", "--load", "box=1N", "--load", "box=-1N"];
+    let axis = with("axis", &[&sweep(&vary)[..], &once].concat());
     assert_eq!(numbers(&axis, "sweep.csv", "load.block"), [-6.0, -3.0, 0.0]);
     let last = |folder: &Path| table(folder, "sweep.csv").last().unwrap()["amplitude.x2"].clone();
     assert_eq!(last(&axis), last(&none));

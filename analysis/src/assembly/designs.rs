@@ -1,11 +1,14 @@
 //! A described machine as one of which designs are measured.
 
 use super::measures::need_accounts;
-use super::{Machine, Measure, Start, discard, measure};
+use super::timescales::{oscillations, settle};
+use super::{Machine, Measure, Start, measure};
 use crate::design_sweep::{self, Outcome, Request, failed};
 use crate::error::Result;
+use crate::measures::{Measured, unsettled_in_words};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use vibro_assembly::Assembly;
 
 /// The start of a described machine's motion: the one that its file gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,14 +52,30 @@ impl design_sweep::Machine for Machine {
             if !need_accounts(&request.measures) {
                 motion = motion.without_energy_accounts();
             }
-            discard(&mut motion, &section, request.discard)?;
+            settle(&mut motion, &section, request.discard)?;
             measure(&mut motion, &section, &request.measures, request.periods)
         };
-        let outcome = one().map_or_else(|e| failed(&e, request.measures.len()), |found| (found, None));
+        let told = |found: Measured| {
+            let reason = unsettled_in_words(&found, &request.measures);
+            (found, reason)
+        };
+        let outcome = one().map_or_else(|e| failed(&e, request.measures.len()), told);
         vec![outcome; request.starts.len()]
     }
 
     fn spread_starts(_: u32) -> Vec<FileStart> {
         Vec::new()
+    }
+
+    fn is_of_window(measure: &Measure) -> bool {
+        measure.is_of_window()
+    }
+
+    fn resonances(&self, name: &String) -> Vec<f64> {
+        if self.si_unit(name) != "Hz" {
+            return Vec::new();
+        }
+        let assembly = Assembly::new(self.description.clone());
+        assembly.map_or(Vec::new(), |assembly| oscillations(assembly.system()))
     }
 }

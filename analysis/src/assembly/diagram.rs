@@ -3,16 +3,20 @@
 //!
 //! As for the 3-DOF machine each value starts from the last state of the value before, and what is observed at each value is
 //! independent of the others. Time goes on from value to value, so that a body whose motion is prescribed is where the others met it.
+//! Where what drives the machine does not repeat, that would make each value's motion depend on when it is reached: such a machine is
+//! refused, or each value [starts anew](Request::anew).
 
 use super::flight::Flows;
-use super::settled::{Settled, discard, settled};
+use super::settled::{Settled, settled};
+use super::timescales::{runs_on_beyond, settle};
 use super::watch::{Maxima, Watcher};
-use super::{Machine, Quantity, Start, now};
+use super::{Machine, Quantity, Section, Start, now};
 use crate::attractor::MotionClass;
 use crate::bifurcation::{self, Diagram, DiagramPoint, chained, in_both_directions};
 use crate::error::{Error, Result};
 use crate::parts::{PartStore, Task};
 use crate::plane::ParameterAxis;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Digits to which values are told apart, of the largest of the motion.
@@ -35,6 +39,8 @@ pub struct Request {
     pub keep: u32,
     /// Returns over which the largest exponent is counted, if it is.
     pub exponents: Option<u32>,
+    /// Whether each value starts as the file says, at time 0: there is then one direction.
+    pub anew: bool,
 }
 
 /// The motion at one value.
@@ -95,6 +101,14 @@ impl Request {
             let text = format!("{} values with {} returns kept", self.axis.count, self.keep);
             return Err(Error::Form { text, expected: "up to 20000 values and a return at least" });
         }
+        for end in [self.axis.from, self.axis.to] {
+            let own = self.at(machine, end)?;
+            let section = Section::of(&own.description, &own.section)?;
+            match runs_on_beyond(&own.description, &section, self.discard) {
+                Some(why) if !self.anew => return Err(Error::Described { problem: runs_on_in_words(&why) }),
+                _ => {}
+            }
+        }
         self.at(machine, self.axis.from)?.motion(&Start::default()).map(drop)
     }
 
@@ -104,6 +118,15 @@ impl Request {
     }
 }
 
+/// Why a chain of values makes no diagram.
+fn runs_on_in_words(why: &str) -> String {
+    format!(
+        "{why}: time goes on from value to value, so that each would be seen at another time of it; allowed are changes within what is \
+         discarded at the first value (--discard), or --anew, with which each value starts as the file says and nothing is said of \
+         hysteresis"
+    )
+}
+
 fn chain(
     machine: &Machine,
     request: &Request,
@@ -111,18 +134,27 @@ fn chain(
     upward: bool,
 ) -> Result<Vec<SettledStart>> {
     let mut state = Start::default();
+    if request.anew {
+        let start = |i| SettledStart {
+            value: request.axis.value(i),
+            start: upward.then(|| settled_at(machine, request, request.axis.value(i), &state).ok()).flatten(),
+        };
+        return Ok((0..request.axis.count).into_par_iter().map(start).collect());
+    }
     chained(request.axis.count, upward, store, &mut |i| {
         let value = request.axis.value(i);
-        let run = || -> Result<Start> {
-            let (motion, section) = request.at(machine, value)?.motion(&state)?;
-            let mut motion = motion.without_energy_accounts();
-            discard(&mut motion, &section, request.discard)?;
-            Ok(now(&motion))
-        };
-        let start = run().ok();
+        let start = settled_at(machine, request, value, &state).ok();
         state = start.clone().unwrap_or_default();
         Ok(SettledStart { value, start })
     })
+}
+
+/// Where the motion at a value is when it has settled.
+fn settled_at(machine: &Machine, request: &Request, value: f64, start: &Start) -> Result<Start> {
+    let (motion, section) = request.at(machine, value)?.motion(start)?;
+    let mut motion = motion.without_energy_accounts();
+    settle(&mut motion, &section, request.discard)?;
+    Ok(now(&motion))
 }
 
 /// What is seen at one value.

@@ -4,12 +4,14 @@
 //! stops and friction and the work of loads are the engine's accounts, those of rigid stops ½ (1 - ε) u P an impact.
 
 use super::flight::Flows;
-use super::quantity::{Owner, Quantity, owners, unknown};
+use super::quantity::{Owner, Place, Quantity, owners, unknown};
 use super::section::Section;
 use super::settled::settled;
+use super::timescales::{Passed, needed, runs_on};
 use super::watch::Watcher;
 use crate::error::{Error, Result};
-use crate::measures::{Measured, PARTS, spread_of};
+use crate::measures::parts::{Parts, Seen, whole};
+use crate::measures::{Measured, is_on_its_way, spread_of};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -231,6 +233,11 @@ impl Measure {
         }
     }
 
+    /// Whether it is read off the window: not the class and the exponent.
+    pub(super) fn is_of_window(&self) -> bool {
+        !matches!(self, Self::Class | Self::Exponent)
+    }
+
     fn needs_power(&self) -> bool {
         matches!(self, Self::Power(_) | Self::PowerLost)
     }
@@ -249,6 +256,7 @@ impl Measure {
 }
 
 /// What was seen in a part of the window.
+#[derive(Clone, Debug)]
 struct Window {
     watcher: Watcher,
     returns: f64,
@@ -263,32 +271,24 @@ fn energies(motion: &Motion) -> [Vec<f64>; 4] {
     [&e.loads, &e.dashpots, &e.stops, &e.frictions].map(|all| all.iter().map(|x| x.value()).collect())
 }
 
-impl Window {
-    /// Parts one after the other, of which there is one at least.
-    fn joined(parts: &[Self]) -> Self {
-        let mut watcher = parts[0].watcher.clone();
-        let mut energies = parts[0].energies.clone();
-        for part in &parts[1..] {
-            for (own, of) in watcher.extents.iter_mut().zip(&part.watcher.extents) {
-                own.least = own.least.min(of.least);
-                own.largest = own.largest.max(of.largest);
-                own.square += of.square;
-            }
-            for (own, of) in watcher.contacts.iter_mut().zip(&part.watcher.contacts) {
-                own.count += of.count;
-                own.speed = own.speed.max(of.speed);
-                own.impulse = own.impulse.max(of.impulse);
-                own.lost += of.lost;
-            }
-            for (own, of) in energies.iter_mut().flatten().zip(part.energies.iter().flatten()) {
-                *own += of;
-            }
-        }
-        let returns = parts.iter().map(|p| p.returns).sum();
-        let duration = parts.iter().map(|p| p.duration).sum();
-        Self { watcher, returns, duration, energies }
+impl Seen for Window {
+    fn numbers(&self) -> [Vec<f64>; 3] {
+        let ends = self.watcher.extents.iter().flat_map(|e| [e.least, e.largest]);
+        let speeds = self.watcher.contacts.iter().map(|c| c.speed);
+        [ends.collect(), speeds.collect(), self.energies.iter().flatten().copied().collect()]
     }
 
+    fn join(&mut self, later: &Self) {
+        self.watcher.join(&later.watcher);
+        for (own, of) in self.energies.iter_mut().flatten().zip(later.energies.iter().flatten()) {
+            *own += of;
+        }
+        self.returns += later.returns;
+        self.duration += later.duration;
+    }
+}
+
+impl Window {
     fn number(&self, measure: &Measure, d: &Description, quantities: &[&Quantity]) -> f64 {
         let extent = |q: &Quantity| {
             let place = quantities.iter().position(|own| *own == q);
@@ -334,11 +334,12 @@ impl Window {
     }
 }
 
-/// Measures a motion over the next `periods` returns; class and exponent over those that follow. The transient is the caller's to
-/// discard.
+/// Measures a motion over the next `periods` returns, and over as many more as the machine's slowest own oscillation needs; class and
+/// exponent over those that follow. Of a motion that repeats no more are followed than show that. The transient is the caller's to discard.
 ///
 /// # Errors
-/// As [`Section::advance`]; [`Error::Described`] for what the machine does not have.
+/// As [`Section::advance`]; [`Error::Described`] for what the machine does not have, where the returns last so short a time
+/// that the window would have to be more than a hundred times as long, and for the class of a motion whose drive does not repeat.
 pub fn measure(
     motion: &mut Motion,
     section: &Section,
@@ -355,49 +356,64 @@ pub fn measure(
         }
     }
     let places = quantities.iter().map(|q| q.place(d)).collect::<Result<Vec<_>>>()?;
-    let (mut flows, mut watcher) = (Flows::default(), Watcher::of(&places, d.stops.len()));
-    let (periods, mut parts, mut done) = (periods.max(1), Vec::new(), 0);
-    let count = PARTS.min(periods);
-    for k in 1..=count {
-        let last = (u64::from(periods) * u64::from(k) / u64::from(count)) as u32;
-        let (from, before, returns) = (motion.time(), energies(motion), f64::from(last - done));
-        watcher.clear();
-        while done < last {
-            section.follow(motion, &mut flows, &mut [&mut watcher])?;
-            done += 1;
-        }
-        let mut change = energies(motion);
-        for (after, before) in change.iter_mut().flatten().zip(before.iter().flatten()) {
-            *after -= before;
-        }
-        let duration = motion.time() - from;
-        parts.push(Window { watcher: watcher.clone(), returns, duration, energies: change });
-    }
-    let window = Window::joined(&parts);
     let wants = |sought: &Measure| measures.contains(sought);
+    let verdict = [Measure::Class, Measure::Exponent].into_iter().find(wants);
+    if let (Some(verdict), Some(why)) = (&verdict, runs_on(d, motion.time())) {
+        return Err(Error::Described {
+            problem: format!(
+                "{verdict}: {why}; allowed are outputs of the window, since only what repeats has a {verdict}"
+            ),
+        });
+    }
+    let parts = windows(motion, section, &places, periods.max(1))?;
+    let window = whole(&parts);
     let (mut class, mut exponent) = (None, None);
-    if wants(&Measure::Class) || wants(&Measure::Exponent) {
+    if verdict.is_some() {
         let found = settled(motion, section, wants(&Measure::Exponent).then_some(EXPONENT_RETURNS))?;
         class = wants(&Measure::Class).then_some(found.class);
-        exponent = found.exponent.map(|e| e.value);
+        exponent = found.exponent;
     }
     let number = |m: &Measure| match m {
         Measure::Class => None,
-        Measure::Exponent => exponent,
+        Measure::Exponent => exponent.map(|e| e.value),
         other => Some(window.number(other, d, &quantities)),
     };
+    let of_parts =
+        |m: &Measure| -> Vec<f64> { parts.iter().map(|part| part.number(m, d, &quantities)).collect() };
     let spread = |m: &Measure| match m {
-        Measure::Class | Measure::Exponent => 0.0,
-        _ => {
-            let numbers: Vec<f64> = parts.iter().map(|part| part.number(m, d, &quantities)).collect();
-            spread_of(&numbers, m.is_extreme())
-        }
+        Measure::Class => 0.0,
+        Measure::Exponent => exponent.map_or(0.0, |e| e.error),
+        _ => spread_of(&of_parts(m), m.is_extreme()),
     };
+    let is_unsettled = |m: &Measure| m.is_of_window() && is_on_its_way(&of_parts(m));
     Ok(Measured {
         numbers: measures.iter().map(number).collect(),
         class,
         spreads: measures.iter().map(spread).collect(),
+        unsettled: measures.iter().position(is_unsettled),
     })
+}
+
+/// Passes over the next returns, in parts.
+fn windows(motion: &mut Motion, section: &Section, places: &[Place], periods: u32) -> Result<Vec<Window>> {
+    let stops = motion.assembly().description.stops.len();
+    let mut watcher = Watcher::of(places, stops);
+    let (mut flows, mut parts) = (Flows::default(), Parts::new());
+    let mut passed = Passed::new(motion, needed(motion, section, periods)?, periods);
+    loop {
+        let (from, before) = (motion.time(), energies(motion));
+        watcher.clear();
+        section.follow(motion, &mut flows, &mut [&mut watcher])?;
+        let mut energies = energies(motion);
+        for (after, before) in energies.iter_mut().flatten().zip(before.iter().flatten()) {
+            *after -= before;
+        }
+        let duration = motion.time() - from;
+        let repeats = parts.push(Window { watcher: watcher.clone(), returns: 1.0, duration, energies });
+        if passed.is_enough(motion, (watcher.events, repeats))? {
+            return Ok(parts.finish());
+        }
+    }
 }
 
 /// Whether any of some measures needs the engine's energy accounts.

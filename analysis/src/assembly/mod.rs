@@ -21,6 +21,7 @@ mod returns;
 mod rows;
 mod section;
 mod settled;
+mod timescales;
 mod variation;
 mod watch;
 mod written;
@@ -35,6 +36,8 @@ pub use plane::PlanePoint;
 pub use quantity::{Place, Quantity, What};
 pub use section::{Section, SectionRule, common_period};
 pub use settled::{Settled, discard, settled};
+
+pub use timescales::{runs_on, settle};
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};

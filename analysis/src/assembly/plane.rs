@@ -1,8 +1,9 @@
 //! A described machine as one whose motions are seen over a plane.
 
-use super::{FileStart, Machine, Section, Start, discard, settled};
+use super::timescales::{runs_on_beyond, settle};
+use super::{FileStart, Machine, Section, Start, settled};
 use crate::attractor::MotionClass;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::isoperiodic::{PlaneMachine, Request};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -36,7 +37,15 @@ impl PlaneMachine for Machine {
             }
         }
         // What no point could do without.
-        Section::of(&self.description, &self.section).map(drop)
+        let section = Section::of(&self.description, &self.section)?;
+        match runs_on_beyond(&self.description, &section, request.discard) {
+            None => Ok(()),
+            Some(why) => Err(Error::Described {
+                problem: format!(
+                    "{why}: the motions of a plane are classed, and only what repeats has a class; allowed are                     changes within what is discarded (--discard)"
+                ),
+            }),
+        }
     }
 
     fn points(&self, request: &Request<Self>, rows: Range<usize>, (): &mut ()) -> Vec<Self::Point> {
@@ -53,7 +62,7 @@ fn point(machine: &Machine, request: &Request<Machine>, x: f64, y: f64) -> Resul
     let own = machine.with([(request.x.name.as_str(), x), (request.y.name.as_str(), y)])?;
     let (motion, section) = own.motion(&Start::default())?;
     let mut motion = motion.without_energy_accounts();
-    discard(&mut motion, &section, request.discard)?;
+    settle(&mut motion, &section, request.discard)?;
     let found = settled(&mut motion, &section, request.exponents)?;
     Ok(PlanePoint {
         class: found.class,

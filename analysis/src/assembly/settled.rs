@@ -11,16 +11,14 @@ use super::growth::{ALIGN, Growth};
 use super::monodromy::{MARGINAL, Period, neutral, shift};
 use super::returns::Record;
 use super::section::{Section, common_period, harmonics};
+use super::timescales::oscillations;
 use super::variation::{Metric, Variation};
 use crate::attractor::{MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT};
 use crate::error::Result;
 use crate::largest_exponent::{ExponentSign, LargestExponent};
-use nalgebra::{DMatrix, Schur};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
-use vibro_assembly::mode::{FrictionState, StopState};
-use vibro_assembly::system::System;
 
 /// A motion is not followed further where its states return to this part of their sizes.
 const STEADY: f64 = 1e-9;
@@ -42,13 +40,6 @@ const BLOCK: u32 = 8;
 const PARTED: f64 = 20.0;
 /// An exponent by the multiplier of a period is exact where the orbit is as near as this.
 const NEAR: f64 = 1e-9;
-
-/// Most coordinates of a machine of which own rates are found: their cost is the cube.
-const LARGE: usize = 100;
-/// Sweeps of the Schur decomposition for each coordinate.
-const SWEEPS: usize = 400;
-/// A rate under this part of the fastest is that of a neutral direction.
-const NO_RATE: f64 = 1e-9;
 
 /// What a motion has settled on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -218,25 +209,10 @@ pub fn discard(motion: &mut Motion, section: &Section, discard: u32) -> Result<(
     Ok(())
 }
 
-/// The slowest of a motion's rates, 1/s: that of its returns or, where it is slower, of the machine's own
-/// motion without contacts, where that has up to [`LARGE`] coordinates.
+/// The slowest of a motion's rates, rad/s: that of its returns or, where it is slower, of an own oscillation.
 fn slowest(motion: &Motion, interval: f64) -> f64 {
-    let system: &System = motion.assembly().system();
-    let (n, returns) = (system.coordinates, TAU / interval);
-    if n > LARGE {
-        return returns;
-    }
-    let open = vec![StopState::Open; system.stops.len()];
-    let off = vec![FrictionState::Off; system.frictions.len()];
-    let accelerations = system.free_acceleration(&open, &off);
-    let a = DMatrix::from_fn(2 * n, 2 * n, |i, j| match i < n {
-        true => f64::from(u8::from(j == i + n)),
-        false => accelerations[(i - n, j)],
-    });
-    let Some(schur) = Schur::try_new(a, f64::EPSILON, SWEEPS * n) else { return returns };
-    let rates: Vec<f64> = schur.complex_eigenvalues().iter().map(|value| value.re.hypot(value.im)).collect();
-    let fastest = rates.iter().copied().fold(0.0, f64::max);
-    rates.into_iter().filter(|rate| *rate > NO_RATE * fastest).fold(returns, f64::min)
+    let own = oscillations(motion.assembly().system()).into_iter();
+    own.map(|frequency| TAU * frequency).fold(TAU / interval, f64::min)
 }
 
 /// The growth of a variation from the present on: until its sign is decided and it has been counted over

@@ -200,7 +200,8 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     let machine = example("damper_with_buffer.toml");
     let axis = ParameterAxis::of("stop.steel.gap".to_owned(), (4e-3, 6e-3), 3).unwrap();
     let of = "block.s".parse().unwrap();
-    let request = Request { axis, of, at_section: false, discard: 150, keep: 12, exponents: None };
+    let request =
+        Request { axis, of, at_section: false, discard: 150, keep: 12, exponents: None, anew: false };
     let found = diagram::diagram(&machine, &request, &Task::ALL).unwrap().unwrap();
     let first = found.up[0].as_ref().unwrap();
     let top = measured(&machine.with([("stop.steel.gap", 4e-3)]).unwrap(), &["maximum.block.s"])[0];
@@ -212,4 +213,99 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     let wrong = Request { of: "blok.s".parse().unwrap(), ..request };
     let error = diagram::diagram(&machine, &wrong, &Task::ALL).unwrap_err().to_string();
     assert!(error.contains("the nearest is `block.s`"), "{error}");
+}
+
+/// Rounding of motions that repeat.
+const REPEATS: f64 = 1e-6;
+
+/// What a sweep measures of the machine as it is.
+fn swept(machine: &Machine, names: &[&str], discard: u32, periods: u32) -> crate::design_sweep::Row {
+    let measures = names.iter().map(|n| n.parse().unwrap()).collect();
+    let request =
+        crate::design_sweep::Request::<Machine> { measures, discard, periods, ..Default::default() };
+    crate::design_sweep::row(machine, &request, 0)
+}
+
+#[test]
+fn invariant_a_motion_that_repeats_after_some_returns_has_no_spread() {
+    // Looked at every 0.2/3 s, the motion of 0.2 s is 3T; parts of ten returns are no whole number of it.
+    let mut machine = text(OSCILLATOR);
+    machine.section = SectionRule::Period(0.2 / 3.0);
+    let row = swept(&machine, &["rms.a.s", "power.k", "maximum.a.s", "class"], 400, 60);
+    assert_eq!(row.classes, [MotionClass::Periodic(3)]);
+    for output in row.outputs.iter().flatten() {
+        assert!(output.is_exact(), "{output:?}");
+    }
+    assert_eq!(row.reason, None);
+}
+
+#[test]
+fn closed_form_measures_last_four_periods_of_the_slowest_own_oscillation() {
+    // Undamped, 1 Hz, from a start of 1 m: cos(2 pi t). A ripple makes the section of 1 ms, ten of which see 10 ms of it.
+    let slow = "name = \"S\"\n[body.a]\nmass = 1.0\nstart = { s = 1.0 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\n\
+        stiffness = 39.47841760435743\n[load.f]\non = \"a\"\namplitude = 1e-9\nfrequency = \"1 kHz\"\n";
+    let machine = text(slow);
+    let row = swept(&machine, &["peak_to_peak.a.s", "rms.a.s"], 60, 60);
+    let number = |i: usize| row.outputs[i].unwrap_or_else(|| panic!("{row:?}")).largest;
+    assert!((number(0) - 2.0).abs() < REPEATS, "{row:?}");
+    assert!((number(1) - 0.5f64.sqrt()).abs() < 1e-3, "{row:?}");
+    // A hundred times what was asked for is not taken without being asked.
+    let row = swept(&machine, &["peak_to_peak.a.s"], 60, 10);
+    let reason = row.reason.unwrap();
+    assert!(
+        reason.contains("slowest own oscillation takes 1 s") && reason.contains("4000 periods or more"),
+        "{reason}"
+    );
+}
+
+/// A step of the load to 1,600 N at a time, which moves the middle to 2 m.
+fn stepped(time: &str) -> Machine {
+    let with = format!("amplitude = 10.0\nfrequency = \"5 Hz\"\nsteps = [[\"{time}\", 1600.0]]");
+    text(&OSCILLATOR.replace("amplitude = 10.0\nfrequency = \"5 Hz\"", &with))
+}
+
+#[test]
+fn closed_form_what_does_not_repeat_is_measured_after_its_last_change_or_as_asked() {
+    let names = ["maximum.a.s", "class"];
+    let swing = measured(&text(OSCILLATOR), &["maximum.a.s"])[0];
+    let number = |row: &crate::design_sweep::Row| row.outputs[0].unwrap().largest;
+    // A step before what is discarded ends: what comes after it.
+    let row = swept(&stepped("20 s"), &names, 300, 60);
+    assert!((number(&row) - 2.0 - swing).abs() < REPEATS, "{row:?}");
+    assert_eq!(row.classes, [MotionClass::Periodic(1)]);
+    // A step to come: as long as was asked for, though the motion has settled long before; and it has no class.
+    let row = swept(&stepped("62 s"), &names[..1], 300, 60);
+    assert!(number(&row) > 2.0 + swing, "{row:?}");
+    let row = swept(&stepped("200 s"), &names, 300, 60);
+    assert!(
+        row.reason.as_ref().is_some_and(|r| r.starts_with("class: load.f has a step at 200 s")),
+        "{row:?}"
+    );
+    let row = swept(&stepped("200 s"), &names[..1], 300, 60);
+    assert!((number(&row) - swing).abs() < REPEATS, "{row:?}");
+}
+
+#[test]
+fn a_diagram_of_what_does_not_repeat_is_refused_by_name_or_starts_anew() {
+    let axis = ParameterAxis::of("spring.k.damping".to_owned(), (8.0, 9.0), 5).unwrap();
+    let of = "a.s".parse().unwrap();
+    let request =
+        Request { axis, of, at_section: false, discard: 100, keep: 5, exponents: None, anew: false };
+    let machine = stepped("200 s");
+    let error = diagram::diagram(&machine, &request, &Task::ALL).unwrap_err().to_string();
+    assert!(error.starts_with("load.f has a step at 200 s: ") && error.contains("--anew"), "{error}");
+    let anew = Request { anew: true, ..request.clone() };
+    let found = diagram::diagram(&machine, &anew, &Task::ALL).unwrap().unwrap();
+    assert!(found.down.iter().all(Option::is_none) && found.hysteresis().iter().all(|h| !h));
+    // All values are seen before the step, as without it.
+    for point in &found.up {
+        let point = point.as_ref().unwrap();
+        let own = text(OSCILLATOR).with([("spring.k.damping", point.value)]).unwrap();
+        let swing = measured(&own, &["maximum.a.s"])[0];
+        assert!((point.maxima[0].0 - swing).abs() < REPEATS && point.maxima.len() == 1, "{point:?}");
+    }
+    // A step within what is discarded has passed at the first value.
+    let found = diagram::diagram(&stepped("10 s"), &request, &Task::ALL).unwrap().unwrap();
+    assert!(found.up.iter().chain(&found.down).flatten().all(|p| p.maxima[0].0 > 1.9), "{found:?}");
+    assert!(found.hysteresis().iter().all(|h| !h));
 }

@@ -89,6 +89,8 @@ pub struct Watcher {
     pub maxima: Option<Maxima>,
     /// By stop.
     pub contacts: Vec<Contacts>,
+    /// Events of any element.
+    pub events: u32,
 }
 
 impl Watcher {
@@ -100,6 +102,22 @@ impl Watcher {
             extents: places.iter().map(extent).collect(),
             maxima: None,
             contacts: vec![Contacts::default(); stops],
+            events: 0,
+        }
+    }
+
+    /// Takes in the extents and contacts that another saw after it.
+    pub fn join(&mut self, later: &Self) {
+        for (own, of) in self.extents.iter_mut().zip(&later.extents) {
+            own.least = own.least.min(of.least);
+            own.largest = own.largest.max(of.largest);
+            own.square += of.square;
+        }
+        for (own, of) in self.contacts.iter_mut().zip(&later.contacts) {
+            own.count += of.count;
+            own.speed = own.speed.max(of.speed);
+            own.impulse = own.impulse.max(of.impulse);
+            own.lost += of.lost;
         }
     }
 
@@ -109,6 +127,7 @@ impl Watcher {
             (extent.least, extent.largest, extent.square) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
         }
         self.contacts.iter_mut().for_each(|c| *c = Contacts::default());
+        self.events = 0;
     }
 }
 
@@ -143,6 +162,7 @@ impl Observer for Watcher {
     }
 
     fn passage(&mut self, system: &System, passage: Passage<'_>) {
+        self.events += u32::from(passage.watch.is_some());
         for event in passage.events {
             match event.kind {
                 EventKind::Impact { stop, speed, impulse, .. } => {

@@ -30,6 +30,7 @@ fn request() -> Request {
         discard: 40,
         periods: 12,
         measures: measures(&["amplitude.x1", "class", "power.impact"]),
+        ..Request::default()
     }
 }
 
@@ -100,7 +101,7 @@ fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
     ];
     let designs = Designs::Rows { names, rows };
     let measures = measures(&["amplitude.x1", "amplitude.without_block", "class"]);
-    let all = Request { designs, measures, discard: 20, periods: 5, ..Request::default() };
+    let all = Request { designs, measures, discard: 200, periods: 5, ..Request::default() };
     let reasons: Vec<Option<String>> = (0..5).map(|i| row(&set, &all, i).reason).collect();
     assert_eq!((&reasons[0], &reasons[4]), (&None, &None));
     for (index, word) in
@@ -186,4 +187,96 @@ fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
     })
     .unwrap();
     assert_eq!(rows, (0..6).map(|i| request.designs.values(i)).collect::<Vec<_>>());
+}
+
+/// An amplitude of a linear oscillator that has settled.
+const SETTLED: f64 = 1e-6;
+
+/// A box on a spring with a damping ratio of a percent whose own frequency is near 9.25 Hz: none of 9, 10, 11 Hz meets it.
+const RESONATOR: &str = "name = \"R\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 3377.6\n\
+    damping = 1.16\n[load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"9 Hz\"\n";
+
+fn described(text: &str) -> crate::assembly::Machine {
+    crate::assembly::Machine::new(
+        vibro_assembly::file::parse(text, "m.toml", &vibro_assembly::file::no_records).unwrap(),
+    )
+}
+
+fn described_axis(name: &str, values: &[f64]) -> SampledAxis<String> {
+    SampledAxis { name: name.into(), values: values.into() }
+}
+
+#[test]
+fn closed_form_a_resonance_between_the_values_of_a_band_is_met() {
+    // Two designs: the first resonates within the band, the second above it. At the three values the first looks like the better one.
+    let machine = described(RESONATOR);
+    let request = Request::<crate::assembly::Machine> {
+        designs: Designs::Grid(vec![described_axis("spring.k.stiffness", &[3377.6, 2600.0])]),
+        over: vec![described_axis("load.f.frequency", &[9.0, 10.0, 11.0])],
+        between: vec!["load.f.frequency".into()],
+        measures: vec!["amplitude.a.s".parse().unwrap()],
+        ..Request::default()
+    };
+    let amplitude = |k: f64, f: f64| {
+        let w = std::f64::consts::TAU * f;
+        10.0 / (k - w * w).hypot(1.16 * w)
+    };
+    let peak = |k: f64| (0..=2000).map(|i| amplitude(k, 9.0 + 1e-3 * f64::from(i))).fold(0.0, f64::max);
+    let sampled = |k: f64| [9.0, 10.0, 11.0].map(|f| amplitude(k, f)).into_iter().fold(0.0, f64::max);
+    assert!(peak(3377.6) > 2.0 * sampled(3377.6));
+    let rows: Vec<Row> = (0..2).map(|i| row(&machine, &request, i)).collect();
+    let largest = |row: &Row| row.outputs[0].unwrap().largest;
+    assert!((largest(&rows[0]) - sampled(3377.6)).abs() < SETTLED, "{rows:?}");
+    let task = Task { ..Task::ALL };
+    let found = choice(&machine, &request, &task).unwrap().unwrap();
+    assert_eq!((&found.possible[..], found.left), (&[1][..], 0), "{found:?}");
+    // The best has been looked at between its values, and its number is that of the band.
+    let best = &found.rows[&1];
+    assert!(!best.again.as_ref().unwrap().between.is_empty());
+    assert!((largest(best) - peak(2600.0)).abs() < 0.01 * peak(2600.0), "{best:?}");
+    let alone = Request {
+        designs: Designs::Grid(vec![described_axis("spring.k.stiffness", &[3377.6, 3377.7])]),
+        ..request
+    };
+    let found = choice(&machine, &alone, &task).unwrap().unwrap();
+    let first = found.rows.values().next().unwrap();
+    assert!((largest(first) - peak(3377.6)).abs() < 0.01 * peak(3377.6), "{first:?}");
+    let (place, _) = first.motion(&alone, first.outputs[0].unwrap().at);
+    assert!((place[0] - 9.25).abs() < 0.05, "{place:?}");
+}
+
+#[test]
+fn invariant_the_best_is_the_best_when_all_are_measured_as_long_and_depends_on_no_threads() {
+    // In chaos; the maximum of six periods says little.
+    let set = ParameterSet::basic();
+    let request = Request {
+        designs: Designs::Grid(vec![axis("f10", &[3.56, 3.57, 3.58, 3.59, 3.6, 3.61, 3.62, 3.63])]),
+        discard: 200,
+        periods: 6,
+        measures: measures(&["maximum.x1"]),
+        again: u64::MAX,
+        ..Request::default()
+    };
+    let of_threads = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| choice(&set, &request, &Task::ALL)).unwrap().unwrap()
+    };
+    let found = of_threads(1);
+    assert_eq!(found, of_threads(3));
+    let long = Request { periods: 3000, ..request.clone() };
+    let all: Vec<Summary> = (0..8).map(|i| row(&set, &long, i).outputs[0].unwrap()).collect();
+    let least = (0..8).min_by(|a, b| all[*a].largest.total_cmp(&all[*b].largest)).unwrap();
+    assert!(found.possible.contains(&least), "{found:?} {all:?}");
+    assert_eq!(found.left, 0);
+    // What was said is what a table has: the row of the choice.
+    let mut rows = Vec::new();
+    each_final_row(&set, &request, (&Task::ALL, Some(&found)), |row| -> Result<()> {
+        rows.push(row);
+        Ok(())
+    })
+    .unwrap();
+    assert!(found.rows.iter().all(|(i, row)| rows[*i] == *row) && !found.rows.is_empty());
+    let spent = Request { again: 1, ..request.clone() };
+    let none = choice(&set, &spent, &Task::ALL).unwrap().unwrap();
+    assert!(none.rows.is_empty() && none.left == none.possible.len() && none.left > 0, "{none:?}");
 }

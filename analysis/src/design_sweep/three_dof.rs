@@ -2,7 +2,9 @@
 
 use super::{Machine, Outcome, Request, spread_starts};
 use crate::error::{Error, Result};
-use crate::measures::{Measure, Measured, amplitude_without_block, measure};
+use crate::measures::{
+    Measure, Measured, amplitude_without_block, is_of_window, measure, unsettled_in_words,
+};
 use crate::parameter_set::{Name, ParameterSet};
 use crate::start::StartRule;
 use vibro_impact::parameters::Parameters;
@@ -39,6 +41,16 @@ impl Machine for ParameterSet {
     fn spread_starts(count: u32) -> Vec<StartRule> {
         spread_starts(count)
     }
+
+    fn is_of_window(measure: &Measure) -> bool {
+        is_of_window(measure)
+    }
+
+    /// The box alone on its spring.
+    fn resonances(&self, name: &Name) -> Vec<f64> {
+        let is_drive = Name::find("drive.frequency").is_ok_and(|drive| drive == *name);
+        if is_drive { vec![self.parameters().box_frequency()] } else { Vec::new() }
+    }
 }
 
 /// The motions of one machine, which share the simulator's tables.
@@ -50,7 +62,10 @@ fn from_all_starts(p: &Parameters, request: &Request) -> Vec<Outcome> {
     let outcome = |start: &StartRule| {
         let found = one(p, *start, request, &mut shared);
         let refused = |error: Error| (without_motion(p, &request.measures), Some(error.to_string()));
-        found.map_or_else(refused, |measured| (measured, gap.clone()))
+        found.map_or_else(refused, |measured| {
+            let unsettled = unsettled_in_words(&measured, &request.measures);
+            (measured, gap.clone().or(unsettled))
+        })
     };
     request.starts.iter().map(outcome).collect()
 }
@@ -62,7 +77,7 @@ fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
         _ => None,
     };
     let spreads = vec![0.0; measures.len()];
-    Measured { numbers: measures.iter().map(number).collect(), class: None, spreads }
+    Measured { numbers: measures.iter().map(number).collect(), spreads, ..Measured::default() }
 }
 
 /// One motion: settled, then measured.

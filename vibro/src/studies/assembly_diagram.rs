@@ -9,7 +9,7 @@ use super::sweep::letters;
 use crate::Result;
 use crate::table::{Table, exact};
 use vibro_analysis::assembly::diagram::{Point, Request};
-use vibro_analysis::assembly::{Machine, Start, settled};
+use vibro_analysis::assembly::{Machine, Start, runs_on, settle, settled};
 use vibro_analysis::bifurcation::Diagram;
 use vibro_analysis::significant;
 use vibro_figures::canvas::palette::{FAMILY, GREY};
@@ -61,14 +61,25 @@ pub fn assembly_diagram(
     if !machine.description.stops.is_empty() {
         panels.push(contact_panel("Impacts and first touches a period", x(), "contacts a period", diagram));
     }
+    if request.anew {
+        let falls = |layer: &Layer| layer.name.as_ref().is_some_and(|name| name.starts_with("value falling"));
+        panels.iter_mut().for_each(|panel| panel.layers.retain(|layer| !falls(layer)));
+    }
     letters(&mut panels);
     let method = format!(
-        "Up to {} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
-        request.discard, request.keep, axis.count
+        "Up to {} periods discarded and {} kept at each of {} values, {}.",
+        request.discard,
+        request.keep,
+        axis.count,
+        if request.anew {
+            "each started as the file says"
+        } else {
+            "rising and falling, the last state being the next start"
+        }
     );
     let figure = Figure {
         title: format!("{}: {of} over {parameter}", machine.description.name),
-        caption: vec![method, format!("Elsewhere {}", machine.caption_but(&[]))],
+        caption: vec![method, format!("Elsewhere {}", machine.caption_but(std::slice::from_ref(parameter)))],
         panels,
         columns: 1,
         panel: (2900, 1150),
@@ -76,7 +87,10 @@ pub fn assembly_diagram(
     };
     let column = format!("{of}_{}", if request.at_section { "section" } else { "maximum" });
     let told = |value: f64| machine.told(parameter, value);
-    let what = format!("{} of {of} over {parameter}, both directions", drawn.to_lowercase());
+    let directions = if request.anew { "each value started anew" } else { "both directions" };
+    let what = format!("{} of {of} over {parameter}, {directions}", drawn.to_lowercase());
+    // Of values that start anew nothing is said of a second direction.
+    let remarks = remarks(parameter, diagram, (!request.anew).then_some(&apart[..]), &told);
     Ok(Study {
         tables: vec![
             (name.into(), maxima_rows((parameter, &column), diagram, &exact)?),
@@ -84,7 +98,8 @@ pub fn assembly_diagram(
             (format!("{name}-windows"), window_table(parameter, diagram).csv()?),
         ],
         figure: Some(figure),
-        ..Study::without_figure(name, what).with_remarks(remarks(parameter, diagram, &apart, &told))
+        subject: machine.caption_of_all(std::slice::from_ref(parameter)),
+        ..Study::without_figure(name, what).with_remarks(remarks)
     })
 }
 
@@ -95,7 +110,12 @@ pub fn assembly_diagram(
 pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &str) -> Result<Study> {
     let (motion, section) = machine.motion(&Start::default())?;
     let mut motion = motion.without_energy_accounts();
-    vibro_analysis::assembly::discard(&mut motion, &section, discard)?;
+    settle(&mut motion, &section, discard)?;
+    if let Some(why) = runs_on(&machine.description, motion.time()) {
+        let problem =
+            "only what repeats has an exponent; allowed are changes within what is discarded (--discard)";
+        return Err(crate::Error::Refused { what: why, problem: problem.into() });
+    }
     let found = settled(&mut motion, &section, Some(periods))?;
     let mut table = Table::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
     let exponent = found.exponent;

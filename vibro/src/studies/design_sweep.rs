@@ -1,5 +1,6 @@
 //! Measures over any number of parameters: tables, pictures, and what is worth saying of them.
 
+mod best;
 mod collected;
 mod map;
 mod picture;
@@ -12,7 +13,7 @@ use super::Study;
 use crate::Result;
 use collected::Collected;
 pub(in crate::studies) use map::{limits, map};
-use vibro_analysis::design_sweep::{Designs, Request, SampledAxis, each_row};
+use vibro_analysis::design_sweep::{Choice, Designs, Request, Row, SampledAxis, choice, each_final_row};
 use vibro_analysis::parts::Task;
 pub use words::Told;
 
@@ -23,17 +24,28 @@ pub use words::Told;
 pub fn design_sweep<M: Told>(set: &M, request: &Request<M>, task: &Task, name: &str) -> Result<Study> {
     let mut found = Collected::new(set, request);
     let quiet = Task { done: &|_| (), ..*task };
-    each_row(set, request, &quiet, |row| -> Result<()> {
+    let choice = choice(set, request, &quiet)?;
+    let told = choice.as_ref().map_or(&[][..], best::told);
+    let mut best: Vec<(usize, Row)> = Vec::new();
+    let mut index = 0;
+    each_final_row(set, request, (&quiet, choice.as_ref()), |row| -> Result<()> {
         found.take(&row);
+        if let Some(place) = told.iter().position(|&i| i == index) {
+            best.push((place, row));
+        }
+        index += 1;
         Ok(())
     })?;
-    let figure = picture::figure(set, request, &found);
+    best.sort_by_key(|(place, _)| *place);
+    let figure = picture::figure(set, request, &found, choice.as_ref());
     let what = format!("{} of {}", outputs_in_words(request), designs_in_words(request));
+    let chosen = choice.map_or(Vec::new(), |choice| best::best_in_words(set, request, &choice, &best));
     Ok(Study {
         files: ["csv", "parquet"].map(|ending| format!("{name}.{ending}")).into(),
         figure,
-        ..Study::without_figure(name, what)
-            .with_remarks([found.remarks(), found.measured_again(set, request)].concat())
+        subject: set.caption_of_all(&varied(request)),
+        failure: found.nothing(),
+        ..Study::without_figure(name, what).with_remarks([found.remarks(), chosen].concat())
     })
 }
 
@@ -55,7 +67,7 @@ fn designs_in_words<M: Told>(request: &Request<M>) -> String {
 }
 
 /// How the numbers came about, for captions.
-fn method<M: Told>(set: &M, request: &Request<M>) -> String {
+fn method<M: Told>(set: &M, request: &Request<M>, choice: Option<&Choice>) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",
         Designs::Rows { .. } => "as listed",
@@ -77,6 +89,12 @@ fn method<M: Told>(set: &M, request: &Request<M>) -> String {
         M::periods(),
         request.periods
     ));
+    let again = choice.map_or(0, |choice| choice.rows.len());
+    if again > 0 {
+        words.push_str(&format!(
+            " Of {again} that might be the best the numbers are those of longer motions."
+        ));
+    }
     words
 }
 

@@ -160,11 +160,12 @@ pub(super) fn hysteresis(apart: Option<bool>) -> String {
     apart.map_or_else(|| "undecided".into(), |apart| apart.to_string())
 }
 
-/// What is worth saying of a diagram: ranges of one class with the value rising, where the directions part, what is missing.
+/// What is worth saying of a diagram: ranges of one class with the value rising, where the directions part, what is missing. Without
+/// `apart` there is one direction.
 pub(super) fn remarks<P: DiagramPoint>(
     name: &str,
     diagram: &Diagram<P>,
-    apart: &[Option<bool>],
+    apart: Option<&[Option<bool>]>,
     told: &dyn Fn(f64) -> String,
 ) -> Vec<String> {
     let windows = Diagram::windows(&diagram.up);
@@ -173,14 +174,18 @@ pub(super) fn remarks<P: DiagramPoint>(
     if windows.len() > TOLD {
         lines.push(format!("… and {} more windows in the table", windows.len() - TOLD));
     }
-    let count = |sought: Option<bool>| apart.iter().filter(|apart| **apart == sought).count();
-    let (elsewhere, undecided) = (count(Some(true)), count(None));
-    let undecided = if undecided > 0 { format!(", of {undecided} it is undecided") } else { String::new() };
-    lines.push(format!(
-        "{elsewhere} of {} values end elsewhere with the value falling{undecided}",
-        apart.len()
-    ));
-    let refused = diagram.up.iter().chain(&diagram.down).filter(|p| p.is_none()).count();
+    if let Some(apart) = apart {
+        let count = |sought: Option<bool>| apart.iter().filter(|apart| **apart == sought).count();
+        let (elsewhere, undecided) = (count(Some(true)), count(None));
+        let undecided =
+            if undecided > 0 { format!(", of {undecided} it is undecided") } else { String::new() };
+        lines.push(format!(
+            "{elsewhere} of {} values end elsewhere with the value falling{undecided}",
+            apart.len()
+        ));
+    }
+    let falling = diagram.down.iter().filter(|_| apart.is_some());
+    let refused = diagram.up.iter().chain(falling).filter(|p| p.is_none()).count();
     if refused > 0 {
         lines.push(format!("{refused} values left out: the simulator refused them"));
     }

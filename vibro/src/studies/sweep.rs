@@ -48,7 +48,7 @@ pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -
         panel: (2900, 1150),
         shared_legend: false,
     };
-    let remarks = remarks(axis.name.name(), diagram, &apart, &|value| set.with_unit(axis.name, value));
+    let remarks = remarks(axis.name.name(), diagram, Some(&apart), &|value| set.with_unit(axis.name, value));
     let what = format!("local maxima of {symbol} over {along}{alike}, both directions");
     Ok(Study {
         tables: vec![

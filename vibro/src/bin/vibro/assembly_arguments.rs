@@ -4,6 +4,7 @@ use crate::ranges::{Share, whole};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use vibro_analysis::assembly::{Measure, Quantity};
+use vibro_analysis::design_sweep::AGAIN;
 use vibro_impact::quantities::quantity_in;
 
 /// What to do with a machine.
@@ -111,6 +112,10 @@ pub struct Drawn {
     /// Periods kept at each value
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole(1..=u32::MAX))]
     pub keep: u32,
+    /// Start each value as the file says, at time 0, and not from the last state of the value before: for a machine with steps or
+    /// records that go on. There is then one direction
+    #[arg(long, conflicts_with = "pair")]
+    pub anew: bool,
 }
 
 /// Arguments of `assembly lyapunov`.
@@ -145,7 +150,8 @@ pub struct Sweep {
     /// Run the first N points of the Sobol sequence in the ranges of --vary instead of all combinations
     #[arg(long, visible_alias = "sobol", value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
     pub samples: Option<u32>,
-    /// A parameter over which each design is measured as a whole, e.g. a load's frequency in a band. May be repeated
+    /// A parameter over which each design is measured as a whole, e.g. a load's frequency in a band; between the values of a range is
+    /// looked for designs that may be the best. May be repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub over: Vec<String>,
     /// What is measured: names from --list, separated by commas. May be repeated [default: amplitudes of the free bodies, impacts and
@@ -158,6 +164,10 @@ pub struct Sweep {
     /// Periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T motions
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     pub periods: u32,
+    /// Periods of motion that may be spent on measuring again, longer and between the values of --over, the designs that may have the
+    /// least of the first output, until one is the best by its error bar; 0 for none
+    #[arg(long, value_name = "N", default_value_t = AGAIN, value_parser = whole::<u64>(0..=u64::MAX))]
+    pub again: u64,
     /// List the names of all outputs of the machine, with unit and meaning
     #[arg(long)]
     pub list: bool,

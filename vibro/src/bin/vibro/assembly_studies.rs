@@ -112,8 +112,15 @@ fn request(machine: &mut Machine, vary: &str, a: &Drawn, exponents: Option<u32>)
         None => default_quantity(machine)?,
     };
     let axis = axis(machine, vary, a.resolution.unwrap_or(VALUES).into(), diagram::MOST_VALUES)?;
-    let request =
-        diagram::Request { axis, of, at_section: a.at_section, discard: a.discard, keep: a.keep, exponents };
+    let request = diagram::Request {
+        axis,
+        of,
+        at_section: a.at_section,
+        discard: a.discard,
+        keep: a.keep,
+        exponents,
+        anew: a.anew,
+    };
     request.check(machine)?;
     Ok(request)
 }
@@ -149,6 +156,7 @@ fn draw(
         ("at-section", a.at_section.to_string()),
         ("discard", a.discard.to_string()),
         ("keep", a.keep.to_string()),
+        ("anew", a.anew.to_string()),
         ("periods", exponents.map_or(String::new(), |n| n.to_string())),
     ];
     let invocation = invocation(common, command, &options);
@@ -250,7 +258,10 @@ pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
             return Err(Error::Refused { what, problem });
         }
     };
-    let over = a.over.iter().map(|text| sampled(&mut machine, text, a.resolution)).collect::<Result<_>>()?;
+    let over =
+        a.over.iter().map(|text| sampled(&mut machine, text, a.resolution)).collect::<Result<Vec<_>>>()?;
+    let ranges = a.over.iter().zip(&over).filter(|(text, _)| text.contains(':'));
+    let between = ranges.map(|(_, axis)| axis.name.clone()).collect();
     let mut measures: Vec<Measure> = Vec::new();
     let usual = || Measure::usual(&machine.description);
     for measure in if a.output.is_empty() { usual() } else { a.output.clone() } {
@@ -265,6 +276,8 @@ pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
         discard: a.discard,
         periods: a.periods,
         measures,
+        between,
+        again: a.again,
         ..Request::default()
     };
     request.check()?;
@@ -283,6 +296,7 @@ pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
         ("output", outputs.join(" ")),
         ("discard", a.discard.to_string()),
         ("periods", a.periods.to_string()),
+        ("again", a.again.to_string()),
     ];
     let invocation = invocation(common, "sweep", &options);
     let work = Work::Assembly { kind: AssemblyStudy::DesignSweep(request), machine };

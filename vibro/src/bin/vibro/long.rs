@@ -159,7 +159,11 @@ fn complete(
             Destination::new(common, invocation, study.work.subject()).write_into(&studies, out)?;
             study.write_tables(&Task { store: &parts, ..Task::ALL }, out)?;
             parts.remove()?;
-            output::print(&studies, study.work.subject(), out, common)
+            output::print(&studies, study.work.subject(), out, common)?;
+            match studies.into_iter().find_map(|study| Some((study.name, study.failure?))) {
+                Some((what, problem)) => Err(Error::Failed { what, problem }),
+                None => Ok(()),
+            }
         }
         None => output::say(&format!(
             "{} of {count} parts of `{}` are in {}; `vibro merge` draws it when all are there",

@@ -27,7 +27,8 @@ pub fn print(studies: &[Study], subject: &dyn Subject, folder: &Path, common: &C
             let _ = writeln!(text, "  {remark}");
         }
     }
-    let _ = writeln!(text, "parameters: {}", subject.caption());
+    let own = studies.iter().find_map(|study| study.subject.clone());
+    let _ = writeln!(text, "parameters: {}", own.unwrap_or_else(|| subject.caption()));
     for table in studies.iter().filter_map(|s| s.shown.as_ref()) {
         text.push('\n');
         text.push_str(&side_by_side(table));

@@ -36,7 +36,7 @@ fn designs(set: &ParameterSet, a: &Sweep) -> Result<Designs> {
 }
 
 fn request(set: &ParameterSet, a: &Sweep) -> Result<Request> {
-    let over = a.over.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<_>>()?;
+    let over = a.over.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<Vec<_>>>()?;
     let mut starts = if a.start.is_empty() { vec![StartRule::default()] } else { a.start.clone() };
     starts.extend(spread_starts(a.starts));
     let mut measures: Vec<Measure> = Vec::new();
@@ -45,8 +45,18 @@ fn request(set: &ParameterSet, a: &Sweep) -> Result<Request> {
             measures.push(*measure);
         }
     }
-    let request =
-        Request { designs: designs(set, a)?, over, starts, discard: a.discard, periods: a.periods, measures };
+    let ranges = a.over.iter().zip(&over).filter(|(axis, _)| axis.is_range());
+    let between = ranges.map(|(_, axis)| axis.name).collect();
+    let request = Request {
+        designs: designs(set, a)?,
+        over,
+        starts,
+        discard: a.discard,
+        periods: a.periods,
+        measures,
+        between,
+        again: a.again,
+    };
     request.check()?;
     Ok(request)
 }

@@ -7,7 +7,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use vibro::{Error, Result};
-use vibro_analysis::design_sweep::{ParameterInterval, SampledAxis};
+use vibro_analysis::design_sweep::{AGAIN, ParameterInterval, SampledAxis};
 use vibro_analysis::measures::Measure;
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, Unit};
@@ -31,7 +31,9 @@ EXAMPLES
 THE TABLE (sweep.csv, sweep.parquet) has a row for each design: the parameters and outputs in SI, the reason if values are
 missing, and at the end each parameter that was written in another unit, in that unit (`drive.frequency [Hz]`). With one motion a
 design the column of an output has its name. With several there are NAME.min, NAME.mean, NAME.max, and where the largest was
-found: NAME.max.drive.frequency, NAME.max.start.";
+found: NAME.max.drive.frequency, NAME.max.start. After the reason stand NAME.spread, by how much a number would scatter from one
+window of the motion to the next (but for rounding 0 where it repeats), the periods of the window, and `between`: how many
+values between those of --over were looked at. A design that may be the best has the numbers of its longest window.";
 
 /// Arguments of `sweep`.
 #[derive(Args, Debug)]
@@ -48,7 +50,8 @@ pub struct Sweep {
     /// Designs from a CSV file: a header with names of parameters, a row for each design
     #[arg(long, value_name = "FILE", conflicts_with_all = ["vary", "sobol"])]
     pub design: Option<PathBuf>,
-    /// A parameter over which each design is measured as a whole, e.g. the drive's frequency in a band. May be repeated
+    /// A parameter over which each design is measured as a whole, e.g. the drive's frequency in a band; between the values of a range
+    /// is looked for designs that may be the best. May be repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub over: Vec<AxisArgument>,
     /// What is measured: names from `vibro sweep --list`, separated by commas. May be repeated
@@ -68,6 +71,10 @@ pub struct Sweep {
     /// Drive periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T motions
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     pub periods: u32,
+    /// Periods of motion that may be spent on measuring again, longer and between the values of --over, the designs that may have the
+    /// least of the first output, until one is the best by its error bar; 0 for none
+    #[arg(long, value_name = "N", default_value_t = AGAIN, value_parser = whole::<u64>(0..=u64::MAX))]
+    pub again: u64,
     /// List the names of all outputs, with unit and meaning
     #[arg(long)]
     pub list: bool,
@@ -124,6 +131,11 @@ impl InWrittenUnit for AxisArgument {
 }
 
 impl AxisArgument {
+    /// Whether its values stand for the interval between them.
+    pub fn is_range(&self) -> bool {
+        matches!(self, Self::Range(_))
+    }
+
     /// The parameter, and the unit in which its values were written.
     pub fn written(&self) -> (Name, Option<&'static Unit>) {
         match self {

@@ -1,7 +1,7 @@
 //! What is kept of a sweep's rows while they pass: values for the picture, and what is worth saying.
 
 use super::words::Told;
-use vibro_analysis::design_sweep::{Request, Row, rows};
+use vibro_analysis::design_sweep::{Request, Row, Summary};
 use vibro_analysis::significant;
 
 /// Most designs of a picture.
@@ -17,9 +17,17 @@ pub(super) struct MeasureRecord<M: Told> {
     index: usize,
     /// For the picture, design by design.
     pub reaches: Vec<Reach>,
-    /// The designs of the least values, from the least up, and that of the largest.
-    least: Vec<Found>,
+    /// The designs of the least and of the largest value.
+    least: Option<Found>,
     largest: Option<Found>,
+}
+
+impl<M: Told> MeasureRecord<M> {
+    /// The least value in a unit, with the digits that it has.
+    pub fn least_in(&self, factor: f64) -> Option<String> {
+        let least = self.least.as_ref()?;
+        Some(with_spread(factor * least.value, factor * least.spread))
+    }
 }
 
 /// A value with its spread, and the parameters of its design.
@@ -30,8 +38,6 @@ struct Found {
     design: Vec<f64>,
 }
 
-/// Designs that are measured again before one of them is called the best.
-const BEST: usize = 5;
 /// What is this part of a value and less is rounding, and no spread.
 const REGULAR: f64 = 1e-6;
 
@@ -47,8 +53,13 @@ pub(super) struct Collected<M: Told> {
     pub records: Vec<MeasureRecord<M>>,
     draws: bool,
     count: usize,
+    /// Designs that lack values, that have none at all, that were measured before they had settled, and the first reasons.
     bad: usize,
-    reason: Option<String>,
+    empty: usize,
+    unsettled: usize,
+    reasons: [Option<String>; 2],
+    /// Whether the class was asked for.
+    has_class: bool,
 }
 
 impl<M: Told> Collected<M> {
@@ -58,7 +69,7 @@ impl<M: Told> Collected<M> {
             measure: measure.clone(),
             index,
             reaches: Vec::new(),
-            least: Vec::new(),
+            least: None,
             largest: None,
         };
         Self {
@@ -70,7 +81,10 @@ impl<M: Told> Collected<M> {
             draws: request.designs.count() <= MOST_DRAWN,
             count: 0,
             bad: 0,
-            reason: None,
+            empty: 0,
+            unsettled: 0,
+            reasons: [None, None],
+            has_class: request.measures.iter().any(M::is_class),
         }
     }
 
@@ -82,22 +96,25 @@ impl<M: Told> Collected<M> {
     /// Takes up the next row.
     pub fn take(&mut self, row: &Row) {
         self.count += 1;
+        let has_class = !row.classes.is_empty();
+        let numbers =
+            self.records.iter().filter(|r| row.outputs.get(r.index).is_some_and(Option::is_some)).count();
         if let Some(reason) = &row.reason {
-            self.bad += 1;
-            if self.reason.is_none() {
-                self.reason =
-                    Some(format!("{}: {reason}", design_in_words(&self.set, &self.names, &row.values)));
+            let lacks = numbers < self.records.len() || (self.has_class && !has_class);
+            *(if lacks { &mut self.bad } else { &mut self.unsettled }) += 1;
+            let first = &mut self.reasons[usize::from(!lacks)];
+            if first.is_none() {
+                *first = Some(format!("{}: {reason}", design_in_words(&self.set, &self.names, &row.values)));
             }
         }
+        self.empty += usize::from(numbers == 0 && !has_class);
         for record in &mut self.records {
             let output = row.outputs.get(record.index).copied().flatten();
             if let Some(found) = output {
                 let here =
                     || Found { value: found.largest, spread: found.spread, design: row.values.clone() };
-                let place = record.least.partition_point(|other| other.value <= found.largest);
-                if place < BEST {
-                    record.least.insert(place, here());
-                    record.least.truncate(BEST);
+                if record.least.as_ref().is_none_or(|other| found.largest < other.value) {
+                    record.least = Some(here());
                 }
                 if record.largest.as_ref().is_none_or(|other| found.largest > other.value) {
                     record.largest = Some(here());
@@ -115,12 +132,17 @@ impl<M: Told> Collected<M> {
     /// What to say, line by line.
     pub fn remarks(&self) -> Vec<String> {
         let mut lines = Vec::new();
-        if let Some(reason) = &self.reason {
+        let [lacking, unsettled] = &self.reasons;
+        if let Some(reason) = lacking {
             let which = design_or_none(reason);
             lines.push(format!("{} of {} designs lack values; the first: {which}", self.bad, self.count));
         }
+        if let Some(reason) = unsettled {
+            let (which, what) = (design_or_none(reason), "were measured before they had settled");
+            lines.push(format!("{} of {} designs {what}; the first: {which}", self.unsettled, self.count));
+        }
         for record in &self.records {
-            let (Some(least), Some(largest)) = (record.least.first(), &record.largest) else { continue };
+            let (Some(least), Some(largest)) = (&record.least, &record.largest) else { continue };
             let unit = unit_of(self.set.measure_unit(&record.measure));
             let told = |found: &Found| {
                 let at = if self.count > 1 {
@@ -150,52 +172,28 @@ impl<M: Told> Collected<M> {
 }
 
 impl<M: Told> Collected<M> {
-    /// The best few designs by the first measure, measured again for longer and from more starts, and what to say of them. Nothing where
-    /// there is nothing to choose from, or where the measure does not depend on the motion.
-    pub fn measured_again(&self, set: &M, request: &Request<M>) -> Vec<String> {
-        let Some(record) = self.records.first() else { return Vec::new() };
-        let least: Vec<&Found> = record.least.iter().collect();
-        if least.len() < 2 || M::is_closed_form(&record.measure) {
-            return Vec::new();
-        }
-        let again =
-            request.again(least.iter().map(|found| found.design.clone()).collect(), record.measure.clone());
-        let mut found: Vec<Found> = rows(set, &again)
-            .into_iter()
-            .filter_map(|row| {
-                let output = row.outputs.first().copied().flatten()?;
-                Some(Found { value: output.largest, spread: output.spread, design: row.values })
-            })
-            .collect();
-        found.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let unit = unit_of(self.set.measure_unit(&record.measure));
-        let mut lines = vec![format!(
-            "the {} least by {} again, over {} {} from {}:",
-            found.len(),
-            record.measure,
-            again.periods,
-            M::periods(),
-            if again.starts.len() == 1 {
-                "one start".into()
-            } else {
-                format!("{} starts", again.starts.len())
-            }
-        )];
-        let told = |one: &Found| {
-            let value = with_spread(one.value, one.spread);
-            format!("  {value}{unit} at {}", design_in_words(&self.set, &self.names, &one.design))
+    /// Why there is nothing to show of any design, where that is so.
+    pub fn nothing(&self) -> Option<String> {
+        let [lacking, _] = &self.reasons;
+        let all_of = |reason: &String| match self.count {
+            1 => design_or_none(reason).to_owned(),
+            count => format!("all {count} designs failed; the first: {}", design_or_none(reason)),
         };
-        lines.extend(found.iter().map(told));
-        if let [first, second, ..] = &found[..]
-            && second.value - first.value < 2.0 * first.spread.hypot(second.spread)
-        {
-            lines.push(
-                "  of these the first two are not told apart: they differ by less than twice their spread"
-                    .into(),
-            );
-        }
-        lines
+        (self.empty == self.count).then(|| lacking.as_ref().map(all_of)).flatten()
     }
+}
+
+/// A measure of a row with the digits that it has, its unit, and its design.
+pub(super) fn value_in_words<M: Told>(
+    set: &M,
+    measure: &M::Measure,
+    found: Summary,
+    row: &Row,
+    names: &[M::Name],
+) -> String {
+    let unit = unit_of(set.measure_unit(measure));
+    let value = with_spread(found.largest, found.spread);
+    format!("{value}{unit} at {}", design_in_words(set, names, &row.values))
 }
 
 /// The unit of a measure, with a space before it.

@@ -17,6 +17,8 @@ const SCALE: [Colour; 8] = [
     Colour(70, 50, 126),
     Colour(68, 1, 84),
 ];
+/// Beginning of the legend of the least value.
+pub(super) const LEAST: &str = "least, ";
 /// Where there is no value.
 const NOTHING: Colour = Colour(200, 200, 200);
 /// Values of an axis have equal distances to this part of its length.
@@ -115,7 +117,7 @@ pub(in crate::studies) fn map<M: Told>(
         (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j))).find(|&(i, j)| value(i, j) == Some(least));
     // Of equal values none is the least.
     if let (Some((i, j)), true) = (least_at, limits.len() > 1) {
-        let name = format!("least, {}{unit}", significant(least));
+        let name = format!("{LEAST}{}{unit}", significant(least));
         layers.push(Layer::marks(&name, VERMILLION, Mark::Disc, vec![(x_places[i], y_places[j])]));
     }
     Panel { title, x, y, layers }

@@ -2,10 +2,10 @@
 //! parameter for designs that are no grid.
 
 use super::collected::{Collected, MeasureRecord, Reach};
-use super::map::{limits, map};
+use super::map::{LEAST, limits, map};
 use super::words::Told;
 use super::{method, varied};
-use vibro_analysis::design_sweep::{Designs, Request, SampledAxis};
+use vibro_analysis::design_sweep::{Choice, Designs, Request, SampledAxis};
 use vibro_figures::canvas::palette::BLACK;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 
@@ -15,7 +15,12 @@ const PANELS: usize = 6;
 const SAME: f64 = 1e-9;
 
 /// The picture; `None` for a single design and for too many.
-pub(super) fn figure<M: Told>(set: &M, request: &Request<M>, found: &Collected<M>) -> Option<Figure> {
+pub(super) fn figure<M: Told>(
+    set: &M,
+    request: &Request<M>,
+    found: &Collected<M>,
+    choice: Option<&Choice>,
+) -> Option<Figure> {
     if !found.draws() || found.records.is_empty() {
         return None;
     }
@@ -47,7 +52,7 @@ pub(super) fn figure<M: Told>(set: &M, request: &Request<M>, found: &Collected<M
     };
     Some(Figure {
         title: format!("Designs over {}", symbols.join(", ")),
-        caption: std::iter::once(method(set, request))
+        caption: std::iter::once(method(set, request, choice))
             .chain(left_out)
             .chain([format!("Elsewhere {}", set.caption_but(&varied(request)))])
             .collect(),
@@ -183,6 +188,16 @@ fn largest(reach: &Reach) -> Option<f64> {
     reach.map(|r| r.1)
 }
 
+/// A map whose least value is told with the digits that it has.
+fn with_least(mut panel: Panel, least: Option<String>, unit: &str) -> Panel {
+    let marked =
+        panel.layers.iter_mut().find(|layer| layer.name.as_ref().is_some_and(|name| name.starts_with(LEAST)));
+    if let (Some(layer), Some(least)) = (marked, least) {
+        layer.name = Some(format!("{LEAST}{least}{unit}"));
+    }
+    panel
+}
+
 /// Over two parameters: a map of each measure.
 fn maps<M: Told>(
     set: &M,
@@ -194,7 +209,10 @@ fn maps<M: Told>(
         let unit = set.measure_shown(&record.measure);
         let shown = |reach: &Reach| largest(reach).map(|value| unit.number(value));
         let values: Vec<Option<f64>> = record.reaches.iter().map(shown).collect();
-        map(set, title(&record.measure, request), &unit.spaced(), axes, &values, &limits(&values))
+        let least = record.least_in(unit.number(1.0));
+        let panel =
+            map(set, title(&record.measure, request), &unit.spaced(), axes, &values, &limits(&values));
+        with_least(panel, least, &unit.spaced())
     };
     records.iter().take(PANELS).map(panel).collect()
 }
@@ -217,7 +235,8 @@ fn projections<M: Told>(
         let others = (0..axes.len()).filter(|k| !pair.contains(k));
         let others: Vec<_> = others.map(|k| set.symbol(&axes[k].name)).collect();
         let words = format!("{}; least over {}", title(&record.measure, request), others.join(", "));
-        map(set, words, &unit.spaced(), pair.map(|k| axes[k]), &values, &limits)
+        let panel = map(set, words, &unit.spaced(), pair.map(|k| axes[k]), &values, &limits);
+        with_least(panel, record.least_in(unit.number(1.0)), &unit.spaced())
     };
     best.into_iter().map(panel).collect()
 }

@@ -15,7 +15,7 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use vibro_analysis::Unit;
-use vibro_analysis::design_sweep::{Request, Row, each_row};
+use vibro_analysis::design_sweep::{Again, Choice, Request, Row, choice, each_final_row};
 use vibro_analysis::parts::Task;
 
 /// Rows that are kept in memory to be written to Parquet together.
@@ -46,8 +46,8 @@ impl Cell {
     }
 }
 
-/// The columns: parameters, outputs, reason. Of several motions an output has its least, mean and largest value and says where
-/// the largest is.
+/// The columns: parameters, outputs, reason; the spreads of outputs, the periods over which they were measured and how many values
+/// between those asked for were looked at. Of several motions an output has its least, mean and largest value and says where the largest is.
 fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<Column> {
     let number = |name: String, unit: &str| Column { name, unit: Some(unit.into()) };
     let text = |name: String| Column { name, unit: None };
@@ -69,6 +69,10 @@ fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<Column> {
         }
     }
     all.push(text("reason".into()));
+    for measure in request.measures.iter().filter(|m| M::is_of_window(m)) {
+        all.push(number(format!("{measure}.spread"), set.measure_unit(measure)));
+    }
+    all.extend(["periods", "between"].map(|name| number(name.into(), "1")));
     for (_, unit, name) in written(set, &all) {
         all.push(number(name, unit.plain()));
     }
@@ -98,7 +102,7 @@ fn cells<M: Told>(request: &Request<M>, written: &[(usize, &'static Unit, String
             _ => {
                 let parts = output.map(|o| [o.least, o.mean, o.largest]);
                 all.extend((0..3).map(|k| Cell::number(parts.map(|p| p[k]))));
-                let motion = output.map(|o| request.motion(o.at));
+                let motion = output.map(|o| row.motion(request, o.at));
                 for axis in 0..request.over.len() {
                     all.push(Cell::number(motion.as_ref().and_then(|m| m.0.get(axis).copied())));
                 }
@@ -109,6 +113,10 @@ fn cells<M: Told>(request: &Request<M>, written: &[(usize, &'static Unit, String
         }
     }
     all.push(Cell::text(row.reason.unwrap_or_default()));
+    let measured = request.measures.iter().zip(&row.outputs).filter(|(m, _)| M::is_of_window(m));
+    all.extend(measured.map(|(_, output)| Cell::number(output.map(|o| o.spread))));
+    let again = row.again.unwrap_or(Again { periods: request.periods, between: Vec::new() });
+    all.extend([f64::from(again.periods), again.between.len() as f64].map(|x| Cell::number(Some(x))));
     for (place, unit, _) in written {
         let cell = match all[*place] {
             Cell::Number(value) => Cell::Number(shown(unit, value)),
@@ -129,17 +137,22 @@ pub fn write_tables<M: Told>(set: &M, request: &Request<M>, task: &Task, stem: &
         let name = stem.file_name().unwrap_or_default().to_string_lossy();
         stem.with_file_name(format!("{name}.{ending}"))
     };
-    write_whole_by(&path("csv"), |file| write_csv(set, request, task, file))?;
-    write_whole_by(&path("parquet"), |file| write_parquet(set, request, task, file))
+    let choice = choice(set, request, task)?;
+    let rows = (task, choice.as_ref());
+    write_whole_by(&path("csv"), |file| write_csv(set, request, rows, file))?;
+    write_whole_by(&path("parquet"), |file| write_parquet(set, request, rows, file))
 }
 
-fn write_csv<M: Told>(set: &M, request: &Request<M>, task: &Task, file: &mut impl Write) -> Result<()> {
+/// The parts of the rows, and what was measured again.
+type Rows<'a> = (&'a Task<'a>, Option<&'a Choice>);
+
+fn write_csv<M: Told>(set: &M, request: &Request<M>, rows: Rows<'_>, file: &mut impl Write) -> Result<()> {
     let mut csv = csv::Writer::from_writer(file);
     let problem = Error::output("a table");
     let columns = columns(set, request);
     let written = written(set, &columns);
     csv.write_record(columns.iter().map(|c| &c.name)).map_err(&problem)?;
-    each_row(set, request, task, |row| {
+    each_final_row(set, request, rows, |row| {
         let text = |cell: Cell| match cell {
             Cell::Number(value) => exact(value),
             Cell::Text(words) => words,
@@ -217,7 +230,7 @@ fn schema(columns: &[Column]) -> parquet::errors::Result<Type> {
 fn write_parquet<M: Told>(
     set: &M,
     request: &Request<M>,
-    task: &Task,
+    rows: Rows<'_>,
     file: &mut (impl Write + Send),
 ) -> Result<()> {
     let problem = Error::output("a Parquet file");
@@ -229,7 +242,7 @@ fn write_parquet<M: Told>(
     let schema = Arc::new(schema(&columns).map_err(&problem)?);
     let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties)).map_err(&problem)?;
     let mut waiting = Waiting::new(columns.len());
-    each_row(set, request, task, |row| {
+    each_final_row(set, request, rows, |row| {
         waiting.push(cells(request, &written, row));
         if waiting.len() < ROW_GROUP {
             return Ok(());

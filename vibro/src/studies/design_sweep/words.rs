@@ -24,6 +24,8 @@ pub trait Told: Machine + Subject {
     fn symbol_is(&self, name: &Self::Name, value: f64) -> String;
     /// The machine's parameters in a line, without some.
     fn caption_but(&self, names: &[Self::Name]) -> String;
+    /// The machine in a line, where these parameters vary and so make that of the machine as it is wrong.
+    fn caption_of_all(&self, names: &[Self::Name]) -> Option<String>;
     /// A measure in words.
     fn words(measure: &Self::Measure) -> String;
     /// A measure's SI unit; `1` where it has none.
@@ -63,6 +65,10 @@ impl Told for ParameterSet {
 
     fn caption_but(&self, names: &[Name]) -> String {
         self.caption_but(names)
+    }
+
+    fn caption_of_all(&self, _: &[Name]) -> Option<String> {
+        None
     }
 
     fn words(measure: &Measure) -> String {
@@ -139,8 +145,18 @@ impl Told for assembly::Machine {
         format!("{name} = {}", self.told(name, value))
     }
 
-    fn caption_but(&self, _: &[String]) -> String {
-        format!("as in the file of {}", self.caption())
+    fn caption_but(&self, names: &[String]) -> String {
+        format!("as in the file of {}", self.caption_of_all(names).unwrap_or_else(|| self.caption()))
+    }
+
+    fn caption_of_all(&self, names: &[String]) -> Option<String> {
+        let is_frequency = |name: &String| self.si_unit(name) == "Hz";
+        let section = assembly::Section::of(&self.description, &self.section);
+        let varies = self.section == assembly::SectionRule::Auto
+            && matches!(section, Ok(assembly::Section::Period(_)))
+            && names.iter().any(is_frequency);
+        let name = &self.description.name;
+        varies.then(|| format!("{name}, looked at after the common period of its harmonics, which varies"))
     }
 
     fn words(measure: &assembly::Measure) -> String {

@@ -1,0 +1,191 @@
+//! How long a motion must be looked at: as long as the machine's slowest own oscillation needs, and after the last change
+//! of what drives it.
+
+use super::section::Section;
+use super::settled::discard;
+use crate::error::{Error, Result};
+use crate::significant;
+use nalgebra::DMatrix;
+use std::f64::consts::TAU;
+use vibro_assembly::Motion;
+use vibro_assembly::description::{BodyKind, Description, Signal};
+use vibro_assembly::mode::{FrictionState, Mode, StopState};
+use vibro_assembly::system::System;
+
+/// A window lasts so many periods of the slowest own oscillation, and what is discarded before it too.
+const SLOWEST: f64 = 4.0;
+/// A window is at most as many times as long as was asked for.
+const MOST: f64 = 100.0;
+/// Where there are events there are as many in a window, if ten times its length has them.
+const EVENTS: u32 = 8;
+const TIMES: u32 = 10;
+/// What turns slower than this part of the fastest turns by rounding.
+const ROUNDING: f64 = 1e-7;
+
+/// The frequencies of the machine's own oscillations with all stops open and all friction off, damping included, Hz.
+pub(super) fn oscillations(system: &System) -> Vec<f64> {
+    let open = |stop: &vibro_assembly::system::StopRows| {
+        if stop.restitution().is_some() { StopState::Open } else { StopState::Below }
+    };
+    let stops = system.stops.iter().map(open).collect();
+    let frictions = vec![FrictionState::Off; system.frictions.len()];
+    let linear = system.linear(&Mode { stops, frictions, basis: Vec::new() });
+    let size = 2 * system.coordinates;
+    if size == 0 {
+        return Vec::new();
+    }
+    let values = DMatrix::from_fn(size, size, |i, j| linear.a.entry(i, j)).complex_eigenvalues();
+    let fastest = values.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    let turning = values.iter().map(|c| c.im).filter(|im| *im > ROUNDING * fastest);
+    turning.map(|im| im / TAU).collect()
+}
+
+/// The period of the slowest own oscillation, s; 0 without one.
+fn slowest(motion: &Motion) -> f64 {
+    oscillations(motion.assembly().system()).into_iter().map(|f| 1.0 / f).fold(0.0, f64::max)
+}
+
+/// The least length of a window, s.
+///
+/// # Errors
+/// [`Error::Described`] where it is more than a hundred times what was asked for.
+pub(super) fn needed(motion: &Motion, section: &Section, periods: u32) -> Result<f64> {
+    let slowest = slowest(motion);
+    is_allowed(section, periods, slowest, "measured, --periods")?;
+    Ok(SLOWEST * slowest)
+}
+
+/// Refuses periods so short that the slowest own oscillation needs more than a hundred times as many.
+fn is_allowed(section: &Section, periods: u32, slowest: f64, option: &str) -> Result<()> {
+    match section {
+        Section::Period(period) | Section::Shifted(period, _)
+            if SLOWEST * slowest > MOST * f64::from(periods) * period =>
+        {
+            Err(too_short(f64::from(periods) * period, periods, slowest, option))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn too_short(time: f64, periods: u32, slowest: f64, option: &str) -> Error {
+    let least = (SLOWEST * slowest / (time / f64::from(periods))).ceil();
+    Error::Described {
+        problem: format!(
+            "{periods} periods ({option}) last {} s, and the machine's slowest own oscillation takes {} s, which must fit in {SLOWEST} \
+             times; allowed are {least} periods or more, or a longer --period",
+            significant(time),
+            significant(slowest)
+        ),
+    }
+}
+
+/// How much of a window has passed.
+pub(super) struct Passed {
+    begin: f64,
+    needed: f64,
+    periods: u32,
+    returns: u32,
+    events: u32,
+}
+
+impl Passed {
+    /// From now on, over a time and a number of returns at least.
+    pub fn new(motion: &Motion, needed: f64, periods: u32) -> Self {
+        Self { begin: motion.time(), needed, periods, returns: 0, events: 0 }
+    }
+
+    /// Counts a return with its events; says whether the window is long enough.
+    ///
+    /// # Errors
+    /// [`Error::Described`] where it would be more than a hundred times what was asked for.
+    pub fn is_enough(&mut self, motion: &Motion, (events, repeats): (u32, bool)) -> Result<bool> {
+        self.returns += 1;
+        self.events = self.events.saturating_add(events);
+        let time = motion.time() - self.begin;
+        if repeats && SLOWEST * time >= self.needed {
+            return Ok(true);
+        }
+        if self.returns < self.periods {
+            return Ok(false);
+        }
+        if time < self.needed {
+            let is_too_long = f64::from(self.returns) >= MOST * f64::from(self.periods);
+            let problem = || too_short(time, self.returns, self.needed / SLOWEST, "measured, --periods");
+            return if is_too_long { Err(problem()) } else { Ok(false) };
+        }
+        let is_rare = (1..EVENTS).contains(&self.events);
+        Ok(!is_rare || self.returns >= self.periods.saturating_mul(TIMES))
+    }
+}
+
+/// All signals of a machine with what they drive.
+fn signals(d: &Description) -> impl Iterator<Item = (String, &Signal)> {
+    let motions = d.bodies.iter().filter_map(|b| match &b.kind {
+        BodyKind::Prescribed { motion, .. } => Some((format!("body.{}.motion", b.name), motion)),
+        BodyKind::Free(_) => None,
+    });
+    let levels = d.frictions.iter().flat_map(|f| {
+        let all = std::iter::once(&f.force).chain(&f.static_force);
+        all.map(|signal| (format!("friction.{}", f.name), signal))
+    });
+    motions.chain(levels).chain(d.loads.iter().map(|l| (format!("load.{}", l.name), &l.force)))
+}
+
+/// The last change of what drives a machine that does not repeat: its time, s, and what it is; `None` where all repeats or is constant.
+fn last_change(d: &Description) -> Option<(f64, String)> {
+    let of = |(name, signal): (String, &Signal)| {
+        let step =
+            signal.steps.last().map(|s| (s.time, format!("{name} has a step at {} s", significant(s.time))));
+        let end = signal.table.as_ref().and_then(|table| table.knots.last()).map(|k| k.0);
+        let record = end.map(|end| (end, format!("{name} is a record up to {} s", significant(end))));
+        [step, record]
+    };
+    signals(d).flat_map(of).flatten().reduce(|a, b| if b.0 > a.0 { b } else { a })
+}
+
+/// What still changes after a time without ever repeating, in words; `None` where all repeats from then on or is constant.
+pub fn runs_on(d: &Description, time: f64) -> Option<String> {
+    last_change(d).filter(|(end, _)| *end > time).map(|(_, words)| words)
+}
+
+/// Whether what drives a machine still changes without repeating when so many returns have passed from its start; of a machine
+/// that is looked at where events fall this is not known beforehand, and any change counts.
+pub(super) fn runs_on_beyond(d: &Description, section: &Section, discard: u32) -> Option<String> {
+    match section {
+        Section::Period(period) | Section::Shifted(period, _) => runs_on(d, f64::from(discard) * period),
+        Section::Stop(_) | Section::Friction(_) => runs_on(d, 0.0),
+    }
+}
+
+/// Discards what comes before a motion is looked at. What drives the machine may still change without repeating: then all `discard`
+/// returns pass, or, where it has changed for the last time before, as many from there on or until the motion has settled. The
+/// slowest own oscillation has had four periods in any case.
+///
+/// # Errors
+/// As [`Section::advance`]; [`Error::Described`] where four periods are more than a hundred times what was asked for.
+pub fn settle(motion: &mut Motion, section: &Section, returns: u32) -> Result<()> {
+    let begin = motion.time();
+    let end = last_change(&motion.assembly().description).map_or(begin, |(time, _)| time);
+    let mut passed = 0;
+    while motion.time() < end && passed < returns {
+        section.advance(motion, &mut |_| ())?;
+        passed += 1;
+    }
+    if motion.time() < end || returns == 0 {
+        return Ok(());
+    }
+    let slowest = slowest(motion);
+    is_allowed(section, returns, slowest, "discarded, --discard")?;
+    let (begin, most) = (motion.time(), (MOST * f64::from(returns)) as u64);
+    discard(motion, section, returns)?;
+    if motion.time() - begin >= SLOWEST * slowest {
+        return Ok(());
+    }
+    for _ in 0..most {
+        if motion.time() - begin >= SLOWEST * slowest {
+            break;
+        }
+        section.advance(motion, &mut |_| ())?;
+    }
+    discard(motion, section, returns)
+}

@@ -1,0 +1,115 @@
+//! What lies between the values over which the motions of a design are taken together: a resonance that none of them meets.
+//!
+//! Along an interval the first measure is known at some values. Between two of them it may rise as steeply as it was seen to rise
+//! anywhere, and twice that: where it could then pass the largest, the middle is looked at next (S. A. Piyavskii, 1972). Values
+//! at which the machine resonates come first.
+
+use super::{Machine, Outcome, Request, motions};
+
+/// Most further values of one design along one interval.
+pub(super) const MOST: usize = 32;
+/// Values along an interval that are looked at in any case.
+const LEAST: usize = 9;
+/// How much steeper the measure may be than it was seen to be.
+const STEEPER: f64 = 2.0;
+/// What could pass the largest by less than this part is not looked at.
+const PART: f64 = 0.01;
+/// Values are not nearer to each other than this part of the interval.
+const NEAREST: f64 = 1.0 / 256.0;
+
+/// The motions of a design at values of [`Request::over`], from all starts at each.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Looked {
+    /// The values.
+    pub places: Vec<Vec<f64>>,
+    /// The motions there, place by place.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// A value along an interval, the largest of the measure there, and by how much that scatters.
+type Point = (f64, f64, f64);
+
+impl Looked {
+    /// The largest of a measure over the starts at a place, and its spread.
+    fn largest(&self, place: usize, measure: usize) -> Option<(f64, f64)> {
+        let starts = self.outcomes.len() / self.places.len();
+        let own = &self.outcomes[place * starts..(place + 1) * starts];
+        let number =
+            |(found, _): &Outcome| Some((found.numbers.get(measure).copied()??, found.spreads[measure]));
+        own.iter().map(number).reduce(|a, b| if b?.0 > a?.0 { b } else { a }).flatten()
+    }
+
+    /// The places on the line along an axis through the one with the largest value, and that place; `None` where a motion has failed.
+    fn line(&self, axis: usize, measure: usize) -> Option<(Vec<Point>, Vec<f64>)> {
+        let values: Vec<(f64, f64)> =
+            (0..self.places.len()).map(|i| self.largest(i, measure)).collect::<Option<_>>()?;
+        let top = (1..values.len()).fold(0, |best, i| if values[i].0 > values[best].0 { i } else { best });
+        let through = self.places[top].clone();
+        let on_line = |place: &[f64]| (0..through.len()).all(|j| j == axis || place[j] == through[j]);
+        let met = self.places.iter().zip(&values).filter(|(place, _)| on_line(place));
+        let mut line: Vec<Point> = met.map(|(place, y)| (place[axis], y.0, y.1)).collect();
+        line.sort_by(|a, b| a.0.total_cmp(&b.0));
+        line.dedup_by(|a, b| a.0 == b.0);
+        Some((line, through))
+    }
+}
+
+/// Looks between the values of those of [`Request::over`] that are intervals, along each through the largest, until a value but for twice its
+/// spread is larger than `enough`. The new places follow the others. A motion that fails ends the search, as the design has no value
+/// then. Returns whether all was looked at.
+pub(super) fn look_between<M: Machine>(
+    own: &M,
+    request: &Request<M>,
+    (measure, enough): (usize, f64),
+    looked: &mut Looked,
+) -> bool {
+    for (k, axis) in request.over.iter().enumerate() {
+        if !request.between.contains(&axis.name) || axis.values.len() < 2 {
+            continue;
+        }
+        let Some((mut line, through)) = looked.line(k, measure) else { return true };
+        let assigned: Vec<_> =
+            request.over.iter().map(|a| a.name.clone()).zip(through.iter().copied()).collect();
+        let resonances = own.varied(&assigned).map_or(Vec::new(), |m| m.resonances(&axis.name));
+        let mut first = resonances.into_iter();
+        while line.len() < axis.values.len() + MOST {
+            if line.iter().any(|p| p.1 - 2.0 * p.2 > enough) {
+                return false;
+            }
+            let Some(x) = first.find(|x| is_new(&line, *x)).or_else(|| next(&line)) else { break };
+            let mut place = through.clone();
+            place[k] = x;
+            looked.outcomes.extend(motions(own, request, std::slice::from_ref(&place)));
+            looked.places.push(place);
+            let Some((y, spread)) = looked.largest(looked.places.len() - 1, measure) else { return true };
+            let at = line.partition_point(|p| p.0 < x);
+            line.insert(at, (x, y, spread));
+        }
+    }
+    true
+}
+
+/// Whether a value lies in the interval and not at one that is there.
+fn is_new(line: &[Point], x: f64) -> bool {
+    let (from, to) = (line[0].0, line[line.len() - 1].0);
+    let near = NEAREST * (to - from);
+    from < x && x < to && line.iter().all(|p| (p.0 - x).abs() > near)
+}
+
+/// The value to look at next, if any could have a larger one than those that are there, which are ascending, by more than they
+/// scatter.
+fn next(line: &[Point]) -> Option<f64> {
+    let span = line[line.len() - 1].0 - line[0].0;
+    let top = line.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+    let rise = |p: &[Point]| ((p[1].1 - p[0].1).abs() - p[0].2.hypot(p[1].2)).max(0.0);
+    let steepest = line.windows(2).map(|p| rise(p) / (p[1].0 - p[0].0)).fold(0.0, f64::max);
+    let wide = line.windows(2).filter(|p| p[1].0 - p[0].0 > 2.0 * NEAREST * span);
+    let bound = |p: &[Point]| {
+        let width = p[1].0 - p[0].0;
+        if line.len() < LEAST { width } else { 0.5 * (p[0].1 + p[1].1 + STEEPER * steepest * width) }
+    };
+    // Of equal ones the first.
+    let (pair, bound) = wide.map(|p| (p, bound(p))).reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+    let passes = line.len() < LEAST || bound > top.1 + (2.0 * top.2).max(PART * top.1.abs());
+    passes.then(|| 0.5 * (pair[0].0 + pair[1].0))
+}

@@ -1,0 +1,89 @@
+//! What is said of the best design of a sweep.
+
+use super::collected::value_in_words;
+use super::words::Told;
+use vibro_analysis::design_sweep::{Choice, Request, Row, row};
+
+/// Most designs that are told one by one.
+const TOLD: usize = 8;
+
+/// The best design, or those that are not told apart; and what was done to find it.
+pub(super) fn best_in_words<M: Told>(
+    set: &M,
+    request: &Request<M>,
+    choice: &Choice,
+    all: &[(usize, Row)],
+) -> Vec<String> {
+    let measure = &request.measures[choice.measure];
+    let names = request.designs.names();
+    let told = |(_, row): &(usize, Row)| {
+        let found = row.outputs[choice.measure]?;
+        let place = request.place_in_words(set, row.motion(request, found.at));
+        let place = if place.is_empty() { place } else { format!(", largest at {place}") };
+        Some(format!("{}{place}", value_in_words(set, measure, found, row, &names)))
+    };
+    let mut lines = Vec::new();
+    match all {
+        [] => return lines,
+        [one] => {
+            lines.extend(told(one).map(|words| format!("best by {measure}: {words}; by its error bar")));
+            lines.extend(from_more_starts(set, request, choice, &one.1));
+        }
+        several => {
+            lines.push(format!("not told apart by {measure}: {} designs", choice.possible.len()));
+            lines.extend(several.iter().filter_map(told).map(|words| format!("  {words}")));
+            if let more @ 1.. = choice.possible.len() - several.len() {
+                lines.push(format!("  and {more} more"));
+            }
+        }
+    }
+    lines.extend(what_was_done::<M>(request, choice));
+    lines
+}
+
+/// The numbers of the designs that are told.
+pub(super) fn told(choice: &Choice) -> &[usize] {
+    &choice.possible[..choice.possible.len().min(TOLD)]
+}
+
+/// How many designs were measured again, and how.
+fn what_was_done<M: Told>(request: &Request<M>, choice: &Choice) -> Vec<String> {
+    let again = || choice.rows.values().filter_map(|row| row.again.as_ref());
+    let mut lines = Vec::new();
+    if let Some(periods) = again().map(|again| again.periods).max() {
+        let between = again().map(|again| again.between.len()).max().unwrap_or(0);
+        let names: Vec<String> = request.between.iter().map(M::name).collect();
+        let between = match between {
+            0 => String::new(),
+            most => format!(", and at up to {most} values between those of {}", names.join(", ")),
+        };
+        let count = match choice.rows.len() {
+            1 => "1 design that might be it was".into(),
+            n => format!("{n} designs that might be it were"),
+        };
+        lines.push(format!("  {count} measured again, over up to {periods} {}{between}", M::periods()));
+    }
+    if choice.left > 0 {
+        lines.push(format!(
+            "  {} of them could be measured longer: the {} {} to be spent on it (--again) are used up",
+            choice.left,
+            request.again,
+            M::periods()
+        ));
+    }
+    lines
+}
+
+/// What the best design does from other starts, where that is more.
+fn from_more_starts<M: Told>(set: &M, request: &Request<M>, choice: &Choice, best: &Row) -> Option<String> {
+    let measure = &request.measures[choice.measure];
+    let more = request.from_more_starts(best.values.clone(), measure.clone())?;
+    let (found, own) = (row(set, &more, 0), best.outputs[choice.measure]?);
+    let largest = found.outputs.first().copied().flatten()?;
+    let bar = 2.0 * largest.spread.hypot(own.spread) + 1e-6 * own.largest.abs();
+    (largest.largest > own.largest + bar).then(|| {
+        let words = value_in_words(set, measure, largest, &found, &request.designs.names());
+        let place = more.place_in_words(set, found.motion(&more, largest.at));
+        format!("  from other starts it has more: {words}, {place}")
+    })
+}
