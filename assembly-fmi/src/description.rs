@@ -2,12 +2,13 @@
 
 use crate::machine::OUTPUT_ORDER;
 use crate::plan::Plan;
+use crate::structure::{Structure, of_roles};
 use crate::table::{Quantity, Role, Row};
 use crate::units::{self, Declared};
 use fmi_doors::Base;
 use fmi_doors::description::{
-    self, Capabilities, Causality, CoSimulation, Description, Experiment, Kind, ModelExchange, Unknown,
-    Variability, Variable,
+    self, Capabilities, Causality, CoSimulation, Description, Experiment, Kind, ModelExchange, Variability,
+    Variable,
 };
 use vibro_assembly::description::{BodyKind, Harmonic};
 
@@ -26,7 +27,9 @@ impl Plan {
         let declared =
             || units::DECLARED.iter().filter(|d| self.table.rows.iter().any(|row| row.unit == d.unit));
         let types = declared().map(Declared::declared_type).chain(units::enumerations()).collect();
-        let outputs = || self.references(|row| matches!(row.role, Role::Output | Role::Discrete));
+        let structure = Structure::new(self);
+        let outputs = of_roles(self, &[Role::Output, Role::Discrete]);
+        let derivatives: Vec<_> = self.states(1).chain(self.states(2)).collect();
         Description {
             model_name: machine.name.clone().into(),
             model_identifier: machine.name.clone().into(),
@@ -72,10 +75,10 @@ impl Plan {
                 .zip(&self.table.rows)
                 .map(|(reference, row)| self.variable(reference, row))
                 .collect(),
-            outputs: outputs().map(|(reference, row)| self.unknown(reference, row)).collect(),
-            derivatives: self.states(1).chain(self.states(2)).map(Unknown::on_anything).collect(),
-            initial_unknowns: outputs().map(|(reference, _)| Unknown::on_anything(reference)).collect(),
-            event_indicators: self.table.indicators.iter().copied().map(Unknown::on_anything).collect(),
+            outputs: structure.unknowns(&outputs, false),
+            derivatives: structure.unknowns(&derivatives, false),
+            initial_unknowns: structure.unknowns(&outputs, true),
+            event_indicators: structure.unknowns(&of_roles(self, &[Role::Local]), false),
         }
     }
 
@@ -87,11 +90,10 @@ impl Plan {
         format!("{}, a machine of {bodies} with {} states", machine.name, 2 * self.assembly.states().len())
     }
 
-    /// The value references of the states' coordinates, rates or accelerations, by the order of the derivative.
-    fn states(&self, order: usize) -> impl Iterator<Item = u32> {
-        let quantity = move |&body: &usize| Quantity::Body(body, order);
-        let quantities: Vec<_> = self.assembly.states().iter().map(quantity).collect();
-        quantities.into_iter().filter_map(|q| self.table.reference_of(q))
+    /// The states' coordinates, rates or accelerations, by the order of the derivative.
+    fn states(&self, order: usize) -> impl Iterator<Item = (u32, Quantity)> {
+        let quantities = self.assembly.states().iter().map(move |&body| Quantity::Body(body, order));
+        quantities.filter_map(|quantity| Some((self.table.reference_of(quantity)?, quantity)))
     }
 
     /// The row of a state or of the derivative of one: the derivative's state, and the nominal value.
@@ -111,10 +113,6 @@ impl Plan {
             *nominal = self.nominals.get(order * states.len() + place).copied();
         }
         variable
-    }
-
-    fn references(&self, wanted: impl Fn(&Row) -> bool) -> impl Iterator<Item = (u32, &Row)> {
-        (1..).zip(&self.table.rows).filter(move |(_, row)| wanted(row))
     }
 
     fn variable(&self, reference: u32, row: &Row) -> Variable {
@@ -160,19 +158,6 @@ impl Plan {
             _ if row.role == Role::Discrete => Variable { variability: Variability::Discrete, ..real },
             _ => real,
         }
-    }
-
-    /// An output, which inputs change at once where they move a body, or where it is a force, an acceleration or a state.
-    fn unknown(&self, reference: u32, row: &Row) -> Unknown {
-        let moved = |kind: &BodyKind| matches!(kind, BodyKind::Prescribed { motion, .. } if motion.input);
-        let at_once = self.assembly.description.bodies.iter().any(|body| moved(&body.kind))
-            || match row.quantity {
-                Quantity::Body(_, order) => order == 2,
-                Quantity::Stop(_, what) | Quantity::Friction(_, what) => what == 2,
-                Quantity::Load(_) | Quantity::StopState(_) | Quantity::FrictionState(_) => true,
-                _ => false,
-            };
-        Unknown::on(reference, self.table.inputs.iter().copied().filter(|_| at_once))
     }
 
     fn experiment(&self) -> Experiment {

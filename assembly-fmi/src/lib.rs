@@ -17,6 +17,7 @@ mod machine;
 mod plan;
 mod problem;
 mod saved_state;
+mod structure;
 mod table;
 mod units;
 

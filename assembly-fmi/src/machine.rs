@@ -177,11 +177,18 @@ impl Machine {
                 }
             }
             (Role::Input, _) if value.is_finite() => {}
+            // Some hosts set states one by one instead of all together.
+            (_, quantity) if self.state_of(quantity).is_some() && self.life.phase == Phase::Continuous => {
+                if !value.is_finite() {
+                    return Err(Problem::value(name(), value, "a finite number"));
+                }
+            }
             (Role::Input, _) => return Err(Problem::value(name(), value, "a finite number")),
             _ => {
                 let allowed = match (early, between) {
                     (true, _) => "parameters and inputs",
                     (_, true) => "tunable parameters and inputs",
+                    _ if self.life.phase == Phase::Continuous => "inputs and continuous states",
                     _ => "inputs",
                 };
                 let (name, phase) = (name().into(), self.life.phase.words());
@@ -191,10 +198,25 @@ impl Machine {
         Ok(row.quantity)
     }
 
+    /// The place of a quantity among the states of a host's solver, if it is one.
+    fn state_of(&self, quantity: Quantity) -> Option<usize> {
+        let Quantity::Body(body, order @ 0..2) = quantity else { return None };
+        let bodies = self.plan.assembly.states();
+        Some(order * bodies.len() + bodies.iter().position(|&state| state == body)?)
+    }
+
     /// Takes a value over that was checked.
     fn put(&mut self, quantity: Quantity, value: f64) {
         let at_event = self.life.phase == Phase::Event;
+        let state = self.state_of(quantity);
         match (quantity, &mut self.moving) {
+            (Quantity::Body(..), Some(moving)) => {
+                let mut states = moving.motion.states().to_vec();
+                if let Some(place) = state {
+                    states[place] = value;
+                }
+                moving.motion.set_states(&states);
+            }
             (Quantity::Parameter(i), _) => self.put_parameter(i, value),
             (Quantity::Input(i), Some(moving)) if moving.is_on_course() && !(at_event && moving.jumps()) => {
                 moving.set_input_on_course(i, value)
