@@ -143,22 +143,21 @@ impl Machine {
         }
     }
 
-    /// The same, which is to be finite: of a host's solver that has lost its way it may not be.
+    /// The same, zero without a sign, which is to be finite: of a host's solver that has lost its way it may not be.
     fn finite_value(&self, quantity: Quantity, name: &str) -> Result<f64, Problem> {
-        let value = self.value(quantity);
+        let value = self.value(quantity) + 0.0;
         let allowed = "a finite number: states or inputs are too large for it";
         if value.is_finite() { Ok(value) } else { Err(Problem::value(name.to_owned(), value, allowed)) }
     }
 
     fn of_motion(&self, moving: &Moving, quantity: Quantity) -> f64 {
-        let value = match (&self.latched, quantity) {
+        match (&self.latched, quantity) {
             (Some(shown), Quantity::StopState(i)) => shown.stops[i].0,
             (Some(shown), Quantity::Impacts(i)) => shown.stops[i].1,
             (Some(shown), Quantity::Impulse(i)) => shown.stops[i].2,
             (Some(shown), Quantity::FrictionState(i)) => shown.frictions[i],
             _ => moving.value(quantity),
-        };
-        value + 0.0 // zero without a sign
+        }
     }
 
     /// Whether a value may be set now.
