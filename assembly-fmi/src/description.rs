@@ -1,5 +1,6 @@
 //! What `modelDescription.xml` says of a machine, for both versions.
 
+use crate::experiment::experiment;
 use crate::machine::OUTPUT_ORDER;
 use crate::plan::Plan;
 use crate::structure::{Structure, of_roles};
@@ -7,18 +8,8 @@ use crate::table::{Quantity, Role, Row};
 use crate::units::{self, Declared};
 use fmi_doors::Base;
 use fmi_doors::description::{
-    self, Capabilities, Causality, CoSimulation, Description, Experiment, Kind, ModelExchange, Variability,
-    Variable,
+    self, Capabilities, Causality, CoSimulation, Description, Kind, ModelExchange, Variability, Variable,
 };
-use vibro_assembly::description::{BodyKind, Harmonic};
-
-/// Periods of the slowest harmonic that a host runs where nobody says otherwise.
-const PERIODS: f64 = 20.0;
-/// What it runs without any, s.
-const DURATION: f64 = 10.0;
-/// Steps in either, and steps that are exact parts of any duration.
-const STEPS: f64 = 1000.0;
-const STEPS_OF_ANY: f64 = 1024.0;
 
 impl Plan {
     /// What the model description says of this machine.
@@ -70,7 +61,7 @@ impl Plan {
                 "Values that the machine cannot take, and steps that end early",
             )
             .to_vec(),
-            experiment: self.experiment(),
+            experiment: experiment(&self.assembly),
             variables: (1..)
                 .zip(&self.table.rows)
                 .map(|(reference, row)| self.variable(reference, row))
@@ -158,23 +149,6 @@ impl Plan {
             _ if row.role == Role::Discrete => Variable { variability: Variability::Discrete, ..real },
             _ => real,
         }
-    }
-
-    fn experiment(&self) -> Experiment {
-        let machine = &self.assembly.description;
-        let motions = machine.bodies.iter().filter_map(|body| match &body.kind {
-            BodyKind::Prescribed { motion, .. } => Some(motion),
-            BodyKind::Free(_) => None,
-        });
-        let harmonics =
-            motions.chain(machine.loads.iter().map(|load| &load.force)).flat_map(|s| &s.harmonics);
-        let frequencies = harmonics.map(|Harmonic { frequency, .. }| *frequency);
-        let slowest = frequencies.min_by(f64::total_cmp);
-        let stop_time = slowest.map_or(DURATION, |frequency| PERIODS / frequency);
-        // Importers exist that want the quotient of both to be a whole number, rounding or not.
-        let divides = |step_size: &f64| (stop_time / step_size).fract() == 0.0;
-        let step_size = Some(stop_time / STEPS).filter(divides).unwrap_or(stop_time / STEPS_OF_ANY);
-        Experiment { start_time: 0.0, stop_time, tolerance: 1e-6, step_size }
     }
 
     /// The text of `modelDescription.xml` of a version.

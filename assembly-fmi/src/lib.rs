@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 mod description;
+mod experiment;
 mod machine;
 mod plan;
 mod problem;
