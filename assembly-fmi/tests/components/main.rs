@@ -1,6 +1,7 @@
 //! Machines as components, without the C interface: every example, and one with every kind of element, in every mode that is met.
 
 mod dependencies;
+mod events;
 mod signs;
 mod solver;
 
