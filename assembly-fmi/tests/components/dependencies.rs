@@ -15,11 +15,10 @@ const ROUNDING: f64 = 1e-9;
 const STEPS: usize = 300;
 const MODES: usize = 8;
 
-/// By unknown and known how the one depends on the other; unknowns of which nothing is said are left out.
+/// By unknown and known how the one depends on the other.
 fn told(lists: &[&[Unknown]]) -> HashMap<u32, HashMap<u32, DependencyKind>> {
     let rows = lists.iter().flat_map(|list| list.iter());
-    rows.filter_map(|row| Some((row.reference, row.dependencies.iter().flatten().copied().collect())))
-        .collect()
+    rows.map(|row| (row.reference, row.dependencies.iter().flatten().copied().collect())).collect()
 }
 
 /// States, inputs and time, with the size by which each is varied.
