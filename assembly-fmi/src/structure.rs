@@ -444,7 +444,8 @@ impl<'a> Structure<'a> {
             vec![(Quantity::Friction(i, 1), [Quantity::Friction(i, 1), Quantity::Friction(i, 2)]); 3]
         });
         if let Some((first, others)) = stops.chain(frictions).nth(place) {
-            [first].iter().chain(&others).for_each(|q| join(knowns, &self.of(*q), Discrete));
+            let times = if self.inputs.is_empty() { Discrete } else { Dependent };
+            [first].iter().chain(&others).for_each(|q| join(knowns, &self.of(*q), times));
         }
         self.anything_set(knowns);
     }

@@ -13,7 +13,7 @@ use vibro_assembly_fmi::{FILE, Plan, Quantity, Role, SavedState};
 const ROUNDING: f64 = 1e-9;
 /// Steps of the solver, and modes that are looked at.
 const STEPS: usize = 300;
-const MODES: usize = 8;
+const MODES: usize = 6;
 
 /// By unknown and known how the one depends on the other.
 fn told(lists: &[&[Unknown]]) -> HashMap<u32, HashMap<u32, DependencyKind>> {
@@ -156,39 +156,32 @@ fn mode(plan: &Plan, solver: &mut Solver) -> Vec<i64> {
     references.into_iter().map(|reference| get(&mut solver.machine, reference).unwrap() as i64).collect()
 }
 
-/// Coordinates and elongations have order 0, their rates 1, accelerations and forces 2.
-fn order(plan: &Plan, reference: u32) -> Option<usize> {
-    match plan.table.rows[reference as usize - 1].quantity {
-        Quantity::Body(_, k) | Quantity::Spring(_, k) | Quantity::Stop(_, k) | Quantity::Friction(_, k) => {
-            Some(k)
-        }
-        _ => None,
+/// Everything after some values of a parameter were set at one event, the states being held; none where one is refused.
+fn after_event(probe: &mut Probe, parameter: u32, values: &[f64]) -> Option<Vec<f64>> {
+    probe.solver.restore(&probe.saved);
+    let machine = &mut probe.solver.machine;
+    let states = machine.continuous_states().unwrap().as_ref().to_vec();
+    machine.enter_event().unwrap();
+    machine.handle_events(&mut Silent).unwrap();
+    if values.iter().any(|&value| !set(machine, parameter, value)) {
+        return None;
     }
+    machine.enter_continuous().unwrap();
+    machine.set_continuous_states(&states).unwrap();
+    Some(probe.unknowns.iter().map(|&unknown| get(machine, unknown).unwrap()).collect())
 }
 
-/// Unlisted tunable parameters that are set at an event move nothing.
+/// Unlisted tunable parameters that are set at an event move nothing; that states may jump there is no dependency.
 fn parameters(probe: &mut Probe, lists: &HashMap<u32, HashMap<u32, DependencyKind>>, found: &mut Found) {
     let plan = probe.plan;
-    let before = probe.at(&[]);
-    // An event puts right what a solver has left of closed contacts, by roundings of the coordinates.
-    let orders: Vec<_> = probe.unknowns.iter().map(|&unknown| order(plan, unknown)).collect();
-    let largest = |wanted: Option<usize>| {
-        let of_order = orders.iter().zip(&before).filter(|(order, _)| wanted.is_some() && **order == wanted);
-        of_order.fold(0.0, |largest: f64, (_, value)| largest.max(value.abs()))
-    };
     for (parameter, row) in (1..).zip(&plan.table.rows).filter(|(_, row)| row.role == Role::Tunable) {
-        probe.solver.restore(&probe.saved);
-        let machine = &mut probe.solver.machine;
-        machine.enter_event().unwrap();
-        machine.handle_events(&mut Silent).unwrap();
-        let now = get(machine, parameter).unwrap();
-        if !set(machine, parameter, if now == 0.0 { 0.125 } else { 0.99 * now }) {
-            continue;
-        }
-        for (&unknown, before) in probe.unknowns.iter().zip(&before) {
-            let after = get(machine, unknown).unwrap();
-            let size = largest(order(plan, unknown)).max(after.abs()) + before.abs();
-            let moved = (after - before).abs() > ROUNDING * size;
+        let Quantity::Parameter(place) = row.quantity else { continue };
+        let now = plan.table.parameters[place].value;
+        let other = if now == 0.0 { 0.125 } else { 0.99 * now };
+        let before = after_event(probe, parameter, &[other, now]);
+        let Some((before, after)) = before.zip(after_event(probe, parameter, &[other])) else { continue };
+        for (k, &unknown) in probe.unknowns.iter().enumerate() {
+            let moved = (after[k] - before[k]).abs() > ROUNDING * (after[k].abs() + before[k].abs());
             // Sums of energy begin anew with another machine.
             let is_sum = matches!(plan.table.rows[unknown as usize - 1].quantity, Quantity::Energy(_));
             if moved && !is_sum && !lists[&unknown].contains_key(&parameter) {
