@@ -1,4 +1,5 @@
-//! What a host runs where nobody says otherwise: as long as the slowest of a machine's times asks for, in steps that show the fastest.
+//! What a host runs where nobody says otherwise: as long as the slowest of a machine's times asks
+//! for, in steps that show the fastest.
 
 use fmi_doors::description::Experiment;
 use std::f64::consts::{PI, TAU};
@@ -96,8 +97,8 @@ fn contact_times(assembly: &Assembly) -> impl Iterator<Item = f64> {
     })
 }
 
-/// How long each stop's elongation takes to its gap from the start, by its rate and the acceleration there, s; NaN of those that it does not
-/// come to.
+/// How long each stop's elongation takes to its gap from the start, by its rate and the
+/// acceleration there, s; NaN of those that it does not come to.
 fn flights(assembly: &Assembly) -> impl Iterator<Item = f64> {
     let (machine, system) = (&assembly.description, assembly.system());
     let mut z = 0.0 * system.forces.row(0).transpose();

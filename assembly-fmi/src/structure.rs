@@ -1,85 +1,35 @@
-//! What depends on what, by the machine's topology and never by its numbers (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8).
+//! What depends on what, by the machine's topology and never by its numbers (FMI 2.0, 2.2.8; FMI
+//! 3.0.2, 2.4.8).
 //!
-//! Between events every coordinate, elongation and force is linear in states and inputs, by factors that change with the mode. Bodies
-//! that links, rigid stops or friction may hold to one another make a group: a force on one of them accelerates all.
+//! Between events every coordinate, elongation and force is linear in states and inputs, by factors
+//! that change with the mode. Bodies that links, rigid stops or friction may hold to one another
+//! make a group: a force on one of them accelerates all.
+
+mod groups;
+mod initial;
+mod knowns;
 
 use crate::plan::Plan;
 use crate::table::{Energy, Quantity, Role};
 use fmi_doors::DependencyKind;
 use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
 use fmi_doors::description::Unknown;
-use std::collections::{BTreeMap, HashMap};
+use groups::{Group, groups, is_free};
+use knowns::{Knowns, join, put};
+use std::collections::HashMap;
 use vibro_assembly::description::{Arms, BodyKind, Description, Signal, StopLaw};
 
-/// Knowns by value reference, and how they enter.
-type Knowns = BTreeMap<u32, DependencyKind>;
-
-/// Entries of all lists of one kind together, at most, so that a description stays readable: about 10 bytes each. Lists of an
-/// unknown that depends on most of a large machine are left out first, which stands for everything.
+/// Entries of all lists of one kind together, at most, so that a description stays readable: about
+/// 10 bytes each. Lists of an unknown that depends on most of a large machine are left out first,
+/// which stands for everything.
 const ENTRIES: usize = 200_000;
-
-/// The less a kind says of how a known enters, the higher.
-fn rank(kind: DependencyKind) -> u8 {
-    match kind {
-        Constant => 0,
-        Fixed => 1,
-        Tunable => 2,
-        Discrete => 3,
-        Dependent => 4,
-    }
-}
-
-/// Adds a known that enters in a way, and maybe in another besides.
-fn put(into: &mut Knowns, known: u32, kind: DependencyKind) {
-    let entry = into.entry(known).or_insert(kind);
-    if rank(kind) > rank(*entry) {
-        *entry = kind;
-    }
-}
-
-/// Adds knowns, whose factors are multiplied with one of this kind.
-fn join(into: &mut Knowns, from: &Knowns, times: DependencyKind) {
-    for (&known, &kind) in from {
-        put(into, known, if rank(times) > rank(kind) { times } else { kind });
-    }
-}
-
-/// Bodies that may be held to one another, by the number of their group.
-fn groups(machine: &Description, arms: &[&Arms]) -> Vec<usize> {
-    let mut group: Vec<usize> = (0..machine.bodies.len()).collect();
-    for arms in arms {
-        let mut bodies = arms.terms.iter().map(|term| term.0).filter(|&body| is_free(machine, body));
-        let Some(first) = bodies.next() else { continue };
-        for body in bodies {
-            let (from, to) = (group[body], group[first]);
-            group.iter_mut().filter(|group| **group == from).for_each(|group| *group = to);
-        }
-    }
-    group
-}
-
-fn is_free(machine: &Description, body: usize) -> bool {
-    matches!(machine.bodies[body].kind, BodyKind::Free(_))
-}
-
-/// What the bodies of a group have in common.
-#[derive(Default)]
-struct Group {
-    /// What their accelerations depend on.
-    forces: Knowns,
-    /// What may let them jump at an event: prescribed bodies that they are tied to or touch.
-    jumps: Knowns,
-    /// Whether a link ties them to a prescribed body, so that they jump in place, too.
-    is_tied: bool,
-    /// Whether they may hit one another.
-    hits: bool,
-}
 
 /// The dependencies of a machine's variables.
 pub(crate) struct Structure<'a> {
     plan: &'a Plan,
     machine: &'a Description,
-    /// By section and name, as `body.box`: value references of parameters, and what follows that in their names.
+    /// By section and name, as `body.box`: value references of parameters, and what follows that in
+    /// their names.
     parameters: HashMap<&'a str, Vec<(u32, &'a str)>>,
     references: HashMap<Quantity, u32>,
     inputs: HashMap<&'a str, u32>,
@@ -246,7 +196,8 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// The force of a rigid stop or of a friction: what holds the accelerations of those whom it touches.
+    /// The force of a rigid stop or of a friction: what holds the accelerations of those whom it
+    /// touches.
     fn holding(&self, arms: &Arms, section: &str) -> Knowns {
         let mut knowns = Knowns::new();
         for &(body, _) in &arms.terms {
@@ -278,81 +229,6 @@ impl<'a> Structure<'a> {
         let mut knowns = self.holding(&friction.arms, &format!("friction.{}", friction.name));
         join(&mut knowns, &self.levels(i), Discrete);
         knowns
-    }
-
-    /// What ties or touches bodies: arms, section, and whether it is a link or a rigid stop.
-    fn ties(&self) -> impl Iterator<Item = (&'a Arms, String, bool, bool)> {
-        let links = self.machine.links.iter().map(|x| (&x.arms, format!("link.{}", x.name), true, false));
-        let rigid = self.machine.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. }));
-        let stops = rigid.map(|x| (&x.arms, format!("stop.{}", x.name), false, true));
-        let frictions =
-            self.machine.frictions.iter().map(|x| (&x.arms, format!("friction.{}", x.name), false, false));
-        links.chain(stops).chain(frictions)
-    }
-
-    /// The groups of the free bodies that elongations have in common.
-    fn groups_at(&self, arms: &Arms) -> Vec<usize> {
-        let bodies = arms.terms.iter().map(|term| term.0).filter(|&body| is_free(self.machine, body));
-        let mut groups: Vec<usize> = bodies.map(|body| self.group_of[body]).collect();
-        groups.sort_unstable();
-        groups.dedup();
-        groups
-    }
-
-    fn find_groups(&mut self) {
-        let free = (0..self.machine.bodies.len()).filter(|&body| is_free(self.machine, body));
-        // Numbers first: those of the bodies, and of what ties and touches them.
-        let mut groups: HashMap<usize, Group> = HashMap::new();
-        for body in free {
-            self.of_body_section(body, &mut groups.entry(self.group_of[body]).or_default().forces);
-        }
-        let mut discrete = Vec::new();
-        for (arms, section, is_link, is_rigid) in self.ties() {
-            for place in self.groups_at(arms) {
-                let group = groups.entry(place).or_default();
-                self.of_section(&section, &mut group.forces);
-                group.hits |= is_rigid;
-                discrete.extend((!is_link).then_some(place));
-                for &(body, _) in arms.terms.iter().filter(|term| !is_free(self.machine, term.0)) {
-                    group.is_tied |= is_link;
-                    join(&mut group.jumps, &self.prescribed(body, 0), Dependent);
-                    join(&mut group.forces, &self.prescribed(body, 2), Dependent);
-                }
-            }
-        }
-        let time = self.references[&Quantity::Time];
-        for group in groups.values_mut().filter(|group| !group.jumps.is_empty()) {
-            group.jumps.remove(&time); // between events there are no jumps
-            let parameters = group.forces.clone();
-            join(&mut group.jumps, &parameters, Dependent);
-            group.jumps.remove(&time);
-        }
-        self.groups = groups;
-        // Then what the forces depend on.
-        let mut forces: Vec<(usize, Knowns)> = Vec::new();
-        for (i, spring) in self.machine.springs.iter().enumerate() {
-            let knowns = self.spring(i);
-            forces.extend(self.groups_at(&spring.arms).into_iter().map(|group| (group, knowns.clone())));
-        }
-        for (i, stop) in self.machine.stops.iter().enumerate() {
-            if let StopLaw::Compliant { .. } = stop.law {
-                let knowns = self.stop(i);
-                forces.extend(self.groups_at(&stop.arms).into_iter().map(|group| (group, knowns.clone())));
-            }
-        }
-        for (i, friction) in self.machine.frictions.iter().enumerate() {
-            let knowns = self.levels(i);
-            forces.extend(self.groups_at(&friction.arms).into_iter().map(|group| (group, knowns.clone())));
-        }
-        for (i, load) in self.machine.loads.iter().enumerate() {
-            if is_free(self.machine, load.body) {
-                forces.push((self.group_of[load.body], self.load(i)));
-            }
-        }
-        for (place, knowns) in forces {
-            let times = if discrete.contains(&place) { Discrete } else { Tunable };
-            join(&mut self.groups.entry(place).or_default().forces, &knowns, times);
-        }
     }
 
     /// What a variable depends on.
@@ -434,7 +310,8 @@ impl<'a> Structure<'a> {
         self.parameters.keys().for_each(|section| self.of_section(section, knowns));
     }
 
-    /// An indicator is measured by the sizes of what it watches, which follow from all numbers and from what inputs have been.
+    /// An indicator is measured by the sizes of what it watches, which follow from all numbers and
+    /// from what inputs have been.
     fn indicator(&self, place: usize, knowns: &mut Knowns) {
         let stops = self.machine.stops.iter().enumerate().flat_map(|(i, stop)| {
             let count = if let StopLaw::Rigid { .. } = stop.law { 1 } else { 2 };
@@ -448,53 +325,6 @@ impl<'a> Structure<'a> {
             [first].iter().chain(&others).for_each(|q| join(knowns, &self.of(*q), times));
         }
         self.anything_set(knowns);
-    }
-
-    /// What a variable depends on in initialization, where states follow from their starts.
-    fn initially(&self, quantity: Quantity) -> Knowns {
-        let mut knowns = Knowns::new();
-        for (known, _) in self.of(quantity) {
-            match self.plan.table.rows[known as usize - 1].quantity {
-                Quantity::Body(body, order) => self.start(body, order, &mut knowns),
-                _ => put(&mut knowns, known, Dependent),
-            }
-        }
-        knowns
-    }
-
-    /// What a state begins with: its start, or rest under all loads, and the impacts of the first instant.
-    fn start(&self, body: usize, order: usize, knowns: &mut Knowns) {
-        self.start_alone(body, order, knowns);
-        let group = &self.groups[&self.group_of[body]];
-        if order == 0 || !group.hits {
-            return;
-        }
-        let mut of_impacts = group.forces.clone();
-        for (i, stop) in self.machine.stops.iter().enumerate() {
-            if self.groups_at(&stop.arms).contains(&self.group_of[body]) {
-                (0..2).for_each(|k| join(&mut of_impacts, &self.of(Quantity::Stop(i, k)), Dependent));
-            }
-        }
-        for known in of_impacts.into_keys() {
-            match self.plan.table.rows[known as usize - 1].quantity {
-                Quantity::Body(body, order) => self.start_alone(body, order, knowns),
-                _ => put(knowns, known, Dependent),
-            }
-        }
-    }
-
-    fn start_alone(&self, body: usize, order: usize, knowns: &mut Knowns) {
-        if self.machine.starts_at_rest {
-            self.parameters
-                .keys()
-                .filter(|_| order == 0)
-                .for_each(|section| self.of_section(section, knowns));
-            return;
-        }
-        let section = format!("body.{}", self.machine.bodies[body].name);
-        let name = [".start.s", ".start.v"][order];
-        let all = self.parameters.get(section.as_str()).into_iter().flatten();
-        all.filter(|(_, rest)| *rest == name).for_each(|(known, _)| put(knowns, *known, Dependent));
     }
 }
 

@@ -1,5 +1,6 @@
-//! What descriptions say of dependencies against numerical derivatives: what is not listed must not move, and by a factor that is
-//! said not to change the first derivative is the same wherever the mode is, so that the second one is zero, mixed ones too.
+//! What descriptions say of dependencies against numerical derivatives: what is not listed must not
+//! move, and by a factor that is said not to change the first derivative is the same wherever the
+//! mode is, so that the second one is zero, mixed ones too.
 
 use crate::plans;
 use crate::solver::{Silent, Solver, get, set};
@@ -9,7 +10,8 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use vibro_assembly_fmi::{FILE, Plan, Quantity, Role, SavedState};
 
-/// Of the terms that a value is the sum of, after some dozen operations; elements of stiff machines cancel.
+/// Of the terms that a value is the sum of, after some dozen operations; elements of stiff machines
+/// cancel.
 const ROUNDING: f64 = 1e-9;
 /// Steps of the solver, and modes that are looked at.
 const STEPS: usize = 300;
@@ -65,8 +67,8 @@ impl Probe<'_> {
         self.unknowns.iter().map(|&unknown| get(machine, unknown).unwrap()).collect()
     }
 
-    /// First derivatives times the step, second ones times its square, the sizes of what they are differences of and the least of these.
-    /// Time goes forwards.
+    /// First derivatives times the step, second ones times its square, the sizes of what they are
+    /// differences of and the least of these. Time goes forwards.
     fn along(&mut self, base: &[(u32, f64)], known: u32, by: f64) -> Vec<[f64; 4]> {
         let moved = |by: f64| [base, &[(known, by)]].concat();
         let is_time = self.plan.table.rows[known as usize - 1].quantity == Quantity::Time;
@@ -156,7 +158,8 @@ fn mode(plan: &Plan, solver: &mut Solver) -> Vec<i64> {
     references.into_iter().map(|reference| get(&mut solver.machine, reference).unwrap() as i64).collect()
 }
 
-/// Everything after some values of a parameter were set at one event, the states being held; none where one is refused.
+/// Everything after some values of a parameter were set at one event, the states being held; none
+/// where one is refused.
 fn after_event(probe: &mut Probe, parameter: u32, values: &[f64]) -> Option<Vec<f64>> {
     probe.solver.restore(&probe.saved);
     let machine = &mut probe.solver.machine;
@@ -171,7 +174,8 @@ fn after_event(probe: &mut Probe, parameter: u32, values: &[f64]) -> Option<Vec<
     Some(probe.unknowns.iter().map(|&unknown| get(machine, unknown).unwrap()).collect())
 }
 
-/// Unlisted tunable parameters that are set at an event move nothing; that states may jump there is no dependency.
+/// Unlisted tunable parameters that are set at an event move nothing; that states may jump there is
+/// no dependency.
 fn parameters(probe: &mut Probe, lists: &HashMap<u32, HashMap<u32, DependencyKind>>, found: &mut Found) {
     let plan = probe.plan;
     for (parameter, row) in (1..).zip(&plan.table.rows).filter(|(_, row)| row.role == Role::Tunable) {
@@ -289,7 +293,8 @@ fn second_method_initial_unknowns_by_differences() {
     }
 }
 
-/// A force moves no coordinate and no rate at once: hosts that connect these find no algebraic loop.
+/// A force moves no coordinate and no rate at once: hosts that connect these find no algebraic
+/// loop.
 #[test]
 fn closed_form_an_input_that_is_a_force_is_listed_by_forces_and_accelerations_alone() {
     let text = "name = \"Pair\"\n[body.a]\nmass = 1.0\n[body.b]\nmass = 1.0\n[spring.k]\nbetween = [\"a\", \"b\"]\n\

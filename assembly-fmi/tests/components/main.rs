@@ -1,4 +1,5 @@
-//! Machines as components, without the C interface: every example, and one with every kind of element, in every mode that is met.
+//! Machines as components, without the C interface: every example, and one with every kind of
+//! element, in every mode that is met.
 
 mod dependencies;
 mod events;

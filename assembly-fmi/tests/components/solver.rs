@@ -1,4 +1,5 @@
-//! A host's solver for machines as components: Runge and Kutta's rule of fourth order, with events found by halving.
+//! A host's solver for machines as components: Runge and Kutta's rule of fourth order, with events
+//! found by halving.
 
 use fmi_doors::log::{Category, Log};
 use fmi_doors::{Base, Bases, Component, EventHandling, Interface, Life, Phase};
