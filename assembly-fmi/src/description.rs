@@ -1,23 +1,15 @@
 //! What `modelDescription.xml` says of a machine, for both versions.
 
+use crate::experiment::experiment;
 use crate::machine::OUTPUT_ORDER;
 use crate::plan::Plan;
+use crate::structure::{Structure, of_roles};
 use crate::table::{Quantity, Role, Row};
 use crate::units::{self, Declared};
 use fmi_doors::Base;
 use fmi_doors::description::{
-    self, Capabilities, Causality, CoSimulation, Description, Experiment, Kind, ModelExchange, Unknown,
-    Variability, Variable,
+    self, Capabilities, Causality, CoSimulation, Description, Kind, ModelExchange, Variability, Variable,
 };
-use vibro_assembly::description::{BodyKind, Harmonic};
-
-/// Periods of the slowest harmonic that a host runs where nobody says otherwise.
-const PERIODS: f64 = 20.0;
-/// What it runs without any, s.
-const DURATION: f64 = 10.0;
-/// Steps in either, and steps that are exact parts of any duration.
-const STEPS: f64 = 1000.0;
-const STEPS_OF_ANY: f64 = 1024.0;
 
 impl Plan {
     /// What the model description says of this machine.
@@ -26,7 +18,9 @@ impl Plan {
         let declared =
             || units::DECLARED.iter().filter(|d| self.table.rows.iter().any(|row| row.unit == d.unit));
         let types = declared().map(Declared::declared_type).chain(units::enumerations()).collect();
-        let outputs = || self.references(|row| matches!(row.role, Role::Output | Role::Discrete));
+        let structure = Structure::new(self);
+        let outputs = of_roles(self, &[Role::Output, Role::Discrete]);
+        let derivatives: Vec<_> = self.states(1).chain(self.states(2)).collect();
         Description {
             model_name: machine.name.clone().into(),
             model_identifier: machine.name.clone().into(),
@@ -67,15 +61,15 @@ impl Plan {
                 "Values that the machine cannot take, and steps that end early",
             )
             .to_vec(),
-            experiment: self.experiment(),
+            experiment: experiment(&self.assembly),
             variables: (1..)
                 .zip(&self.table.rows)
                 .map(|(reference, row)| self.variable(reference, row))
                 .collect(),
-            outputs: outputs().map(|(reference, row)| self.unknown(reference, row)).collect(),
-            derivatives: self.states(1).chain(self.states(2)).map(Unknown::on_anything).collect(),
-            initial_unknowns: outputs().map(|(reference, _)| Unknown::on_anything(reference)).collect(),
-            event_indicators: self.table.indicators.iter().copied().map(Unknown::on_anything).collect(),
+            outputs: structure.unknowns(&outputs, false),
+            derivatives: structure.unknowns(&derivatives, false),
+            initial_unknowns: structure.unknowns(&outputs, true),
+            event_indicators: structure.unknowns(&of_roles(self, &[Role::Local]), false),
         }
     }
 
@@ -87,11 +81,10 @@ impl Plan {
         format!("{}, a machine of {bodies} with {} states", machine.name, 2 * self.assembly.states().len())
     }
 
-    /// The value references of the states' coordinates, rates or accelerations, by the order of the derivative.
-    fn states(&self, order: usize) -> impl Iterator<Item = u32> {
-        let quantity = move |&body: &usize| Quantity::Body(body, order);
-        let quantities: Vec<_> = self.assembly.states().iter().map(quantity).collect();
-        quantities.into_iter().filter_map(|q| self.table.reference_of(q))
+    /// The states' coordinates, rates or accelerations, by the order of the derivative.
+    fn states(&self, order: usize) -> impl Iterator<Item = (u32, Quantity)> {
+        let quantities = self.assembly.states().iter().map(move |&body| Quantity::Body(body, order));
+        quantities.filter_map(|quantity| Some((self.table.reference_of(quantity)?, quantity)))
     }
 
     /// The row of a state or of the derivative of one: the derivative's state, and the nominal value.
@@ -111,10 +104,6 @@ impl Plan {
             *nominal = self.nominals.get(order * states.len() + place).copied();
         }
         variable
-    }
-
-    fn references(&self, wanted: impl Fn(&Row) -> bool) -> impl Iterator<Item = (u32, &Row)> {
-        (1..).zip(&self.table.rows).filter(move |(_, row)| wanted(row))
     }
 
     fn variable(&self, reference: u32, row: &Row) -> Variable {
@@ -160,36 +149,6 @@ impl Plan {
             _ if row.role == Role::Discrete => Variable { variability: Variability::Discrete, ..real },
             _ => real,
         }
-    }
-
-    /// An output, which inputs change at once where they move a body, or where it is a force, an acceleration or a state.
-    fn unknown(&self, reference: u32, row: &Row) -> Unknown {
-        let moved = |kind: &BodyKind| matches!(kind, BodyKind::Prescribed { motion, .. } if motion.input);
-        let at_once = self.assembly.description.bodies.iter().any(|body| moved(&body.kind))
-            || match row.quantity {
-                Quantity::Body(_, order) => order == 2,
-                Quantity::Stop(_, what) | Quantity::Friction(_, what) => what == 2,
-                Quantity::Load(_) | Quantity::StopState(_) | Quantity::FrictionState(_) => true,
-                _ => false,
-            };
-        Unknown::on(reference, self.table.inputs.iter().copied().filter(|_| at_once))
-    }
-
-    fn experiment(&self) -> Experiment {
-        let machine = &self.assembly.description;
-        let motions = machine.bodies.iter().filter_map(|body| match &body.kind {
-            BodyKind::Prescribed { motion, .. } => Some(motion),
-            BodyKind::Free(_) => None,
-        });
-        let harmonics =
-            motions.chain(machine.loads.iter().map(|load| &load.force)).flat_map(|s| &s.harmonics);
-        let frequencies = harmonics.map(|Harmonic { frequency, .. }| *frequency);
-        let slowest = frequencies.min_by(f64::total_cmp);
-        let stop_time = slowest.map_or(DURATION, |frequency| PERIODS / frequency);
-        // Importers exist that want the quotient of both to be a whole number, rounding or not.
-        let divides = |step_size: &f64| (stop_time / step_size).fract() == 0.0;
-        let step_size = Some(stop_time / STEPS).filter(divides).unwrap_or(stop_time / STEPS_OF_ANY);
-        Experiment { start_time: 0.0, stop_time, tolerance: 1e-6, step_size }
     }
 
     /// The text of `modelDescription.xml` of a version.

@@ -13,10 +13,12 @@
 #![forbid(unsafe_code)]
 
 mod description;
+mod experiment;
 mod machine;
 mod plan;
 mod problem;
 mod saved_state;
+mod structure;
 mod table;
 mod units;
 

@@ -143,22 +143,21 @@ impl Machine {
         }
     }
 
-    /// The same, which is to be finite: of a host's solver that has lost its way it may not be.
+    /// The same, zero without a sign, which is to be finite: of a host's solver that has lost its way it may not be.
     fn finite_value(&self, quantity: Quantity, name: &str) -> Result<f64, Problem> {
-        let value = self.value(quantity);
+        let value = self.value(quantity) + 0.0;
         let allowed = "a finite number: states or inputs are too large for it";
         if value.is_finite() { Ok(value) } else { Err(Problem::value(name.to_owned(), value, allowed)) }
     }
 
     fn of_motion(&self, moving: &Moving, quantity: Quantity) -> f64 {
-        let value = match (&self.latched, quantity) {
+        match (&self.latched, quantity) {
             (Some(shown), Quantity::StopState(i)) => shown.stops[i].0,
             (Some(shown), Quantity::Impacts(i)) => shown.stops[i].1,
             (Some(shown), Quantity::Impulse(i)) => shown.stops[i].2,
             (Some(shown), Quantity::FrictionState(i)) => shown.frictions[i],
             _ => moving.value(quantity),
-        };
-        value + 0.0 // zero without a sign
+        }
     }
 
     /// Whether a value may be set now.
@@ -177,11 +176,18 @@ impl Machine {
                 }
             }
             (Role::Input, _) if value.is_finite() => {}
+            // Some hosts set states one by one instead of all together.
+            (_, quantity) if self.state_of(quantity).is_some() && self.life.phase == Phase::Continuous => {
+                if !value.is_finite() {
+                    return Err(Problem::value(name(), value, "a finite number"));
+                }
+            }
             (Role::Input, _) => return Err(Problem::value(name(), value, "a finite number")),
             _ => {
                 let allowed = match (early, between) {
                     (true, _) => "parameters and inputs",
                     (_, true) => "tunable parameters and inputs",
+                    _ if self.life.phase == Phase::Continuous => "inputs and continuous states",
                     _ => "inputs",
                 };
                 let (name, phase) = (name().into(), self.life.phase.words());
@@ -191,10 +197,25 @@ impl Machine {
         Ok(row.quantity)
     }
 
+    /// The place of a quantity among the states of a host's solver, if it is one.
+    fn state_of(&self, quantity: Quantity) -> Option<usize> {
+        let Quantity::Body(body, order @ 0..2) = quantity else { return None };
+        let bodies = self.plan.assembly.states();
+        Some(order * bodies.len() + bodies.iter().position(|&state| state == body)?)
+    }
+
     /// Takes a value over that was checked.
     fn put(&mut self, quantity: Quantity, value: f64) {
         let at_event = self.life.phase == Phase::Event;
+        let state = self.state_of(quantity);
         match (quantity, &mut self.moving) {
+            (Quantity::Body(..), Some(moving)) => {
+                let mut states = moving.motion.states().to_vec();
+                if let Some(place) = state {
+                    states[place] = value;
+                }
+                moving.motion.set_states(&states);
+            }
             (Quantity::Parameter(i), _) => self.put_parameter(i, value),
             (Quantity::Input(i), Some(moving)) if moving.is_on_course() && !(at_event && moving.jumps()) => {
                 moving.set_input_on_course(i, value)

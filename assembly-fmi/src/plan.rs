@@ -64,7 +64,8 @@ impl Plan {
     ///
     /// # Errors
     /// [`MachineProblem::File`] where there is no such file, neither where the host says nor beside the library;
-    /// [`MachineProblem::Door`] where the host says nothing, or gives the token of another machine; else as [`new`](Self::new).
+    /// [`MachineProblem::Door`] where the host says nothing; [`MachineProblem::Text`] where it gives the token of another text; else as
+    /// [`new`](Self::new).
     pub(crate) fn asked_for(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
         let places = request.resource_folders();
         let mut read = places.iter().map(|folder| folder.join(FILE)).map(|file| (read(&file), file));
@@ -75,11 +76,14 @@ impl Plan {
             let problem = self::read(&file).err().unwrap_or_default();
             return Err(MachineProblem::File { file: file.display().to_string(), problem });
         };
-        // The token first: what is wrong with another machine's file is of no use.
         if request.version == Version::Fmi3 && request.token == token_with_arrays(&text) {
             return Ok(Self::new(text, &name)?.with_arrays());
         }
-        request.check_token(&token(&text))?;
+        request.check_token(&token(&text)).map_err(|token| {
+            // A damaged file shows where; one of another machine is sound.
+            let damage = parse(&text, &name, &no_records).err().map(|refusal| refusal.to_string());
+            MachineProblem::Text { place: damage.unwrap_or(name.clone()), token }
+        })?;
         Self::new(text, &name)
     }
 

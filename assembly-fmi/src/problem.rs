@@ -17,6 +17,14 @@ pub enum MachineProblem {
         /// What is the matter.
         problem: String,
     },
+    /// The file has another text than the one of which the description was made.
+    #[error("{place}: this is not the text of which the model description was made, {token}")]
+    Text {
+        /// The file and, where its text is no machine at all, what is wrong in which line.
+        place: String,
+        /// The token that was given, and that of the file.
+        token: Problem,
+    },
     /// The file says nothing that is a machine, or the parameters together are none.
     #[error("{0}")]
     Machine(#[from] vibro_assembly::Refusal),
@@ -38,7 +46,7 @@ impl Refusal for MachineProblem {
         match self {
             Self::Door(problem) => problem.is_of_a_value(),
             Self::Machine(_) | Self::Motion(_) | Self::Change { .. } => true,
-            Self::File { .. } => false,
+            Self::File { .. } | Self::Text { .. } => false,
         }
     }
 }

@@ -18,7 +18,7 @@ use vibro_assembly::description::{BodyKind, Dimension, Signal, StopLaw};
 use vibro_assembly::{Description, Parameter};
 
 /// What a variable is read from, by the places of bodies and elements in the description.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Time.
     Time,
@@ -55,7 +55,7 @@ pub enum Quantity {
 }
 
 /// A part of the energy balance, J.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Energy {
     /// Of motion.
     Kinetic,

@@ -55,3 +55,36 @@ fn a_file_reaches_no_other_file() {
     let refused = Plan::new(text.into(), "machine.toml").unwrap_err().to_string();
     assert!(refused.starts_with("machine.toml:6: load.l.table = "), "{refused}");
 }
+
+#[test]
+fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_time() {
+    // A mass of 1 kg on 1e4 N/m: 0.0628 s; a bumper of 1e6 N/m: a contact of 3.14 ms.
+    let own = "[body.b]\nmass = 1.0\n[spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = 1e4\n";
+    let bumper = "[stop.p]\nbetween = [\"ground\", \"b\"]\ngap = 0.1\nstiffness = 1e6\n";
+    let drive = "[load.l]\non = \"b\"\namplitude = 1.0\nfrequency = 1000.0\n";
+    let slow = "[load.l]\non = \"b\"\namplitude = 1.0\nfrequency = 0.5\n";
+    let record = "[load.l]\non = \"b\"\nsteps = [[12.0, 1.0], [30.0, 1.0]]\n";
+    // Thrown 40 cm at 20 m/s: 20 ms.
+    let thrown = "[body.b]\nmass = 1.0\nstart = { v = 20.0 }\n[stop.wall]\nbetween = [\"ground\", \"b\"]\ngap = 0.4\nrestitution = 0.5\n";
+    let alone = "[body.b]\nmass = 1.0\n";
+    // Turning freely with a second body: no period of the pair.
+    let pair =
+        "[body.b]\nmass = 1.0\n[body.c]\nmass = 1.0\n[spring.s]\nbetween = [\"b\", \"c\"]\nstiffness = 5e3\n";
+    for (text, stop, steps) in [
+        (own.to_owned(), 1.3, 1000..=1024),
+        (pair.to_owned(), 1.3, 1000..=1024),
+        (format!("{own}{bumper}"), 1.3, 4000..=4096),
+        (format!("{own}{drive}"), 1.3, 4000..=4096),
+        (format!("{own}{slow}"), 40.0, 4000..=4096),
+        (format!("{own}{record}"), 30.0, 4000..=4096),
+        (format!("{alone}{bumper}"), 0.063, 1000..=1024),
+        (thrown.to_owned(), 0.4, 1000..=1024),
+        (format!("{alone}[load.l]\non = \"b\"\nconstant = 1.0\n"), 10.0, 1000..=1024),
+    ] {
+        let experiment =
+            Plan::new(format!("name = \"A\"\n{text}"), "a.toml").unwrap().description().experiment;
+        assert_eq!(experiment.stop_time, stop, "{text}");
+        let count = experiment.stop_time / experiment.step_size;
+        assert!(count.fract() == 0.0 && steps.contains(&(count as u32)), "{text}: {count}");
+    }
+}

@@ -58,11 +58,11 @@ EVENTS = (
 # Steps of the container, longer than most flights: what is announced lies inside the next one.
 CONTAINER_STEP, CONTAINER_STEPS = 4.0, 75
 
-# Machines of text files, beside the 3-DOF one: name, file, variables, communication step, steps, and how many of them are made in Model
-# Exchange. Steps are powers of two, of which sums are exact.
+# Machines of text files, beside the 3-DOF one: name, file, variables, communication step, steps, how many of them are made in Model
+# Exchange, and how many before the first event. Steps are powers of two, of which sums are exact.
 ASSEMBLIES = (
-    ("DamperWithBuffer", "damper_with_buffer", ("box.s", "box.v", "block.s", "block.v", "pump.s", "pump.v"), 2**-9, 1024, 100),
-    ("CoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768),
+    ("DamperWithBuffer", "damper_with_buffer", ("box.s", "box.v", "block.s", "block.v", "pump.s", "pump.v"), 2**-9, 1024, 100, 4),
+    ("CoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768, 192),
 )
 
 # Of a variable's largest value. CVode at 1e-10, times the growth of errors from event to event.
@@ -207,8 +207,12 @@ def run_ecospy(fmu, fmu3):
             co_simulation(by_script(python, "drive_ecospy.py", fmu3), "FMI 3.0 Co-Simulation")]
 
 
+def casadi():
+    return environment("casadi", "casadi==3.8.2", "numpy==2.4.6")
+
+
 def run_casadi(_fmu, fmu3):
-    python = environment("casadi", "casadi==3.8.2", "numpy==2.4.6")
+    python = casadi()
     adjoint, differences = map(float, run([python, HERE / "drive_casadi.py", fmu3]).split()[-2:])
     what = "FMI 3.0 Model Exchange, Jacobian in flight"
     return [Case(f"{what}: adjoint against directional derivatives", adjoint, adjoint == 0.0, "the same numbers"),
@@ -433,6 +437,17 @@ def assembly_ways(host, fmu, fmu3, names):
             yield f"FMI {number} {cs}", False, by_script(sys.executable, "drive_omsimulator.py", archive, names=names)
 
 
+def casadi_cases(name, file, names, step, steps, archives):
+    """A machine of a file from its start to before its first event: states, and accelerations as casadi finds them there."""
+    names = (*names, *(state.removesuffix(".v") + ".a" for state in names if state.endswith(".v")))
+    expected = native_assembly(file, names, step, steps)
+    for number, archive in zip(("2.0", "3.0"), archives):
+        got = by_script(casadi(), "drive_casadi_machine.py", archive, names=names)(step, steps, map(repr, expected[0][1:]))
+        value = relative(got, expected)
+        yield Case(f"`{name}`, FMI {number} Model Exchange, CVode 1e-10 to before the first event, {steps} steps", value,
+                   value <= ASSEMBLY_CVODE, f"states and accelerations at most {ASSEMBLY_CVODE:g}")
+
+
 def assembly_archives():
     """The archives of the machines of files, by name."""
     archives = {}
@@ -447,7 +462,9 @@ def assembly_archives():
 def run_assemblies(host, archives):
     """The machines of files in a host; none where it runs none."""
     cases = []
-    for name, file, names, step, steps, exchanged in ASSEMBLIES:
+    for name, file, names, step, steps, exchanged, smooth in ASSEMBLIES:
+        if host == "casadi":
+            cases.extend(casadi_cases(name, file, names, step, smooth, archives[name]))
         for what, exchange, drive in assembly_ways(host, *archives[name], names):
             count, bound = (exchanged, ASSEMBLY_CVODE) if exchange else (steps, ASSEMBLY_SAME)
             value = relative(drive(step, count, ()), native_assembly(file, names, step, count))

@@ -25,11 +25,11 @@ pub fn values(m: &Motion) -> Vec<f64> {
 /// An event by the names of things.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedEvent {
-    /// `impact`, `close`, `open`, `press`, `free`, `stick`, `slip`, `level`, `knot`.
+    /// `impact`, `close`, `open`, `press`, `free`, `cap`, `stick`, `slip`, `level`, `knot`.
     pub kind: &'static str,
     /// `stop.NAME`, `friction.NAME`, or nothing.
     pub element: String,
-    /// Closing speed, rate, force while slipping, or whether a friction acts (1 or 0).
+    /// Closing speed, rate, force while slipping, or whether a friction or a cap acts (1 or 0).
     pub value: Option<f64>,
     /// How many stops took part in an impact.
     pub stops: Option<usize>,
@@ -46,6 +46,7 @@ pub fn named(d: &Description, kind: &EventKind) -> NamedEvent {
         EventKind::Open { stop: i } => event("open", stop(i), None, None),
         EventKind::Press { stop: i, speed } => event("press", stop(i), Some(speed), None),
         EventKind::Free { stop: i } => event("free", stop(i), None, None),
+        EventKind::Cap { stop: i, acts } => event("cap", stop(i), Some(f64::from(u8::from(acts))), None),
         EventKind::Stick { friction: i } => event("stick", friction(i), None, None),
         EventKind::Slip { friction: i, force, .. } => event("slip", friction(i), Some(force), None),
         EventKind::Level { friction: i, acts } => {

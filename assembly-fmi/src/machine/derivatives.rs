@@ -60,19 +60,17 @@ impl Machine {
         mut write: impl FnMut(usize, f64),
     ) -> Result<(), MachineProblem> {
         let exchange = self.life.interface == Interface::ModelExchange;
-        let bodies = self.plan.assembly.states();
-        let (mut states, mut inputs) = (vec![0.0; 2 * bodies.len()], vec![0.0; self.pending.len()]);
+        let count = fmi_doors::Component::number_of_continuous_states(self);
+        let (mut states, mut inputs) = (vec![0.0; count], vec![0.0; self.pending.len()]);
         for (&known, &part) in knowns.iter().zip(seed) {
             if !part.is_finite() {
                 let what = format!("seed of {}", self.plan.table.row(known, Bases::ANY)?.name);
                 return Err(Problem::value(what, part, "a finite number").into());
             }
-            let state = |body: usize| bodies.iter().position(|&state| state == body).filter(|_| exchange);
-            match self.plan.table.row(known, Bases::ANY)?.quantity {
-                Quantity::Input(i) => inputs[i] += part,
-                Quantity::Body(body, order) if order < 2 && state(body).is_some() => {
-                    states[order * bodies.len() + state(body).unwrap_or_default()] += part;
-                }
+            let quantity = self.plan.table.row(known, Bases::ANY)?.quantity;
+            match (quantity, self.state_of(quantity).filter(|_| exchange)) {
+                (Quantity::Input(i), _) => inputs[i] += part,
+                (_, Some(place)) => states[place] += part,
                 _ if exchange => {
                     let what = "derivatives with respect to other variables than states and inputs";
                     return Err(Problem::NotOffered { what }.into());

@@ -175,6 +175,13 @@ fn in_words(machine: &Description, event: &Event) -> String {
         EventKind::Open { stop: i } => format!("{} opens", stop(i)),
         EventKind::Press { stop: i, speed } => format!("{} is pressed, closing with {speed} (SI)", stop(i)),
         EventKind::Free { stop: i } => format!("{} is free", stop(i)),
+        EventKind::Cap { stop: i, acts } => {
+            format!(
+                "{} {}",
+                stop(i),
+                if acts { "comes to its dashpot's cap" } else { "leaves its dashpot's cap" }
+            )
+        }
         EventKind::Stick { friction: i } => format!("{} sticks", friction(i)),
         EventKind::Slip { friction: i, direction, .. } => {
             format!("{} slips {}", friction(i), if direction > 0.0 { "upwards" } else { "downwards" })

@@ -64,8 +64,9 @@ impl Machine {
         }
     }
 
-    /// Numbers for a host's solver, none of which is ever not finite.
-    pub(super) fn finite(&self, what: &str, numbers: Vec<f64>) -> Result<Vec<f64>, MachineProblem> {
+    /// Numbers for a host's solver, none of which is ever not finite; zeros without a sign.
+    pub(super) fn finite(&self, what: &str, mut numbers: Vec<f64>) -> Result<Vec<f64>, MachineProblem> {
+        numbers.iter_mut().for_each(|number| *number += 0.0);
         match numbers.iter().find(|number| !number.is_finite()) {
             None => Ok(numbers),
             Some(number) => {

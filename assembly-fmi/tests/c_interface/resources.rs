@@ -17,10 +17,40 @@ fn another_machines_file_or_description_is_refused_at_instantiation() {
         assert!(refused.c.is_null());
         assert!(refused.messages[0].contains("instantiationToken"), "{:?}", refused.messages);
         assert!(refused.messages[0].contains(ball.token()), "{:?}", refused.messages);
+        let file = folder.join(FILE);
+        let said =
+            format!("{}: this is not the text of which the model description was made", file.display());
+        assert!(refused.messages[0].contains(&said), "{:?}", refused.messages);
     }
     let nowhere = Instance::new(Path::new("/nowhere"), &ball, ball.token(), false);
     assert!(nowhere.c.is_null());
     assert!(nowhere.messages[0].contains("machine.toml: "), "{:?}", nowhere.messages);
+}
+
+#[test]
+fn a_damaged_file_is_named_with_the_line_that_is_no_machines() {
+    let ball = plan("bouncing_ball.toml", unchanged);
+    let lines: Vec<&str> = ball.text().lines().collect();
+    let place = lines.iter().position(|line| line.starts_with("gap")).unwrap();
+    let broken = |line: &str| [&lines[..place], &[line], &lines[place + 1..]].concat().join("\n");
+    for (name, text, line, said) in [
+        ("half a line", broken("gap = "), place + 1, ""),
+        ("a letter", broken("gop = 1.0"), place + 1, "gop"),
+        ("no number", broken("gap = \"x\""), place + 1, "stop.floor.gap"),
+        ("cut off", lines[..place].join("\n"), place - 1, "stop.floor"),
+    ] {
+        let folder = resources(&format!("damaged {name}"), &ball);
+        std::fs::write(folder.join(FILE), text).unwrap();
+        let refused = Instance::new(&folder, &ball, ball.token(), false);
+        assert!(refused.c.is_null());
+        let (message, file) = (refused.messages.join("\n"), folder.join(FILE));
+        assert!(message.contains(&format!("{}:{line}: ", file.display())), "{name}: {message}");
+        assert!(
+            message.contains(said) && message.contains("this is not the text of which"),
+            "{name}: {message}"
+        );
+        assert!(message.contains(ball.token()), "{name}: {message}");
+    }
 }
 
 /// A folder of resources whose file has these bytes, and the token that goes with them.

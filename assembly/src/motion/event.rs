@@ -45,6 +45,13 @@ pub enum EventKind {
         /// Its place.
         stop: usize,
     },
+    /// The dashpot's share of an `ElastoGap` comes to its cap, or leaves it.
+    Cap {
+        /// Its place.
+        stop: usize,
+        /// Whether it is at the cap from now on.
+        acts: bool,
+    },
     /// Slipping ends.
     Stick {
         /// Place of the friction.

@@ -53,6 +53,8 @@ impl Motion {
             (StopState::Below, _) => press(),
             (_, StopState::Below | StopState::Free) => EventKind::Free { stop: i },
             (StopState::Free, _) => press(),
+            (StopState::Pressed, StopState::Capped) => EventKind::Cap { stop: i, acts: true },
+            (StopState::Capped, StopState::Pressed) => EventKind::Cap { stop: i, acts: false },
             _ => return,
         };
         report(observer, self.time(), kind);

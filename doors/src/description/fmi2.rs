@@ -42,9 +42,9 @@ pub(super) fn root(of: &Description) -> Element {
         .children([experiment(of)])
         .children([Element::new("ModelVariables").children(of.variables.iter().map(|v| variable(v, of)))])
         .children([Element::new("ModelStructure")
-            .children(some("Outputs", unknowns(&of.outputs, of)))
-            .children(some("Derivatives", unknowns(&of.derivatives, of)))
-            .children(some("InitialUnknowns", unknowns(&of.initial_unknowns, of)))])
+            .children(some("Outputs", unknowns(&of.outputs, of, false)))
+            .children(some("Derivatives", unknowns(&of.derivatives, of, false)))
+            .children(some("InitialUnknowns", unknowns(&of.initial_unknowns, of, true)))])
 }
 
 /// An element for a list; none for an empty list, which the schema would not have.
@@ -159,10 +159,17 @@ fn variable(v: &Variable, of: &Description) -> Element {
         .children([kind])
 }
 
-fn unknowns<'a>(list: &'a [Unknown], of: &'a Description) -> impl Iterator<Item = Element> + 'a {
-    list.iter().filter_map(|unknown| {
+/// Rows of a list; outside initialization parameters are no knowns (FMI 2.0, 2.2.8).
+fn unknowns<'a>(
+    list: &'a [Unknown],
+    of: &'a Description,
+    initially: bool,
+) -> impl Iterator<Item = Element> + 'a {
+    let is_known =
+        move |place: &usize| initially || of.variables[place - 1].causality != super::Causality::Parameter;
+    list.iter().filter_map(move |unknown| {
         let element = Element::new("Unknown").with("index", index(unknown.reference, of)?);
-        Some(with_dependencies(element, unknown, |known| index(known, of)))
+        Some(with_dependencies(element, unknown, |known| index(known, of).filter(is_known)))
     })
 }
 

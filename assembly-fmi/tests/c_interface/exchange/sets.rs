@@ -96,3 +96,45 @@ fn closed_form_losses_after_an_input_that_is_set_between_events() {
     assert!(read("energy.residual").abs() < POLYNOMIAL);
     unsafe { fmi3FreeInstance(host.c) };
 }
+
+/// CasADi sets states one by one; what is no state, or comes at an event, is refused by name.
+#[test]
+fn second_method_states_that_are_set_by_value_references_are_those_set_together() {
+    let text = "name = \"Geared\"\n[body.a]\nmass = 2.0\n[body.b]\nmass = 1.0\n[link.l]\narms = { a = 1.0, b = -0.25 }\n\
+                [spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 50.0\ndamping = 1.0\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let host = Host::begin(made("one by one", &plan, &mut messages));
+    let state = &plan.assembly.description.bodies[plan.assembly.states()[0]].name;
+    let other = if state == "a" { "b" } else { "a" };
+    let together = host.at(0.25, &[0.5, -2.0]).0;
+    host.at(0.25, &[0.0, 0.0]);
+    set(&host, &plan, &format!("{state}.v"), -2.0);
+    set(&host, &plan, &format!("{state}.s"), 0.5);
+    let (mut slope, mut states) = ([f64::NAN; 2], [f64::NAN; 2]);
+    unsafe {
+        assert_eq!(fmi3GetContinuousStates(host.c, states.as_mut_ptr(), 2), OK);
+        assert_eq!(fmi3GetContinuousStateDerivatives(host.c, slope.as_mut_ptr(), 2), OK);
+    }
+    assert_eq!((states, slope.to_vec()), ([0.5, -2.0], together));
+    let refused = |name: &str, value: f64| {
+        let reference = plan.table.reference(name).unwrap();
+        unsafe { fmi3SetFloat64(host.c, &reference, 1, &value, 1) }
+    };
+    assert_eq!(refused(&format!("{state}.s"), f64::NAN), DISCARD);
+    unsafe {
+        assert_eq!(fmi3GetContinuousStates(host.c, states.as_mut_ptr(), 2), OK);
+        assert_eq!(states, [0.5, -2.0]);
+        assert_eq!(fmi3EnterEventMode(host.c), OK);
+    }
+    assert_eq!(refused(&format!("{state}.s"), 0.75), ERROR);
+    let last = messages.last().unwrap();
+    assert!(last.contains(&format!("{state}.s cannot be set at an event")), "{messages:?}");
+    unsafe { fmi3FreeInstance(host.c) };
+    let host = Host::begin(made("one by one", &plan, &mut messages));
+    let reference = plan.table.reference(&format!("{other}.s")).unwrap();
+    assert_eq!(unsafe { fmi3SetFloat64(host.c, &reference, 1, &0.5, 1) }, ERROR);
+    let last = messages.last().unwrap();
+    assert!(last.ends_with("between events: allowed are inputs and continuous states"), "{messages:?}");
+    unsafe { fmi3FreeInstance(host.c) };
+}

@@ -6,7 +6,7 @@ use crate::component::continuous::Continuous;
 use crate::component::settings::SolutionMode;
 use crate::component::structure::Unknown;
 use crate::component::values::OutputValues;
-use crate::component::variables::{Access, Initial, Variable};
+use crate::component::variables::{Access, DependencyKind, Initial, Variable};
 use vibro_impact::Parameters;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{Contact, State};
@@ -315,4 +315,111 @@ fn dependencies_at_an_event_are_those_after_it() {
         rests += usize::from(shown.0 != 1.0);
         fmu.leave_event(&mut Silence).unwrap();
     }
+}
+
+/// Where a motion is put: displacements, velocities, loads, time.
+#[derive(Clone, Copy)]
+struct Point {
+    x: [f64; 3],
+    v: [f64; 3],
+    forces: [f64; 3],
+    time: f64,
+}
+
+impl Point {
+    /// The number of a known, where it is one of a point.
+    fn of(&mut self, known: &str) -> Option<&mut f64> {
+        let body = ["box.", "block.", "secondary."].iter().position(|body| known.starts_with(body));
+        match (known.rsplit('.').next(), body) {
+            (Some("s"), Some(body)) => Some(&mut self.x[body]),
+            (Some("v"), Some(body)) => Some(&mut self.v[body]),
+            (Some("f"), Some(body)) => Some(&mut self.forces[body]),
+            _ if known == "time" => Some(&mut self.time),
+            _ => None,
+        }
+    }
+}
+
+/// Everything that the motion shows in a contact that is held.
+fn shown(parameters: &Parameters, contact: Contact, at: Point) -> OutputValues {
+    let start = State { x: at.x, v: at.v };
+    Continuous::at(parameters, start, at.time, contact, at.forces).unwrap().values()
+}
+
+/// A factor that is said to change with the contact at most is the same at all states, loads and times; one of tunable parameters in all
+/// contacts, too, one of fixed parameters whatever the tunable ones are: second derivatives vanish, mixed ones too. Every unknown and every
+/// known is taken from the table.
+#[test]
+fn second_method_kinds_by_second_derivatives() {
+    const STEP: f64 = 0.25;
+    const PRESSED: f64 = 5.0;
+    let here = Point { x: [0.1, 0.4, 0.2], v: [0.4, -0.3, 0.5], forces: [0.3, 0.5, 0.2], time: 0.25 };
+    let there = Point { x: [-0.4, 0.3, 0.7], v: [-0.2, 0.6, 0.1], forces: [0.1, -0.4, 0.6], time: 1.5 };
+    let standard = Parameters { drive_phase: 0.25, ..Parameters::default() };
+    let mut tuned = standard;
+    for field in FIELDS {
+        if VARIABLES[place(field.name)].variability == Variability::Tunable {
+            (field.set)(&mut tuned, 1.1 * (field.get)(&standard));
+        }
+    }
+    let every = Edition::Clocked;
+    let lists =
+        [structure::outputs(every), structure::derivatives(every), structure::event_indicators()].concat();
+    let (mut checked, mut wrong) = (std::collections::BTreeSet::new(), Vec::new());
+    for Unknown { place: unknown, dependencies } in lists {
+        let read = |values: &OutputValues| -> Vec<f64> {
+            match VARIABLES[unknown].access {
+                Access::Output(reading) | Access::Start { now: reading, .. } => vec![(reading.value)(values)],
+                Access::Elements(get) => (0..3).map(|i| get(values, i)).collect(),
+                _ => Vec::new(),
+            }
+        };
+        for (known, kind) in dependencies {
+            let name = VARIABLES[known].name;
+            if kind == DependencyKind::Dependent || here.clone().of(name).is_none() {
+                continue;
+            }
+            let mut factors: Vec<(Contact, bool, Vec<f64>)> = Vec::new();
+            for contact in [Contact::Flight, Contact::RestUpper, Contact::RestLower] {
+                for (is_tuned, parameters) in [(false, &standard), (true, &tuned)] {
+                    for mut base in [here, there] {
+                        // In rest the block is pressed on: a stop's force is never a pull.
+                        base.forces[1] +=
+                            PRESSED * if contact == Contact::Flight { 0.0 } else { contact.side() };
+                        let middle = *base.of(name).unwrap();
+                        let values = [-1.0, 0.0, 1.0].map(|by| {
+                            let mut at = base;
+                            *at.of(name).unwrap() = middle + by * STEP;
+                            read(&shown(parameters, contact, at))
+                        });
+                        let [low, middle, high] = &values;
+                        let slope = |i: usize| (high[i] - low[i]) / (2.0 * STEP);
+                        let bend = |i: usize| high[i] - 2.0 * middle[i] + low[i];
+                        if (0..middle.len()).any(|i| bend(i).abs() > ROUNDING * (1.0 + middle[i].abs())) {
+                            wrong.push(format!("{} by {name}, {kind:?}, bends", VARIABLES[unknown].name));
+                        }
+                        factors.push((contact, is_tuned, (0..middle.len()).map(slope).collect()));
+                    }
+                }
+            }
+            for (i, one) in factors.iter().enumerate() {
+                for other in &factors[..i] {
+                    let same = match kind {
+                        DependencyKind::Discrete => one.0 == other.0 && one.1 == other.1,
+                        DependencyKind::Tunable => one.1 == other.1,
+                        _ => true,
+                    };
+                    if same && one.2.iter().zip(&other.2).any(|(a, b)| moved(*a, *b)) {
+                        wrong.push(format!(
+                            "{} by {name}, {kind:?}: {one:?}, {other:?}",
+                            VARIABLES[unknown].name
+                        ));
+                    }
+                }
+            }
+            checked.insert(kind.name());
+        }
+    }
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+    assert_eq!(checked.into_iter().collect::<Vec<_>>(), ["constant", "discrete", "fixed", "tunable"]);
 }

@@ -1,0 +1,119 @@
+//! What a host runs where nobody says otherwise: as long as the slowest of a machine's times asks
+//! for, in steps that show the fastest.
+
+use fmi_doors::description::Experiment;
+use std::f64::consts::{PI, TAU};
+use vibro_assembly::description::{BodyKind, Signal, StopLaw};
+use vibro_assembly::system::StopRows;
+use vibro_assembly::{Assembly, Description};
+
+/// Periods of the slowest harmonic or own motion.
+const PERIODS: f64 = 20.0;
+/// Steps in the fastest period or contact.
+const PARTS: f64 = 10.0;
+/// What is run of a machine that has no such times, s.
+const DURATION: f64 = 10.0;
+/// Steps of an experiment, at least and at most; results have a row for each.
+const STEPS: [f64; 2] = [1000.0, 4000.0];
+/// An own frequency of less than this part of the highest, squared, is the rounding of none.
+const NONE: f64 = 1e-12;
+
+/// The default experiment of a machine.
+pub(crate) fn experiment(assembly: &Assembly) -> Experiment {
+    let machine = &assembly.description;
+    let own = own_periods(assembly);
+    let driven = signals(machine).flat_map(|signal| &signal.harmonics).map(|h| 1.0 / h.frequency);
+    let periods: Vec<f64> = own.into_iter().chain(driven).filter(|period| is_time(*period)).collect();
+    let contacts: Vec<f64> = contact_times(assembly).filter(|time| is_time(*time)).collect();
+    let longest = |times: &[f64]| times.iter().copied().reduce(f64::max);
+    // Without periods there are flights from contact to contact.
+    let flights: Vec<f64> = flights(assembly).filter(|time| is_time(*time)).collect();
+    let slowest = longest(&periods).or(longest(&[&contacts[..], &flights[..]].concat()));
+    let knots = signals(machine).filter_map(last_knot).fold(0.0, f64::max);
+    let stop_time = rounded(slowest.map_or(DURATION, |slowest| PERIODS * slowest).max(knots));
+    let fastest = periods.iter().chain(&contacts).copied().fold(f64::INFINITY, f64::min);
+    let steps = (PARTS * stop_time / fastest).clamp(STEPS[0], STEPS[1]);
+    let steps = 1000.0 * (steps / 1000.0).log2().ceil().exp2();
+    // Importers exist that want the quotient of both to be a whole number, rounding or not.
+    let divides = |step: &f64| (stop_time / step).fract() == 0.0;
+    let step_size = Some(stop_time / steps).filter(divides).unwrap_or(stop_time / steps.log2().ceil().exp2());
+    Experiment { start_time: 0.0, stop_time, tolerance: 1e-6, step_size }
+}
+
+/// Whether it is one that a run can show.
+fn is_time(time: f64) -> bool {
+    time.is_normal() && time > 0.0 && time < f64::MAX / PERIODS
+}
+
+/// The next number with two digits, as people write it.
+fn rounded(time: f64) -> f64 {
+    // A number that has two digits already, but for its rounding, stays.
+    const ROUNDING: f64 = 1e-12;
+    let text = format!("{:e}", time * (1.0 - ROUNDING));
+    let exponent: i32 = text.split('e').nth(1).and_then(|exponent| exponent.parse().ok()).unwrap_or_default();
+    let digits = (time * (1.0 - ROUNDING) / 10.0f64.powi(exponent - 1)).ceil();
+    format!("{digits}e{}", exponent - 1).parse().unwrap_or(time)
+}
+
+fn signals(machine: &Description) -> impl Iterator<Item = &Signal> {
+    let motions = machine.bodies.iter().filter_map(|body| match &body.kind {
+        BodyKind::Prescribed { motion, .. } => Some(motion),
+        BodyKind::Free(_) => None,
+    });
+    let levels = machine.frictions.iter().flat_map(|f| std::iter::once(&f.force).chain(&f.static_force));
+    motions.chain(machine.loads.iter().map(|load| &load.force)).chain(levels)
+}
+
+/// The last step or knot of a record, s.
+fn last_knot(signal: &Signal) -> Option<f64> {
+    let steps = signal.steps.last().map(|step| step.time);
+    let knots = signal.table.as_ref().and_then(|table| Some(table.knots.last()?.0));
+    [steps, knots].into_iter().flatten().reduce(f64::max)
+}
+
+/// The periods of the machine's own motions in its springs alone, without dashpots, s.
+fn own_periods(assembly: &Assembly) -> Vec<f64> {
+    let system = assembly.system();
+    let (n, factor) = (system.coordinates, system.inertia.l_dirty());
+    // L⁻¹ K L⁻ᵀ, where the forces of springs are -K q.
+    let half = factor.solve_lower_triangular(&(-system.forces.columns(0, n)));
+    let squares = half.and_then(|half| factor.solve_lower_triangular(&half.transpose()));
+    let Some(squares) = squares.filter(|squares| n > 0 && squares.iter().all(|x| x.is_finite())) else {
+        return Vec::new();
+    };
+    let squares = squares.symmetric_eigenvalues();
+    let highest = squares.amax();
+    squares.iter().filter(|square| **square > NONE * highest).map(|square| TAU / square.sqrt()).collect()
+}
+
+/// How long a compliant stop is pressed in a single contact of its bodies alone, s.
+fn contact_times(assembly: &Assembly) -> impl Iterator<Item = f64> {
+    let stops = assembly.description.stops.iter().zip(&assembly.system().stops);
+    stops.filter_map(|(stop, rows)| match stop.law {
+        StopLaw::Compliant { stiffness, .. } => {
+            Some(PI / (stiffness * rows.elongation.column.norm_squared()).sqrt())
+        }
+        StopLaw::Rigid { .. } => None,
+    })
+}
+
+/// How long each stop's elongation takes to its gap from the start, by its rate and the
+/// acceleration there, s; NaN of those that it does not come to.
+fn flights(assembly: &Assembly) -> impl Iterator<Item = f64> {
+    let (machine, system) = (&assembly.description, assembly.system());
+    let mut z = 0.0 * system.forces.row(0).transpose();
+    for (k, &body) in system.bodies_of.iter().enumerate() {
+        if let BodyKind::Free(free) = machine.bodies[body].kind {
+            (z[k], z[system.coordinates + k]) = (free.s, free.v);
+        }
+    }
+    z[system.signals.one] = 1.0;
+    let a = system.inertia.solve(&(&system.forces * &z));
+    let flight = |stop: &StopRows| {
+        let (left, rate, bend) =
+            (-stop.excess.at(z.as_slice()), stop.elongation.rate.at(z.as_slice()), stop.elongation.w.dot(&a));
+        // Of left = rate t + bend t²/2 the first root behind the start.
+        2.0 * left / (rate + (rate * rate + 2.0 * bend * left).sqrt())
+    };
+    system.stops.iter().map(flight).collect::<Vec<_>>().into_iter()
+}

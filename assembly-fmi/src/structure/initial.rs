@@ -1,0 +1,56 @@
+//! What unknowns depend on in initialization, where states follow from their starts.
+
+use super::Structure;
+use super::knowns::{Knowns, join, put};
+use crate::table::Quantity;
+use fmi_doors::DependencyKind::Dependent;
+
+impl Structure<'_> {
+    /// What a variable depends on in initialization, where states follow from their starts.
+    pub(super) fn initially(&self, quantity: Quantity) -> Knowns {
+        let mut knowns = Knowns::new();
+        for (known, _) in self.of(quantity) {
+            match self.plan.table.rows[known as usize - 1].quantity {
+                Quantity::Body(body, order) => self.start(body, order, &mut knowns),
+                _ => put(&mut knowns, known, Dependent),
+            }
+        }
+        knowns
+    }
+
+    /// What a state begins with: its start, or rest under all loads, and the impacts of the first
+    /// instant.
+    fn start(&self, body: usize, order: usize, knowns: &mut Knowns) {
+        self.start_alone(body, order, knowns);
+        let group = &self.groups[&self.group_of[body]];
+        if order == 0 || !group.hits {
+            return;
+        }
+        let mut of_impacts = group.forces.clone();
+        for (i, stop) in self.machine.stops.iter().enumerate() {
+            if self.groups_at(&stop.arms).contains(&self.group_of[body]) {
+                (0..2).for_each(|k| join(&mut of_impacts, &self.of(Quantity::Stop(i, k)), Dependent));
+            }
+        }
+        for known in of_impacts.into_keys() {
+            match self.plan.table.rows[known as usize - 1].quantity {
+                Quantity::Body(body, order) => self.start_alone(body, order, knowns),
+                _ => put(knowns, known, Dependent),
+            }
+        }
+    }
+
+    fn start_alone(&self, body: usize, order: usize, knowns: &mut Knowns) {
+        if self.machine.starts_at_rest {
+            self.parameters
+                .keys()
+                .filter(|_| order == 0)
+                .for_each(|section| self.of_section(section, knowns));
+            return;
+        }
+        let section = format!("body.{}", self.machine.bodies[body].name);
+        let name = [".start.s", ".start.v"][order];
+        let all = self.parameters.get(section.as_str()).into_iter().flatten();
+        all.filter(|(_, rest)| *rest == name).for_each(|(known, _)| put(knowns, *known, Dependent));
+    }
+}

@@ -1,0 +1,74 @@
+//! One list of events: what changes in a contact at an event that a host handles is told by name.
+
+use crate::plans;
+use crate::solver::{Silent, get};
+use fmi_doors::log::{Category, Log};
+use fmi_doors::{Component, EventHandling, Interface, Life};
+use std::collections::HashSet;
+use vibro_assembly_fmi::{Machine, Plan, Quantity};
+
+/// Events of a machine, at most.
+const EVENTS: usize = 60;
+
+#[derive(Default)]
+struct Told(Vec<String>);
+
+impl Log for Told {
+    fn wants(&self, category: Category) -> bool {
+        category == Category::Events
+    }
+
+    fn log(&mut self, _: Category, message: &str) {
+        self.0.push(message.to_owned());
+    }
+}
+
+/// The states of stops and frictions, with the names by which messages call them.
+fn states(machine: &mut Machine, plan: &Plan) -> Vec<(String, f64)> {
+    let own = |quantity| match quantity {
+        Quantity::StopState(_) => Some("stop"),
+        Quantity::FrictionState(_) => Some("friction"),
+        _ => None,
+    };
+    let rows =
+        (1..).zip(&plan.table.rows).filter_map(|(reference, row)| Some((reference, row, own(row.quantity)?)));
+    rows.map(|(reference, row, kind)| {
+        let name = row.name.strip_suffix(".state").unwrap();
+        (format!("{kind}.{name} "), get(machine, reference).unwrap())
+    })
+    .collect()
+}
+
+#[test]
+fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
+    let mut changes = HashSet::new();
+    for plan in plans() {
+        let handling = EventHandling { event_mode: true, early_return: true };
+        let mut machine = Machine::new(plan.clone(), Life::new(Interface::CoSimulation, handling));
+        let end = plan.description().experiment.stop_time;
+        machine.set_experiment(None, 0.0, None).unwrap();
+        machine.enter_initialization();
+        machine.exit_initialization(&mut Silent).unwrap();
+        machine.leave_event(&mut Silent).unwrap();
+        for _ in 0..EVENTS {
+            let now = machine.time();
+            let before = states(&mut machine, &plan);
+            let mut told = Told::default();
+            if now >= end || !machine.advance(now, end - now, &mut told).unwrap().event {
+                break;
+            }
+            assert_eq!(states(&mut machine, &plan), before, "{} at {}", plan.name(), machine.time());
+            machine.enter_event().unwrap();
+            machine.handle_events(&mut told).unwrap();
+            for ((name, was), (_, is)) in before.into_iter().zip(states(&mut machine, &plan)) {
+                let is_told = told.0.iter().any(|text| text.starts_with(&name));
+                assert!(was == is || is_told, "{}: {name}{was} to {is}: {:?}", plan.name(), told.0);
+                changes.extend((was != is).then_some((name.starts_with("stop"), was as u8, is as u8)));
+            }
+            machine.leave_event(&mut Silent).unwrap();
+        }
+    }
+    // Those of an elastogap among them: pressed (4) and capped (6).
+    assert!(changes.contains(&(true, 4, 6)) || changes.contains(&(true, 6, 4)), "{changes:?}");
+    assert!(changes.len() > 12, "{changes:?}");
+}

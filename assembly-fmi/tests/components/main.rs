@@ -1,0 +1,21 @@
+//! Machines as components, without the C interface: every example, and one with every kind of
+//! element, in every mode that is met.
+
+mod dependencies;
+mod events;
+mod signs;
+mod solver;
+
+use std::path::Path;
+use std::sync::Arc;
+use vibro_assembly::file;
+use vibro_assembly_fmi::{FILE, Plan};
+
+fn plans() -> Vec<Arc<Plan>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
+    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let paths = paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    let examples = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap());
+    let everything = Plan::new(include_str!("../common/everything.toml").into(), FILE).unwrap();
+    examples.chain([everything]).map(Arc::new).collect()
+}

@@ -1,0 +1,123 @@
+//! A host's solver for machines as components: Runge and Kutta's rule of fourth order, with events
+//! found by halving.
+
+use fmi_doors::log::{Category, Log};
+use fmi_doors::{Base, Bases, Component, EventHandling, Interface, Life, Phase};
+use std::sync::Arc;
+use vibro_assembly_fmi::{Machine, Plan, SavedState};
+
+pub struct Silent;
+
+impl Log for Silent {
+    fn wants(&self, _: Category) -> bool {
+        false
+    }
+
+    fn log(&mut self, _: Category, _: &str) {}
+}
+
+/// Halvings of a step in search of an event.
+const HALVINGS: usize = 40;
+
+/// A machine in the hands of the solver.
+pub struct Solver {
+    pub machine: Machine,
+    pub time: f64,
+}
+
+impl Solver {
+    pub fn instance(plan: &Arc<Plan>, interface: Interface) -> Machine {
+        Machine::new(plan.clone(), Life::new(interface, EventHandling::default()))
+    }
+
+    pub fn new(plan: &Arc<Plan>) -> Self {
+        let mut machine = Self::instance(plan, Interface::ModelExchange);
+        machine.set_experiment(None, 0.0, None).unwrap();
+        machine.enter_initialization();
+        machine.exit_initialization(&mut Silent).unwrap();
+        let mut solver = Self { machine, time: 0.0 };
+        solver.handle();
+        solver
+    }
+
+    fn handle(&mut self) {
+        self.machine.enter_event().unwrap();
+        self.machine.handle_events(&mut Silent).unwrap();
+        self.machine.enter_continuous().unwrap();
+    }
+
+    fn states(&self) -> Vec<f64> {
+        self.machine.continuous_states().unwrap().as_ref().to_vec()
+    }
+
+    fn put(&mut self, time: f64, states: &[f64]) {
+        self.machine.set_time(time).unwrap();
+        self.machine.set_continuous_states(states).unwrap();
+    }
+
+    fn slope(&mut self, time: f64, states: &[f64]) -> Vec<f64> {
+        self.put(time, states);
+        self.machine.state_derivatives().unwrap().as_ref().to_vec()
+    }
+
+    /// Whether an event has been passed.
+    fn is_past(&self) -> bool {
+        self.machine.event_indicators().unwrap().as_ref().iter().any(|z| *z <= 0.0)
+    }
+
+    fn go(&mut self, from: &[f64], h: f64) {
+        let along =
+            |x: &[f64], k: &[f64], h: f64| -> Vec<f64> { x.iter().zip(k).map(|(x, k)| x + h * k).collect() };
+        let t = self.time;
+        let a = self.slope(t, from);
+        let b = self.slope(t + 0.5 * h, &along(from, &a, 0.5 * h));
+        let c = self.slope(t + 0.5 * h, &along(from, &b, 0.5 * h));
+        let d = self.slope(t + h, &along(from, &c, h));
+        let mean = |k: usize| (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]) / 6.0;
+        let mean: Vec<f64> = (0..a.len()).map(mean).collect();
+        self.put(t + h, &along(from, &mean, h));
+    }
+
+    /// A step, or as much of it as there is before the next event, whose law is then applied.
+    pub fn step(&mut self, h: f64) {
+        let from = self.states();
+        let knot = self.machine.next_event_time().filter(|knot| *knot <= self.time + h);
+        let mut length = knot.map_or(h, |knot| knot - self.time);
+        self.go(&from, length);
+        if self.is_past() {
+            let mut before = 0.0;
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (before + length);
+                self.go(&from, middle);
+                *(if self.is_past() { &mut length } else { &mut before }) = middle;
+            }
+            self.go(&from, length);
+        }
+        self.time += length;
+        if knot == Some(self.time) || knot.is_some_and(|knot| (knot - self.time).abs() < 1e-15) {
+            self.time = knot.unwrap_or(self.time);
+            let now = self.states();
+            self.put(self.time, &now);
+        }
+        if self.machine.complete_integrator_step().unwrap() {
+            self.handle();
+        }
+    }
+
+    /// Between events, at a state that was saved.
+    pub fn restore(&mut self, saved: &SavedState) {
+        self.machine.restore(saved).unwrap();
+        assert_eq!(self.machine.life().phase, Phase::Continuous);
+    }
+}
+
+/// A variable's value, whatever its type; none where it cannot be read.
+pub fn get(machine: &mut Machine, reference: u32) -> Option<f64> {
+    let mut value = f64::NAN;
+    machine.get(Bases::ANY, &[reference], |_, x| value = x).ok()?;
+    Some(value)
+}
+
+pub fn set(machine: &mut Machine, reference: u32, value: f64) -> bool {
+    machine.set(Bases::new("Real", &[Base::Real]), &[reference], |_| value).is_ok()
+}
