@@ -24,13 +24,10 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(name, None, text));
         }
     }
-    let movable = free.iter().filter(|&&free| free).count();
-    if problems.is_empty() && movable > 0 && ties.rows.len() == movable {
-        problems.push(Problem::new(
-            "link",
-            None,
-            "the links leave nothing to move; allowed are fewer links than bodies",
-        ));
+    if problems.is_empty() && !machine.links.is_empty() && ties.rows.len() == free.len() {
+        let names: Vec<_> = machine.links.iter().map(|l| format!("link.{}", l.name)).collect();
+        let text = "together they hold every body still; allowed are fewer links than bodies, or a body whose motion is prescribed";
+        problems.push(Problem::new(names.join(", "), None, text));
     }
 }
 
