@@ -11,14 +11,18 @@ use factor::Factor;
 use nalgebra::{DMatrix, DVector};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// The proximal weight falls by this factor a step, from the largest stiffness per inertia to [`SOFTER`] of the least per largest inertia.
+/// The proximal weight falls by this factor a step, from the largest stiffness per inertia to
+/// [`SOFTER`] of the least per largest inertia.
 const FALL: f64 = 1e-4;
 const SOFTER: f64 = 1e-4;
-/// The least weight in parts of the largest, so far above the 1e-32 of double-doubles that what is loose keeps six digits.
+/// The least weight in parts of the largest, so far above the 1e-32 of double-doubles that what is
+/// loose keeps six digits.
 const LEAST_WEIGHT: f64 = 1e-26;
-/// Steps, of which each at the least weight takes an error down by [`SOFTER`] times what many springs in series are softer than each.
+/// Steps, of which each at the least weight takes an error down by [`SOFTER`] times what many
+/// springs in series are softer than each.
 const STEPS: usize = 100;
-/// A force that is left on a coordinate counts as rounding under this part of the sizes of the forces on it.
+/// A force that is left on a coordinate counts as rounding under this part of the sizes of the
+/// forces on it.
 const BALANCED: f64 = 1e-13;
 /// A step counts as rounding under this part of the coordinates' sizes.
 const STANDS: f64 = 1e-15;
@@ -60,21 +64,24 @@ enum Friction {
     Static,
 }
 
-/// Where it stands, and the contacts' forces. Both have 32 digits, so that a stiff spring's force is known however small a part of the places
-/// its elongation is, and a soft one's however small it is beside forces that cancel.
+/// Where it stands, and the contacts' forces. Both have 32 digits, so that a stiff spring's force
+/// is known however small a part of the places its elongation is, and a soft one's however small it
+/// is beside forces that cancel.
 struct Place {
     q: Vec<DoubleDouble>,
     lambda: Vec<DoubleDouble>,
 }
 
-/// Of a proximal weight: the stiffness with the weight's, and each contact's direction divided by it.
+/// Of a proximal weight: the stiffness with the weight's, and each contact's direction divided by
+/// it.
 struct Weighted {
     factor: Factor,
     columns: DMatrix<f64>,
 }
 
-/// The coordinates at which a machine stands still at time 0. Friction bears nothing where there is an equilibrium without it;
-/// else it resists the way from the coordinates' zero. Of coordinates on which nothing acts, the nearest to zero are taken.
+/// The coordinates at which a machine stands still at time 0. Friction bears nothing where there is
+/// an equilibrium without it; else it resists the way from the coordinates' zero. Of coordinates on
+/// which nothing acts, the nearest to zero are taken.
 ///
 /// # Errors
 /// [`Error::NoEquilibrium`], with the body that is accelerated most.
@@ -155,8 +162,8 @@ impl Holding {
         Self { contacts, springs, force, sizes }
     }
 
-    /// The equilibrium by proximal steps: each is the minimum of the energy and a weight times the distance from the last in the
-    /// inertia's metric. `Err` is the force that is left.
+    /// The equilibrium by proximal steps: each is the minimum of the energy and a weight times the
+    /// distance from the last in the inertia's metric. `Err` is the force that is left.
     fn settle(&self, mass: &DMatrix<f64>) -> Result<DVector<f64>, DVector<f64>> {
         let (mut weight, mut least) = self.weights(mass);
         let zero = DoubleDouble::default();
@@ -190,8 +197,9 @@ impl Holding {
         if is_balanced(&left, &rounding) { Ok(rounded(&place.q)) } else { Err(rounded(&left)) }
     }
 
-    /// The proximal weights to begin and to end with: the largest stiffness per inertia, and far under the least stiffness per largest inertia, so
-    /// that what is light comes as far in a step as what is heavy.
+    /// The proximal weights to begin and to end with: the largest stiffness per inertia, and far
+    /// under the least stiffness per largest inertia, so that what is light comes as far in a step
+    /// as what is heavy.
     fn weights(&self, mass: &DMatrix<f64>) -> (f64, f64) {
         let springs = self.springs.iter().map(|s| (&s.w, s.stiffness));
         let yielding = self.contacts.iter().filter(|c| c.compliance > 0.0);
@@ -208,8 +216,9 @@ impl Holding {
         (largest, (SOFTER * least / heaviest).max(LEAST_WEIGHT * largest))
     }
 
-    /// The force on each coordinate that is left at a place, and what of it counts as rounding: a part of what springs and contacts bear there,
-    /// and what a difference of places leaves of a stiffness.
+    /// The force on each coordinate that is left at a place, and what of it counts as rounding: a
+    /// part of what springs and contacts bear there, and what a difference of places leaves of a
+    /// stiffness.
     fn left(&self, place: &Place) -> (Vec<DoubleDouble>, DVector<f64>) {
         let mut left: Vec<_> = self.force.iter().map(|&f| DoubleDouble::new(f)).collect();
         let mut rounding = BALANCED * &self.sizes;
@@ -240,7 +249,8 @@ impl Holding {
             }
         }
         let factor = Factor::new(stiffness)?;
-        // A compliant contact yields by itself: a coordinate of its own, of which the square is the compliance.
+        // A compliant contact yields by itself: a coordinate of its own, of which the square is the
+        // compliance.
         let mut columns = DMatrix::zeros(n + m, m);
         for (k, contact) in self.contacts.iter().enumerate() {
             let mut w = vec![DoubleDouble::default(); n];
@@ -251,8 +261,9 @@ impl Holding {
         Some(Weighted { factor, columns })
     }
 
-    /// Takes the place to the minimum of ½ δᵀHδ - leftᵀδ and the contacts' energies, with H the weighted stiffness; returns the
-    /// coordinates' changes δ. `None` where stops cannot be satisfied together.
+    /// Takes the place to the minimum of ½ δᵀHδ - leftᵀδ and the contacts' energies, with H the
+    /// weighted stiffness; returns the coordinates' changes δ. `None` where stops cannot be
+    /// satisfied together.
     fn step(
         &self,
         weighted: &Weighted,
@@ -288,7 +299,8 @@ impl Holding {
     }
 }
 
-/// The sizes of the signals at rest: of harmonics those that they have at any time, so that the rounding of one that is zero counts as such.
+/// The sizes of the signals at rest: of harmonics those that they have at any time, so that the
+/// rounding of one that is zero counts as such.
 fn signal_sizes(system: &System, z: &Row) -> Sizes {
     let mut sizes = Sizes(z.abs());
     (system.signals.one..system.signals.constant_size_until()).for_each(|j| sizes.0[j] = 1.0);

@@ -1,4 +1,5 @@
-//! Each energy account by itself against a quadrature of what the elements show, and the work of jumps against closed forms.
+//! Each energy account by itself against a quadrature of what the elements show, and the work of
+//! jumps against closed forms.
 
 mod common;
 
@@ -7,7 +8,8 @@ use vibro_assembly::Motion;
 use vibro_assembly::description::*;
 use vibro_assembly::mode::StopState;
 
-/// Parts between events, s, each by Gauss's rule with three nodes: for motions of 20 rad/s its error is under 1e-9 of a power's size.
+/// Parts between events, s, each by Gauss's rule with three nodes: for motions of 20 rad/s its
+/// error is under 1e-9 of a power's size.
 const PART: f64 = 2e-3;
 /// What this quadrature is off, J.
 const QUADRATURE: f64 = 1e-8;
@@ -42,7 +44,8 @@ fn quadrature(mut m: Motion, end: f64, powers: impl Fn(&Motion) -> Vec<f64>) -> 
     sums
 }
 
-/// Two bodies that a link ties to a moving one, with every element and a load on each, and a base on which one of them rubs.
+/// Two bodies that a link ties to a moving one, with every element and a load on each, and a base
+/// on which one of them rubs.
 fn linked() -> Description {
     let p = 2;
     Description {
@@ -115,8 +118,9 @@ fn second_method_each_account_by_a_quadrature() {
 
 #[test]
 fn closed_form_work_of_motions_and_loss_at_jumps_and_impacts() {
-    // A link makes of a jump by 4 m/s one of 3 m/s for 1 kg and 1 m/s for 3 kg: 6 J, by an impulse of 3 N s at 2 m/s in the mean. Of a second jump, back
-    // to 1 m/s, by an impulse of -2.25 N s at 2.5 m/s in the mean.
+    // A link makes of a jump by 4 m/s one of 3 m/s for 1 kg and 1 m/s for 3 kg: 6 J, by an impulse
+    // of 3 N s at 2 m/s in the mean. Of a second jump, back to 1 m/s, by an impulse of -2.25 N s at
+    // 2.5 m/s in the mean.
     let table = Record { knots: vec![(0.25, 0.0), (0.5, 1.0), (0.75, 1.25)], cubic: false };
     let moved = Signal { table: Some(table), ..Signal::default() };
     let d = Description {
@@ -130,7 +134,8 @@ fn closed_form_work_of_motions_and_loss_at_jumps_and_impacts() {
         assert!((m.energy().motions.value() - work).abs() < ROUNDING, "{time}: {:?}", m.energy());
         assert!((m.kinetic_and_stored().0 - work).abs() < ROUNDING);
     }
-    // A ball of 2 kg meets a plate that comes with 1 m/s: closing at 3 m/s, with e = 0.5 an impulse of 9 N s.
+    // A ball of 2 kg meets a plate that comes with 1 m/s: closing at 3 m/s, with e = 0.5 an impulse
+    // of 9 N s.
     let d = Description {
         bodies: vec![body("ball", 2.0, 0.0, 2.0), prescribed("plate", constant(0.6), -1.0)],
         stops: vec![rigid("s", &[(0, 1.0), (1, -1.0)], 0.0, 0.5)],
@@ -146,8 +151,9 @@ fn closed_form_work_of_motions_and_loss_at_jumps_and_impacts() {
 
 #[test]
 fn closed_form_a_buffer_whose_force_ends_just_where_a_wall_throws_the_body_back() {
-    // On its way out the buffer's force k x + c x' ends at x > 0, where the wall stands and turns x' round: at once it is k x + c |x'|, although it
-    // falls from there on, so that it is at its limit no longer.
+    // On its way out the buffer's force k x + c x' ends at x > 0, where the wall stands and turns
+    // x' round: at once it is k x + c |x'|, although it falls from there on, so that it is at its
+    // limit no longer.
     let (k, c) = (100.0, 15.0);
     let mut d = Description {
         bodies: vec![body("b", 1.0, 0.05, 0.0)],

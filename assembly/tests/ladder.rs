@@ -1,4 +1,5 @@
-//! Long sub-steps pass over nothing: stiff machines against closed forms, and against themselves in parts too short for long sub-steps.
+//! Long sub-steps pass over nothing: stiff machines against closed forms, and against themselves in
+//! parts too short for long sub-steps.
 
 mod common;
 
@@ -18,7 +19,8 @@ fn decayed() -> (Body, Spring) {
 
 #[test]
 fn closed_form_what_is_pushed_evenly_meets_its_stop_however_long_the_sub_steps_are() {
-    // The bend of a parabola is its bound, and a length with less of it would lead beyond the stop. Away from it first, and towards it at once.
+    // The bend of a parabola is its bound, and a length with less of it would lead beyond the stop.
+    // Away from it first, and towards it at once.
     let (fast, stiff) = decayed();
     for (speed, push) in [(0.0, 2.0), (-1.5, 2.0), (0.7, 0.5)] {
         for k in 1..40 {
@@ -52,7 +54,8 @@ impl Random {
     }
 }
 
-/// A slow body, on which a light one sits that rings down, both driven, with stops of either; and the highest rate.
+/// A slow body, on which a light one sits that rings down, both driven, with stops of either; and
+/// the highest rate.
 fn ringing(random: &mut Random) -> (Description, f64) {
     let mass = random.between(0.02, 0.3);
     let rate = 10f64.powf(random.between(2.2, 3.2));

@@ -1,4 +1,5 @@
-//! Machines in which nothing moves freely: test rigs whose bodies all move as prescribed, or are tied to such bodies by links.
+//! Machines in which nothing moves freely: test rigs whose bodies all move as prescribed, or are
+//! tied to such bodies by links.
 
 mod common;
 
@@ -37,7 +38,8 @@ fn closed_form_a_ram_that_moves_as_prescribed() {
         !slips.is_empty() && slips.iter().all(|t| ((t * 4.0) % 2.0 - 1.0).abs() < 4.0 * ROUNDING),
         "{all:?}"
     );
-    // Over a period: the dashpot ½ d (ωA)², friction F times the way of 4 A, all of it work of the motion.
+    // Over a period: the dashpot ½ d (ωA)², friction F times the way of 4 A, all of it work of the
+    // motion.
     let energy = m.energy();
     let dashpot = 0.5 * 3.0 * (0.1 * TAU).powi(2);
     assert!((energy.dashpots[0].value() - dashpot).abs() < WORK, "{energy:?}");
@@ -54,7 +56,8 @@ fn closed_form_a_ram_that_moves_as_prescribed() {
 
 #[test]
 fn closed_form_what_links_tie_to_a_motion_is_carried() {
-    // A drum of 2 kg m² on a motor that turns with 3 rad/s, five times as slow and the other way round; a load on it.
+    // A drum of 2 kg m² on a motor that turns with 3 rad/s, five times as slow and the other way
+    // round; a load on it.
     let mut d = Description {
         name: "Drum".into(),
         bodies: vec![prescribed("motor", constant(0.0), 3.0), body("drum", 2.0, 0.0, -0.6)],

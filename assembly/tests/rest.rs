@@ -9,7 +9,8 @@ use vibro_assembly::{Assembly, Error};
 
 /// Some tens of roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
-/// Of a place, in parts of the sizes of the elongations that it consists of: what issue and page promise, some thousand roundings.
+/// Of a place, in parts of the sizes of the elongations that it consists of: what issue and page
+/// promise, some thousand roundings.
 const PLACE: f64 = 1e-12;
 
 fn at_rest(d: Description) -> Description {
@@ -49,7 +50,8 @@ fn closed_form_hanging_chain() {
 
 #[test]
 fn closed_form_preloaded_stops() {
-    // A block pressed on a rigid stop by a preloaded spring; a second one on a rubber that lies on the first.
+    // A block pressed on a rigid stop by a preloaded spring; a second one on a rubber that lies on
+    // the first.
     let d = Description {
         bodies: vec![heavy("block", 1.0, 1.0, 0.0, 0.0), heavy("rider", 3.0, 1.0, 0.0, 0.0)],
         springs: vec![Spring { preload: -50.0, ..spring(&[(0, 1.0)], 100.0, 0.0) }],
@@ -70,7 +72,8 @@ fn closed_form_preloaded_stops() {
 
 #[test]
 fn closed_form_friction_holds_where_it_must() {
-    // Nothing but friction bears the first block; the second hangs on a spring, and friction bears nothing.
+    // Nothing but friction bears the first block; the second hangs on a spring, and friction bears
+    // nothing.
     let held = |level| Description {
         bodies: vec![heavy("held", 1.0, 1.0, 0.0, 0.0), heavy("hung", 1.0, 1.0, 0.0, 0.0)],
         springs: vec![spring(&[(1, 1.0)], 100.0, 0.0)],
@@ -143,8 +146,9 @@ impl Random {
     }
 }
 
-/// A forest: each body hangs on the ground or on one before it; stiffnesses up to 1e12 apart, inertias 1e11, each under gravity or a load. Some
-/// springs are buffers, pressed by what they bear, or have a closed rigid stop or friction that bears nothing beside them. Also each body's
+/// A forest: each body hangs on the ground or on one before it; stiffnesses up to 1e12 apart,
+/// inertias 1e11, each under gravity or a load. Some springs are buffers, pressed by what they
+/// bear, or have a closed rigid stop or friction that bears nothing beside them. Also each body's
 /// place, with the sizes of the elongations on its way to the ground.
 fn forest(random: &mut Random, count: usize) -> (Description, Vec<(f64, f64)>) {
     let mut d = Description::default();
@@ -203,7 +207,8 @@ fn closed_form_forests_of_springs_whose_stiffnesses_are_far_apart() {
 
 #[test]
 fn closed_form_a_sensor_on_a_stiff_spring_of_a_soft_one() {
-    // Two springs in series, 1e8 to 1e12 apart; the lower one also as a buffer on which the sensor lies.
+    // Two springs in series, 1e8 to 1e12 apart; the lower one also as a buffer on which the sensor
+    // lies.
     for stiff in [1e10, 1e12, 1e14] {
         for mass in [1e-8, 1e-3, 1.0] {
             for is_buffer in [false, true] {
@@ -222,7 +227,8 @@ fn closed_form_a_sensor_on_a_stiff_spring_of_a_soft_one() {
                 let s = 10.0 * (1.0 + mass) / 100.0;
                 assert!((found[0] - s).abs() <= PLACE * s, "{stiff:e} {mass:e} {is_buffer}: {found:?}");
                 assert!((found[1] - found[0]).abs() <= 10.0 * mass / stiff + PLACE * s, "{found:?}");
-                // A light body that nothing bears is the one that is named, however stiff what holds the others is.
+                // A light body that nothing bears is the one that is named, however stiff what
+                // holds the others is.
                 d.bodies.push(heavy("loose", 1e-8, 0.5, 0.0, 0.0));
                 let refused = Assembly::new(at_rest(d)).unwrap_err();
                 let Error::NoEquilibrium { body, acceleration } = &refused else { panic!("{refused}") };
@@ -251,7 +257,8 @@ fn closed_form_a_belt_whose_speed_is_rounding_of_its_amplitude_does_not_rub() {
 
 #[test]
 fn closed_form_belts_that_move_rub_with_the_level_of_slipping_not_with_the_static_one() {
-    // Up and down, beside a static level that is three times as high; a second body needs its own static level.
+    // Up and down, beside a static level that is three times as high; a second body needs its own
+    // static level.
     for rate in [0.5, -0.5] {
         let d = Description {
             bodies: vec![

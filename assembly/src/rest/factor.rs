@@ -1,4 +1,5 @@
-//! Symmetric matrices of double-doubles and what they are divided by: stiffnesses whose ratio is beyond what doubles carry keep their digits.
+//! Symmetric matrices of double-doubles and what they are divided by: stiffnesses whose ratio is
+//! beyond what doubles carry keep their digits.
 
 use nalgebra::DMatrix;
 use vibro_impact::numerics::double_double::DoubleDouble;
