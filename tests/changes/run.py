@@ -259,14 +259,19 @@ class Copy:
         verdict = {0: "passed", None: "hangs"}.get(status, "failed")
         return verdict, time.monotonic() - start, said
 
-    def baseline(self):
-        """Every test binary passes without a change; tells how long each takes."""
+    def baseline(self, again):
+        """Every test binary passes without a change; tells how long each takes, as known from an earlier run with `--again`."""
+        known = self.folder / f"times-{self.package}.json"
+        if again and known.exists():
+            self.times = {tuple(name.split()): seconds for name, seconds in json.loads(known.read_text()).items()}
+            return
         for binary in self.binaries():
             verdict, seconds, said = self.run(binary, None)
             if verdict != "passed":
                 sys.exit(f"{' '.join(binary)} {verdict} without any change:\n{said[-3000:]}")
             self.times[binary] = seconds
             print(f"# {' '.join(binary)}: {seconds:.1f} s", flush=True)
+        known.write_text(json.dumps({" ".join(binary): seconds for binary, seconds in self.times.items()}))
 
     def order(self):
         """The test binaries, those first that catch most in their time; documents last, as they are compiled anew."""
@@ -325,6 +330,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1, help="by which they are drawn")
     parser.add_argument("--named", type=pathlib.Path, help="a file of changes instead of drawn ones")
     parser.add_argument("--list", action="store_true", help="print the first --count changes, and run nothing")
+    parser.add_argument("--again", action="store_true", help="trust the unchanged package and its times of the last run in this copy")
     parser.add_argument("--skip-documents", action="store_true", help="do not run the examples of the documentation")
     parser.add_argument("--copy", type=pathlib.Path, help="folder of the copy, kept (default: in the temporary folder)")
     args = parser.parse_args()
@@ -342,7 +348,7 @@ def main():
             show("", change, "")
         return
     copy = Copy(args.copy or pathlib.Path(tempfile.gettempdir()) / f"vibro-changes-{args.package}", args.package, args.skip_documents)
-    copy.baseline()
+    copy.baseline(args.again)
     counts = {}
     for change in drawn:
         if sum(n for verdict, n in counts.items() if verdict != "not compiled") >= args.count:
