@@ -16,11 +16,8 @@ const QUADRATURE: f64 = 1e-8;
 /// Some tens of roundings of energies of order one.
 const ROUNDING: f64 = 1e-12;
 
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 0.277_777_777_777_777_78),
-    (0.5, 0.444_444_444_444_444_44),
-    (0.887_298_334_620_741_7, 0.277_777_777_777_777_78),
-];
+const GAUSS: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
 /// The integral of powers up to a time, by what the motion shows between its events.
 fn quadrature(mut m: Motion, end: f64, powers: impl Fn(&Motion) -> Vec<f64>) -> Vec<f64> {
