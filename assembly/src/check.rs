@@ -19,7 +19,7 @@ impl Description {
     ///
     /// ```
     /// let refused = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() }.check().unwrap_err();
-    /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies with mass or inertia");
+    /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies");
     /// ```
     ///
     /// # Errors
@@ -180,11 +180,10 @@ fn levels(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// A machine has a body that moves freely, and none that nothing acts on; gravity turns nothing.
+/// A machine has a body, and none that nothing acts on; gravity turns nothing.
 fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
-    if !machine.bodies.iter().any(|b| matches!(b.kind, BodyKind::Free(_))) {
-        let text = "allowed is a machine of one or more bodies with mass or inertia";
-        problems.push(Problem::new("body", None, text));
+    if machine.bodies.is_empty() {
+        problems.push(Problem::new("body", None, "allowed is a machine of one or more bodies"));
     }
     let mut touched = vec![false; machine.bodies.len()];
     arms(machine).for_each(|(_, arms)| arms.terms.iter().for_each(|term| touched[term.0] = true));

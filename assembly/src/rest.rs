@@ -1,38 +1,57 @@
 //! Static equilibrium, the start at rest (docs/assembly-law.md (A19), (A20)).
 
+mod factor;
+
 use crate::description::{Description, StopLaw};
 use crate::error::Error;
+use crate::law::Sizes;
 use crate::law::box_qp::Problem;
-use crate::system::{Row, System};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use crate::system::{Row, SpringRows, System};
+use factor::Factor;
+use nalgebra::{DMatrix, DVector};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// The proximal weight falls by this factor a step, from the largest stiffness per inertia to [`LEAST_WEIGHT`] of it: far enough
-/// for stiffnesses 1e9 apart, and not so far that the factors lose all digits.
-const FALL: f64 = 0.1;
-const LEAST_WEIGHT: f64 = 1e-10;
-/// Steps, of which each at the least weight takes an error down by 1e-10 of the largest over the least stiffness.
+/// The proximal weight falls by this factor a step, from the largest stiffness per inertia to
+/// [`SOFTER`] of the least per largest inertia.
+const FALL: f64 = 1e-4;
+const SOFTER: f64 = 1e-4;
+/// The least weight in parts of the largest, so far above the 1e-32 of double-doubles that what is
+/// loose keeps six digits.
+const LEAST_WEIGHT: f64 = 1e-26;
+/// Steps, of which each at the least weight takes an error down by [`SOFTER`] times what many
+/// springs in series are softer than each.
 const STEPS: usize = 100;
-/// A force that is left counts as rounding under this part of the forces' sizes.
+/// A force that is left on a coordinate counts as rounding under this part of the sizes of the
+/// forces on it.
 const BALANCED: f64 = 1e-13;
 /// A step counts as rounding under this part of the coordinates' sizes.
 const STANDS: f64 = 1e-15;
+/// What counts as rounding of a difference of places that are known to 32 digits.
+const FINE: f64 = 1e-28;
 
-/// What holds a machine at rest beside its springs.
+/// What holds a machine at rest.
 struct Holding {
-    /// By contact: its direction, its elongation where it begins to act at q = 0, bounds of its force, and its compliance.
     contacts: Vec<Contact>,
-    /// Direction and stiffness of each spring.
-    springs: Vec<(DVector<f64>, f64)>,
+    springs: Vec<Spring>,
     /// The force on the coordinates at q = 0 but for the contacts.
     force: DVector<f64>,
     /// Its terms' sizes.
     sizes: DVector<f64>,
 }
 
+/// What a force acts on: coordinates with their arms.
+type Direction = Vec<(usize, f64)>;
+
+struct Spring {
+    w: Direction,
+    stiffness: f64,
+}
+
 struct Contact {
-    w: DVector<f64>,
+    w: Direction,
+    /// Its elongation, less that where it begins to act, at q = 0.
     excess: f64,
+    /// Bounds of its force.
     force: (f64, f64),
     compliance: f64,
 }
@@ -45,8 +64,24 @@ enum Friction {
     Static,
 }
 
-/// The coordinates at which a machine stands still at time 0. Friction bears nothing where there is an equilibrium without it;
-/// else it resists the way from the coordinates' zero. Of coordinates on which nothing acts, the nearest to zero are taken.
+/// Where it stands, and the contacts' forces. Both have 32 digits, so that a stiff spring's force
+/// is known however small a part of the places its elongation is, and a soft one's however small it
+/// is beside forces that cancel.
+struct Place {
+    q: Vec<DoubleDouble>,
+    lambda: Vec<DoubleDouble>,
+}
+
+/// Of a proximal weight: the stiffness with the weight's, and each contact's direction divided by
+/// it.
+struct Weighted {
+    factor: Factor,
+    columns: DMatrix<f64>,
+}
+
+/// The coordinates at which a machine stands still at time 0. Friction bears nothing where there is
+/// an equilibrium without it; else it resists the way from the coordinates' zero. Of coordinates on
+/// which nothing acts, the nearest to zero are taken.
 ///
 /// # Errors
 /// [`Error::NoEquilibrium`], with the body that is accelerated most.
@@ -55,10 +90,9 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
     system.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
     let n = system.coordinates;
-    let stiffness = -system.forces.columns(0, n).into_owned();
     let mut worst = None;
     for friction in [Friction::None, Friction::Slipping, Friction::Static] {
-        match Holding::new(system, &z, friction).settle(&stiffness, &system.mass) {
+        match Holding::new(system, &z, friction).settle(&system.mass) {
             Ok(q) => return Ok(q),
             Err(left) => worst = Some(left),
         }
@@ -67,6 +101,30 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     let body = (0..n).max_by(|&a, &b| left[a].abs().total_cmp(&left[b].abs()));
     let name = body.map_or(String::new(), |k| d.bodies[system.bodies_of[k]].name.clone());
     Err(Error::NoEquilibrium { body: name, acceleration: body.map_or(0.0, |k| left[k]) })
+}
+
+fn direction(w: &DVector<f64>) -> Direction {
+    w.iter().copied().enumerate().filter(|(_, w)| *w != 0.0).collect()
+}
+
+/// The elongation of a direction at a place.
+fn along(w: &Direction, q: &[DoubleDouble]) -> DoubleDouble {
+    let zero = DoubleDouble::default();
+    w.iter().fold(zero, |sum, &(k, w)| sum + q[k].times(DoubleDouble::new(w)))
+}
+
+/// The sum of its terms' sizes.
+fn size_along(w: &Direction, q: &[DoubleDouble]) -> f64 {
+    w.iter().map(|&(k, w)| (w * q[k].value()).abs()).sum()
+}
+
+/// Takes a force in a direction from the forces on the coordinates.
+fn take(force: DoubleDouble, w: &Direction, from: &mut [DoubleDouble]) {
+    w.iter().for_each(|&(k, w)| from[k] = from[k].minus(force.times(DoubleDouble::new(w))));
+}
+
+fn amax(q: &[DoubleDouble]) -> f64 {
+    q.iter().fold(0.0, |most, x| most.max(x.value().abs()))
 }
 
 impl Holding {
@@ -81,97 +139,170 @@ impl Holding {
                 StopLaw::Compliant { stiffness, .. } if stiffness > 0.0 => 1.0 / stiffness,
                 StopLaw::Compliant { .. } => continue,
             };
-            let (w, excess) = (stop.elongation.w.clone(), stop.excess.dot(z));
+            let (w, excess) = (direction(&stop.elongation.w), stop.excess.dot(z));
             contacts.push(Contact { w, excess, force: (0.0, f64::INFINITY), compliance });
         }
+        let known = signal_sizes(system, z);
         for rows in &system.frictions {
             let rate = rows.elongation.rate.dot(z);
             let level = if friction == Friction::Static { &rows.static_level } else { &rows.level };
             let level = level.dot(z).max(0.0);
             let w = &rows.elongation.w;
-            if rate != 0.0 {
+            if rate.abs() > known.zero_of(&rows.elongation.rate) {
                 // A body that moves as prescribed rubs against those at rest.
                 force.axpy(-rate.signum() * rows.level.dot(z).max(0.0), w, 1.0);
                 sizes += w.abs() * level;
             } else if friction != Friction::None && level > 0.0 {
-                contacts.push(Contact { w: w.clone(), excess: 0.0, force: (-level, level), compliance: 0.0 });
+                let force = (-level, level);
+                contacts.push(Contact { w: direction(w), excess: 0.0, force, compliance: 0.0 });
             }
         }
-        let springs = system.springs.iter().map(|s| (s.elongation.w.clone(), s.stiffness)).collect();
+        let spring = |s: &SpringRows| Spring { w: direction(&s.elongation.w), stiffness: s.stiffness };
+        let springs = system.springs.iter().map(spring).filter(|s| s.stiffness > 0.0).collect();
         Self { contacts, springs, force, sizes }
     }
 
-    /// The equilibrium by proximal steps: each is the minimum of the energy and a weight times the distance from the last in the
-    /// inertia's metric. `Err` is the force that is left.
-    fn settle(&self, stiffness: &DMatrix<f64>, mass: &DMatrix<f64>) -> Result<DVector<f64>, DVector<f64>> {
-        let n = self.force.len();
-        let ratio = |k: usize| stiffness[(k, k)] / mass[(k, k)];
-        let mut largest = (0..n).map(ratio).fold(0.0, f64::max);
-        for contact in self.contacts.iter().filter(|c| c.compliance > 0.0) {
-            let each = (0..n).map(|k| contact.w[k] * contact.w[k] / contact.compliance / mass[(k, k)]);
-            largest = each.fold(largest, f64::max);
-        }
-        let largest = if largest > 0.0 { largest } else { 1.0 };
-        let (mut q, mut lambda) = (DVector::zeros(n), DVector::zeros(self.contacts.len()));
-        let (mut weight, mut left, mut balanced) = (largest, self.force.clone(), false);
-        let mut sizes;
+    /// The equilibrium by proximal steps: each is the minimum of the energy and a weight times the
+    /// distance from the last in the inertia's metric. `Err` is the force that is left.
+    fn settle(&self, mass: &DMatrix<f64>) -> Result<DVector<f64>, DVector<f64>> {
+        let (mut weight, mut least) = self.weights(mass);
+        let zero = DoubleDouble::default();
+        let mut place = Place { q: vec![zero; self.force.len()], lambda: vec![zero; self.contacts.len()] };
+        let (mut left, mut rounding) = self.left(&place);
+        let is_balanced = |left: &[DoubleDouble], rounding: &DVector<f64>| {
+            left.iter().zip(rounding.iter()).all(|(left, rounding)| left.value().abs() <= *rounding)
+        };
+        let mut weighted = self.weighted(weight, mass);
         for _ in 0..STEPS {
-            let Some(factor) = Cholesky::new(stiffness + weight * mass) else { break };
-            let Some((by_q, by_lambda)) = self.step(&factor, &left, &q, &lambda) else { break };
-            let moves = by_q.amax() > STANDS * (q.amax() + by_q.amax());
-            q += by_q;
-            lambda += by_lambda;
-            // Spring by spring, so that what a stiff one's rounding does to two bodies has no sum.
-            (left, sizes) = (self.force.clone(), self.sizes.clone());
-            for (w, k) in &self.springs {
-                left.axpy(-k * w.dot(&q), w, 1.0);
-                sizes += w.abs() * (k * w.abs().dot(&q.abs()));
+            let Some(by_q) = weighted.as_ref().and_then(|w| self.step(w, &left, &mut place)) else { break };
+            let size = amax(&place.q);
+            let moves = place
+                .q
+                .iter()
+                .zip(&by_q)
+                .any(|(q, by)| by.value().abs() > (STANDS * q.value().abs()).max(FINE * size));
+            (left, rounding) = self.left(&place);
+            if weight <= least && is_balanced(&left, &rounding) && !moves {
+                break;
             }
-            for (contact, lambda) in self.contacts.iter().zip(lambda.iter()) {
-                left.axpy(-lambda, &contact.w, 1.0);
-                sizes += contact.w.abs() * lambda.abs();
+            if weight > least {
+                let next = (FALL * weight).max(least);
+                match self.weighted(next, mass) {
+                    Some(of_next) => (weight, weighted) = (next, Some(of_next)),
+                    None => least = weight,
+                }
             }
-            balanced = left.amax() <= BALANCED * sizes.amax();
-            if weight <= LEAST_WEIGHT * largest && balanced && !moves {
-                return Ok(q);
-            }
-            weight = (FALL * weight).max(LEAST_WEIGHT * largest);
         }
-        if balanced { Ok(q) } else { Err(left) }
+        let rounded = |all: &[DoubleDouble]| DVector::from_iterator(all.len(), all.iter().map(|x| x.value()));
+        if is_balanced(&left, &rounding) { Ok(rounded(&place.q)) } else { Err(rounded(&left)) }
     }
 
-    /// The changes of q and of the contacts' forces λ that lead to the minimum of ½ δᵀHδ - leftᵀδ and the contacts' energies, with
-    /// H by its Cholesky factor. `None` where stops cannot be satisfied together.
+    /// The proximal weights to begin and to end with: the largest stiffness per inertia, and far
+    /// under the least stiffness per largest inertia, so that what is light comes as far in a step
+    /// as what is heavy.
+    fn weights(&self, mass: &DMatrix<f64>) -> (f64, f64) {
+        let springs = self.springs.iter().map(|s| (&s.w, s.stiffness));
+        let yielding = self.contacts.iter().filter(|c| c.compliance > 0.0);
+        let all = springs.chain(yielding.map(|c| (&c.w, 1.0 / c.compliance)));
+        let (mut least, mut largest) = (f64::INFINITY, 0.0f64);
+        for (i, stiffness) in all.flat_map(|(w, k)| w.iter().map(move |&(i, w)| (i, k * w * w))) {
+            least = least.min(stiffness);
+            largest = largest.max(stiffness / mass[(i, i)]);
+        }
+        let heaviest = mass.diagonal().max();
+        if largest == 0.0 {
+            return (1.0, 1.0);
+        }
+        (largest, (SOFTER * least / heaviest).max(LEAST_WEIGHT * largest))
+    }
+
+    /// The force on each coordinate that is left at a place, and what of it counts as rounding: a
+    /// part of what springs and contacts bear there, and what a difference of places leaves of a
+    /// stiffness.
+    fn left(&self, place: &Place) -> (Vec<DoubleDouble>, DVector<f64>) {
+        let mut left: Vec<_> = self.force.iter().map(|&f| DoubleDouble::new(f)).collect();
+        let mut rounding = BALANCED * &self.sizes;
+        let mut bear = |w: &Direction, force: DoubleDouble, stiffness: f64| {
+            take(force, w, &mut left);
+            let own = BALANCED * force.value().abs() + FINE * stiffness * size_along(w, &place.q);
+            w.iter().for_each(|&(k, w)| rounding[k] += w.abs() * own);
+        };
+        for Spring { w, stiffness } in &self.springs {
+            bear(w, along(w, &place.q).times(DoubleDouble::new(*stiffness)), *stiffness);
+        }
+        for (contact, &force) in self.contacts.iter().zip(&place.lambda) {
+            let stiffness = if contact.compliance > 0.0 { 1.0 / contact.compliance } else { 0.0 };
+            bear(&contact.w, force, stiffness);
+        }
+        (left, rounding)
+    }
+
+    /// The stiffness with a proximal weight.
+    fn weighted(&self, weight: f64, mass: &DMatrix<f64>) -> Option<Weighted> {
+        let (n, m) = (self.force.len(), self.contacts.len());
+        let wide = DoubleDouble::new;
+        let mut stiffness = mass.map(|inertia| wide(inertia).times(wide(weight)));
+        for Spring { w, stiffness: k } in &self.springs {
+            for &(i, a) in w {
+                let row = wide(a).times(wide(*k));
+                w.iter().for_each(|&(j, b)| stiffness[(i, j)] = stiffness[(i, j)] + row.times(wide(b)));
+            }
+        }
+        let factor = Factor::new(stiffness)?;
+        // A compliant contact yields by itself: a coordinate of its own, of which the square is the
+        // compliance.
+        let mut columns = DMatrix::zeros(n + m, m);
+        for (k, contact) in self.contacts.iter().enumerate() {
+            let mut w = vec![DoubleDouble::default(); n];
+            contact.w.iter().for_each(|&(i, a)| w[i] = wide(a));
+            columns.view_mut((0, k), (n, 1)).copy_from_slice(&factor.half(w));
+            columns[(n + k, k)] = contact.compliance.sqrt();
+        }
+        Some(Weighted { factor, columns })
+    }
+
+    /// Takes the place to the minimum of ½ δᵀHδ - leftᵀδ and the contacts' energies, with H the
+    /// weighted stiffness; returns the coordinates' changes δ. `None` where stops cannot be
+    /// satisfied together.
     fn step(
         &self,
-        factor: &Cholesky<f64, Dyn>,
-        left: &DVector<f64>,
-        q: &DVector<f64>,
-        lambda: &DVector<f64>,
-    ) -> Option<(DVector<f64>, DVector<f64>)> {
-        let (n, m) = (left.len(), self.contacts.len());
-        let free = factor.solve(left);
-        // A compliant contact yields by itself: a coordinate of its own, of which the square is the compliance.
-        let mut columns = DMatrix::zeros(n + m, m);
+        weighted: &Weighted,
+        left: &[DoubleDouble],
+        place: &mut Place,
+    ) -> Option<Vec<DoubleDouble>> {
+        let m = self.contacts.len();
+        let mut free = left.to_vec();
+        weighted.factor.solve(&mut free);
         let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
         for (k, contact) in self.contacts.iter().enumerate() {
-            let mut column = contact.w.clone();
-            factor.l_dirty().solve_lower_triangular_mut(&mut column);
-            columns.view_mut((0, k), (n, 1)).copy_from(&column);
-            columns[(n + k, k)] = contact.compliance.sqrt();
-            let yielded = contact.compliance * lambda[k];
-            b[k] = contact.w.dot(&(q + &free)) + contact.excess - yielded;
-            zero[k] =
-                STANDS * (contact.w.abs().dot(&(q.abs() + free.abs())) + contact.excess.abs() + yielded);
+            let yielded = DoubleDouble::new(contact.compliance).times(place.lambda[k]);
+            let gap = (along(&contact.w, &place.q) + along(&contact.w, &free)).plus(contact.excess);
+            b[k] = gap.minus(yielded).value();
+            // What yields has the force of the finest difference; what does not, of none.
+            let fine = if contact.compliance > 0.0 { FINE } else { STANDS };
+            let sizes = size_along(&contact.w, &place.q) + contact.excess.abs() + yielded.value().abs();
+            zero[k] = STANDS * size_along(&contact.w, &free) + fine * sizes;
         }
-        let bound =
-            |of: fn(&(f64, f64)) -> f64| DVector::from_fn(m, |k, _| of(&self.contacts[k].force) - lambda[k]);
-        let problem = Problem { columns, b, lo: bound(|f| f.0), hi: bound(|f| f.1), zero };
-        let change = problem.solve().ok()?.lambda;
-        let mut forces = left.clone();
-        for (contact, change) in self.contacts.iter().zip(change.iter()) {
-            forces.axpy(-change, &contact.w, 1.0);
+        let bound = |of: fn(&(f64, f64)) -> f64| {
+            DVector::from_fn(m, |k, _| of(&self.contacts[k].force) - place.lambda[k].value())
+        };
+        let (lo, hi) = (bound(|f| f.0), bound(|f| f.1));
+        let change = Problem { columns: weighted.columns.clone(), b, lo, hi, zero }.solve().ok()?.lambda;
+        let mut by_q = left.to_vec();
+        for (contact, &change) in self.contacts.iter().zip(change.iter()) {
+            take(DoubleDouble::new(change), &contact.w, &mut by_q);
         }
-        Some((factor.solve(&forces), change))
+        weighted.factor.solve(&mut by_q);
+        place.lambda.iter_mut().zip(change.iter()).for_each(|(force, &by)| *force = force.plus(by));
+        place.q.iter_mut().zip(&by_q).for_each(|(q, by)| *q = *q + *by);
+        Some(by_q)
     }
+}
+
+/// The sizes of the signals at rest: of harmonics those that they have at any time, so that the
+/// rounding of one that is zero counts as such.
+fn signal_sizes(system: &System, z: &Row) -> Sizes {
+    let mut sizes = Sizes(z.abs());
+    (system.signals.one..system.signals.constant_size_until()).for_each(|j| sizes.0[j] = 1.0);
+    sizes
 }

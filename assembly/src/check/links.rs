@@ -24,13 +24,16 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(name, None, text));
         }
     }
-    let movable = free.iter().filter(|&&free| free).count();
-    if problems.is_empty() && movable > 0 && ties.rows.len() == movable {
-        problems.push(Problem::new(
-            "link",
-            None,
-            "the links leave nothing to move; allowed are fewer links than bodies",
-        ));
+    if let Some((last, others)) = machine.links.split_last()
+        && problems.is_empty()
+        && ties.rows.len() == free.len()
+    {
+        let others: Vec<_> = others.iter().map(|l| format!("link.{}", l.name)).collect();
+        let with = if others.is_empty() { String::new() } else { format!("with {} ", others.join(", ")) };
+        let text = format!(
+            "{with}it holds every body still; allowed are fewer links than bodies, or a body whose motion is prescribed"
+        );
+        problems.push(Problem::new(format!("link.{}", last.name), None, text));
     }
 }
 

@@ -16,7 +16,15 @@ pub fn no_records(_: &str) -> io::Result<String> {
 /// A reader of records in a folder.
 pub fn records_beside(folder: &Path) -> impl Fn(&str) -> io::Result<String> + use<> {
     let folder = PathBuf::from(folder);
-    move |path| read_text(&folder.join(path))
+    move |path| read_regular(&folder.join(path))
+}
+
+/// The text of a regular file: a pipe would be waited for without end.
+fn read_regular(path: &Path) -> io::Result<String> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("it is a folder, pipe or device; allowed is a regular file"));
+    }
+    read_text(path)
 }
 
 /// The knots of a record; the error says what is wrong and what is allowed.

@@ -66,10 +66,19 @@ impl Basis {
 
     fn of(columns: &DMatrix<f64>, places: &[usize]) -> Self {
         let mut basis = Self::new();
-        for &place in places {
-            basis.push(columns, place);
-        }
+        basis.become_of(columns, places);
         basis
+    }
+
+    /// Becomes the basis of `places`; what stands at the beginning of both stays.
+    fn become_of(&mut self, columns: &DMatrix<f64>, places: &[usize]) {
+        let stays = self.places.iter().zip(places).take_while(|(a, b)| a == b).count();
+        self.places.truncate(stays);
+        self.q.truncate(stays);
+        self.r.truncate(stays);
+        for &place in &places[stays..] {
+            self.push(columns, place);
+        }
     }
 
     /// The part of a column outside the span, and its coefficients in `q`: Gram–Schmidt, twice, so that what is left is
@@ -127,6 +136,20 @@ impl Basis {
     }
 }
 
+/// The columns' entries without signs, and their squared norms.
+struct Sizes {
+    sizes: DMatrix<f64>,
+    norms: Vec<f64>,
+}
+
+impl Sizes {
+    fn of(columns: &DMatrix<f64>) -> Self {
+        let sizes = columns.abs();
+        let norms = sizes.column_iter().map(|c| c.norm_squared().max(f64::MIN_POSITIVE)).collect();
+        Self { sizes, norms }
+    }
+}
+
 /// The largest independent part of `places`, taken in their order.
 pub fn independent(columns: &DMatrix<f64>, places: &[usize]) -> Vec<usize> {
     Basis::of(columns, places).places
@@ -155,15 +178,13 @@ impl Problem {
 
     /// Below this a residual counts as zero for given λ. What is given, and the rounding of the λ, are errors of forces on the
     /// coordinates; what they change at a contact is passed on to those that share a coordinate with it.
-    fn zero(&self, lambda: &DVector<f64>) -> DVector<f64> {
-        let sizes = self.columns.abs();
-        let norms: Vec<f64> = sizes.column_iter().map(|c| c.norm_squared().max(f64::MIN_POSITIVE)).collect();
+    fn zero(&self, lambda: &DVector<f64>, Sizes { sizes, norms }: &Sizes) -> DVector<f64> {
         let errors = |i: usize, residual: f64| residual / norms[i];
         let own = DVector::from_fn(lambda.len(), |i, _| errors(i, self.zero[i]) + ROUNDING * lambda[i].abs());
-        let mut forces = &sizes * own;
+        let mut forces = sizes * own;
         for _ in 0..NEIGHBOURS {
             let residuals = sizes.tr_mul(&forces);
-            forces = &sizes * DVector::from_fn(lambda.len(), |i, _| errors(i, residuals[i]));
+            forces = sizes * DVector::from_fn(lambda.len(), |i, _| errors(i, residuals[i]));
         }
         sizes.tr_mul(&forces)
     }
@@ -214,18 +235,18 @@ impl Problem {
     fn violated(
         &self,
         lambda: &DVector<f64>,
-        residual: &DVector<f64>,
-        zero: &DVector<f64>,
+        [residual, zero]: [&DVector<f64>; 2],
+        sizes: &Sizes,
         first: bool,
     ) -> Option<usize> {
         let mut best: Option<(usize, f64)> = None;
         for i in 0..lambda.len() {
-            let size = self.columns.column(i).norm();
             let r = residual[i];
             let wants_more = r > zero[i] && lambda[i] < self.hi[i];
             let wants_less = r < -zero[i] && lambda[i] > self.lo[i];
             if wants_more || wants_less {
-                let share = if size > 0.0 { r.abs() / size } else { f64::INFINITY };
+                let norm = sizes.norms[i];
+                let share = if norm > f64::MIN_POSITIVE { r.abs() / norm.sqrt() } else { f64::INFINITY };
                 if first {
                     return Some(i);
                 }
@@ -249,29 +270,30 @@ impl Problem {
         let mut lambda = DVector::from_fn(m, |i, _| 0.0f64.max(self.lo[i]).min(self.hi[i]));
         let equality = |i: usize| self.lo[i] == f64::NEG_INFINITY && self.hi[i] == f64::INFINITY;
         let mut free = independent(&self.columns, &(0..m).filter(|&i| equality(i)).collect::<Vec<_>>());
+        let (sizes, mut basis) = (Sizes::of(&self.columns), Basis::new());
         for turn in 0..100 * (m + 1) {
             // Free contacts at their stationary point, or as far as bounds allow.
-            let basis = loop {
-                let basis = Basis::of(&self.columns, &free);
+            loop {
+                basis.become_of(&self.columns, &free);
                 let target = self.stationary(&basis, &lambda);
                 let reached = self.step(&basis.places, &target, &mut lambda);
                 if reached.is_empty() {
-                    break basis;
+                    break;
                 }
                 free.retain(|i| !reached.contains(i));
-            };
+            }
             let residual = self.residual(&lambda);
             let mut left = residual.clone();
             for &i in &free {
                 left[i] = 0.0;
             }
-            let zero = self.zero(&lambda);
-            let Some(entering) = self.violated(&lambda, &left, &zero, turn > 10 * (m + 1)) else {
+            let zero = self.zero(&lambda, &sizes);
+            let Some(entering) = self.violated(&lambda, [&left, &zero], &sizes, turn > 10 * (m + 1)) else {
                 return Ok(Solution { lambda, residual: left, zero, free });
             };
             self.enter(&basis, entering, left[entering].signum(), &mut lambda, &mut free)?;
         }
-        let (residual, zero) = (self.residual(&lambda), self.zero(&lambda));
+        let (residual, zero) = (self.residual(&lambda), self.zero(&lambda, &sizes));
         Ok(Solution { lambda, residual, zero, free })
     }
 

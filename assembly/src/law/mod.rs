@@ -65,3 +65,33 @@ impl Sizes {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::{no_records, parse};
+
+    #[test]
+    fn closed_form_what_is_held_has_the_rounding_of_what_holds_it() {
+        // 0.01 kg is held to 1 kg, which has had 3 m and 2 m/s: of a correction of e = s' - s it takes
+        // 100/(100 + 1), and the heavy body of the light one's 0.5 m/s the rest, which is less than its own.
+        let text = "name = \"A\"\n[body.heavy]\nmass = 1.0\n[body.light]\nmass = 0.01\n\
+                    [friction.f]\nbetween = [\"heavy\", \"light\"]\nforce = 1.0\n\
+                    [stop.s]\nbetween = [\"heavy\", \"light\"]\ngap = 0.5\nrestitution = 0.0\n";
+        let system = System::new(&parse(text, "a.toml", &no_records).unwrap()).unwrap();
+        let (share, size) = (100.0 / 101.0, |sizes: &Sizes| sizes.0.as_slice()[..4].to_vec());
+        let begin = || {
+            let mut sizes = Sizes(DVector::zeros(system.signals.size));
+            sizes.include(&[3.0, 0.0, 2.0, 0.5, 1.0]);
+            sizes
+        };
+        let mut stuck = begin();
+        stuck.include_contact(&system, Contact::Friction(0));
+        assert_eq!(size(&stuck), [3.0, 0.0, 2.0, share * 2.0]);
+        // A closed stop holds places, too: 3 m and its gap.
+        let mut closed = begin();
+        closed.include_contact(&system, Contact::Stop(0));
+        let found = size(&closed);
+        assert!((found[1] - share * 3.5).abs() < 1e-15 && found[3] == share * 2.0, "{found:?}");
+    }
+}

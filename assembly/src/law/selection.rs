@@ -125,11 +125,16 @@ impl<'a> Selection<'a> {
             if !leaving.is_empty() {
                 return Ok(leaving);
             }
-            if self.is_decided() {
+            if self.is_decided() || self.is_still() {
                 break;
             }
         }
         Ok(Vec::new())
+    }
+
+    /// Whether the last known derivative is zero, and so all that follow: nothing decides any more.
+    fn is_still(&self) -> bool {
+        self.derivatives.last().is_some_and(|z| z.iter().all(|x| *x == 0.0))
     }
 
     /// Whether the state of every element is known.

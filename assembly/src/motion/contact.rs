@@ -408,3 +408,6 @@ pub(super) fn project(
         z[first..].iter_mut().zip(mobility).for_each(|(x, m)| *x -= off * m);
     }
 }
+
+#[cfg(test)]
+mod tests;

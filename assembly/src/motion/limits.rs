@@ -66,6 +66,16 @@ impl Motion {
         Error::TooStiff { time: self.time(), cause }
     }
 
+    /// The end of a call in which events follow one another so fast that its end would not be reached.
+    pub(super) fn too_many(&self, sub_steps: u64, began: f64) -> Error {
+        let cause = format!(
+            "{sub_steps} sub-steps in one call, which went on from t = {began} s: events end them long before the {:e} s that one could last; a \
+             lower restitution, damping or a heavier body where they happen makes them fewer, and a further call goes on from here",
+            self.table().length
+        );
+        self.stuck(&cause)
+    }
+
     /// The end of a motion whose events have no end.
     pub(super) fn stuck(&self, cause: &str) -> Error {
         let last = self.hybrid.last.map(|watch| self.assembly.name_of(watch));

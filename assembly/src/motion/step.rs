@@ -108,7 +108,8 @@ impl Motion {
         }
         self.pass_event(observer)?;
         let target = DoubleDouble::new(end);
-        let (mut work, mut from) = (WORK.0 as f64, self.time());
+        let began = self.time();
+        let (mut work, mut from) = (WORK.0 as f64, began);
         for sub_steps in 0..self.most_work {
             self.hear(sub_steps)?;
             let remaining = target.minus(self.hybrid.time).value();
@@ -127,6 +128,7 @@ impl Motion {
             if self.hybrid.carried == RENEW || self.hybrid.due.is_some() {
                 self.check_sizes()?;
             }
+            let is_knot = self.hybrid.due == Some(Due::Knot);
             if self.hybrid.due.is_some() {
                 if pause != Pause::BeforeEvent {
                     self.pass_event(observer)?;
@@ -135,11 +137,12 @@ impl Motion {
                     return Ok(Outcome::Event);
                 }
             }
-            work -= 1.0;
+            // Knots have an end, however many there are.
+            work -= f64::from(u8::from(!is_knot));
             work += WORK.1 * (self.time() - from) / self.table().length;
             from = self.time();
             if work < 0.0 {
-                return Err(self.stuck("the limit of work in one call is reached"));
+                return Err(self.too_many(sub_steps + 1, began));
             }
         }
         Err(self.too_stiff())

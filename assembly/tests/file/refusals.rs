@@ -175,7 +175,6 @@ const CASES: &[(&str, &str, &str)] = &[
     ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { belt = 1.0 }", "m.toml:11: body.drum: nothing acts on this body; allowed is a body with a spring, stop, friction, link or load\nm.toml:42: link.gear: ties bodies of prescribed motion only; allowed is a link with a body with mass or inertia"),
     ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { wheel = 1.0, drum = -3.0 }\n[link.again]\narms = { wheel = 2.0, drum = -6.0 }", "m.toml:44: link.again: the links before it already tie these bodies, so that it is redundant or contradicts them"),
     ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { wheel = 1.0, drum = -3.0 }\n[link.other]\narms = { wheel = 1.0, drum = -2.0 }\n[link.third]\nbetween = [\"wheel\", \"drum\"]", "m.toml:46: link.third: the links before it already tie these bodies, so that it is redundant or contradicts them"),
-    ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { wheel = 1.0, drum = -3.0 }\n[link.box]\nbetween = [\"ground\", \"box\"]\n[link.block]\nbetween = [\"ground\", \"block\"]\n[link.wheel]\nbetween = [\"ground\", \"wheel\"]", "m.toml:42: link: the links leave nothing to move; allowed are fewer links than bodies"),
     ("inertia = 1", "inertia = 1\nstart = { s = 0.3 }", "m.toml:43: link.gear: at the start e = -0.8999999999999999 rad; allowed are starts with e = 0"),
     ("inertia = 1", "inertia = 1\nstart = { v = 0.3 }", "m.toml:43: link.gear: at the start e' = -0.8999999999999999 rad/s; allowed are starts with e' = 0"),
     ("start = { s = \"2 mm\", v = 0.0 }", "start = { s = \"6 mm\", v = 0.0 }", "m.toml:22: stop.upper.gap = \"5 mm\": the start violates it with e = 0.006 m; allowed is e <= gap"),
@@ -218,4 +217,27 @@ fn golden_message_of_every_refusal() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn records_that_are_no_regular_files_are_refused_at_once() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("records");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(folder.join("folder")).unwrap();
+    let mut names = vec!["folder"];
+    // Nobody will ever write into the pipe.
+    if std::process::Command::new("mkfifo").arg(folder.join("pipe")).status().is_ok_and(|s| s.success()) {
+        names.push("pipe");
+    }
+    for name in names {
+        let machine = folder.join("m.toml");
+        let text = "name = \"M\"\n[body.b]\nmass = 1.0\n[load.l]\non = \"b\"\ntable = \"NAME\"\n"
+            .replace("NAME", name);
+        std::fs::write(&machine, text).unwrap();
+        let refused = vibro_assembly::file::read(&machine).unwrap_err().to_string();
+        let said = format!(
+            "m.toml:6: load.l.table = \"{name}\": cannot be read: it is a folder, pipe or device; allowed is a regular file"
+        );
+        assert!(refused.ends_with(&said), "{refused}");
+    }
 }

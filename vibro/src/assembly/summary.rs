@@ -148,6 +148,9 @@ fn equilibrium(assembly: &Assembly) -> String {
 fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     let system = assembly.system();
     let size = 2 * system.coordinates;
+    if size == 0 {
+        return Vec::new();
+    }
     let linear = system.linear(motion.mode());
     let a = DMatrix::from_fn(size, size, |i, j| linear.a.entry(i, j));
     let values: Vec<(f64, f64)> = a.complex_eigenvalues().iter().map(|c| (c.re, c.im)).collect();

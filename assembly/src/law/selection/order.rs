@@ -15,22 +15,16 @@ impl Selection<'_> {
         let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
         let mut lo = DVector::from_element(m, f64::NEG_INFINITY);
         let mut hi = DVector::from_element(m, f64::INFINITY);
+        // The terms' sizes, those of the forces before they are summed up on a body included.
+        let sizes: Vec<f64> = free
+            .row_iter()
+            .map(|row| row.iter().zip(self.sizes[order].0.iter()).map(|(f, s)| f.abs() * s).sum())
+            .collect();
         for (k, &contact) in contacts.iter().enumerate() {
             let e = self.system.elongation_of(contact);
-            let row = free.tr_mul(&e.w) + &e.drift;
+            let row = along(free, &e.w) + &e.drift;
             b[k] = row.dot(z);
-            // The terms' sizes, those of the forces before they are summed up on a body included.
-            let terms: f64 = (0..self.system.coordinates)
-                .map(|c| {
-                    e.w[c].abs()
-                        * free
-                            .row(c)
-                            .iter()
-                            .zip(self.sizes[order].0.iter())
-                            .map(|(f, s)| f.abs() * s)
-                            .sum::<f64>()
-                })
-                .sum();
+            let terms: f64 = e.w.iter().zip(&sizes).map(|(w, size)| w.abs() * size).sum();
             zero[k] = ZERO * (terms + self.sizes[order].of(&e.drift));
             match contact {
                 Contact::Stop(i) => {
@@ -145,4 +139,18 @@ impl Selection<'_> {
             }
         }
     }
+}
+
+/// The accelerations' rows along a direction. Of one or two terms, as most directions have, the others are left out, which are zeros.
+fn along(free: &DMatrix<f64>, w: &DVector<f64>) -> Row {
+    let mut terms = w.iter().enumerate().filter(|(_, w)| **w != 0.0);
+    let two = [terms.next(), terms.next()];
+    if terms.next().is_some() {
+        return free.tr_mul(w);
+    }
+    let mut row = Row::zeros(free.ncols());
+    for (c, &w) in two.into_iter().flatten() {
+        row.iter_mut().zip(free.row(c).iter()).for_each(|(sum, f)| *sum += f * w);
+    }
+    row
 }

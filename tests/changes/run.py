@@ -1,0 +1,365 @@
+#!/usr/bin/env python3
+"""Small changes of a package's source, each of which its tests should catch.
+
+    python3 tests/changes/run.py --package vibro-assembly --count 40 --seed 1
+
+draws changes at random by a seed, or takes those of a file (`--named`), applies one at a time in a copy of the repository with a
+target folder of its own, and runs the package's test binaries until one fails. It prints a line a change: caught, SURVIVED,
+equivalent (named with its reason in `equivalent.toml`), or not compiled (drawn again). The exit status is 1 where a change survives.
+Nothing in this folder is run by `cargo test`.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+
+# The files of each package from which changes are drawn where `--files` names none.
+FILES = {
+    "vibro-assembly": [
+        "assembly/src/law",
+        "assembly/src/motion",
+        "assembly/src/flow",
+        "assembly/src/flow.rs",
+        "assembly/src/energy",
+        "assembly/src/energy.rs",
+        "assembly/src/mode",
+        "assembly/src/mode.rs",
+        "assembly/src/rest",
+        "assembly/src/rest.rs",
+        "assembly/src/signals.rs",
+    ],
+    "vibro-analysis": ["analysis/src/assembly"],
+    "vibro-assembly-fmi": ["assembly-fmi/src"],
+}
+
+# A test binary may take this many times its time without a change, and this many seconds more, before it counts as hanging.
+SLOWER, MORE = 10.0, 60.0
+
+# Only what a change touches is compiled anew: a third of the time, and the arithmetic is the same.
+PARTS = 64
+
+# Pairs that are swapped, each in both ways. Blanks stand around operators, as rustfmt writes them.
+SWAPS = [
+    (" + ", " - "),
+    (" * ", " / "),
+    (" += ", " -= "),
+    (" *= ", " /= "),
+    (" < ", " <= "),
+    (" > ", " >= "),
+    (" < ", " > "),
+    (" <= ", " >= "),
+    (" == ", " != "),
+    (" && ", " || "),
+    (".min(", ".max("),
+    ("f64::min", "f64::max"),
+    ("min_by(", "max_by("),
+    (".any(", ".all("),
+    (".is_some()", ".is_none()"),
+    ("true", "false"),
+    (" % ", " * "),
+]
+NUMBER = re.compile(r"(?<![\w.])(\d[\d_]*\.\d+(?:e-?\d+)?|\d[\d_]*(?:e-?\d+)?)(?![\w.]|\.\w)")
+NEGATIVE = re.compile(r"(?:(?<=[(,=\[{|] )|(?<=[(\[|]))-(?=[\w(&*])")
+CONDITION = re.compile(r"\b(if|while) (?!let\b)([^{}]*[^{} ]) \{")
+GUARD = re.compile(r"\.filter\(\|([^|]*)\| ([^{}]*)\)")
+STATEMENT = re.compile(r"^\s+(?!let\b|use\b|pub\b|mod\b|type\b|const\b|static\b|return\b|#|//|\}|\)|\]|\.)\S.*;$")
+
+
+def masked(text):
+    """The text with blanks for what is no code: comments, strings, characters, attributes, and unit tests."""
+    keep = list(text)
+    pattern = re.compile(
+        r"//[^\n]*|/\*.*?\*/|r#\".*?\"#|b?\"(?:\\.|[^\"\\])*\"|b?'(?:\\.|[^'\\])'|#!?\[[^\]\n]*\]", re.S
+    )
+    for found in pattern.finditer(text):
+        for i in range(*found.span()):
+            if keep[i] != "\n":
+                keep[i] = " "
+    tests = re.search(r"^#\[cfg\(test\)\]\s*(?:#\[[^\n]*\]\s*)*mod \w+ \{", text, re.M)
+    if tests:
+        keep[tests.start() :] = [c if c == "\n" else " " for c in keep[tests.start() :]]
+    return "".join(keep)
+
+
+def other_number(literal, rng):
+    """Another constant in place of a literal."""
+    if "." not in literal and "e" not in literal:
+        value = int(literal.replace("_", ""))
+        return str(rng.choice([value + 1] if value == 0 else [value - 1, value + 1]))
+    value = float(literal.replace("_", ""))
+    if value == 0.0:
+        return "1.0"
+    # What is very small or large is a tolerance or its like, of which a factor of two is no change that anything could show.
+    factor = 2.0 if 1e-4 < value < 1e4 else 1e5
+    return repr(rng.choice([factor * value, value / factor, -value]))
+
+
+def changes_of_line(line, code, rng):
+    """Every small change of a line, given with blanks for what is no code."""
+    found = []
+
+    def put(start, end, text):
+        changed = line[:start] + text + line[end:]
+        if changed != line:
+            found.append(changed)
+
+    for one, other in SWAPS:
+        for old, new in ((one, other), (other, one)):
+            for hit in re.finditer(re.escape(old), code):
+                put(hit.start(), hit.end(), new)
+    for hit in NUMBER.finditer(code):
+        put(hit.start(), hit.end(), other_number(hit.group(), rng))
+    for hit in NEGATIVE.finditer(code):
+        put(hit.start(), hit.end(), "")
+    for hit in re.finditer(r"\.abs\(\)", code):
+        put(hit.start(), hit.end(), "")
+    for hit in CONDITION.finditer(code):
+        put(hit.start(2), hit.end(2), f"!({line[hit.start(2) : hit.end(2)]})")
+    for hit in GUARD.finditer(code):
+        put(hit.start(2), hit.end(2), f"!({line[hit.start(2) : hit.end(2)]})")
+    balanced = all(code.count(a) == code.count(b) for a, b in ("()", "[]", "{}"))
+    if STATEMENT.match(code) and balanced:
+        found.append("")
+    return found
+
+
+def sites(files, rng):
+    """All changes as (file, line number, line, line instead)."""
+    out = []
+    for file in files:
+        text = (ROOT / file).read_text()
+        pairs = zip(text.split("\n"), masked(text).split("\n"))
+        for number, (line, code) in enumerate(pairs, 1):
+            if re.match(r"\s*(pub |use |impl|struct|enum|mod |type |where)", code) and "fn " not in code:
+                if not re.match(r"\s*(pub )?(const|static) ", code):
+                    continue
+            if re.match(r"\s*(pub(\(\w+\))? )?(const )?fn ", code):
+                continue
+            out += [(file, number, line, changed) for changed in changes_of_line(line, code, rng)]
+    return out
+
+
+def files_of(args):
+    """The Rust files asked for, relative to the root, without those of tests."""
+    out = []
+    for name in args.files or FILES.get(args.package, []):
+        path = ROOT / name
+        found = sorted(path.rglob("*.rs")) if path.is_dir() else [path] if path.exists() else []
+        out += [f.relative_to(ROOT).as_posix() for f in found if f.name != "tests.rs"]
+    if not out:
+        sys.exit("no files; allowed is --files with files or folders of the package")
+    return out
+
+
+def tables(path, key="change"):
+    """The tables of a TOML file, or none where there is no file."""
+    return tomllib.loads(path.read_text()).get(key, []) if path.exists() else []
+
+
+def named(path):
+    """Changes of a file: each has `file`, `from`, `to` (parts of lines, in one place), and `what`."""
+    out = []
+    for change in tables(path):
+        text = (ROOT / change["file"]).read_text()
+        if text.count(change["from"]) != 1:
+            sys.exit(f"{path.name}: {change['from']!r} stands {text.count(change['from'])} times in {change['file']}; allowed is once")
+        number = text[: text.index(change["from"])].count("\n") + 1
+        out.append((change["file"], number, change["from"], change["to"]))
+    return out
+
+
+class Copy:
+    """A copy of the repository with a target folder of its own."""
+
+    def __init__(self, folder, package, skips_documents):
+        self.folder, self.package, self.skips_documents = folder, package, skips_documents
+        self.tree = folder / "tree"
+        self.environment = dict(os.environ, CARGO_TARGET_DIR=str(folder / "target"), CARGO_TERM_COLOR="never")
+        for name in ("PROPTEST_CASES", "PROPTEST_RNG_SEED", "UPDATE"):
+            self.environment.pop(name, None)
+        self.bring()
+        self.marks = folder / f"marks-{package}.json"
+        self.catches = json.loads(self.marks.read_text()) if self.marks.exists() else {}
+        self.times = {}
+
+    def bring(self):
+        """Brings every file of the repository that git knows or would add, and takes away those that are gone."""
+        listed = subprocess.run(
+            ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+            cwd=ROOT, check=True, capture_output=True,
+        ).stdout.decode()
+        files = {f for f in listed.split("\0") if f and (ROOT / f).is_file()}
+        for file in sorted(files):
+            source, copy = ROOT / file, self.tree / file
+            if copy.exists() and copy.read_bytes() == source.read_bytes():
+                continue
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, copy)
+        for copy in [p for p in self.tree.rglob("*") if p.is_file()]:
+            if copy.relative_to(self.tree).as_posix() not in files:
+                copy.unlink()
+
+    def binaries(self):
+        """The arguments of cargo for each test binary of the package."""
+        metadata = subprocess.run(
+            ["cargo", "metadata", "--no-deps", "--format-version", "1", "--offline"],
+            cwd=self.tree, check=True, capture_output=True, env=self.environment,
+        ).stdout
+        package = next((p for p in json.loads(metadata)["packages"] if p["name"] == self.package), None)
+        if package is None:
+            sys.exit(f"--package {self.package}: allowed is a package of this workspace")
+        out = []
+        for target in package["targets"]:
+            if target["kind"] == ["test"]:
+                out.append(("--test", target["name"]))
+            elif "lib" in target["kind"] or "rlib" in target["kind"]:
+                out += [("--lib",)] if target.get("test", True) else []
+                out += [("--doc",)] if target.get("doctest") and not self.skips_documents else []
+        return out
+
+    def cargo(self, arguments, limit):
+        """Runs cargo; returns its status, None where it lasts too long, and what it says."""
+        with tempfile.TemporaryFile("w+") as said:
+            parts = f"profile.dev.package.{self.package}.codegen-units={PARTS}"
+            quick = ["--config", "profile.dev.incremental=true", "--config", parts]
+            process = subprocess.Popen(
+                ["cargo", *quick, *arguments], cwd=self.tree, env=self.environment,
+                stdout=said, stderr=subprocess.STDOUT, start_new_session=True,
+            )
+            try:
+                status = process.wait(limit)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, 9)
+                process.wait()
+                status = None
+            said.seek(0)
+            return status, said.read()
+
+    def run(self, binary, limit):
+        """Builds and runs a test binary: "passed", "failed", "hangs" or "not compiled", with its seconds and what it says."""
+        arguments = ["-p", self.package, *binary, "--offline", "-q"]
+        if binary != ("--doc",):
+            status, said = self.cargo(["test", "--no-run", *arguments], None)
+            if status != 0:
+                return "not compiled", 0.0, said
+        start = time.monotonic()
+        status, said = self.cargo(["test", *arguments], limit)
+        verdict = {0: "passed", None: "hangs"}.get(status, "failed")
+        return verdict, time.monotonic() - start, said
+
+    def baseline(self, again):
+        """Every test binary passes without a change; tells how long each takes, as known from an earlier run with `--again`."""
+        known = self.folder / f"times-{self.package}.json"
+        if again and known.exists():
+            self.times = {tuple(name.split()): seconds for name, seconds in json.loads(known.read_text()).items()}
+            return
+        for binary in self.binaries():
+            verdict, seconds, said = self.run(binary, None)
+            if verdict != "passed":
+                sys.exit(f"{' '.join(binary)} {verdict} without any change:\n{said[-3000:]}")
+            self.times[binary] = seconds
+            print(f"# {' '.join(binary)}: {seconds:.1f} s", flush=True)
+        known.write_text(json.dumps({" ".join(binary): seconds for binary, seconds in self.times.items()}))
+
+    def order(self):
+        """The test binaries, those first that catch most in their time; documents last, as they are compiled anew."""
+        value = lambda b: (b == ("--doc",), -(1 + self.catches.get(" ".join(b), 0)) / (2.0 + self.times[b]))
+        return sorted(self.times, key=value)
+
+    def judge(self, change):
+        """What becomes of a change: its verdict, and the test binary that caught it with the test that failed."""
+        file, number, line, instead = change
+        path = self.tree / file
+        was = path.read_text()
+        if "\n" not in line and was.split("\n")[number - 1] == line:
+            lines = was.split("\n")
+            lines[number - 1] = instead
+            changed = "\n".join(lines)
+        else:
+            changed = was.replace(line, instead, 1)
+        path.write_text(changed)
+        try:
+            for binary in self.order():
+                verdict, _, said = self.run(binary, SLOWER * self.times[binary] + MORE)
+                if verdict == "not compiled":
+                    return "not compiled", ""
+                if verdict != "passed":
+                    name = " ".join(binary)
+                    self.catches[name] = self.catches.get(name, 0) + 1
+                    self.marks.write_text(json.dumps(self.catches))
+                    test = re.search(r"^test (.*?) \.\.\. FAILED|^    (\S.*)$", said, re.M)
+                    hint = "hangs" if verdict == "hangs" else test and (test.group(1) or test.group(2))
+                    return "caught", f"{name} {hint or ''}".strip()
+            return "SURVIVED", ""
+        finally:
+            path.write_text(was)
+
+
+def is_equivalent(change, known):
+    """The reason by which a change is named as equivalent, if it is."""
+    file, _, line, instead = change
+    for entry in known:
+        if (entry["file"], entry["from"], entry["to"]) == (file, line.strip(), instead.strip()):
+            return entry["reason"]
+    return None
+
+
+def show(verdict, change, more):
+    file, number, line, instead = change
+    flat = lambda text: " ".join(text.split()) or "(dropped)"
+    print(f"{verdict:12} {file}:{number}  {flat(line)}  =>  {flat(instead)}" + (f"  [{more}]" if more else ""), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--package", default="vibro-assembly", help="whose tests are run")
+    parser.add_argument("--files", nargs="+", help="files or folders to change, from the repository's root")
+    parser.add_argument("--count", type=int, default=40, help="changes that compile")
+    parser.add_argument("--seed", type=int, default=1, help="by which they are drawn")
+    parser.add_argument("--named", type=pathlib.Path, help="a file of changes instead of drawn ones")
+    parser.add_argument("--list", action="store_true", help="print the first --count changes, and run nothing")
+    parser.add_argument("--again", action="store_true", help="trust the unchanged package and its times of the last run in this copy")
+    parser.add_argument("--skip-documents", action="store_true", help="do not run the examples of the documentation")
+    parser.add_argument("--copy", type=pathlib.Path, help="folder of the copy, kept (default: in the temporary folder)")
+    args = parser.parse_args()
+
+    known = tables(HERE / "equivalent.toml")
+    if args.named:
+        drawn = named(args.named)
+        args.count = len(drawn)
+    else:
+        rng = random.Random(args.seed)
+        drawn = sites(files_of(args), rng)
+        rng.shuffle(drawn)
+    if args.list:
+        for change in drawn[: args.count]:
+            show("", change, "")
+        return
+    copy = Copy(args.copy or pathlib.Path(tempfile.gettempdir()) / f"vibro-changes-{args.package}", args.package, args.skip_documents)
+    copy.baseline(args.again)
+    counts = {}
+    for change in drawn:
+        if sum(n for verdict, n in counts.items() if verdict != "not compiled") >= args.count:
+            break
+        reason = is_equivalent(change, known)
+        verdict, more = ("equivalent", reason) if reason else copy.judge(change)
+        counts[verdict] = counts.get(verdict, 0) + 1
+        show(verdict, change, more)
+    print("# " + ", ".join(f"{n} {verdict}" for verdict, n in sorted(counts.items())))
+    sys.exit(1 if counts.get("SURVIVED") else 0)
+
+
+if __name__ == "__main__":
+    main()
