@@ -1,11 +1,13 @@
 //! Computations in a thread of their own, while the calling thread hears signals and shows progress.
 
 use crate::failure::Failure;
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// How often signals are looked for: a person who presses Ctrl-C notices a tenth of a second.
@@ -89,6 +91,38 @@ pub fn compute<T: Send + 'static>(
             }
         }
     }
+}
+
+/// What `each` finds of so many motions, by their index, on all threads. A signal's exception has what was found until then as its
+/// attribute `partial`: a list with `None` for a motion that was not at its end.
+pub fn each_of<T>(
+    py: Python<'_>,
+    count: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+    each: impl Fn(&Control, usize) -> Result<T, Failure> + Send + Sync + 'static,
+) -> PyResult<Vec<T>>
+where
+    T: Clone + Send + Sync + 'static + for<'py> IntoPyObject<'py>,
+{
+    let slots: Arc<Vec<OnceLock<T>>> = Arc::new((0..count).map(|_| OnceLock::new()).collect());
+    let theirs = Arc::clone(&slots);
+    let ended = compute(py, progress, move |control| {
+        let one = |index: usize| {
+            let found = control.check().and_then(|()| each(control, index));
+            control.add(1);
+            let _ = theirs[index].set(found.map_err(|failure| failure.of_motion(index))?); // each index once
+            Ok(())
+        };
+        pool()?.install(|| (0..count).into_par_iter().try_for_each(one))
+    });
+    let found = || slots.iter().map(|slot| slot.get().cloned());
+    if let Err(error) = ended {
+        if error.is_instance_of::<PyKeyboardInterrupt>(py) {
+            error.value(py).setattr("partial", found().collect::<Vec<_>>())?;
+        }
+        return Err(error);
+    }
+    Ok(found().flatten().collect())
 }
 
 /// The threads of this process for work in parallel. A process made by fork has none of its parent's threads, and would wait for

@@ -126,6 +126,31 @@ def test_a_jam_is_a_runtime_error_that_names_the_stops():
         jam.simulate(1.0)
 
 
+def test_a_design_that_cannot_go_on_is_told_in_its_row():
+    jam = vi.Assembly(
+        'name = "Jam"\n[body.press]\nmotion = { rate = "1 m/s" }\n[body.block]\nmass = "1 kg"\n'
+        '[stop.front]\nbetween = ["block", "press"]\ngap = "0.2 m"\nrestitution = 0.5\n'
+        '[stop.wall]\nbetween = ["ground", "block"]\ngap = "0.1 m"\nrestitution = 0.0\n'
+    )
+    names = ["amplitude.block.s", "class"]
+    many = [jam.replace(**{"stop.wall.gap": "100 m"}), jam]
+    good, bad = vi.measure_many(many, names, settle=1, periods=4, section=0.1, errors="row")
+    assert good == {**many[0].measure(names, settle=1, periods=4, section=0.1), "error": None}
+    assert bad["amplitude.block.s"] is bad["class"] is None and "jammed" in bad["error"]
+    with pytest.raises(RuntimeError, match="motion 1: .*jammed"):
+        vi.measure_many(many, names, settle=1, periods=4, section=0.1)
+
+
+def test_numbers_are_in_si_and_texts_have_their_units():
+    machine = damper()  # its file says "4 mm"
+    assert machine.replace(**{"stop.steel.gap": 3e-3}) == machine.replace(**{"stop.steel.gap": "3 mm"})
+    texts, numbers = (
+        machine.bifurcation("box.s", periods=(2, 2), **{"stop.steel.gap": gaps})
+        for gaps in (["3 mm", "4 mm", "5 mm"], [3e-3, 4e-3, 5e-3])
+    )
+    assert (texts.up.value == numbers.up.value).all() and (texts.up.maxima == numbers.up.maxima).all()
+
+
 #: Machines of which the tests in Rust have written motions, sketches and archives: every kind of element, records, rotation.
 NATIVE = ["damper_with_buffer", "gear_backlash", "msl_coupled_clutches", "valve_train"]
 

@@ -10,6 +10,7 @@ import numpy as np
 from . import _native
 from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, Start, array, choice, number, state, whole
 from ._machine import Machine
+from ._parameters import find
 from ._progress import Bar
 from ._result import Result, direction
 
@@ -97,13 +98,18 @@ def bifurcation(
     ------
     ValueError, TypeError
         For arguments out of their range.
+
+    Warns
+    -----
+    SimilarNameWarning
+        For a symbol such as ``F10`` (N), from which the name of another parameter, ``f10``, differs by case alone.
     """
     _require_machine(machine)
     machine._needs_period("a bifurcation diagram")
     if len(parameter) != 1:
         raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
     ((given, values),) = parameter.items()
-    name = _native.find(given)
+    name = find(given)
     ends, count = _axis(given, values)
     try:
         discard, keep = periods
