@@ -116,13 +116,23 @@ where
         pool()?.install(|| (0..count).into_par_iter().try_for_each(one))
     });
     let found = || slots.iter().map(|slot| slot.get().cloned());
-    if let Err(error) = ended {
-        if error.is_instance_of::<PyKeyboardInterrupt>(py) {
-            error.value(py).setattr("partial", found().collect::<Vec<_>>())?;
-        }
-        return Err(error);
-    }
+    ended.map_err(|error| with_partial(py, error, found().collect()))?;
     Ok(found().flatten().collect())
+}
+
+/// An error; a signal's exception with what was found of each motion until then.
+pub fn with_partial<T: for<'py> IntoPyObject<'py>>(
+    py: Python<'_>,
+    error: PyErr,
+    found: Vec<Option<T>>,
+) -> PyErr {
+    if !error.is_instance_of::<PyKeyboardInterrupt>(py) {
+        return error;
+    }
+    match error.value(py).setattr("partial", found) {
+        Ok(()) => error,
+        Err(other) => other,
+    }
 }
 
 /// The threads of this process for work in parallel. A process made by fork has none of its parent's threads, and would wait for

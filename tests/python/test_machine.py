@@ -158,7 +158,7 @@ def test_a_symbol_that_another_name_has_in_small_letters_warns_with_both_units()
         warnings.simplefilter("error")
         vi.bifurcation(vi.Machine(), f10=f10, periods=(2, 2))
         vi.bifurcation(vi.Machine(), drive_amplitude=f10, periods=(2, 2))
-        assert vi.Machine().replace(e=0.5).stop_restitution == 0.5
+        assert vi.Machine().replace(L=0.5).stop_gap == 0.5
 
 
 def test_a_motion_that_is_refused_is_told_in_its_row():

@@ -13,7 +13,7 @@ from ._arguments import MOST_PERIODS, Floats, Start, array, state, whole
 from ._assembly import Assembly, Section, ends, measures_of
 from ._assembly_results import AssemblyEnds
 from ._machine import Machine
-from ._measures import measure_names, rows
+from ._measures import keeping, measure_names, rows
 from ._progress import Bar
 from ._result import Result
 
@@ -81,8 +81,8 @@ def simulate_many(
         As :meth:`Machine.simulate` and :meth:`Assembly.simulate`, with the motion's index; for numbers of machines and starts that differ;
         for assemblies of different columns.
     KeyboardInterrupt
-        On Ctrl-C; of assemblies with the ends found until then as its attribute ``partial``: a list with an array in the order of ``columns``
-        for each motion, None where it was not at its end.
+        On Ctrl-C, with the ends found until then as its attribute ``partial``: a list with an array for each motion, None where it was not
+        at its end; of machines the state, shape (6,), of assemblies the values in the order of ``columns``.
     """
     machines = _listed(machines)
     if until is not None or _are_assemblies(machines):
@@ -91,7 +91,7 @@ def simulate_many(
         return ends(_several(machines), until, progress)
     periods = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
     several, begins = _motions(machines, starts, "a motion over periods")
-    with Bar(progress, len(several), "motions") as bar:
+    with Bar(progress, len(several), "motions") as bar, keeping(np.array):
         s, v = _native.simulate_many([m._system for m in several], begins, periods, bar.report)
     return Ends(np.array([periods * m.period for m in several]), s, v)
 
