@@ -93,8 +93,9 @@ pub fn compute<T: Send + 'static>(
     }
 }
 
-/// What `each` finds of so many motions, by their index, on all threads. A signal's exception has what was found until then as its
-/// attribute `partial`: a list with `None` for a motion that was not at its end.
+/// What `each` finds of so many motions, by their index, on all threads. A signal's exception has
+/// what was found until then as its attribute `partial`: a list with `None` for a motion that was
+/// not at its end.
 pub fn each_of<T>(
     py: Python<'_>,
     count: usize,

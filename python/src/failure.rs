@@ -24,7 +24,8 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Why one motion has no result, where that is the motion's own; else the failure, which is that of the whole call.
+    /// Why one motion has no result, where that is the motion's own; else the failure, which is
+    /// that of the whole call.
     ///
     /// # Errors
     /// The failure then.

@@ -6,7 +6,6 @@ use crate::failure::{Failure, in_python};
 use crate::system::{System, find};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
-use rayon::prelude::*;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, count as diagram_parts, diagram};
@@ -317,7 +316,8 @@ fn one(
     Ok(measured(&mut simulator, measures, periods)?)
 }
 
-/// What is measured of one of many motions: numbers, class, and why there are none where that is told in its row.
+/// What is measured of one of many motions: numbers, class, and why there are none where that is
+/// told in its row.
 pub type Row = (Vec<Option<f64>>, Option<String>, Option<String>);
 
 /// A motion's row. A failure of its own is told there if `in_rows`.
