@@ -133,7 +133,7 @@ def test_a_design_that_cannot_go_on_is_told_in_its_row():
         '[stop.wall]\nbetween = ["ground", "block"]\ngap = "0.1 m"\nrestitution = 0.0\n'
     )
     names = ["amplitude.block.s", "class"]
-    many = [jam.replace(**{"stop.wall.gap": "1000 km"}), jam]
+    many = [jam.replace(**{"stop.wall.gap": 1e6}), jam]
     good, bad = vi.measure_many(many, names, settle=1, periods=4, section=0.1, errors="row")
     assert good == {**many[0].measure(names, settle=1, periods=4, section=0.1), "error": None}
     assert bad["amplitude.block.s"] is bad["class"] is None and "jammed" in bad["error"]
