@@ -111,7 +111,8 @@ where
         let one = |index: usize| {
             let found = control.check().and_then(|()| each(control, index));
             control.add(1);
-            let _ = theirs[index].set(found.map_err(|failure| failure.of_motion(index))?); // each index once
+            let of_one = |failure: Failure| if count > 1 { failure.of_motion(index) } else { failure };
+            let _ = theirs[index].set(found.map_err(of_one)?); // each index once
             Ok(())
         };
         pool()?.install(|| (0..count).into_par_iter().try_for_each(one))

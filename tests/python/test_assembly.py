@@ -93,12 +93,16 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
         (lambda: damper().replace(**{"stop.stel.gap": 1e-3}), ValueError, "the nearest is `stop.steel.gap`"),
         (lambda: damper().replace(**{"stop.steel.restitution": 1.5}), ValueError, "0 to 1"),
         (lambda: damper().replace(**{"stop.steel.gap": "5 mN"}), ValueError, "in m, cm, mm, um"),
+        (lambda: damper().replace(**{"stop.steel.gap": "5"}), ValueError, "a number, which is in m, or a text with a unit"),
         (lambda: damper().replace(**{"stop.steel.gap": True}), TypeError, "stop.steel.gap"),
         (lambda: damper().simulate(), TypeError, "until or times"),
         (lambda: damper().simulate(-1.0), ValueError, "until"),
         (lambda: damper().simulate(times=[1.0, 0.5]), ValueError, "ascending"),
         (lambda: damper().measure(["amplitude.bx.s"]), ValueError, "the nearest is `box.s`"),
+        (lambda: damper().measure(["class"], section="x"), ValueError, 'section = "x": no stop'),
         (lambda: damper().bifurcation("box.s"), TypeError, "exactly one"),
+        (lambda: damper().bifurcation("box.s", periods=3, **{"stop.steel.gap": [1e-3, 2e-3]}), TypeError, "periods = 3: allowed is a pair"),
+        (lambda: vi.bifurcation(damper(), f10=[1, 2]), TypeError, "an Assembly has its own method bifurcation"),
         (lambda: damper().bifurcation("box.s", **{"stop.steel.gap": [1e-3, 3e-3, 4e-3]}), ValueError, "equally spaced"),
         (lambda: vi.simulate_many([damper(), vi.Assembly(OSCILLATOR)], until=1.0), ValueError, "columns"),
         (lambda: vi.simulate_many([damper()], periods=10), TypeError, "of assemblies allowed is `until`"),
@@ -143,6 +147,7 @@ def test_a_design_that_cannot_go_on_is_told_in_its_row():
 
 def test_numbers_are_in_si_and_texts_have_their_units():
     machine = damper()  # its file says "4 mm"
+    assert machine.replace(**{"stop.steel.restitution": "0.5"}).parameters["stop.steel.restitution"] == 0.5
     assert machine.replace(**{"stop.steel.gap": 3e-3}) == machine.replace(**{"stop.steel.gap": "3 mm"})
     texts, numbers = (
         machine.bifurcation("box.s", periods=(2, 2), **{"stop.steel.gap": gaps})

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import MOST_PERIODS, array, number, whole
+from ._arguments import MOST_PERIODS, array, discarded_and_kept, number, whole
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, Sketch, run_of
 from ._fmu import kit_path
 from ._measures import keeping, rows
@@ -103,16 +103,20 @@ class Assembly:
     def replace(self, **parameters: Value) -> Assembly:
         """The machine with other values: ``replace(**{"stop.upper.gap": 4e-3, "body.box.mass": "12 kg"})``.
 
-        A number is in SI, whatever unit the file has: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``.
+        A number is in SI, whatever unit the file has: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
+        refused where the parameter has a unit.
 
         Raises
         ------
         ValueError, TypeError
             For unknown names, with the nearest; for values that a file would be refused for.
         """
+        units = self.units if any(isinstance(value, str) for value in parameters.values()) else {}
         for name, value in parameters.items():
             if not isinstance(value, str):
                 number(name, value)
+            elif _is_number(value) and units.get(name, "1") != "1":
+                raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
         changes = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
         return _of(self._described.replace(changes))
 
@@ -212,8 +216,7 @@ class Assembly:
         even = len(values) >= 2 and np.allclose(np.diff(values), (values[-1] - values[0]) / (len(values) - 1), rtol=1e-6, atol=0)
         if not even or len(values) > _MOST_VALUES or not values[0] < values[-1]:
             raise ValueError(f"{name}: allowed are 2 to {_MOST_VALUES} values, rising and equally spaced")
-        discard = whole("periods[0]", periods[0], 0, MOST_PERIODS)
-        keep = whole("periods[1]", periods[1], 1, MOST_PERIODS)
+        discard, keep = discarded_and_kept(periods)
         counted = None if exponents is False else 400 if exponents is True else whole("exponents", exponents, 8, MOST_PERIODS)
         with Bar(progress, 0, "parts") as bar:
             ends = (float(values[0]), float(values[-1]))
@@ -268,6 +271,14 @@ class Assembly:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (_from_text, (self.toml,))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _from_text(text: str) -> Assembly:
