@@ -143,6 +143,8 @@ def test_a_design_that_cannot_go_on_is_told_in_its_row():
     assert bad["amplitude.block.s"] is bad["class"] is None and "jammed" in bad["error"]
     with pytest.raises(RuntimeError, match="motion 1: .*jammed"):
         vi.measure_many(many, names, settle=1, periods=4, section=0.1)
+    with pytest.raises(RuntimeError, match="^jammed"):
+        jam.measure(names, settle=1, periods=4, section=0.1)
 
 
 def test_numbers_are_in_si_and_texts_have_their_units():
