@@ -1,14 +1,13 @@
 //! Machines that a file or a program describes: their parameters, motions, measures and diagrams.
 
 use crate::arrays::{Column, Table, column, numbers, plane, table};
-use crate::background::{Control, compute, pool};
+use crate::background::{Control, compute, each_of};
 use crate::failure::Failure;
-use crate::studies::in_parts;
+use crate::studies::{Row, in_parts, row};
 use fmi_doors::Version;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibro_analysis::assembly::diagram::{self, Point};
@@ -190,24 +189,6 @@ pub fn simulate_assembly<'py>(
     })
 }
 
-/// What `each` finds of each machine, on all threads.
-fn together<T: Send + 'static>(
-    py: Python<'_>,
-    machines: Vec<PyRef<'_, Described>>,
-    progress: Option<&Bound<'_, PyAny>>,
-    each: impl Fn(&Control, &Described) -> Result<T, Failure> + Send + Sync + 'static,
-) -> PyResult<Vec<T>> {
-    let machines: Vec<Described> = machines.iter().map(|m| (*m).clone()).collect();
-    compute(py, progress, move |control| {
-        let one = |(index, machine): (usize, &Described)| {
-            let found = control.check().and_then(|()| each(control, machine));
-            control.add(1);
-            found.map_err(|failure| failure.of_motion(index))
-        };
-        pool()?.install(|| machines.par_iter().enumerate().map(one).collect())
-    })
-}
-
 /// The ends of many machines' motions at a time (s), of which all have the same columns.
 #[pyfunction]
 #[pyo3(signature = (machines, until, progress = None))]
@@ -218,18 +199,23 @@ pub fn simulate_assemblies<'py>(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Table<'py, f64>> {
     let count = machines.first().map_or(0, |m| columns(&m.description).len());
-    let ends = together(py, machines, progress, move |_, machine| {
-        let mut motion = machine.motion()?.without_energy_accounts();
+    let machines = clones(&machines);
+    let ends = each_of(py, machines.len(), progress, move |_, index| {
+        let mut motion = machines[index].motion()?.without_energy_accounts();
         motion.advance_to(until)?;
         Ok(values(&motion))
     })?;
     plane(py, &ends.concat(), ends.len(), count)
 }
 
-/// Measures of many machines' settled motions: numbers and class of each.
+fn clones(machines: &[PyRef<'_, Described>]) -> Vec<Described> {
+    machines.iter().map(|m| (*m).clone()).collect()
+}
+
+/// Measures of many machines' settled motions: a row of each.
 #[pyfunction]
-#[pyo3(signature = (machines, names, settle, periods, section, progress = None))]
-#[allow(clippy::type_complexity)]
+#[pyo3(signature = (machines, names, settle, periods, section, in_rows, progress = None))]
+#[allow(clippy::too_many_arguments)]
 pub fn measure_assemblies(
     py: Python<'_>,
     machines: Vec<PyRef<'_, Described>>,
@@ -237,19 +223,22 @@ pub fn measure_assemblies(
     settle: u32,
     periods: u32,
     section: Option<SectionChoice>,
+    in_rows: bool,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<(Vec<Option<f64>>, Option<String>)>> {
+) -> PyResult<Vec<Row>> {
     let measures = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
     let measures = measures.map_err(Failure::from)?;
     let rule = rule(section);
-    let found = together(py, machines, progress, move |control, own| -> Result<Measured, Failure> {
-        let machine = Machine { section: rule.clone(), ..own.machine(None) };
+    let machines = clones(&machines);
+    let count = machines.len();
+    let one = move |control: &Control, index: usize| -> Result<Measured, Failure> {
+        let machine = Machine { section: rule.clone(), ..machines[index].machine(None) };
         let (mut motion, section) = machine.motion(&Start::default())?;
         discard(&mut motion, &section, settle)?;
         control.check()?;
         Ok(measure(&mut motion, &section, &measures, periods)?)
-    })?;
-    Ok(found.into_iter().map(|m| (m.numbers, m.class.map(|class| class.name()))).collect())
+    };
+    each_of(py, count, progress, move |control, index| row(one(control, index), in_rows))
 }
 
 /// One direction of a diagram.

@@ -1,11 +1,13 @@
 //! Computations in a thread of their own, while the calling thread hears signals and shows progress.
 
 use crate::failure::Failure;
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// How often signals are looked for: a person who presses Ctrl-C notices a tenth of a second.
@@ -88,6 +90,50 @@ pub fn compute<T: Send + 'static>(
                 return Err(pyo3::exceptions::PyRuntimeError::new_err(WORDS));
             }
         }
+    }
+}
+
+/// What `each` finds of so many motions, by their index, on all threads. A signal's exception has
+/// what was found until then as its attribute `partial`: a list with `None` for a motion that was
+/// not at its end.
+pub fn each_of<T>(
+    py: Python<'_>,
+    count: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+    each: impl Fn(&Control, usize) -> Result<T, Failure> + Send + Sync + 'static,
+) -> PyResult<Vec<T>>
+where
+    T: Clone + Send + Sync + 'static + for<'py> IntoPyObject<'py>,
+{
+    let slots: Arc<Vec<OnceLock<T>>> = Arc::new((0..count).map(|_| OnceLock::new()).collect());
+    let theirs = Arc::clone(&slots);
+    let ended = compute(py, progress, move |control| {
+        let one = |index: usize| {
+            let found = control.check().and_then(|()| each(control, index));
+            control.add(1);
+            let of_one = |failure: Failure| if count > 1 { failure.of_motion(index) } else { failure };
+            let _ = theirs[index].set(found.map_err(of_one)?); // each index once
+            Ok(())
+        };
+        pool()?.install(|| (0..count).into_par_iter().try_for_each(one))
+    });
+    let found = || slots.iter().map(|slot| slot.get().cloned());
+    ended.map_err(|error| with_partial(py, error, found().collect()))?;
+    Ok(found().flatten().collect())
+}
+
+/// An error; a signal's exception with what was found of each motion until then.
+pub fn with_partial<T: for<'py> IntoPyObject<'py>>(
+    py: Python<'_>,
+    error: PyErr,
+    found: Vec<Option<T>>,
+) -> PyErr {
+    if !error.is_instance_of::<PyKeyboardInterrupt>(py) {
+        return error;
+    }
+    match error.value(py).setattr("partial", found) {
+        Ok(()) => error,
+        Err(other) => other,
     }
 }
 

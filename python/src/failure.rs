@@ -24,6 +24,18 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// Why one motion has no result, where that is the motion's own; else the failure, which is
+    /// that of the whole call.
+    ///
+    /// # Errors
+    /// The failure then.
+    pub fn reason(self) -> Result<String, Self> {
+        match self {
+            Self::Library(error) => Ok(words(&error)),
+            other => Err(other),
+        }
+    }
+
     /// The same of one of several motions, by its index.
     pub fn of_motion(self, index: usize) -> Self {
         match self {

@@ -1,12 +1,13 @@
 //! Motions: sampled with their events, many at once, and as sections.
 
 use crate::arrays::{Column, Table, column, numbers, rows_of_states, state, states, table};
-use crate::background::{Control, compute, pool};
+use crate::background::{Control, compute, pool, with_partial};
 use crate::failure::Failure;
 use crate::system::{Load, System};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::{Arc, Mutex, PoisonError};
 use vibro_analysis::trajectories::{Start, propagate};
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause};
 use vibro_impact::{Parameters, Simulator, State, load};
@@ -150,24 +151,39 @@ pub fn simulate_many<'py>(
     let pairs = systems.iter().zip(rows_of_states(&starts)?);
     let starts: Vec<Start> =
         pairs.map(|(system, state)| Start { parameters: *system.parameters(), state }).collect();
-    let ends = compute(py, progress, move |control| together(control, &starts, periods))?;
+    let (count, ends) = (starts.len(), Arc::new(Mutex::new(Vec::new())));
+    let theirs = Arc::clone(&ends);
+    let ended = compute(py, progress, move |control| together(control, &starts, periods, &theirs));
+    let ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
+    ended.map_err(|error| {
+        let row = |end: &State| end.x.iter().chain(&end.v).copied().collect::<Vec<f64>>();
+        with_partial(py, error, (0..count).map(|index| ends.get(index).map(row)).collect())
+    })?;
     states(py, &ends)
 }
 
-fn together(control: &Control, starts: &[Start], periods: u32) -> Result<Vec<State>, Failure> {
+/// Adds the ends of motions in their order.
+fn together(
+    control: &Control,
+    starts: &[Start],
+    periods: u32,
+    ends: &Mutex<Vec<State>>,
+) -> Result<(), Failure> {
     let pool = pool()?;
-    let mut ends = Vec::new();
-    ends.try_reserve_exact(starts.len())?;
+    let ends = || ends.lock().unwrap_or_else(PoisonError::into_inner);
+    ends().try_reserve_exact(starts.len())?;
     let motions = PERIODS_A_THREAD / periods.max(1) as usize;
     let motions = motions.clamp(*MOTIONS_A_THREAD.start(), *MOTIONS_A_THREAD.end());
     for some in starts.chunks(motions * pool.current_num_threads()) {
         control.check()?;
         let found = pool.install(|| propagate(some, periods, &|| control.add(1)));
+        let mut ends = ends();
         for end in found {
-            ends.push(end.map_err(|error| Failure::Motion(ends.len(), error))?);
+            let index = ends.len();
+            ends.push(end.map_err(|error| Failure::Motion(index, error))?);
         }
     }
-    Ok(ends)
+    Ok(())
 }
 
 /// A Poincaré section.

@@ -1,12 +1,11 @@
 //! Studies: bifurcation diagrams, Lyapunov exponents, basins of attraction, measures of settled motions.
 
 use crate::arrays::{Column, Table, column, plane, rows_of_states, state, table};
-use crate::background::{Control, compute, pool};
+use crate::background::{Control, compute, each_of, pool};
 use crate::failure::{Failure, in_python};
 use crate::system::{System, find};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
-use rayon::prelude::*;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, count as diagram_parts, diagram};
@@ -317,10 +316,26 @@ fn one(
     Ok(measured(&mut simulator, measures, periods)?)
 }
 
-/// The same of many machines, from a state each, on all threads: numbers and class of each.
+/// What is measured of one of many motions: numbers, class, and why there are none where that is
+/// told in its row.
+pub type Row = (Vec<Option<f64>>, Option<String>, Option<String>);
+
+/// A motion's row. A failure of its own is told there if `in_rows`.
+///
+/// # Errors
+/// The other failures.
+pub fn row(found: Result<Measured, Failure>, in_rows: bool) -> Result<Row, Failure> {
+    match found {
+        Ok(found) => Ok((found.numbers, found.class.map(MotionClass::name), None)),
+        Err(failure) if in_rows => Ok((Vec::new(), None, Some(failure.reason()?))),
+        Err(failure) => Err(failure),
+    }
+}
+
+/// Measures of many machines' motions, from a state each, on all threads: a row of each.
 #[pyfunction]
-#[pyo3(signature = (systems, starts, names, discard, periods, progress = None))]
-#[allow(clippy::type_complexity)]
+#[pyo3(signature = (systems, starts, names, discard, periods, in_rows, progress = None))]
+#[allow(clippy::too_many_arguments)]
 pub fn measure_many(
     py: Python<'_>,
     systems: Vec<PyRef<'_, System>>,
@@ -328,19 +343,15 @@ pub fn measure_many(
     names: Vec<String>,
     discard: u32,
     periods: u32,
+    in_rows: bool,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<(Vec<Option<f64>>, Option<String>)>> {
+) -> PyResult<Vec<Row>> {
     let named = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
     let named = named.map_err(Failure::from)?;
     let parameters = systems.iter().map(|system| *system.parameters());
     let motions: Vec<(Parameters, State)> = parameters.zip(rows_of_states(&starts)?).collect();
-    let found = compute(py, progress, move |control| {
-        let each = |(index, (p, start)): (usize, &(Parameters, State))| {
-            let found = one(control, p, start, &named, (discard, periods));
-            control.add(1);
-            found.map_err(|failure| failure.of_motion(index))
-        };
-        pool()?.install(|| motions.par_iter().enumerate().map(each).collect::<Result<Vec<_>, _>>())
-    })?;
-    Ok(found.into_iter().map(|f| (f.numbers, f.class.map(MotionClass::name))).collect())
+    each_of(py, motions.len(), progress, move |control, index| {
+        let (p, start) = &motions[index];
+        row(one(control, p, start, &named, (discard, periods)), in_rows)
+    })
 }

@@ -93,12 +93,16 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
         (lambda: damper().replace(**{"stop.stel.gap": 1e-3}), ValueError, "the nearest is `stop.steel.gap`"),
         (lambda: damper().replace(**{"stop.steel.restitution": 1.5}), ValueError, "0 to 1"),
         (lambda: damper().replace(**{"stop.steel.gap": "5 mN"}), ValueError, "in m, cm, mm, um"),
+        (lambda: damper().replace(**{"stop.steel.gap": "5"}), ValueError, "a number, which is in m, or a text with a unit"),
         (lambda: damper().replace(**{"stop.steel.gap": True}), TypeError, "stop.steel.gap"),
         (lambda: damper().simulate(), TypeError, "until or times"),
         (lambda: damper().simulate(-1.0), ValueError, "until"),
         (lambda: damper().simulate(times=[1.0, 0.5]), ValueError, "ascending"),
         (lambda: damper().measure(["amplitude.bx.s"]), ValueError, "the nearest is `box.s`"),
+        (lambda: damper().measure(["class"], section="x"), ValueError, 'section = "x": no stop'),
         (lambda: damper().bifurcation("box.s"), TypeError, "exactly one"),
+        (lambda: damper().bifurcation("box.s", periods=3, **{"stop.steel.gap": [1e-3, 2e-3]}), TypeError, "periods = 3: allowed is a pair"),
+        (lambda: vi.bifurcation(damper(), f10=[1, 2]), TypeError, "an Assembly has its own method bifurcation"),
         (lambda: damper().bifurcation("box.s", **{"stop.steel.gap": [1e-3, 3e-3, 4e-3]}), ValueError, "equally spaced"),
         (lambda: vi.simulate_many([damper(), vi.Assembly(OSCILLATOR)], until=1.0), ValueError, "columns"),
         (lambda: vi.simulate_many([damper()], periods=10), TypeError, "of assemblies allowed is `until`"),
@@ -124,6 +128,34 @@ def test_a_jam_is_a_runtime_error_that_names_the_stops():
     )
     with pytest.raises(RuntimeError, match="jammed at t = 0.3.*stop.front"):
         jam.simulate(1.0)
+
+
+def test_a_design_that_cannot_go_on_is_told_in_its_row():
+    jam = vi.Assembly(
+        'name = "Jam"\n[body.press]\nmotion = { rate = "1 m/s" }\n[body.block]\nmass = "1 kg"\n'
+        '[stop.front]\nbetween = ["block", "press"]\ngap = "0.2 m"\nrestitution = 0.5\n'
+        '[stop.wall]\nbetween = ["ground", "block"]\ngap = "0.1 m"\nrestitution = 0.0\n'
+    )
+    names = ["amplitude.block.s", "class"]
+    many = [jam.replace(**{"stop.wall.gap": 1e6}), jam]
+    good, bad = vi.measure_many(many, names, settle=1, periods=4, section=0.1, errors="row")
+    assert good == {**many[0].measure(names, settle=1, periods=4, section=0.1), "error": None}
+    assert bad["amplitude.block.s"] is bad["class"] is None and "jammed" in bad["error"]
+    with pytest.raises(RuntimeError, match="motion 1: .*jammed"):
+        vi.measure_many(many, names, settle=1, periods=4, section=0.1)
+    with pytest.raises(RuntimeError, match="^jammed"):
+        jam.measure(names, settle=1, periods=4, section=0.1)
+
+
+def test_numbers_are_in_si_and_texts_have_their_units():
+    machine = damper()  # its file says "4 mm"
+    assert machine.replace(**{"stop.steel.restitution": "0.5"}).parameters["stop.steel.restitution"] == 0.5
+    assert machine.replace(**{"stop.steel.gap": 3e-3}) == machine.replace(**{"stop.steel.gap": "3 mm"})
+    texts, numbers = (
+        machine.bifurcation("box.s", periods=(2, 2), **{"stop.steel.gap": gaps})
+        for gaps in (["3 mm", "4 mm", "5 mm"], [3e-3, 4e-3, 5e-3])
+    )
+    assert (texts.up.value == numbers.up.value).all() and (texts.up.maxima == numbers.up.maxima).all()
 
 
 #: Machines of which the tests in Rust have written motions, sketches and archives: every kind of element, records, rotation.

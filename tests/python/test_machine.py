@@ -148,6 +148,32 @@ def test_invariant_many_measures_have_the_bits_of_one_by_one():
         vi.measure_many(machines, "impacts")
 
 
+def test_a_symbol_that_another_name_has_in_small_letters_warns_with_both_units():
+    f10 = np.linspace(1.0, 1.5, 2)
+    for given in [lambda: vi.bifurcation(vi.Machine(), F10=f10, periods=(2, 2)), lambda: vi.Machine().replace(F10=0.2)]:
+        with pytest.warns(vi.SimilarNameWarning, match="`F10` is drive_amplitude, in N; `f10` is another") as told:
+            given()
+        assert told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        vi.bifurcation(vi.Machine(), f10=f10, periods=(2, 2))
+        vi.bifurcation(vi.Machine(), drive_amplitude=f10, periods=(2, 2))
+        assert vi.Machine().replace(L=0.5).stop_gap == 0.5
+
+
+def test_a_motion_that_is_refused_is_told_in_its_row():
+    machine, names = vi.Machine(), ["impacts", "class"]
+    starts = [{"x2": 0.0}, {"x2": 1.5}, {"x2": 0.5}]
+    rows = vi.measure_many(machine, names, starts, periods=2, settle=2, errors="row")
+    for row, start in zip(rows[::2], starts[::2]):
+        assert row == {**machine.measure(names, start, periods=2, settle=2), "error": None}
+    assert rows[1]["impacts"] is rows[1]["class"] is None and "block" in rows[1]["error"]
+    with pytest.raises(ValueError, match="allowed is one of 'raise', 'row'"):
+        vi.measure_many(machine, names, starts, errors="rows")
+    with pytest.raises(ValueError, match="impcts"):
+        vi.measure_many(machine, ["impcts"], starts, errors="row")
+
+
 def test_loads_are_values():
     load = vi.Load("box", [0.0, 1.0, 2.0], [0.0, 0.5, 0.0])
     for other in [pickle.loads(pickle.dumps(load)), eval(repr(load), {"Load": vi.Load}), copy.deepcopy(load)]:

@@ -4,6 +4,7 @@ import matplotlib
 import numpy as np
 import pytest
 import vibro_impact as vi
+from conftest import ROOT
 
 matplotlib.use("agg")
 import matplotlib.pyplot as plt
@@ -84,8 +85,6 @@ def test_portraits_are_interrupted_at_impacts():
 
 
 def test_colours_are_those_of_vibro():
-    from conftest import ROOT
-
     palette = (ROOT / "figures/src/canvas/palette.rs").read_text()
     for name, constant in {"x1": "BOX", "x2": "BLOCK", "x3": "SECONDARY", "w": "RELATIVE"}.items():
         parts = palette.split(f"pub const {constant}: Colour = Colour(")[1].split(")")[0].split(",")
@@ -95,3 +94,42 @@ def test_colours_are_those_of_vibro():
 def test_other_displacements_are_refused():
     with pytest.raises(ValueError, match="of = 'x4': allowed is one of 'x1', 'x2', 'x3', 'w'"):
         plot.history(M.simulate(periods=1), of="x4")
+
+
+DAMPER = ROOT / "examples" / "assembly" / "damper_with_buffer.toml"
+
+
+def test_a_machine_of_ones_own_is_drawn_with_its_numbers_and_units():
+    damper = vi.Assembly(DAMPER)
+    run = damper.simulate(0.3)
+    axes = plot.history(run)
+    for line, name in zip(axes.lines, ("box.s", "block.s", "pump.s")):
+        np.testing.assert_array_equal(line.get_xydata().T, [run.t, run[name]])
+        assert line.get_label() == name
+    axes = plot.history(run, plt.figure().gca(), of="buffer.f")
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), run["buffer.f"])
+    assert axes.get_ylabel() == "buffer.f (N)"
+    axes = plot.portrait(run, plt.figure().gca(), of="steel.e")
+    x, y = axes.lines[0].get_data()
+    np.testing.assert_array_equal(x[~np.isnan(x)], run["steel.e"])
+    np.testing.assert_array_equal(y[~np.isnan(y)], run["steel.rate"])
+    hits = run.events["t"][run.events["kind"] == "impact"]
+    assert np.isnan(x).sum() == len(set(np.searchsorted(run.t, hits))) > 1
+    diagram = damper.bifurcation("box.s", periods=(20, 10), **{"stop.steel.gap": np.linspace(3e-3, 5e-3, 3)})
+    axes = plot.bifurcation(diagram, plt.figure().gca(), direction="both")
+    for line, way in zip(axes.lines, (diagram.down, diagram.up)):
+        np.testing.assert_array_equal(line.get_xydata().T, [way.value[way.at], way.maxima])
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("stop.steel.gap (m)", "box.s, maxima (m)")
+
+
+def test_other_results_are_refused_with_the_kinds_that_are_drawn():
+    run = vi.Assembly(DAMPER).simulate(0.01)
+    for function, kinds in {
+        plot.history: "Run or AssemblyRun", plot.portrait: "Run or AssemblyRun", plot.section: "Section",
+        plot.bifurcation: "Diagram or AssemblyDiagram", plot.basins: "Basins", plot.branch: "Branch",
+    }.items():  # fmt: skip
+        wrong = run if "Run" not in kinds else vi.Machine()
+        with pytest.raises(TypeError, match=f"is of type {type(wrong).__name__}: allowed is {kinds}$"):
+            function(wrong)
+    with pytest.raises(ValueError, match="the nearest is 'box.s'"):
+        plot.portrait(run, of="box.v")

@@ -4,6 +4,8 @@ import multiprocessing
 import os
 import re
 import signal
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -67,6 +69,46 @@ def test_a_signal_ends_a_long_call_at_once(call, signals):
         if delays[-1] < PROMPT:
             break
     assert min(delays) < PROMPT, delays
+
+
+#: Prints how many motions are at their end when Ctrl-C comes, and whether their rows are those of a call to the end.
+INTERRUPTED = """
+import os, signal, sys, threading
+import vibro_impact as vi
+machine, names = (vi.Machine(), ["impacts"]) if sys.argv[1] == "machine" else (vi.Assembly(sys.argv[1]), ["amplitude.box.s"])
+only = dict(periods=20) if sys.argv[1] == "machine" else dict(until=0.5)
+# The vectors of machines end together, some thousands.
+least = 30_000 if sys.argv[1:] == ["machine", "ends"] else 4
+signal.signal(signal.SIGINT, signal.default_int_handler)
+own = dict(periods=4, settle=20)
+def done(done, total):
+    if done >= least:
+        os.kill(os.getpid(), signal.SIGINT)
+def ends(machines):
+    found = vi.simulate_many(machines, **only)
+    return getattr(found, "states", None) if sys.argv[1] == "machine" else found.values
+def rows(machines):
+    return vi.measure_many(machines, names, **own)
+call = {"ends": ends, "rows": rows}[sys.argv[2]]
+wanted = call([machine])[0]
+vi._many.Bar.report = property(lambda self: done)
+vi._assembly.Bar.report = property(lambda self: done)
+try:
+    call([machine] * 100_000)
+except KeyboardInterrupt as stop:
+    found = [row for row in stop.partial if row is not None]
+    same = [row == wanted if sys.argv[2] == "rows" else (row == wanted).all() for row in found]
+    print(len(stop.partial), len(found), all(same))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
+@pytest.mark.parametrize("call", ["rows", "ends"])
+@pytest.mark.parametrize("machine", ["machine", str(DAMPER)])
+def test_a_signal_leaves_what_is_found(machine, call):
+    told = subprocess.run([sys.executable, "-c", INTERRUPTED, machine, call], capture_output=True, text=True, timeout=60)
+    motions, found, same = told.stdout.split() or [told.stderr, 0, 0]
+    assert (motions, same) == ("100000", "True") and 4 <= int(found) < 100_000
 
 
 def test_other_threads_run_while_one_computes():

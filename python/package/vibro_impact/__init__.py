@@ -23,7 +23,7 @@ from ._measures import MEASURES, Spectrum
 from ._motion import Load, Run, Section
 from ._native import __version__
 from ._orbits import LABELS, Branch, Orbit
-from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning
+from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, SimilarNameWarning
 from ._steady import SteadyState, SteadyStates
 from ._studies import Attractor, Basins, Diagram, Direction, basins, bifurcation
 
@@ -50,6 +50,7 @@ __all__ = [
     "Orbit",
     "Run",
     "Section",
+    "SimilarNameWarning",
     "Sketch",
     "Spectrum",
     "SteadyState",

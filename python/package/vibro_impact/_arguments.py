@@ -51,6 +51,13 @@ def whole(name: str, value: object, least: int, most: int) -> int:
     return found
 
 
+def discarded_and_kept(periods: object) -> tuple[int, int]:
+    """A pair of numbers of periods."""
+    if not isinstance(periods, Sequence) or len(periods) != 2:
+        raise TypeError(f"periods = {periods!r}: allowed is a pair of whole numbers: discarded, kept")
+    return whole("periods[0]", periods[0], 0, MOST_PERIODS), whole("periods[1]", periods[1], 1, MOST_PERIODS)
+
+
 def choice(name: str, value: object, allowed: Sequence[str]) -> str:
     """One of some words; the nearest is named."""
     if isinstance(value, str) and value in allowed:

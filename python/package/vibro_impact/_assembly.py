@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import MOST_PERIODS, array, number, whole
+from ._arguments import MOST_PERIODS, array, discarded_and_kept, number, whole
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, Sketch, run_of
 from ._fmu import kit_path
-from ._measures import measured
+from ._measures import keeping, rows
 from ._progress import Bar
 from ._result import direction
 from ._toml import toml
@@ -82,7 +82,7 @@ class Assembly:
 
     @property
     def parameters(self) -> dict[str, float]:
-        """All parameters with their values, SI."""
+        """All parameters with their values, in SI whatever unit the file has; :attr:`units` has it."""
         return {name: value for name, _, value, _ in self._described.parameters()}
 
     @property
@@ -103,16 +103,28 @@ class Assembly:
     def replace(self, **parameters: Value) -> Assembly:
         """The machine with other values: ``replace(**{"stop.upper.gap": 4e-3, "body.box.mass": "12 kg"})``.
 
+        A number is in SI, whatever unit the file has: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
+        refused where the parameter has a unit.
+
         Raises
         ------
         ValueError, TypeError
             For unknown names, with the nearest; for values that a file would be refused for.
         """
+        units = self.units if any(isinstance(value, str) for value in parameters.values()) else {}
         for name, value in parameters.items():
             if not isinstance(value, str):
                 number(name, value)
+            elif _is_number(value) and units.get(name, "1") != "1":
+                raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
         changes = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
         return _of(self._described.replace(changes))
+
+    def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
+        """Values in SI where some are texts with units."""
+        if isinstance(given, (list, tuple, np.ndarray)) and any(isinstance(value, str) for value in given):
+            return [self.replace(**{name: value}).parameters[name] for value in given]
+        return given
 
     def simulate(
         self,
@@ -164,7 +176,7 @@ class Assembly:
         section
             A period in s, or the name of a stop or friction whose events are the section; without it the common period of all harmonics.
         """
-        return measures_of([self], measures, periods, settle, section, False)[0]
+        return measures_of([self], measures, periods, settle, section, "raise", False)[0]
 
     def bifurcation(
         self,
@@ -186,7 +198,8 @@ class Assembly:
         of
             A name of :attr:`columns`.
         **parameter
-            The parameter by name with its values, equally spaced and rising, SI.
+            The parameter by name with its values, equally spaced and rising: numbers in SI, whatever unit the file has, or texts with
+            their units, as :meth:`replace` takes them: ``["3 mm", "4 mm", "5 mm"]``.
         at_section
             Its values at the section instead of its maxima.
         periods
@@ -199,19 +212,19 @@ class Assembly:
         if len(parameter) != 1:
             raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, rising and equally spaced")
         ((name, given),) = parameter.items()
-        values = array(name, given, "an array of shape (n,) of values in SI")
+        values = array(name, self._in_si(name, given), "an array of shape (n,) of values in SI, or of texts with units")
         even = len(values) >= 2 and np.allclose(np.diff(values), (values[-1] - values[0]) / (len(values) - 1), rtol=1e-6, atol=0)
         if not even or len(values) > _MOST_VALUES or not values[0] < values[-1]:
             raise ValueError(f"{name}: allowed are 2 to {_MOST_VALUES} values, rising and equally spaced")
-        discard = whole("periods[0]", periods[0], 0, MOST_PERIODS)
-        keep = whole("periods[1]", periods[1], 1, MOST_PERIODS)
+        discard, keep = discarded_and_kept(periods)
         counted = None if exponents is False else 400 if exponents is True else whole("exponents", exponents, 8, MOST_PERIODS)
         with Bar(progress, 0, "parts") as bar:
             ends = (float(values[0]), float(values[-1]))
             found = _native.assembly_diagram(
                 self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, _section(section), bar.report
             )
-        return AssemblyDiagram(self, name, of, direction(AssemblyDirection, found["up"]), direction(AssemblyDirection, found["down"]), found["hysteresis"])
+        up, down = (direction(AssemblyDirection, found[way]) for way in ("up", "down"))
+        return AssemblyDiagram(self, name, of, up, down, found["hysteresis"], bool(at_section))
 
     def sketch(self) -> Sketch:
         """The machine as an engineer draws it; a notebook shows the picture: on the bytes of ``vibro assembly draw``."""
@@ -260,6 +273,14 @@ class Assembly:
         return (_from_text, (self.toml,))
 
 
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def _from_text(text: str) -> Assembly:
     return _of(_native.Described(text, None))
 
@@ -278,12 +299,13 @@ def ends(machines: list[Assembly], until: object, progress: bool) -> AssemblyEnd
         if machine.columns != columns:
             raise ValueError(f"machines[{index}] has the columns {machine.columns}: allowed are those of machines[0], {columns}")
     with Bar(progress, len(machines), "motions") as bar:
-        values = _native.simulate_assemblies([m._described for m in machines], end, bar.report)
+        with keeping(np.array):
+            values = _native.simulate_assemblies([m._described for m in machines], end, bar.report)
     return AssemblyEnds(end, columns, values)
 
 
 def measures_of(
-    machines: list[Assembly], measures: Sequence[str], periods: int, settle: int, section: Section, progress: bool
+    machines: list[Assembly], measures: Sequence[str], periods: int, settle: int, section: Section, errors: str, progress: bool
 ) -> list[dict[str, float | str | None]]:
     """Of :func:`measure_many`."""
     if isinstance(measures, str):
@@ -292,10 +314,8 @@ def measures_of(
     periods = whole("periods", periods, 1, MOST_PERIODS)
     settle = whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, len(machines), "motions") as bar:
-        found = _native.measure_assemblies(
-            [m._described for m in machines], names, settle, periods, _section(section), bar.report
-        )
-    return [measured(names, numbers, kind) for numbers, kind in found]
+        described, at = [m._described for m in machines], _section(section)
+        return rows(names, errors, lambda told: _native.measure_assemblies(described, names, settle, periods, at, told, bar.report))
 
 
 def _section(section: Section) -> Union[None, float, str]:

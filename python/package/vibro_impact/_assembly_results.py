@@ -121,6 +121,8 @@ class AssemblyDiagram(Result):
     "With the value falling, in the order of rising values."
     hysteresis: NDArray[np.bool_]
     "Where the two end on different motions for certain, shape (n,)."
+    at_section: bool
+    "Whether `maxima` has values at the section instead."
 
 
 class Sketch:

@@ -13,7 +13,7 @@ from ._arguments import MOST_PERIODS, Floats, Start, array, state, whole
 from ._assembly import Assembly, Section, ends, measures_of
 from ._assembly_results import AssemblyEnds
 from ._machine import Machine
-from ._measures import measure_names, measured
+from ._measures import keeping, measure_names, rows
 from ._progress import Bar
 from ._result import Result
 
@@ -80,6 +80,9 @@ def simulate_many(
     ValueError, TypeError, RuntimeError
         As :meth:`Machine.simulate` and :meth:`Assembly.simulate`, with the motion's index; for numbers of machines and starts that differ;
         for assemblies of different columns.
+    KeyboardInterrupt
+        On Ctrl-C, with the ends found until then as its attribute ``partial``: a list with an array for each motion, None where it was not
+        at its end; of machines the state, shape (6,), of assemblies the values in the order of ``columns``.
     """
     machines = _listed(machines)
     if until is not None or _are_assemblies(machines):
@@ -87,9 +90,9 @@ def simulate_many(
             raise TypeError("of assemblies allowed is `until`, and neither `starts` nor `periods`; of machines the other way round")
         return ends(_several(machines), until, progress)
     periods = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
-    several, rows = _motions(machines, starts, "a motion over periods")
-    with Bar(progress, len(several), "motions") as bar:
-        s, v = _native.simulate_many([m._system for m in several], rows, periods, bar.report)
+    several, begins = _motions(machines, starts, "a motion over periods")
+    with Bar(progress, len(several), "motions") as bar, keeping(np.array):
+        s, v = _native.simulate_many([m._system for m in several], begins, periods, bar.report)
     return Ends(np.array([periods * m.period for m in several]), s, v)
 
 
@@ -101,6 +104,7 @@ def measure_many(
     *,
     periods: int = 60,
     settle: int = 400,
+    errors: str = "raise",
     progress: bool = False,
 ) -> list[dict[str, float | str | None]]: ...
 
@@ -113,6 +117,7 @@ def measure_many(
     periods: int = 60,
     settle: int = 300,
     section: Section = None,
+    errors: str = "raise",
     progress: bool = False,
 ) -> list[dict[str, float | str | None]]: ...
 
@@ -125,6 +130,7 @@ def measure_many(
     periods: int = 60,
     settle: Optional[int] = None,
     section: Section = None,
+    errors: str = "raise",
     progress: bool = False,
 ) -> list[dict[str, float | str | None]]:
     """Measures of many settled motions on all cores: a dictionary for each, with the bits of :meth:`Machine.measure` and
@@ -145,26 +151,32 @@ def measure_many(
         assembly sweep``.
     section
         Of assemblies, as of :meth:`Assembly.measure`.
+    errors
+        ``"raise"``: a motion that is refused or cannot go on raises its exception. ``"row"``: its dictionary has None for every measure and
+        the reason under ``"error"``, which is None in all others; what is asked wrongly of all motions is raised all the same.
 
     Raises
     ------
     ValueError, TypeError, RuntimeError
         As :meth:`Machine.measure` and :meth:`Assembly.measure`, with the motion's index; for numbers of machines and starts that differ.
+    KeyboardInterrupt
+        On Ctrl-C, with the dictionaries found until then as its attribute ``partial``: a list with None for each motion that was not at its
+        end.
     """
     machines = _listed(machines)
     if _are_assemblies(machines):
         if starts is not None:
             raise TypeError("starts: allowed for machines; an assembly has its own start")
-        return measures_of(_several(machines), measures, periods, 300 if settle is None else settle, section, progress)
+        return measures_of(_several(machines), measures, periods, 300 if settle is None else settle, section, errors, progress)
     if section is not None:
         raise TypeError("section: allowed for assemblies; a machine is looked at once a drive period")
     names = measure_names(measures)
     periods = whole("periods", periods, 1, MOST_PERIODS)
     settle = whole("settle", 400 if settle is None else settle, 0, MOST_PERIODS)
-    several, rows = _motions(machines, starts, "a measure")
+    several, begins = _motions(machines, starts, "a measure")
+    systems = [m._system for m in several]
     with Bar(progress, len(several), "motions") as bar:
-        found = _native.measure_many([m._system for m in several], rows, names, settle, periods, bar.report)
-    return [measured(names, numbers, kind) for numbers, kind in found]
+        return rows(names, errors, lambda told: _native.measure_many(systems, begins, names, settle, periods, told, bar.report))
 
 
 def _listed(machines: Any) -> Any:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-from typing import TYPE_CHECKING, Optional
+from typing import TYPE_CHECKING, Any, Callable, Optional
 
 import numpy as np
 
 from . import _native
-from ._arguments import Floats
+from ._arguments import Floats, choice
 from ._result import Result
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from ._machine import Machine
 
@@ -30,6 +31,33 @@ def measure_names(measures: Sequence[str]) -> list[str]:
 def measured(names: list[str], numbers: list[Optional[float]], kind: Optional[str]) -> dict[str, float | str | None]:
     """What was measured of a motion, by name."""
     return {name: kind if name == "class" else value for name, value in zip(names, numbers)}
+
+
+def rows(
+    names: list[str], errors: object, compute: Callable[[bool], Sequence[tuple[list[Optional[float]], Optional[str], Optional[str]]]]
+) -> list[dict[str, float | str | None]]:
+    """Of :func:`measure_many`: what was measured of each motion, and in its row why nothing was."""
+    in_rows = choice("errors", errors, ("raise", "row")) == "row"
+
+    def row(found: tuple[list[Optional[float]], Optional[str], Optional[str]]) -> dict[str, float | str | None]:
+        numbers, kind, error = found
+        told = measured(names, numbers if error is None else [None] * len(names), kind)
+        return {**told, "error": error} if in_rows else told
+
+    with keeping(row):
+        return [row(found) for found in compute(in_rows)]
+
+
+@contextlib.contextmanager
+def keeping(made: Callable[[Any], Any]) -> Iterator[None]:
+    """Gives a KeyboardInterrupt what was found until then as `partial`: an entry for each motion, None where it was not at its end."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        found = getattr(interrupt, "partial", None)
+        if found is not None:
+            setattr(interrupt, "partial", [None if one is None else made(one) for one in found])  # noqa: B010 (not in its type)
+        raise
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)

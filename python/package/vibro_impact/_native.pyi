@@ -110,8 +110,9 @@ def measure_assemblies(
     settle: int,
     periods: int,
     section: float | str | None,
+    in_rows: bool,
     progress: _Progress = None,
-) -> list[tuple[list[float | None], str | None]]: ...
+) -> list[tuple[list[float | None], str | None, str | None]]: ...
 def assembly_diagram(
     machine: Described,
     name: str,
@@ -160,8 +161,14 @@ def measure(
     system: System, start: Sequence[float], names: Sequence[str], discard: int, periods: int, progress: _Progress = None
 ) -> tuple[list[float | None], str | None]: ...
 def measure_many(
-    systems: Sequence[System], starts: _Floats, names: Sequence[str], discard: int, periods: int, progress: _Progress = None
-) -> list[tuple[list[float | None], str | None]]: ...
+    systems: Sequence[System],
+    starts: _Floats,
+    names: Sequence[str],
+    discard: int,
+    periods: int,
+    in_rows: bool,
+    progress: _Progress = None,
+) -> list[tuple[list[float | None], str | None, str | None]]: ...
 def steady(system: System, theory: str, upper: bool) -> tuple[_Parts | None, str | None]: ...
 def steady_motion(system: System, theory: str, upper: bool, theta: _Floats) -> tuple[_Floats, _Floats]: ...
 def orbit(

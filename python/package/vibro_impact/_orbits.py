@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats, Start, array, choice, number, state
+from ._parameters import find
 from ._progress import Bar
 from ._result import Result
 
@@ -97,7 +98,7 @@ class Orbit(Result):
         """
         if not isinstance(name, str):
             raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
-        name = _native.find(name)
+        name = find(name)
         ends = number("low", low), number("high", high)
         value = getattr(self.machine, name)
         if not ends[0] <= value <= ends[1]:

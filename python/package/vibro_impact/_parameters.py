@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from typing import TYPE_CHECKING, Any
 
 from . import _native
@@ -49,6 +51,10 @@ class MixedParametersWarning(UserWarning):
     """Some physical parameters of a machine were given, and the others are the default set's, which belong to another machine."""
 
 
+class SimilarNameWarning(UserWarning):
+    """A parameter is given by its symbol, from which the name of another parameter differs by case alone: ``F10`` (N) and ``f10``."""
+
+
 _COUNT, _TOLD = _native.parameters()
 #: Every parameter by name: label of an axis, unit, what it is, what is allowed.
 PARAMETERS = {name: about for name, *about in _TOLD}
@@ -57,12 +63,39 @@ SI_NAMES = tuple(told[0] for told in _TOLD[:_COUNT])
 GROUP_NAMES = tuple(told[0] for told in _TOLD[_COUNT:])
 
 
+def find(given: str) -> str:
+    """A parameter's own name by any of its names; warns where another's differs by case alone."""
+    name = _native.find(given)
+    similar = [other for other in PARAMETERS if other.lower() == given.lower() and other != name]
+    if similar and given != name:
+        warnings.warn(
+            f"`{given}` is {name}, {_unit(name)}; `{similar[0]}` is another parameter, {_unit(similar[0])}. Where the first is meant, "
+            f"{name} says so without this warning",
+            SimilarNameWarning,
+            stacklevel=_outside(),
+        )
+    return name
+
+
+def _unit(name: str) -> str:
+    unit = PARAMETERS[name][1]
+    return "without a unit" if unit in ("", "1") else f"in {unit}"
+
+
+def _outside() -> int:
+    """How many frames above its caller the package is left."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(__package__):
+        level, frame = level + 1, frame.f_back
+    return level
+
+
 def named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
     """Parameters under their own names: those in SI, the groups."""
     si: dict[str, float] = {}
     groups: dict[str, float] = {}
     for given, value in parameters.items():
-        name = _native.find(given)
+        name = find(given)
         part = si if name in SI_NAMES else groups
         if name in part:
             raise TypeError(f"{given} is given twice: {name} is another name of it")

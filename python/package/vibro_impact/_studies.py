@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, Start, array, choice, number, state, whole
+from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, Start, array, choice, discarded_and_kept, number, state, whole
+from ._assembly import Assembly
 from ._machine import Machine
+from ._parameters import find
 from ._progress import Bar
 from ._result import Result, direction
 
@@ -97,20 +99,20 @@ def bifurcation(
     ------
     ValueError, TypeError
         For arguments out of their range.
+
+    Warns
+    -----
+    SimilarNameWarning
+        For a symbol such as ``F10`` (N), from which the name of another parameter, ``f10``, differs by case alone.
     """
-    _require_machine(machine)
+    _require_machine(machine, "an Assembly has its own method bifurcation")
     machine._needs_period("a bifurcation diagram")
     if len(parameter) != 1:
         raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
     ((given, values),) = parameter.items()
-    name = _native.find(given)
+    name = find(given)
     ends, count = _axis(given, values)
-    try:
-        discard, keep = periods
-    except (TypeError, ValueError):
-        raise TypeError(f"periods = {periods!r}: allowed is a pair of whole numbers: discarded, kept") from None
-    discard = whole("periods[0]", discard, 0, MOST_PERIODS)
-    keep = whole("periods[1]", keep, 1, MOST_PERIODS)
+    discard, keep = discarded_and_kept(periods)
     over = None if exponents is False else 1500 if exponents is True else whole("exponents", exponents, 1, 10_000_000)
     own = None if start is None else state("start", start, machine._system)
     with Bar(progress, 1, "parts") as bar:
@@ -132,9 +134,10 @@ def _axis(name: str, given: ArrayLike) -> tuple[tuple[float, float], int]:
     return (first, last), len(values)
 
 
-def _require_machine(machine: object) -> None:
+def _require_machine(machine: object, of_assembly: str = "") -> None:
     if not isinstance(machine, Machine):
-        raise TypeError(f"machine is of type {type(machine).__name__}: allowed is Machine")
+        own = f"; {of_assembly}" if of_assembly and isinstance(machine, Assembly) else ""
+        raise TypeError(f"machine is of type {type(machine).__name__}: allowed is Machine{own}")
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)

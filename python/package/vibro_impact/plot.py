@@ -2,7 +2,8 @@
 
 ``axes`` is where to draw; without it the current axes are taken, as matplotlib's own functions do. Bodies have the colours of the
 pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple. Lengths are in m, and in mm where
-the gap is under 0.1 m; the numbers of the results stay in SI.
+the gap is under 0.1 m; the numbers of the results stay in SI. Results of an :class:`Assembly` are drawn in SI, in matplotlib's colours:
+`history`, `portrait` and `bifurcation` take them too.
 
 >>> from vibro_impact import Machine, plot
 >>> axes = plot.portrait(Machine().simulate(periods=20), of="x2")
@@ -23,6 +24,8 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from ._arguments import Floats, choice
+from ._assembly import Assembly
+from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyRun
 from ._machine import Machine
 from ._motion import Run, Section
 from ._orbits import Branch
@@ -76,17 +79,39 @@ def _stops(axes: Axes, gap: float, horizontal: bool) -> None:
         line(stop, color="black", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
 
 
-def history(run: Run, axes: Optional[Axes] = None, *, of: Union[str, Sequence[str]] = ("x1", "x2", "x3")) -> Axes:
+def _require(what: str, result: object, *kinds: type) -> None:
+    """Refuses results of which there is no such picture."""
+    if not isinstance(result, kinds):
+        allowed = " or ".join(kind.__name__ for kind in kinds)
+        raise TypeError(f"{what} is of type {type(result).__name__}: allowed is {allowed}")
+
+
+def _unit(machine: Assembly, column: str) -> str:
+    """The SI unit of a column of a machine of your own."""
+    return machine.measures[f"maximum.{column}"].split(":")[0]
+
+
+def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Union[None, str, Sequence[str]] = None) -> Axes:
     """Displacements over time; of more than 40 drive periods the least and largest in each, or in every so many.
 
     Parameters
     ----------
     of
-        Some of x1, x2, x3 and w = x2 - x1; with w the stops are dashed.
+        Some of x1, x2, x3 and w = x2 - x1, the first three unless given; with w the stops are dashed. Of a machine of your own some of its
+        columns, the displacements of all bodies unless given, each sample of it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another kind of result, and names that it has not.
     """
+    _require("run", run, Run, AssemblyRun)
     axes = axes or plt.gca()
+    given = [of] if isinstance(of, str) else of
+    if isinstance(run, AssemblyRun):
+        return _history_of_assembly(run, axes, _displacements(run) if given is None else list(given))
     scale, unit = _length(run.machine)
-    names = [of] if isinstance(of, str) else list(of)
+    names = ["x1", "x2", "x3"] if given is None else list(given)
     windows = _windows(run)
     for name in names:
         place, label = scale * _columns(run, name)[0], f"{_SYMBOLS[name]} {_BODIES[name]}"
@@ -108,15 +133,55 @@ def history(run: Run, axes: Optional[Axes] = None, *, of: Union[str, Sequence[st
     return axes
 
 
-def portrait(run: Run, axes: Optional[Axes] = None, *, of: str = "x2") -> Axes:
+def _displacements(run: AssemblyRun) -> list[str]:
+    return [name for name in run.columns if name.endswith(".s")]
+
+
+def _history_of_assembly(run: AssemblyRun, axes: Axes, names: list[str]) -> Axes:
+    for name in names:
+        choice("of", name, run.columns)
+        axes.plot(run.t, run[name], linewidth=1.2, label=name)
+    units = list(dict.fromkeys(_unit(run.machine, name) for name in names))
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel(f"{names[0]} ({units[0]})" if len(names) == 1 else ", ".join(units))
+    axes.margins(x=0)
+    if len(names) > 1:
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=min(len(names), 4), frameon=False)
+    return axes
+
+
+def _portrait_of_assembly(run: AssemblyRun, axes: Axes, of: str) -> Axes:
+    rates = {".s": ".v", ".e": ".rate"}
+    pairs = {name: name[:-2] + rates[name[-2:]] for name in run.columns if name[-2:] in rates}
+    pairs = {place: rate for place, rate in pairs.items() if rate in run.columns}
+    rate = pairs[choice("of", of, tuple(pairs))]
+    jumps = np.unique(np.searchsorted(run.t, run.events["t"][run.events["kind"] == "impact"]))
+    jumps = jumps[(jumps > 0) & (jumps < len(run.t))]
+    axes.plot(np.insert(run[of], jumps, np.nan), np.insert(run[rate], jumps, np.nan), linewidth=0.9)
+    axes.set_xlabel(f"{of} ({_unit(run.machine, of)})")
+    axes.set_ylabel(f"{rate} ({_unit(run.machine, rate)})")
+    return axes
+
+
+def portrait(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Optional[str] = None) -> Axes:
     """Velocity (m/s) over displacement: the line is interrupted at impacts, where the velocity jumps.
 
     Parameters
     ----------
     of
-        One of x1, x2, x3 and w = x2 - x1; with w the stops are dashed.
+        One of x1, x2, x3 and w = x2 - x1, x2 unless given; with w the stops are dashed. Of a machine of your own the displacement of a body
+        or the elongation of an element, ``box.s`` or ``upper.e``, that of the first body unless given; it is interrupted at every impact.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another kind of result, and names that it has not.
     """
+    _require("run", run, Run, AssemblyRun)
     axes = axes or plt.gca()
+    if isinstance(run, AssemblyRun):
+        return _portrait_of_assembly(run, axes, _displacements(run)[0] if of is None else of)
+    of = "x2" if of is None else of
     scale, unit = _length(run.machine)
     place, rate = _columns(run, of)
     jumps = np.unique(np.searchsorted(run.t, run.impacts["t"]))
@@ -133,6 +198,7 @@ def portrait(run: Run, axes: Optional[Axes] = None, *, of: str = "x2") -> Axes:
 
 def section(section: Section, axes: Optional[Axes] = None, *, of: str = "x2") -> Axes:
     """The points of a Poincaré section: velocity (m/s) over displacement at a phase, speed (m/s) over phase (rad) at a stop."""
+    _require("section", section, Section)
     axes = axes or plt.gca()
     if section.at == "phase":
         scale, unit = _length(section.machine)
@@ -150,29 +216,43 @@ def section(section: Section, axes: Optional[Axes] = None, *, of: str = "x2") ->
     return axes
 
 
-def bifurcation(diagram: Diagram, axes: Optional[Axes] = None, *, direction: str = "up") -> Axes:
-    """The maxima of a bifurcation diagram (units of L) over its parameter.
+def bifurcation(diagram: Union[Diagram, AssemblyDiagram], axes: Optional[Axes] = None, *, direction: str = "up") -> Axes:
+    """The maxima of a bifurcation diagram over its parameter, in units of L; of a machine of your own in SI.
 
     Parameters
     ----------
     direction
         ``"up"``, ``"down"``, or ``"both"``: then the falling direction is grey, below the rising one.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another kind of result, and another direction.
     """
+    _require("diagram", diagram, Diagram, AssemblyDiagram)
     axes = axes or plt.gca()
     choice("direction", direction, ("up", "down", "both"))
+    if isinstance(diagram, AssemblyDiagram):
+        colour, unit = "C0", diagram.machine.units[diagram.name]
+        across = diagram.name if unit == "1" else f"{diagram.name} ({unit})"
+        what = "at the section" if diagram.at_section else "maxima"
+        up = f"{diagram.of}, {what} ({_unit(diagram.machine, diagram.of)})"
+    else:
+        colour, across = COLOURS[diagram.of], PARAMETERS[diagram.name][0]
+        up = f"maxima of {_SYMBOLS[diagram.of]} (units of L)"
     if direction == "both":
         _dots(axes, diagram.down, "#8c8c8c", "falling")
     shown = diagram.down if direction == "down" else diagram.up
-    _dots(axes, shown, COLOURS[diagram.of], "falling" if direction == "down" else "rising")
-    axes.set_xlabel(PARAMETERS[diagram.name][0])
-    axes.set_ylabel(f"maxima of {_SYMBOLS[diagram.of]} (units of L)")
+    _dots(axes, shown, colour, "falling" if direction == "down" else "rising")
+    axes.set_xlabel(across)
+    axes.set_ylabel(up)
     axes.margins(x=0.01)
     if direction == "both":
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False, markerscale=5)
     return axes
 
 
-def _dots(axes: Axes, shown: Direction, colour: str, label: str) -> None:
+def _dots(axes: Axes, shown: Union[Direction, AssemblyDirection], colour: str, label: str) -> None:
     axes.plot(
         shown.value[shown.at],
         shown.maxima,
@@ -188,6 +268,7 @@ def _dots(axes: Axes, shown: Direction, colour: str, label: str) -> None:
 
 def basins(basins: Basins, axes: Optional[Axes] = None) -> Axes:
     """Basins of attraction: a colour for each attractor, lighter for its mirror image; starts outside the stops are white."""
+    _require("basins", basins, Basins)
     axes = axes or plt.gca()
     colours, handles = ["white"], []
     for number, attractor in enumerate(basins.attractors):
@@ -230,6 +311,7 @@ def _lighter(colour: str) -> str:
 
 def branch(branch: Branch, axes: Optional[Axes] = None) -> Axes:
     """The largest maximum along a branch of periodic orbits: solid where stable, dashed where not, special points with labels."""
+    _require("branch", branch, Branch)
     axes = axes or plt.gca()
     scale, unit = _length(branch.machine)
     top = scale * np.array([maxima[0] if len(maxima) else np.nan for maxima in branch.maxima])
