@@ -71,7 +71,8 @@ fn second_method_the_table_is_the_same_in_both_formats() {
     let text = "stop.gap,stop.restitution\n1000 mm,0.5\n0.9,1.5\n-1,0.5\n1.1,0.6\n";
     std::fs::write(&file, text).unwrap();
     let file = file.to_str().unwrap();
-    let over = ["--over", "drive.frequency=1:1.05:2", "--start", "v2=1", "--start", "x1=0.1"];
+    // At the two values alone.
+    let over = ["--over", "drive.frequency=1,1.05", "--start", "v2=1", "--start", "x1=0.1"];
     let out = swept("sweep-formats", &[&["--design", file], &over[..], &QUICK[..]].concat());
     let csv = table(&out, "sweep.csv");
     let parquet = parquet_rows(&out);
