@@ -93,7 +93,9 @@ fn second_method_the_table_is_the_same_in_both_formats() {
     for row in [&csv[0], &csv[3]] {
         let number = |column: &str| row[column].parse::<f64>().unwrap();
         let [least, mean, largest] = ["min", "mean", "max"].map(|w| number(&format!("amplitude.x1.{w}")));
-        assert!(0.0 < least && least <= mean && mean <= largest && row["reason"].is_empty());
+        assert!(0.0 < least && least <= mean && mean <= largest);
+        // Of motions that were measured before they had settled, which is so after so few periods.
+        assert!(row["reason"].is_empty() || row["reason"].contains("not settled: "), "{row:?}");
         assert!([1.0, 1.05].contains(&number("amplitude.x1.max.drive.frequency")));
         assert!(["v2=1", "x1=0.1"].contains(&row["amplitude.x1.max.start"].as_str()));
     }
