@@ -44,8 +44,6 @@ use std::fmt::{Debug, Display};
 pub const MOST_DESIGNS: usize = 1_000_000;
 /// Most motions of one design.
 pub const MOST_MOTIONS: usize = 100_000;
-/// Periods of motion that a choice may spend unless told otherwise.
-pub const AGAIN: u64 = 300_000;
 /// A scatter of this part of a value and less is rounding.
 const REGULAR: f64 = 1e-6;
 
@@ -65,6 +63,8 @@ pub trait Machine: Clone + Send + Sync {
     type Measure: Plain + Display;
     /// Motions in a part, as near as whole designs come to it: about a second's work.
     const PART: usize;
+    /// Periods of motion that a [`choice`] may spend unless told otherwise: some seconds' work.
+    const AGAIN: u64;
 
     /// A parameter's name in tables.
     fn name(name: &Self::Name) -> String;
@@ -115,7 +115,16 @@ impl<M: Machine> Default for Request<M> {
     fn default() -> Self {
         let starts = vec![M::Start::default()];
         let (designs, over, measures) = (Designs::Grid(Vec::new()), Vec::new(), Vec::new());
-        Self { designs, over, starts, discard: 400, periods: 60, measures, between: Vec::new(), again: AGAIN }
+        Self {
+            designs,
+            over,
+            starts,
+            discard: 400,
+            periods: 60,
+            measures,
+            between: Vec::new(),
+            again: M::AGAIN,
+        }
     }
 }
 

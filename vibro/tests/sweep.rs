@@ -71,7 +71,8 @@ fn second_method_the_table_is_the_same_in_both_formats() {
     let text = "stop.gap,stop.restitution\n1000 mm,0.5\n0.9,1.5\n-1,0.5\n1.1,0.6\n";
     std::fs::write(&file, text).unwrap();
     let file = file.to_str().unwrap();
-    let over = ["--over", "drive.frequency=1:1.05:2", "--start", "v2=1", "--start", "x1=0.1"];
+    // At the two values alone.
+    let over = ["--over", "drive.frequency=1,1.05", "--start", "v2=1", "--start", "x1=0.1"];
     let out = swept("sweep-formats", &[&["--design", file], &over[..], &QUICK[..]].concat());
     let csv = table(&out, "sweep.csv");
     let parquet = parquet_rows(&out);
@@ -92,7 +93,9 @@ fn second_method_the_table_is_the_same_in_both_formats() {
     for row in [&csv[0], &csv[3]] {
         let number = |column: &str| row[column].parse::<f64>().unwrap();
         let [least, mean, largest] = ["min", "mean", "max"].map(|w| number(&format!("amplitude.x1.{w}")));
-        assert!(0.0 < least && least <= mean && mean <= largest && row["reason"].is_empty());
+        assert!(0.0 < least && least <= mean && mean <= largest);
+        // Of motions that were measured before they had settled, which is so after so few periods.
+        assert!(row["reason"].is_empty() || row["reason"].contains("not settled: "), "{row:?}");
         assert!([1.0, 1.05].contains(&number("amplitude.x1.max.drive.frequency")));
         assert!(["v2=1", "x1=0.1"].contains(&row["amplitude.x1.max.start"].as_str()));
     }

@@ -29,6 +29,7 @@ impl design_sweep::Machine for Machine {
     type Start = FileStart;
     type Measure = Measure;
     const PART: usize = 64;
+    const AGAIN: u64 = 300_000;
 
     fn name(name: &String) -> String {
         name.clone()

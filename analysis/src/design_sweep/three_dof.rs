@@ -15,6 +15,7 @@ impl Machine for ParameterSet {
     type Start = StartRule;
     type Measure = Measure;
     const PART: usize = 1024;
+    const AGAIN: u64 = 5_000_000;
 
     fn name(name: &Name) -> String {
         name.name().into()

@@ -4,7 +4,7 @@ use crate::ranges::{Share, whole};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use vibro_analysis::assembly::{Measure, Quantity};
-use vibro_analysis::design_sweep::AGAIN;
+use vibro_analysis::design_sweep::Machine as _;
 use vibro_impact::quantities::quantity_in;
 
 /// What to do with a machine.
@@ -166,7 +166,7 @@ pub struct Sweep {
     pub periods: u32,
     /// Periods of motion that may be spent on measuring again, longer and between the values of --over, the designs that may have the
     /// least of the first output, until one is the best by its error bar; 0 for none
-    #[arg(long, value_name = "N", default_value_t = AGAIN, value_parser = whole::<u64>(0..=u64::MAX))]
+    #[arg(long, value_name = "N", default_value_t = vibro_analysis::assembly::Machine::AGAIN, value_parser = whole::<u64>(0..=u64::MAX))]
     pub again: u64,
     /// List the names of all outputs of the machine, with unit and meaning
     #[arg(long)]

@@ -7,10 +7,10 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use vibro::{Error, Result};
-use vibro_analysis::design_sweep::{AGAIN, ParameterInterval, SampledAxis};
+use vibro_analysis::design_sweep::{Machine, ParameterInterval, SampledAxis};
 use vibro_analysis::measures::Measure;
 use vibro_analysis::start::StartRule;
-use vibro_analysis::{Name, Unit};
+use vibro_analysis::{Name, ParameterSet, Unit};
 
 /// What is measured unless told otherwise.
 const DEFAULT: &str =
@@ -73,7 +73,7 @@ pub struct Sweep {
     pub periods: u32,
     /// Periods of motion that may be spent on measuring again, longer and between the values of --over, the designs that may have the
     /// least of the first output, until one is the best by its error bar; 0 for none
-    #[arg(long, value_name = "N", default_value_t = AGAIN, value_parser = whole::<u64>(0..=u64::MAX))]
+    #[arg(long, value_name = "N", default_value_t = ParameterSet::AGAIN, value_parser = whole::<u64>(0..=u64::MAX))]
     pub again: u64,
     /// List the names of all outputs, with unit and meaning
     #[arg(long)]
