@@ -62,7 +62,7 @@ impl Contacts {
         let forces = d.stops.iter().map(|stop| force(&stop.name)).collect::<Result<_>>()?;
         let current = vec![None; d.stops.len()];
         let mut contacts = Self { all: Vec::new(), current, forces, acting: Vec::new() };
-        contacts.meet(motion.assembly().system(), told, motion.energy().impacts.value());
+        contacts.meet(motion.assembly().system(), told, Some(motion.energy().impacts.value()));
         for (i, state) in motion.mode().stops.iter().enumerate() {
             if holds(*state) && contacts.current[i].is_none() {
                 let speed = if *state == StopState::Closed { 0.0 } else { motion.stop(i)[1] };
@@ -93,11 +93,11 @@ impl Contacts {
         }
     }
 
-    /// Events of one instant, at which impacts have lost so much.
-    pub(super) fn meet(&mut self, system: &System, events: &[Event], lost: f64) {
+    /// Events of one instant, at which impacts have lost so much, where that is known.
+    pub(super) fn meet(&mut self, system: &System, events: &[Event], lost: Option<f64>) {
         let first = self.all.len();
         let closes = |i: usize| events.iter().any(|e| e.kind == EventKind::Close { stop: i });
-        let (mut left, mut work) = (lost, 0.0);
+        let (mut nominal, mut work) = (0.0, 0.0);
         for event in events {
             match event.kind {
                 EventKind::Impact { stop, speed, impulse, .. } => {
@@ -105,7 +105,7 @@ impl Contacts {
                     let own = system.stops[stop].restitution().unwrap_or(0.0);
                     let restitution = if closes(stop) { 0.0 } else { own };
                     let loss = 0.5 * (1.0 - restitution) * speed * impulse;
-                    (left, work) = (left - loss, work + speed * impulse);
+                    (nominal, work) = (nominal + loss, work + speed * impulse);
                     let (end, peak, impulse) = (Some(event.time), None, Some(impulse));
                     let lost = Some(loss);
                     self.all.push(Contact { stop, begin: event.time, end, peak, impulse, speed, lost });
@@ -117,6 +117,7 @@ impl Contacts {
             }
         }
         // What ends endless bounces takes the rest.
+        let left = lost.map_or(0.0, |lost| lost - nominal);
         for contact in self.all[first..].iter_mut().filter(|c| c.peak.is_none()) {
             let share = contact.speed * contact.impulse.unwrap_or(0.0) / work;
             if share.is_finite() {

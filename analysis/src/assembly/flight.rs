@@ -73,6 +73,11 @@ impl Flow {
         terms
     }
 
+    /// The length of a flight in those of the mode's sub-steps, about: its rate times the time of one is at most 3.
+    pub fn sub_steps_of(&self, span: f64) -> f64 {
+        self.rate * span / 3.0
+    }
+
     /// The number of stretches of a flight.
     pub fn stretches_of(&self, span: f64) -> f64 {
         (self.rate * span / RADIUS).ceil().max(1.0)

@@ -3,13 +3,14 @@
 use super::contacts::Contacts;
 use super::extremes::Extremes;
 use super::flight::{Flight, Flow, Flows, Observer, Passage, follow};
+use std::cell::Cell;
 use vibro_assembly::mode::Mode;
 use vibro_assembly::motion::Event;
 use vibro_assembly::system::System;
 use vibro_assembly::{Error, Motion};
 
-/// Events of one advance after which it is asked whether the engine would go on.
-const MANY: u32 = 20_000;
+/// Flights in one advance, and for each sub-step's length of time: the engine's limit of work, which pauses do not see.
+const WORK: (f64, f64) = (20_000.0, 64.0);
 /// Stretches of a flight that are looked at in any case.
 const USUAL: f64 = 64.0;
 /// Stretches beyond these that are looked at in a whole motion: some seconds. A body that is far faster than all others has more, and
@@ -38,6 +39,18 @@ impl Observer for Tell<'_> {
     fn passage(&mut self, _: &System, _: Passage<'_>) {}
     fn told(&mut self, event: &Event) {
         (self.0)(event);
+    }
+}
+
+/// The work that an advance may still take.
+struct Work<'a>(&'a Cell<f64>);
+
+impl Observer for Work<'_> {
+    fn flight(&mut self, _: &System, flight: Flight<'_>) {
+        self.0.set(self.0.get() + WORK.1 * flight.flow.sub_steps_of(flight.span));
+    }
+    fn passage(&mut self, _: &System, _: Passage<'_>) {
+        self.0.set(self.0.get() - 1.0);
     }
 }
 
@@ -72,28 +85,24 @@ impl Followed {
         tell: &mut dyn FnMut(&Event),
         met: &mut dyn FnMut(f64),
     ) -> Result<(), Error> {
-        loop {
-            let mut count = 0;
-            let mut many = |events: &[Event]| {
-                events.last().into_iter().for_each(|event| met(event.time));
-                count += 1;
-                count == MANY
-            };
-            let mut teller = Tell(tell);
-            if !follow(motion, flows, end, &mut [&mut teller, self], &mut many)? {
-                break;
-            }
-            // An advance without pauses has a limit of work, which pauses do not see.
-            motion.clone().advance_to(end)?;
+        let work = Cell::new(WORK.0);
+        let mut many = |events: &[Event]| {
+            events.last().into_iter().for_each(|event| met(event.time));
+            work.get() < 0.0
+        };
+        let mut teller = Tell(tell);
+        if follow(motion, flows, end, &mut [&mut teller, &mut Work(&work), self], &mut many)? {
+            self.left_out += end - motion.time();
+            self.contacts.leave_out();
         }
-        // What rounding of the clock has left.
-        let (before, mut events) = (motion.energy().impacts, Vec::new());
+        // What rounding of the clock has left; beyond the limit of work, the engine's own error.
+        let mut events: Vec<Event> = Vec::new();
         let rest = motion.advance_observed(end, &mut |event| {
             tell(event);
             events.push(event.clone());
         });
-        let lost = motion.energy().impacts.minus(before).value();
-        self.contacts.meet(motion.assembly().system(), &events, lost);
+        let system = motion.assembly().system();
+        events.chunk_by(|a, b| a.time == b.time).for_each(|now| self.contacts.meet(system, now, None));
         rest.map(drop)
     }
 
@@ -126,7 +135,7 @@ impl Observer for Followed {
     }
 
     fn passage(&mut self, system: &System, passage: Passage<'_>) {
-        self.contacts.meet(system, passage.events, passage.lost);
+        self.contacts.meet(system, passage.events, Some(passage.lost));
         self.enter(system, passage.flows[1]);
         self.extremes.state(passage.states[1], passage.time);
     }

@@ -5,7 +5,7 @@ use crate::assembly_studies;
 use crate::common_arguments::{Common, DEFAULT_OUT};
 use crate::destination;
 use crate::output;
-use crate::progress::Progress;
+use crate::progress::{Progress, TIME};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -74,7 +74,7 @@ fn follow(a: &Motion, common: &Common) -> Result<bool> {
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program as well, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
-    let progress = Progress::new(times.len(), "samples").ticking();
+    let progress = Progress::new(0, TIME).ticking();
     let record = assembly::record(machine, &times, &stop, &mut |part| progress.part(part))?;
     drop(progress);
     let held = destination::hold(&out);

@@ -1,6 +1,6 @@
 //! A progress bar on the terminal for work that takes longer than a second.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -9,6 +9,10 @@ use std::time::{Duration, Instant};
 
 /// Shorter work shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// The unit of a length of time, of which parts are done.
+pub const TIME: &str = "s";
+/// Parts of a length of time.
+const PARTS: f64 = 1e6;
 /// How often a clock is drawn.
 const TICK: Duration = Duration::from_millis(250);
 
@@ -59,12 +63,19 @@ impl Progress {
         }
     }
 
-    /// So much of all is done, from 0 to 1.
+    /// So much of all is done, from 0 to 1, where `total` is a length of time in s.
     pub fn part(&self, part: f64) {
-        self.at((part * self.total as f64) as usize, self.total as usize);
+        if self.begin.elapsed() > self.patience {
+            let bar = self.bar.get_or_init(|| self.bar());
+            bar.set_length(PARTS as u64);
+            bar.set_position((part * PARTS) as u64);
+            let left = self.begin.elapsed().as_secs_f64() * (1.0 - part) / part;
+            let left = Duration::try_from_secs_f64(left).map_or(Duration::MAX, |time| time);
+            bar.set_message(format!("{:.3e} of all, {} left", part, HumanDuration(left)));
+        }
     }
 
-    /// The same that shows itself also while no step ends.
+    /// Shows itself with its clock also while no step ends.
     pub fn ticking(self) -> Ticking {
         let progress = Arc::new(self);
         let (over, ended) = std::sync::mpsc::channel::<()>();
@@ -81,7 +92,10 @@ impl Progress {
         let target = self.target.lock().ok().and_then(|mut t| t.take());
         let bar =
             ProgressBar::with_draw_target(Some(self.total), target.unwrap_or(ProgressDrawTarget::hidden()));
-        let form = format!("{{bar:40}} {{pos}}/{{len}} {}, {{elapsed}} gone, {{eta}} left", self.unit);
+        let form = match self.unit {
+            TIME => "{bar:40} {elapsed} gone {msg}".into(),
+            unit => format!("{{bar:40}} {{pos}}/{{len}} {unit}, {{eta}} left"),
+        };
         if let Ok(style) = ProgressStyle::with_template(&form) {
             bar.set_style(style);
         }
@@ -148,10 +162,11 @@ mod tests {
 
     #[test]
     fn a_step_that_does_not_end_shows_its_clock() {
-        let (terminal, progress) = after(0, Duration::ZERO);
-        let progress = progress.ticking();
+        let terminal = InMemoryTerm::new(10, 100);
+        let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
+        let progress = Progress::onto(target, Duration::ZERO, 0, TIME).ticking();
         let begin = Instant::now();
-        while progress.bar.get().is_none() || !terminal.contents().contains("0/8 parts, 0s gone") {
+        while progress.bar.get().is_none() || !terminal.contents().contains("0s gone") {
             assert!(begin.elapsed() < Duration::from_secs(60), "{}", terminal.contents());
             std::thread::sleep(Duration::from_millis(10));
         }
