@@ -1,7 +1,7 @@
 //! The variables and descriptions of all example machines.
 
 use fmi_doors::Version;
-use fmi_doors::description::Kind;
+use fmi_doors::description::{Kind, Variability};
 use std::collections::HashSet;
 use std::path::Path;
 use vibro_assembly::file;
@@ -151,6 +151,30 @@ fn invariant_states_are_described_with_their_nominals_and_derivatives() {
             assert_eq!(reinit, expected.is_some());
             let below = place.filter(|_| order > 0).map(|_| variable.reference - 1);
             assert_eq!(derivative_of, below, "{}", variable.name);
+        }
+    }
+}
+
+#[test]
+fn invariant_parameters_are_described_by_their_start_range_and_role() {
+    for plan in plans() {
+        for variable in plan.description().variables {
+            let row = &plan.table.rows[variable.reference as usize - 1];
+            let Quantity::Parameter(place) = row.quantity else { continue };
+            let parameter = &plan.table.parameters[place];
+            let tunable = !row.name.contains(".start.") && !row.name.contains(".arms.");
+            let expected = if tunable { Variability::Tunable } else { Variability::Fixed };
+            assert_eq!(
+                (variable.variability, variable.start),
+                (expected, Some(parameter.value)),
+                "{}",
+                row.name
+            );
+            let range = parameter.range();
+            assert!(variable.min.is_none_or(|min| min == range.min), "{}", row.name);
+            assert!(variable.max.is_none_or(|max| max == range.max), "{}", row.name);
+            assert_eq!(variable.min.is_some(), range.min > f64::MIN, "{}", row.name);
+            assert_eq!(variable.max.is_some(), range.max < f64::MAX, "{}", row.name);
         }
     }
 }
