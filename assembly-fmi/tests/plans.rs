@@ -1,10 +1,11 @@
 //! The variables and descriptions of all example machines.
 
 use fmi_doors::Version;
+use fmi_doors::description::{Kind, Variability};
 use std::collections::HashSet;
 use std::path::Path;
 use vibro_assembly::file;
-use vibro_assembly_fmi::Plan;
+use vibro_assembly_fmi::{Plan, Quantity};
 
 fn plans() -> Vec<Plan> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
@@ -83,8 +84,97 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
     ] {
         let experiment =
             Plan::new(format!("name = \"A\"\n{text}"), "a.toml").unwrap().description().experiment;
-        assert_eq!(experiment.stop_time, stop, "{text}");
+        assert_eq!((experiment.start_time, experiment.stop_time), (0.0, stop), "{text}");
+        assert_eq!(experiment.tolerance, 1e-6);
         let count = experiment.stop_time / experiment.step_size;
         assert!(count.fract() == 0.0 && steps.contains(&(count as u32)), "{text}: {count}");
+    }
+}
+
+/// `N.m.s/rad` is kg m² s⁻¹ rad⁻¹.
+#[test]
+fn closed_form_units_have_the_exponents_that_their_names_say() {
+    let base = |name: &str| -> [i32; 4] {
+        match name {
+            "1" => [0, 0, 0, 0],
+            "kg" => [1, 0, 0, 0],
+            "m" => [0, 1, 0, 0],
+            "m2" => [0, 2, 0, 0],
+            "s" => [0, 0, 1, 0],
+            "s2" => [0, 0, 2, 0],
+            "rad" => [0, 0, 0, 1],
+            "N" => [1, 1, -2, 0],
+            "J" => [1, 2, -2, 0],
+            "Hz" => [0, 0, -1, 0],
+            other => panic!("{other}"),
+        }
+    };
+    let mut units = HashSet::new();
+    for unit in plans().iter().flat_map(|plan| plan.description().units) {
+        let mut sum = [0; 4];
+        for (k, part) in unit.name.split('/').enumerate() {
+            for own in part.split('.').map(base) {
+                (0..4).for_each(|i| sum[i] += if k == 0 { own[i] } else { -own[i] });
+            }
+        }
+        let [kg, m, s, rad] = sum;
+        assert_eq!(unit.exponents, [kg, m, s, 0, 0, 0, 0, rad], "{}", unit.name);
+        // Display units: milli and kilo by their first letters.
+        for (name, factor) in &unit.display {
+            let rest = name.strip_suffix(&*unit.name).unwrap_or_default();
+            let expected = match rest {
+                "m" => 1e3,
+                "k" => 1e-3,
+                _ => continue,
+            };
+            assert_eq!(*factor, expected, "{name}");
+        }
+        units.insert(unit.name);
+    }
+    assert!(units.len() > 15, "{units:?}");
+}
+
+#[test]
+fn invariant_states_are_described_with_their_nominals_and_derivatives() {
+    for plan in plans() {
+        let (states, nominals) = (plan.assembly.states(), &plan.nominals);
+        for variable in plan.description().variables {
+            let quantity = plan.table.rows[variable.reference as usize - 1].quantity;
+            let Kind::Real { nominal, derivative_of, reinit, .. } = variable.kind else { continue };
+            let Quantity::Body(body, order) = quantity else {
+                assert_eq!((nominal, derivative_of, reinit), (None, None, false), "{}", variable.name);
+                continue;
+            };
+            let place = states.iter().position(|&state| state == body);
+            let expected = place.filter(|_| order < 2).map(|k| nominals[order * states.len() + k]);
+            assert_eq!(nominal, expected, "{} {}", plan.name(), variable.name);
+            assert_eq!(reinit, expected.is_some());
+            let below = place.filter(|_| order > 0).map(|_| variable.reference - 1);
+            assert_eq!(derivative_of, below, "{}", variable.name);
+        }
+    }
+}
+
+#[test]
+fn invariant_parameters_are_described_by_their_start_range_and_role() {
+    for plan in plans() {
+        for variable in plan.description().variables {
+            let row = &plan.table.rows[variable.reference as usize - 1];
+            let Quantity::Parameter(place) = row.quantity else { continue };
+            let parameter = &plan.table.parameters[place];
+            let tunable = !row.name.contains(".start.") && !row.name.contains(".arms.");
+            let expected = if tunable { Variability::Tunable } else { Variability::Fixed };
+            assert_eq!(
+                (variable.variability, variable.start),
+                (expected, Some(parameter.value)),
+                "{}",
+                row.name
+            );
+            let range = parameter.range();
+            assert!(variable.min.is_none_or(|min| min == range.min), "{}", row.name);
+            assert!(variable.max.is_none_or(|max| max == range.max), "{}", row.name);
+            assert_eq!(variable.min.is_some(), range.min > f64::MIN, "{}", row.name);
+            assert_eq!(variable.max.is_some(), range.max < f64::MAX, "{}", row.name);
+        }
     }
 }

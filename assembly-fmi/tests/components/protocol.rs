@@ -1,0 +1,82 @@
+//! Steps in pieces, and time in Model Exchange.
+
+use crate::solver::{Silent, Solver, get};
+use fmi_doors::{Component, EventHandling, Interface, Life, Piece};
+use std::path::Path;
+use std::sync::Arc;
+use vibro_assembly::file;
+use vibro_assembly_fmi::{FILE, Machine, Plan};
+
+/// Of half a second's motion.
+const ROUNDING: f64 = 1e-14;
+
+fn ball() -> Arc<Plan> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly/bouncing_ball.toml");
+    Arc::new(Plan::of(&file::read(&path).unwrap()).unwrap())
+}
+
+fn begun(plan: &Arc<Plan>, handling: EventHandling) -> Machine {
+    let mut machine = Machine::new(plan.clone(), Life::new(Interface::CoSimulation, handling));
+    machine.set_experiment(None, 0.0, None).unwrap();
+    machine.enter_initialization();
+    machine.exit_initialization(&mut Silent).unwrap();
+    if handling.event_mode {
+        machine.leave_event(&mut Silent).unwrap();
+    }
+    machine
+}
+
+#[test]
+fn closed_form_an_input_holds_its_last_value_after_a_step_in_which_it_had_a_course() {
+    let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
+    let plan = Arc::new(Plan::new(text.into(), FILE).unwrap());
+    let mut sled = begun(&plan, EventHandling::default());
+    let mut pieces = sled.begin_pieces(0.0, 0.5).unwrap();
+    assert_eq!(sled.left(&pieces), 0.5);
+    // t² + t³, of which the derivatives at the step's end are not zero.
+    let push = |t: f64| t * t + t * t * t;
+    sled.interpolate_input(plan.table.inputs[0], [0.0, 1.0, 2.0, 3.0].map(|k| push(k / 6.0)), 0.5);
+    sled.start_pieces(&mut pieces, &mut Silent).unwrap();
+    assert_eq!(sled.next_piece(&mut pieces, None, &mut Silent).unwrap(), Piece::End);
+    let ended = sled.end_pieces(&pieces);
+    assert_eq!((ended.time, ended.event, ended.early), (0.5, false, false));
+    let v = (0.125 / 3.0 + 0.0625 / 4.0) / 4.0;
+    let rate = plan.table.reference("sled.v").unwrap();
+    assert!((get(&mut sled, rate).unwrap() - v).abs() < ROUNDING);
+    sled.advance(0.5, 0.5, &mut Silent).unwrap();
+    let later = v + 0.5 * push(0.5) / 4.0;
+    assert!((get(&mut sled, rate).unwrap() - later).abs() < ROUNDING);
+}
+
+#[test]
+fn closed_form_what_changes_at_events_is_shown_once_they_are_handled() {
+    let plan = ball();
+    let mut ball = begun(&plan, EventHandling { event_mode: true, early_return: false });
+    let [impacts, rate] = ["floor.impacts", "ball.v"].map(|name| plan.table.reference(name).unwrap());
+    let mut pieces = ball.begin_pieces(0.0, 0.5).unwrap();
+    ball.start_pieces(&mut pieces, &mut Silent).unwrap();
+    assert_eq!(ball.next_piece(&mut pieces, None, &mut Silent).unwrap(), Piece::Event);
+    // The fall of a metre.
+    assert!((ball.time() - (2.0 / 9.81f64).sqrt()).abs() < ROUNDING);
+    assert!(!ball.ends_before_event(&pieces));
+    ball.pass_event(&mut pieces, &mut Silent);
+    assert_eq!(ball.next_piece(&mut pieces, None, &mut Silent).unwrap(), Piece::End);
+    let ended = ball.end_pieces(&pieces);
+    assert_eq!((ended.time, ended.event, ended.early), (0.5, true, false));
+    assert_eq!(get(&mut ball, impacts), Some(0.0));
+    assert!(get(&mut ball, rate).unwrap() < 0.0);
+    ball.enter_event().unwrap();
+    ball.handle_events(&mut Silent).unwrap();
+    assert_eq!(get(&mut ball, impacts), Some(1.0));
+}
+
+#[test]
+fn time_in_event_mode_is_the_present_one() {
+    let mut solver = Solver::new(&ball());
+    solver.step(0.125);
+    let machine = &mut solver.machine;
+    machine.enter_event().unwrap();
+    machine.set_time(0.125).unwrap();
+    let refused = machine.set_time(0.25).unwrap_err().to_string();
+    assert!(refused.contains("time = 0.25: allowed is the present time in Event Mode"), "{refused}");
+}
