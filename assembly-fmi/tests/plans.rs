@@ -156,10 +156,13 @@ fn invariant_states_are_described_with_their_nominals_and_derivatives() {
 }
 
 #[test]
-fn invariant_parameters_are_described_by_their_start_range_and_role() {
+fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role() {
     for plan in plans() {
         for variable in plan.description().variables {
             let row = &plan.table.rows[variable.reference as usize - 1];
+            if let Quantity::Input(_) = row.quantity {
+                assert_eq!(variable.start, Some(0.0), "{}", row.name);
+            }
             let Quantity::Parameter(place) = row.quantity else { continue };
             let parameter = &plan.table.parameters[place];
             let tunable = !row.name.contains(".start.") && !row.name.contains(".arms.");
