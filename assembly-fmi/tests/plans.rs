@@ -1,4 +1,4 @@
-//! The variables and descriptions of all example machines.
+//! The variables and descriptions of all example machines, and of one with every kind of element and input.
 
 use fmi_doors::Version;
 use fmi_doors::description::{Kind, Variability};
@@ -11,7 +11,8 @@ fn plans() -> Vec<Plan> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
     let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let paths = paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
-    let plans: Vec<_> = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap()).collect();
+    let mut plans: Vec<_> = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap()).collect();
+    plans.push(Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap());
     assert!(plans.len() > 20, "{}", plans.len());
     plans
 }
