@@ -1,4 +1,4 @@
-//! The variables and descriptions of all example machines.
+//! The variables and descriptions of all example machines, and of one with every kind of element and input.
 
 use fmi_doors::Version;
 use fmi_doors::description::{Kind, Variability};
@@ -11,7 +11,8 @@ fn plans() -> Vec<Plan> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
     let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let paths = paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
-    let plans: Vec<_> = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap()).collect();
+    let mut plans: Vec<_> = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap()).collect();
+    plans.push(Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap());
     assert!(plans.len() > 20, "{}", plans.len());
     plans
 }
@@ -156,10 +157,13 @@ fn invariant_states_are_described_with_their_nominals_and_derivatives() {
 }
 
 #[test]
-fn invariant_parameters_are_described_by_their_start_range_and_role() {
+fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role() {
     for plan in plans() {
         for variable in plan.description().variables {
             let row = &plan.table.rows[variable.reference as usize - 1];
+            if let Quantity::Input(_) = row.quantity {
+                assert_eq!(variable.start, Some(0.0), "{}", row.name);
+            }
             let Quantity::Parameter(place) = row.quantity else { continue };
             let parameter = &plan.table.parameters[place];
             let tunable = !row.name.contains(".start.") && !row.name.contains(".arms.");

@@ -56,6 +56,11 @@ fn coordinates_beyond_energies_are_refused_with_body_and_time() {
         motion.restore(&before);
         assert_eq!(motion.body(0)[..2], [0.0, 0.0]);
     }
+    // However little of a call is left when it has become too large.
+    for end in [0.500_001, 0.51, 0.6] {
+        let error = pushed(-2e100).advance_to(end).unwrap_err();
+        assert!(matches!(error, Error::Beyond { .. }), "{end}: {error}");
+    }
     // The largest that are allowed have energies.
     let mut motion = pushed(-1e99);
     motion.advance_to(1.0).unwrap();

@@ -156,7 +156,10 @@ mod tests {
 
     fn of(returns: usize, number: &dyn Fn(usize) -> f64) -> (Vec<Largest>, bool) {
         let mut parts = Parts::new();
-        let is_steady = (0..returns).fold(false, |found, i| parts.push(Largest(number(i), 1)) || found);
+        let mut is_steady = false;
+        for i in 0..returns {
+            is_steady |= parts.push(Largest(number(i), 1));
+        }
         (parts.finish(), is_steady)
     }
 

@@ -80,3 +80,16 @@ fn time_in_event_mode_is_the_present_one() {
     let refused = machine.set_time(0.25).unwrap_err().to_string();
     assert!(refused.contains("time = 0.25: allowed is the present time in Event Mode"), "{refused}");
 }
+
+#[test]
+fn closed_form_derivatives_of_an_input_that_are_not_set_are_zero() {
+    let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
+    let plan = Arc::new(Plan::new(text.into(), FILE).unwrap());
+    let rate = plan.table.reference("sled.v").unwrap();
+    for (order, v) in [(1, 0.125 / 4.0), (2, 0.125 / 6.0 / 4.0), (3, 0.0625 / 24.0 / 4.0)] {
+        let mut sled = begun(&plan, EventHandling::default());
+        sled.set_input_derivatives(&[plan.table.inputs[0]], &[order], &[1.0]).unwrap();
+        sled.advance(0.0, 0.5, &mut Silent).unwrap();
+        assert!((get(&mut sled, rate).unwrap() - v).abs() < ROUNDING, "{order}");
+    }
+}

@@ -279,3 +279,25 @@ fn clean(forces: &mut DMatrix<f64>, columns: &DMatrix<f64>, demands: &DMatrix<f6
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_a_force_is_rounding_beside_what_its_group_holds_against() {
+        // The first two contacts share a coordinate, the third has its own. By demand: one of the first, which the
+        // second sees as 1/√2, the third not at all; one of the third with columns of length 2; none.
+        let columns = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 2.0]);
+        let demands = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        let (small, more) = (0.2 * ZERO, 0.8 * ZERO);
+        for (second, is_rounding) in [(small, true), (more, false)] {
+            let forces = [0.5, small, small, second, small, small, small, small, small];
+            let mut cleaned = DMatrix::from_row_slice(3, 3, &forces);
+            clean(&mut cleaned, &columns, &demands);
+            let kept = if is_rounding { 0.0 } else { second };
+            let exact = [0.5, small, small, kept, small, small, small, 0.0, small];
+            assert_eq!(cleaned, DMatrix::from_row_slice(3, 3, &exact));
+        }
+    }
+}
