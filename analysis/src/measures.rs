@@ -169,7 +169,7 @@ fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
 
 /// The spread of a number that a window's parts have, over windows as long as these parts together. An extreme of a long window scatters
 /// as that of a part does, since the scale of the limit law of extremes does not depend on the number of parts, docs/studies.md (N4); a
-/// mean by as much less as there are more of them, (N5). A number that goes one way from part to part is on its way, (N6).
+/// mean by as much less as there are more of them, (N5). A number that goes one way from part to part is on its way, (N8).
 pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if numbers.len() < 2 {
         return 0.0;

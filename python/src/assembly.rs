@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use vibro_analysis::assembly::diagram::{self, Point};
 use vibro_analysis::assembly::{
-    Machine, Measure, SectionRule, Start, columns, discard, measure, named, values,
+    Machine, Measure, SectionRule, Start, columns, measure, named, values,
 };
 use vibro_analysis::bifurcation::Diagram;
 use vibro_analysis::measures::Measured;
@@ -234,7 +234,7 @@ pub fn measure_assemblies(
     let one = move |control: &Control, index: usize| -> Result<Measured, Failure> {
         let machine = Machine { section: rule.clone(), ..machines[index].machine(None) };
         let (mut motion, section) = machine.motion(&Start::default())?;
-        discard(&mut motion, &section, settle)?;
+        vibro_analysis::assembly::settle(&mut motion, &section, settle)?;
         control.check()?;
         Ok(measure(&mut motion, &section, &measures, periods)?)
     };
@@ -297,7 +297,7 @@ fn direction<'py>(
 
 /// Maxima of a quantity, or its values at the section, over a parameter, with what motions settle on.
 #[pyfunction]
-#[pyo3(signature = (machine, name, ends, count, of, at_section, periods, exponents, section, progress = None))]
+#[pyo3(signature = (machine, name, ends, count, of, at_section, periods, exponents, section, anew, progress = None))]
 #[allow(clippy::too_many_arguments)]
 pub fn assembly_diagram<'py>(
     py: Python<'py>,
@@ -310,13 +310,14 @@ pub fn assembly_diagram<'py>(
     periods: (u32, u32),
     exponents: Option<u32>,
     section: Option<SectionChoice>,
+    anew: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<AssemblyDiagram<'py>> {
     let axis = ParameterAxis::of(name, ends, count).map_err(Failure::from)?;
     let of = of.parse().map_err(Failure::from)?;
     let (discard, keep) = periods;
     let request =
-        diagram::Request { axis: axis.clone(), of, at_section, discard, keep, exponents, anew: false };
+        diagram::Request { axis: axis.clone(), of, at_section, discard, keep, exponents, anew };
     let own = machine.machine(section);
     let found: Diagram<Point> = compute(py, progress, move |control| {
         in_parts(control, request.count(), |task| diagram::diagram(&own, &request, task))

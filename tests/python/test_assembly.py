@@ -221,3 +221,30 @@ def test_an_fmu_of_any_name_is_written_where_one_is_and_nothing_where_it_cannot(
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OSError, match="file"):
         vi.Assembly(OSCILLATOR).fmu(tmp_path / "file" / "x.fmu")
+
+
+def test_a_diagram_of_a_machine_with_a_step_starts_each_value_anew() -> None:
+    machine = vi.Assembly(
+        """
+name = "Step"
+[body.a]
+mass = 1.0
+[spring.k]
+between = ["ground", "a"]
+stiffness = 100.0
+damping = 4.0
+[load.drive]
+on = "a"
+amplitude = 1.0
+frequency = 1.0
+[load.step]
+on = "a"
+steps = [{ time = 200.0, height = 10.0 }]
+"""
+    )
+    values = np.linspace(100.0, 120.0, 3)
+    with pytest.raises((RuntimeError, ValueError), match="anew=True"):
+        machine.bifurcation("a.s", **{"spring.k.stiffness": values})
+    found = machine.bifurcation("a.s", anew=True, periods=(40, 4), **{"spring.k.stiffness": values})
+    assert list(found.up.kind) == ["1T"] * 3
+    assert not found.hysteresis.any() and list(found.down.kind) == ["refused"] * 3

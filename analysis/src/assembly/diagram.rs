@@ -122,7 +122,7 @@ impl Request {
 fn runs_on_in_words(why: &str) -> String {
     format!(
         "{why}: time goes on from value to value, so that each would be seen at another time of it; allowed are changes within what is \
-         discarded at the first value (--discard), or --anew, with which each value starts as the file says and nothing is said of \
+         discarded at the first value (--discard), or --anew (anew=True in Python), with which each value starts as the file says and nothing is said of \
          hysteresis"
     )
 }

@@ -186,6 +186,7 @@ class Assembly:
         periods: tuple[int, int] = (300, 100),
         exponents: Union[bool, int] = False,
         section: Section = None,
+        anew: bool = False,
         progress: bool = False,
         **parameter: ArrayLike,
     ) -> AssemblyDiagram:
@@ -208,6 +209,9 @@ class Assembly:
             Whether the largest exponent is computed, over 400 returns or so many.
         section
             As of :meth:`measure`.
+        anew
+            Whether each value starts as the file says, at time 0; ``down`` is then empty of motions. Machines with a step or a
+            record that goes on after the first value's transient need it.
         """
         if len(parameter) != 1:
             raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, rising and equally spaced")
@@ -221,7 +225,7 @@ class Assembly:
         with Bar(progress, 0, "parts") as bar:
             ends = (float(values[0]), float(values[-1]))
             found = _native.assembly_diagram(
-                self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, _section(section), bar.report
+                self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, _section(section), bool(anew), bar.report
             )
         up, down = (direction(AssemblyDirection, found[way]) for way in ("up", "down"))
         return AssemblyDiagram(self, name, of, up, down, found["hysteresis"], bool(at_section))

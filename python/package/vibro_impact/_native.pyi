@@ -123,6 +123,7 @@ def assembly_diagram(
     periods: tuple[int, int],
     exponents: int | None,
     section: float | str | None,
+    anew: bool,
     progress: _Progress = None,
 ) -> _Parts: ...
 def poincare(
