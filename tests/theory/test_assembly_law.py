@@ -391,3 +391,25 @@ def test_law_24_powers_in_as_many_rows_as_coordinates() -> None:
     q, triangle = mp.qr(left, mode="skinny")
     assert (triangle.rows, triangle.cols) == (3, 3)
     assert abs(dot(left * z, right * z) - dot(triangle * z, q.T * right * z)) < ROUNDING * mp.norm(left) * mp.norm(right)
+
+
+def test_law_25_neutral_directions() -> None:
+    """Two shafts with a spring and a dashpot between them, a dashpot to ground on the first, or none."""
+    for drag in (mpf("0.4"), mpf(0)):
+        inertias, k, c = (mpf("0.5"), mpf("0.75")), mpf(30), mpf(2)
+        w = matrix([[-1, 1]])
+        stiffness, damping = k * w.T * w, c * w.T * w
+        damping[0, 0] += drag
+        a = mp.zeros(4, 4)
+        for i in range(2):
+            a[i, 2 + i] = mpf(1)
+            for j in range(2):
+                a[2 + i, j], a[2 + i, 2 + j] = -stiffness[i, j] / inertias[i], -damping[i, j] / inertias[i]
+        time = mpf("0.7")
+        later = mp.expm(a * time)
+        # Along the places u = (1, 1) a variation stays what it is.
+        places, rates = matrix([1, 1, 0, 0]), matrix([0, 0, 1, 1])
+        assert mp.norm(later * places - places) < ROUNDING
+        # Along the rates it becomes (t u, u) where nothing acts on both, and shrinks where a dashpot does.
+        kept = mp.norm(later * rates - (time * places + rates)) < ROUNDING
+        assert kept == (drag == 0)

@@ -91,8 +91,9 @@ impl Followed {
             work.get() < 0.0
         };
         let mut teller = Tell(tell);
-        if follow(motion, flows, end, &mut [&mut teller, &mut Work(&work), self], &mut many)? {
-            self.left_out += end - motion.time();
+        let is_left = follow(motion, flows, end, &mut [&mut teller, &mut Work(&work), self], &mut many)?;
+        let from = motion.time();
+        if is_left {
             self.contacts.leave_out();
         }
         // What rounding of the clock has left; beyond the limit of work, the engine's own error.
@@ -101,6 +102,9 @@ impl Followed {
             tell(event);
             events.push(event.clone());
         });
+        if is_left {
+            self.left_out += motion.time() - from;
+        }
         let system = motion.assembly().system();
         events.chunk_by(|a, b| a.time == b.time).for_each(|now| self.contacts.meet(system, now, None));
         rest.map(drop)

@@ -156,7 +156,7 @@ impl Told for assembly::Machine {
             && matches!(section, Ok(assembly::Section::Period(_)))
             && names.iter().any(is_frequency);
         let name = &self.description.name;
-        varies.then(|| format!("{name}, looked at after the common period of its harmonics, which varies"))
+        varies.then(|| format!("{name}, looked at after each common period of its harmonics, which varies"))
     }
 
     fn words(measure: &assembly::Measure) -> String {
