@@ -11,9 +11,7 @@ use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibro_analysis::assembly::diagram::{self, Point};
-use vibro_analysis::assembly::{
-    Machine, Measure, SectionRule, Start, columns, measure, named, values,
-};
+use vibro_analysis::assembly::{Machine, Measure, SectionRule, Start, columns, measure, named, values};
 use vibro_analysis::bifurcation::Diagram;
 use vibro_analysis::measures::Measured;
 use vibro_analysis::plane::ParameterAxis;
@@ -316,8 +314,7 @@ pub fn assembly_diagram<'py>(
     let axis = ParameterAxis::of(name, ends, count).map_err(Failure::from)?;
     let of = of.parse().map_err(Failure::from)?;
     let (discard, keep) = periods;
-    let request =
-        diagram::Request { axis: axis.clone(), of, at_section, discard, keep, exponents, anew };
+    let request = diagram::Request { axis: axis.clone(), of, at_section, discard, keep, exponents, anew };
     let own = machine.machine(section);
     let found: Diagram<Point> = compute(py, progress, move |control| {
         in_parts(control, request.count(), |task| diagram::diagram(&own, &request, task))

@@ -29,9 +29,11 @@ const LOOK: u32 = 4;
 const AGAIN: f64 = 1.25;
 /// States of an orbit are apart by so many times the distance that is left to it, or may be one.
 const APART: f64 = 20.0;
-/// Most returns over which an exponent is counted before its sign is left open: as many as tell that it is
-/// zero, by [`ZERO_EXPONENT`].
+/// Most returns over which an exponent is counted before its sign is left open, where they are the slowest
+/// of the motion: as many as tell that it is zero, by [`ZERO_EXPONENT`], …
 const MOST_RETURNS: u32 = 3_300;
+/// … and so many times as many where an own oscillation is slower.
+const SLOWER: f64 = 4.0;
 /// Most returns for which a motion is followed while it is on its way.
 const PROLONGED: u32 = 8_192;
 /// Returns between two looks at an exponent's sign.
@@ -227,7 +229,8 @@ fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Gro
     let mut flows = Flows::default();
     let mut growth = Growth::default();
     variation.grown(shift(motion));
-    let most = MOST_RETURNS.max(least);
+    let slower = ZERO_EXPONENT * TAU / follower.record.interval() / threshold;
+    let most = least.max((f64::from(MOST_RETURNS) * slower.clamp(1.0, SLOWER)) as u32);
     for k in 1..=most + ALIGN as u32 {
         let from = motion.time();
         follower.section.follow(motion, &mut flows, &mut [&mut variation])?;

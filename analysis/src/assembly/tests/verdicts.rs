@@ -255,3 +255,41 @@ fn second_method_returns_to_the_size_of_a_small_chaos_are_no_period() {
     assert_eq!(found.class, MotionClass::Chaotic, "{found:?}");
     assert!((0.3..1.2).contains(&exponent_of(&found)), "{found:?}");
 }
+
+/// Without damping what starts swings on beside the drive: two frequencies, and a zero exponent of either.
+#[test]
+fn closed_form_an_undamped_oscillator_beside_its_drive_is_quasi_periodic() {
+    let file = OSCILLATOR
+        .replace("damping = 8.0", "damping = 0.0")
+        .replace("mass = 2.0", "mass = 2.0\nstart = { s = 0.1 }");
+    let found = verdict(&text(&file), 0);
+    assert_eq!(found.class, MotionClass::QuasiPeriodic, "{found:?}");
+    let exponent = found.exponent.unwrap();
+    assert!(exponent.value.abs() <= exponent.error, "{exponent:?}");
+}
+
+/// Rods that meet and shafts that meet have one law.
+#[test]
+fn invariant_a_machine_about_an_axis_has_the_verdict_of_one_along_a_line() {
+    let along = "name = \"P\"\n[body.a]\nmass = 2.0\nstart = { v = 0.3 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 300.0\n\
+        damping = 1.0\n[stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 0.01\nstiffness = 5000.0\ndamping = 5.0\n[load.f]\non = \"a\"\n\
+        amplitude = 8.0\nfrequency = 2.5\n";
+    let about = along.replace("mass = 2.0", "inertia = 2.0");
+    let [line, axis] = [along, &about].map(|file| verdict(&text(file), 50));
+    assert!(line.contacts > 0.0 && line.period.is_some(), "{line:?}");
+    assert_eq!(line, axis);
+}
+
+#[test]
+fn a_sweep_takes_each_parameter_once() {
+    use crate::design_sweep::{Designs, Request, SampledAxis};
+    let axis = |name: &str| SampledAxis { name: name.to_owned(), values: vec![1.0, 2.0] };
+    let request = |names: &[&str]| Request::<Machine> {
+        designs: Designs::Grid(names.iter().map(|name| axis(name)).collect()),
+        measures: vec![Measure::Class],
+        ..Request::default()
+    };
+    request(&["body.a.mass", "spring.k.stiffness"]).check().unwrap();
+    let refused = request(&["body.a.mass", "body.a.mass"]).check().unwrap_err().to_string();
+    assert!(refused.contains("body.a.mass"), "{refused}");
+}
