@@ -58,7 +58,8 @@ pub struct Settled {
     pub rests: bool,
     /// Mean time between returns, s.
     pub interval: f64,
-    /// The states of one period: what [must return](super::returns), SI.
+    /// The states of one period, SI: elongations and rates of elements, and phases of harmonics that the
+    /// section does not hold.
     pub states: Vec<Vec<f64>>,
     /// The sizes of the states' numbers, SI.
     pub scales: Vec<f64>,
