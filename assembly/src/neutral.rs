@@ -26,9 +26,8 @@ pub struct Neutral {
 }
 
 impl Neutral {
-    /// The directions of a machine in which the frictions for which `slips` holds always slip in one
-    /// direction: the force of such a friction does not depend on its rate.
-    pub fn of(system: &System, slips: impl Fn(usize) -> bool) -> Self {
+    /// The directions of a machine.
+    pub fn of(system: &System) -> Self {
         let springs = |acts: &dyn Fn(&crate::system::SpringRows) -> bool| {
             let all = system.springs.iter().filter(|s| acts(s));
             all.map(|s| s.elongation.w.clone()).collect::<Vec<_>>()
@@ -37,8 +36,7 @@ impl Neutral {
         rows.extend(system.stops.iter().map(|s| s.elongation.w.clone()));
         let places = null_space(rows.clone(), system.coordinates);
         rows.extend(springs(&|s| s.damping != 0.0));
-        let frictions = system.frictions.iter().enumerate().filter(|(i, _)| !slips(*i));
-        rows.extend(frictions.map(|(_, f)| f.elongation.w.clone()));
+        rows.extend(system.frictions.iter().map(|f| f.elongation.w.clone()));
         let rates = null_space(rows, system.coordinates);
         Self { coordinates: system.coordinates, places, rates }
     }

@@ -239,7 +239,7 @@ amplitude = 1.0
 frequency = 1.0
 [load.step]
 on = "a"
-steps = [{ time = 200.0, height = 10.0 }]
+steps = [[200.0, 10.0]]
 """
     )
     values = np.linspace(100.0, 120.0, 3)

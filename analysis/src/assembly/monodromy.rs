@@ -30,13 +30,6 @@ const SWEEPS: usize = 200;
 /// Part of the rates' sizes under which a shift in time is one exactly.
 const EXACT: f64 = 1e-9;
 
-/// The neutral directions of a motion: those of its machine, and those along which friction slips in one
-/// direction throughout.
-pub fn neutral(motion: &Motion, record: &Record) -> Neutral {
-    let modes = &motion.mode().frictions;
-    Neutral::of(motion.assembly().system(), |i| !record.sticks[i] && !modes[i].sticks())
-}
-
 /// The lengths by which changes of a motion's state are measured: how far elongations and rates of each
 /// dimension have been apart.
 pub fn metric(motion: &Motion, record: &Record) -> Metric {
@@ -104,7 +97,7 @@ impl Period {
         let assembly = motion.assembly().clone();
         let system = assembly.system();
         let metric = metric(motion, record);
-        let neutral = neutral(motion, record);
+        let neutral = Neutral::of(system);
         let basis = metric.basis(neutral.states().into_iter().chain(shift(motion)));
         let mut frame = Frame::new(system, motion.mode(), &metric);
         let (from, start) = (motion.time(), motion.state().clone());

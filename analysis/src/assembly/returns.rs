@@ -130,8 +130,6 @@ pub struct Record {
     pub is_beside: bool,
     /// Whether a stop stays closed or a friction sticks.
     pub rests: bool,
-    /// By friction: whether it has changed from slipping in one direction.
-    pub sticks: Vec<bool>,
 }
 
 impl Record {
@@ -139,8 +137,7 @@ impl Record {
     pub fn new(motion: &Motion, section: &Section) -> Self {
         let assembly = motion.assembly();
         let functionals = Functionals::of(&assembly.description, assembly.system(), section);
-        let (count, slips) =
-            (functionals.kinds.len() + 2 * functionals.phases.len(), &motion.mode().frictions);
+        let count = functionals.kinds.len() + 2 * functionals.phases.len();
         Self {
             functionals,
             returns: Vec::new(),
@@ -152,7 +149,6 @@ impl Record {
             struck: Vec::new(),
             is_beside: false,
             rests: motion.mode().contacts().next().is_some(),
-            sticks: slips.iter().map(|state| state.sticks()).collect(),
         }
     }
 
@@ -168,14 +164,7 @@ impl Record {
                     self.struck.push(event.time);
                 }
             }
-            EventKind::Close { .. } => self.rests = true,
-            EventKind::Stick { friction } => {
-                self.rests = true;
-                self.sticks[friction] = true;
-            }
-            EventKind::Slip { friction, .. } | EventKind::Level { friction, .. } => {
-                self.sticks[friction] = true;
-            }
+            EventKind::Close { .. } | EventKind::Stick { .. } => self.rests = true,
             _ => {}
         }
     }
@@ -289,6 +278,16 @@ impl Record {
     pub fn is_approaching(&self) -> bool {
         let scales = self.scales();
         nears(&self.returns, |a, b| self.distance(&a.state, &b.state, &scales))
+    }
+
+    /// Whether in the later half of the record a number that must return has changed in one direction from
+    /// each return to the next: a motion that is braked or driven on.
+    pub fn drifts(&self) -> bool {
+        let later = &self.returns[self.returns.len() / 2..];
+        let goes = |j: usize, sign: f64| {
+            later.windows(2).all(|pair| sign * (pair[1].state[j] - pair[0].state[j]) > 0.0)
+        };
+        later.len() > 2 && (0..self.functionals.kinds.len()).any(|j| goes(j, 1.0) || goes(j, -1.0))
     }
 
     /// Forgets early returns where there are more than are needed.

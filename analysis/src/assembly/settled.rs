@@ -8,7 +8,7 @@
 
 use super::flight::Flows;
 use super::growth::{ALIGN, Growth};
-use super::monodromy::{MARGINAL, Period, neutral, shift};
+use super::monodromy::{MARGINAL, Period, shift};
 use super::returns::Record;
 use super::section::{Section, common_period, harmonics};
 use super::timescales::oscillations;
@@ -19,6 +19,7 @@ use crate::largest_exponent::{ExponentSign, LargestExponent};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
+use vibro_assembly::neutral::Neutral;
 
 /// A motion is not followed further where its states return to this part of their sizes.
 const STEADY: f64 = 1e-9;
@@ -50,7 +51,8 @@ pub struct Settled {
     pub period: Option<u32>,
     /// Its class.
     pub class: MotionClass,
-    /// The largest exponent beside neutral ones, where it was computed.
+    /// The largest exponent beside neutral ones, where it was computed and the class is decided: that of a
+    /// motion on its way belongs to the way.
     pub exponent: Option<LargestExponent>,
     /// Impacts and first touches a return.
     pub contacts: f64,
@@ -225,7 +227,7 @@ fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Gro
     let assembly = motion.assembly().clone();
     let system = assembly.system();
     let metric = Metric::by_frequency(system.coordinates, TAU / follower.record.interval());
-    let neutral = neutral(motion, &follower.record);
+    let neutral = Neutral::of(system);
     let mut variation = Variation::new(system, motion.mode(), metric, &neutral);
     let mut flows = Flows::default();
     let mut growth = Growth::default();
@@ -297,6 +299,9 @@ pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -
             exponent = Some(growth.exponent());
             let sign = growth.sign(threshold);
             class = MotionClass::by_sign(None, Some(sign), follower.record.is_approaching());
+            if class == MotionClass::QuasiPeriodic && follower.record.drifts() {
+                class = MotionClass::NotSettled;
+            }
             if class == MotionClass::Settling && !has_periods {
                 // All that two frequencies without a common period leave is a motion as theirs.
                 class = MotionClass::QuasiPeriodic;
@@ -336,7 +341,7 @@ impl Follower<'_> {
         Settled {
             period,
             class,
-            exponent,
+            exponent: exponent.filter(|_| class.is_decided()),
             contacts,
             rests: record.rests,
             interval: record.interval(),

@@ -84,7 +84,7 @@ pub fn summary(machine: Description) -> Result<String> {
 
 /// What no force depends on, which is left out of returns and exponents.
 fn neutral(assembly: &Assembly) -> Vec<String> {
-    let found = Neutral::of(assembly.system(), |_| false);
+    let found = Neutral::of(assembly.system());
     let lines = found.in_words(&assembly.description, assembly.system());
     let title = (!lines.is_empty()).then(|| "neutral directions".to_owned());
     title.into_iter().chain(lines.into_iter().map(|line| format!("  {line}"))).collect()

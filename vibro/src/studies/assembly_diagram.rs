@@ -129,20 +129,25 @@ pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &s
         found.rests.to_string(),
         found.class.name(),
     ]);
-    let told = exponent.map_or(String::new(), |e| match (e.value, found.period) {
-        (f64::NEG_INFINITY, _) => {
-            "-inf: contacts take every direction, or there is none but neutral ones".into()
-        }
-        (value, Some(period)) => {
-            format!("{} 1/s, by the multipliers of {period}T to {}", significant(value), significant(e.error))
-        }
-        (value, None) => format!(
-            "{} 1/s, standard error {}, over {} returns",
-            significant(value),
-            significant(e.error),
-            e.periods
-        ),
-    });
+    let told =
+        exponent.map_or("undecided: the motion has not settled".into(), |e| match (e.value, found.period) {
+            (f64::NEG_INFINITY, _) => {
+                "-inf: contacts take every direction, or there is none but neutral ones".into()
+            }
+            (value, Some(period)) => {
+                format!(
+                    "{} 1/s, by the multipliers of {period}T to {}",
+                    significant(value),
+                    significant(e.error)
+                )
+            }
+            (value, None) => format!(
+                "{} 1/s, standard error {}, over {} returns",
+                significant(value),
+                significant(e.error),
+                e.periods
+            ),
+        });
     let what = format!("largest Lyapunov exponent {told}");
     let remarks = vec![format!("class: {}", found.class.name())];
     Ok(Study {

@@ -29,22 +29,39 @@ fn closed_form_a_free_shaft_with_drag_has_a_period_and_the_exponent_of_its_speed
 
 /// A shaft that a torque turns against friction that always slips: neighbours separate linearly.
 #[test]
-fn closed_form_a_shaft_that_always_slips_has_no_exponent_but_neutral_ones() {
-    let of = |relative: &str| {
+fn closed_form_a_shaft_that_always_slips_has_the_exponent_zero_and_what_turns_with_it_its_own() {
+    let of = |torque: f64, relative: &str| {
         text(&format!(
             "name = \"G\"\n[body.a]\ninertia = 0.5\nstart = {{ v = 30.0 }}\n{relative}[friction.drag]\nbetween = [\"ground\", \"a\"]\n\
-             force = 2.0\n[load.t]\non = \"a\"\nconstant = 2.0\namplitude = 1.0\nfrequency = 5.0\n"
+             force = 2.0\n[load.t]\non = \"a\"\nconstant = {torque:?}\namplitude = 1.0\nfrequency = 5.0\n"
         ))
     };
-    let found = verdict(&of(""), 0);
-    assert_eq!(found.class, MotionClass::Periodic(1));
-    assert_eq!(exponent_of(&found), f64::NEG_INFINITY, "no direction is left");
-    // What a spring couples to it turns about it: 0.5·0.5/(0.5 + 0.5) φ'' + 2 φ' + 100 φ = …
     let relative = "[body.b]\ninertia = 0.5\nstart = { v = 30.0 }\n[spring.k]\nbetween = [\"a\", \"b\"]\n\
         stiffness = 100.0\ndamping = 2.0\n";
-    let found = verdict(&of(relative), 0);
-    assert_eq!(found.class, MotionClass::Periodic(1));
-    assert!((exponent_of(&found) + 2.0 / (2.0 * 0.25)).abs() < EXACT, "{found:?}");
+    for beside in ["", relative] {
+        let found = verdict(&of(2.0, beside), 0);
+        assert_eq!((found.class, exponent_of(&found)), (MotionClass::Periodic(1), 0.0), "{beside}");
+        // It speeds up for ever.
+        let found = verdict(&of(2.02, beside), 0);
+        assert!(!found.class.is_decided() && found.exponent.is_none(), "{beside}: {found:?}");
+    }
+}
+
+/// A car that friction brakes beside an oscillator: it has a period when it stands, and none before.
+#[test]
+fn closed_form_what_friction_brakes_has_no_period_before_it_stands() {
+    let of = |drag: f64| {
+        text(&format!(
+            "name = \"C\"\n[body.m]\ninertia = 1.0\n[body.car]\ninertia = 1.0\nstart = {{ v = 50.0 }}\n[spring.k]\n\
+             between = [\"ground\", \"m\"]\nstiffness = 1e5\ndamping = 20.0\n[friction.drag]\nbetween = [\"ground\", \"car\"]\n\
+             force = {drag:?}\n[load.l]\non = \"m\"\namplitude = 1e4\nfrequency = \"50 Hz\"\n"
+        ))
+    };
+    assert!(!verdict(&of(1e-3), 0).class.is_decided());
+    // It stands after 5 s, wherever that is; δ'' + 20 δ' + 1e5 δ = 0 beside it.
+    let found = verdict(&of(10.0), 400);
+    assert_eq!(found.class, MotionClass::Periodic(1), "{found:?}");
+    assert!((exponent_of(&found) + 10.0).abs() < EXACT, "{found:?}");
 }
 
 const REST_ON_TABLE: &str = "name = \"RestOnTable\"\ngravity = 9.81\n[body.table]\nmotion = { amplitude = 0.005, frequency = 5.0 }\n\
@@ -292,4 +309,25 @@ fn a_sweep_takes_each_parameter_once() {
     request(&["body.a.mass", "spring.k.stiffness"]).check().unwrap();
     let refused = request(&["body.a.mass", "body.a.mass"]).check().unwrap_err().to_string();
     assert!(refused.contains("body.a.mass"), "{refused}");
+}
+
+/// The engine turns the gears evenly on, so that their angles do not return.
+#[test]
+fn invariant_gears_that_turn_on_have_the_period_of_their_play() {
+    let machine =
+        example("gear_backlash.toml").with([("body.engine.motion.amplitude", 0.1f64.to_radians())]).unwrap();
+    let found = verdict(&machine, 40);
+    assert_eq!(found.class, MotionClass::Periodic(1), "{found:?}");
+    assert!(exponent_of(&found) < 0.0, "{found:?}");
+}
+
+#[test]
+fn a_section_is_found_by_its_elements_name() {
+    let frictions = ["first", "second"]
+        .map(|name| format!("[friction.{name}]\nbetween = [\"ground\", \"a\"]\nforce = 0.1\n"));
+    let mut machine = text(&format!("{OSCILLATOR}{}", frictions.concat()));
+    for (place, name) in ["friction.first", "second"].into_iter().enumerate() {
+        machine.section = SectionRule::Element(name.into());
+        assert_eq!(Section::of(&machine.description, &machine.section).unwrap(), Section::Friction(place));
+    }
 }
