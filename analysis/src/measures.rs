@@ -51,7 +51,8 @@ pub struct Measured {
     pub spreads: Vec<f64>,
     /// The class, where it was asked for.
     pub class: Option<MotionClass>,
-    /// The first number that goes one way from part to part, by its place: the motion has not settled.
+    /// The first number that goes one way from part to part, by its place; a place behind the last where
+    /// something else that forces depend on does: the motion has not settled.
     pub unsettled: Option<usize>,
 }
 
@@ -214,7 +215,7 @@ pub(crate) fn is_on_its_way(numbers: &[f64]) -> bool {
 
 /// What is said of a motion that was measured before it had settled.
 pub(crate) fn unsettled_in_words(found: &Measured, measures: &[impl std::fmt::Display]) -> Option<String> {
-    let name = measures.get(found.unsettled?)?;
+    let name = measures.get(found.unsettled?).map_or("the motion".into(), ToString::to_string);
     Some(format!("not settled: {name} goes one way while it is measured; discard more"))
 }
 

@@ -5,6 +5,7 @@
 
 use super::flight::Flows;
 use super::quantity::{Owner, Place, Quantity, owners, unknown};
+use super::returns::Record;
 use super::section::Section;
 use super::settled::settled;
 use super::timescales::{Passed, needed, runs_on};
@@ -365,7 +366,7 @@ pub fn measure(
             ),
         });
     }
-    let parts = windows(motion, section, &places, periods.max(1))?;
+    let (parts, drifts) = windows(motion, section, &places, periods.max(1))?;
     let window = whole(&parts);
     let (mut class, mut exponent) = (None, None);
     if verdict.is_some() {
@@ -390,20 +391,28 @@ pub fn measure(
         numbers: measures.iter().map(number).collect(),
         class,
         spreads: measures.iter().map(spread).collect(),
-        unsettled: measures.iter().position(is_unsettled),
+        unsettled: measures.iter().position(is_unsettled).or(drifts.then_some(measures.len())),
     })
 }
 
 /// Passes over the next returns, in parts.
-fn windows(motion: &mut Motion, section: &Section, places: &[Place], periods: u32) -> Result<Vec<Window>> {
+fn windows(
+    motion: &mut Motion,
+    section: &Section,
+    places: &[Place],
+    periods: u32,
+) -> Result<(Vec<Window>, bool)> {
     let stops = motion.assembly().description.stops.len();
     let mut watcher = Watcher::of(places, stops);
     let (mut flows, mut parts) = (Flows::default(), Parts::new());
     let mut passed = Passed::new(motion, needed(motion, section, periods)?, periods);
+    let mut record = Record::new(motion, section);
+    record.arrive(motion, true);
     loop {
         let (from, before) = (motion.time(), energies(motion));
         watcher.clear();
         section.follow(motion, &mut flows, &mut [&mut watcher])?;
+        record.arrive(motion, true);
         let mut energies = energies(motion);
         for (after, before) in energies.iter_mut().flatten().zip(before.iter().flatten()) {
             *after -= before;
@@ -411,7 +420,7 @@ fn windows(motion: &mut Motion, section: &Section, places: &[Place], periods: u3
         let duration = motion.time() - from;
         let repeats = parts.push(Window { watcher: watcher.clone(), returns: 1.0, duration, energies });
         if passed.is_enough(motion, (watcher.events, repeats))? {
-            return Ok(parts.finish());
+            return Ok((parts.finish(), record.drifts()));
         }
     }
 }

@@ -4,7 +4,7 @@
 //! does not hold them. The angle of a shaft that nothing holds, and the elongation of a dashpot, do not act.
 
 use super::section::{Section, harmonics};
-use crate::attractor::{LONGEST, least_period, nears};
+use crate::attractor::{LONGEST, RETURN, least_period, nears};
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
 use vibro_assembly::description::{Arms, Description, Dimension, StopLaw};
@@ -284,10 +284,14 @@ impl Record {
     /// each return to the next: a motion that is braked or driven on.
     pub fn drifts(&self) -> bool {
         let later = &self.returns[self.returns.len() / 2..];
-        let goes = |j: usize, sign: f64| {
-            later.windows(2).all(|pair| sign * (pair[1].state[j] - pair[0].state[j]) > 0.0)
+        let (Some(first), Some(last)) = (later.first(), later.last()) else { return false };
+        let scales = self.scales();
+        let goes = |j: usize| {
+            let way = last.state[j] - first.state[j];
+            let all = later.windows(2).all(|pair| (pair[1].state[j] - pair[0].state[j]) * way > 0.0);
+            all && way.abs() > RETURN * scales[j]
         };
-        later.len() > 2 && (0..self.functionals.kinds.len()).any(|j| goes(j, 1.0) || goes(j, -1.0))
+        later.len() > 2 && (0..self.functionals.kinds.len()).any(goes)
     }
 
     /// Forgets early returns where there are more than are needed.

@@ -102,7 +102,7 @@ class AssemblyDirection(Result):
     met: NDArray[np.uint32]
     "How often it was met, shape (k,)."
     exponent: Floats
-    "Largest Lyapunov exponent, shape (n,), 1/s; 0 where it was not asked for and not needed."
+    "Largest Lyapunov exponent, shape (n,), 1/s; 0 where it was not asked for and not needed, and where :attr:`kind` is not decided."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)

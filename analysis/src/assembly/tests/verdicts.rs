@@ -58,6 +58,11 @@ fn closed_form_what_friction_brakes_has_no_period_before_it_stands() {
         ))
     };
     assert!(!verdict(&of(1e-3), 0).class.is_decided());
+    // What is measured beside it says that it has not settled.
+    let (mut motion, section) = of(1e-3).motion(&Start::default()).unwrap();
+    discard(&mut motion, &section, 40).unwrap();
+    let amplitude = ["amplitude.m.s".parse().unwrap()];
+    assert_eq!(measure(&mut motion, &section, &amplitude, 60).unwrap().unsettled, Some(1));
     // It stands after 5 s, wherever that is; δ'' + 20 δ' + 1e5 δ = 0 beside it.
     let found = verdict(&of(10.0), 400);
     assert_eq!(found.class, MotionClass::Periodic(1), "{found:?}");
