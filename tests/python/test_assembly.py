@@ -244,7 +244,7 @@ steps = [[200.0, 10.0]]
     )
     values = np.linspace(100.0, 120.0, 3)
     with pytest.raises((RuntimeError, ValueError), match="anew=True"):
-        machine.bifurcation("a.s", **{"spring.k.stiffness": values})
+        machine.bifurcation("a.s", periods=(40, 4), **{"spring.k.stiffness": values})
     found = machine.bifurcation("a.s", anew=True, periods=(40, 4), **{"spring.k.stiffness": values})
     assert list(found.up.kind) == ["1T"] * 3
     assert not found.hysteresis.any() and list(found.down.kind) == ["refused"] * 3

@@ -70,7 +70,7 @@ fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
         said.contains("best by amplitude.box.s: ") || said.contains("not told apart by amplitude.box.s: "),
         "{said}"
     );
-    assert!(said.contains("looked at after the common period of its harmonics, which varies"), "{said}");
+    assert!(said.contains("looked at after each common period of its harmonics, which varies"), "{said}");
     let rows = table(&out, "assembly-sweep.csv");
     let number =
         |row: &std::collections::HashMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();

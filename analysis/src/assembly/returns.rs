@@ -22,6 +22,8 @@ const ROUNDINGS: f64 = 64.0;
 const ROUNDING_PART: f64 = 1e-4;
 /// An event this near to a section, in parts of the interval, may come on either side of it.
 const BESIDE: f64 = 1e-6;
+/// Of fewer returns each may be larger than the one before by chance.
+const FEW: usize = 16;
 /// Points between two returns at which sizes are taken.
 const SAMPLES: u32 = 8;
 
@@ -291,7 +293,7 @@ impl Record {
             let all = later.windows(2).all(|pair| (pair[1].state[j] - pair[0].state[j]) * way > 0.0);
             all && way.abs() > RETURN * scales[j]
         };
-        later.len() > 2 && (0..self.functionals.kinds.len()).any(goes)
+        later.len() >= FEW && (0..self.functionals.kinds.len()).any(goes)
     }
 
     /// Forgets early returns where there are more than are needed.

@@ -26,7 +26,11 @@ pub(super) fn best_in_words<M: Told>(
     match all {
         [] => return lines,
         [one] => {
-            lines.extend(told(one).map(|words| format!("best by {measure}: {words}; by its error bar")));
+            let why = match one.1.reason {
+                None => "by its error bar",
+                Some(_) => "undecided, since not all of its motions have settled",
+            };
+            lines.extend(told(one).map(|words| format!("best by {measure}: {words}; {why}")));
             lines.extend(from_more_starts(set, request, choice, &one.1));
         }
         several => {
