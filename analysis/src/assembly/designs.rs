@@ -1,7 +1,8 @@
 //! A described machine as one of which designs are measured.
 
 use super::measures::need_accounts;
-use super::timescales::{oscillations, settle};
+use super::oscillations::oscillations;
+use super::timescales::settle;
 use super::{Machine, Measure, Start, measure};
 use crate::design_sweep::{self, Outcome, Request, failed};
 use crate::error::Result;

@@ -15,6 +15,7 @@ mod followed;
 mod growth;
 mod measures;
 mod monodromy;
+mod oscillations;
 mod plane;
 mod quantity;
 mod returns;

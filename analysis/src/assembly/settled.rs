@@ -9,9 +9,9 @@
 use super::flight::Flows;
 use super::growth::{ALIGN, Growth};
 use super::monodromy::{MARGINAL, Period, shift};
+use super::oscillations::oscillations;
 use super::returns::Record;
 use super::section::{Section, common_period, harmonics};
-use super::timescales::oscillations;
 use super::variation::{Metric, Variation};
 use crate::attractor::{MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT};
 use crate::error::Result;

@@ -1,16 +1,13 @@
 //! How long a motion must be looked at: as long as the machine's slowest own oscillation needs, and after the last change
 //! of what drives it.
 
+use super::oscillations::oscillations;
 use super::section::Section;
 use super::settled::discard;
 use crate::error::{Error, Result};
 use crate::significant;
-use nalgebra::DMatrix;
-use std::f64::consts::TAU;
 use vibro_assembly::Motion;
 use vibro_assembly::description::{BodyKind, Description, Signal};
-use vibro_assembly::mode::{FrictionState, Mode, StopState};
-use vibro_assembly::system::System;
 
 /// A window lasts so many periods of the slowest own oscillation, and what is discarded before it too.
 const SLOWEST: f64 = 4.0;
@@ -19,26 +16,6 @@ const MOST: f64 = 100.0;
 /// Where there are events there are as many in a window, if ten times its length has them.
 const EVENTS: u32 = 8;
 const TIMES: u32 = 10;
-/// What turns slower than this part of the fastest turns by rounding.
-const ROUNDING: f64 = 1e-7;
-
-/// The frequencies of the machine's own oscillations with all stops open and all friction off, damping included, Hz.
-pub(super) fn oscillations(system: &System) -> Vec<f64> {
-    let open = |stop: &vibro_assembly::system::StopRows| {
-        if stop.restitution().is_some() { StopState::Open } else { StopState::Below }
-    };
-    let stops = system.stops.iter().map(open).collect();
-    let frictions = vec![FrictionState::Off; system.frictions.len()];
-    let linear = system.linear(&Mode { stops, frictions, basis: Vec::new() });
-    let size = 2 * system.coordinates;
-    if size == 0 {
-        return Vec::new();
-    }
-    let values = DMatrix::from_fn(size, size, |i, j| linear.a.entry(i, j)).complex_eigenvalues();
-    let fastest = values.iter().map(|c| c.norm()).fold(0.0, f64::max);
-    let turning = values.iter().map(|c| c.im).filter(|im| *im > ROUNDING * fastest);
-    turning.map(|im| im / TAU).collect()
-}
 
 /// The period of the slowest own oscillation, s; 0 without one.
 fn slowest(motion: &Motion) -> f64 {
