@@ -50,14 +50,17 @@ SLOWER, MORE = 10.0, 60.0
 # Only what a change touches is compiled anew: a third of the time, and the arithmetic is the same.
 PARTS = 64
 
-# Pairs that are swapped, each in both ways. Blanks stand around operators, as rustfmt writes them.
+# Integers up to this one are indices, exponents and factors; larger ones are limits of loops and the like, of which one more or
+# less is no change that a result shows. Floats beyond this limit, or below its inverse, are tolerances; so are constants.
+MEANT, LIMIT = 2, 1e4
+
+# Pairs that are swapped, each in both ways. Blanks stand around operators, as rustfmt writes them. `<` for `<=` is left out: on
+# floats, which are most of what is compared, it changes a null set.
 SWAPS = [
     (" + ", " - "),
     (" * ", " / "),
     (" += ", " -= "),
     (" *= ", " /= "),
-    (" < ", " <= "),
-    (" > ", " >= "),
     (" < ", " > "),
     (" <= ", " >= "),
     (" == ", " != "),
@@ -68,8 +71,9 @@ SWAPS = [
     (".any(", ".all("),
     (".is_some()", ".is_none()"),
     ("true", "false"),
-    (" % ", " * "),
 ]
+# What is put for what, one way: the other way gives what no one would write.
+PUTS = [(" % ", " * ")]
 NUMBER = re.compile(r"(?<![\w.])(\d[\d_]*\.\d+(?:e-?\d+)?|\d[\d_]*(?:e-?\d+)?)(?![\w.]|\.\w)")
 NEGATIVE = re.compile(r"(?:(?<=[(,=\[{|] )|(?<=[(\[|]))-(?=[\w(&*])")
 CONDITION = re.compile(r"\b(if|while) (?!let\b)([^{}]*[^{} ]) \{")
@@ -94,16 +98,18 @@ def masked(text):
 
 
 def other_number(literal, rng):
-    """Another constant in place of a literal."""
+    """Another constant in place of a literal, or the literal where another would be as good: limits and tolerances."""
     if "." not in literal and "e" not in literal:
         value = int(literal.replace("_", ""))
+        if value > MEANT:
+            return literal
         return str(rng.choice([value + 1] if value == 0 else [value - 1, value + 1]))
     value = float(literal.replace("_", ""))
     if value == 0.0:
         return "1.0"
-    # What is very small or large is a tolerance or its like, of which a factor of two is no change that anything could show.
-    factor = 2.0 if 1e-4 < value < 1e4 else 1e5
-    return repr(rng.choice([factor * value, value / factor, -value]))
+    if not 1.0 / LIMIT < value < LIMIT:
+        return literal
+    return repr(rng.choice([2.0 * value, value / 2.0, -value]))
 
 
 def changes_of_line(line, code, rng):
@@ -115,11 +121,10 @@ def changes_of_line(line, code, rng):
         if changed != line:
             found.append(changed)
 
-    for one, other in SWAPS:
-        for old, new in ((one, other), (other, one)):
-            for hit in re.finditer(re.escape(old), code):
-                put(hit.start(), hit.end(), new)
-    for hit in NUMBER.finditer(code):
+    for old, new in [*SWAPS, *((other, one) for one, other in SWAPS), *PUTS]:
+        for hit in re.finditer(re.escape(old), code):
+            put(hit.start(), hit.end(), new)
+    for hit in NUMBER.finditer(code) if not re.match(r"\s*(pub(\(\w+\))? )?(const|static) ", code) else ():
         put(hit.start(), hit.end(), other_number(hit.group(), rng))
     for hit in NEGATIVE.finditer(code):
         put(hit.start(), hit.end(), "")
@@ -151,13 +156,29 @@ def sites(files, rng):
     return out
 
 
+TESTED = re.compile(r"#\[cfg\(test\)\]\s*(?:#\[[^\n]*\]\s*)*(?:pub(?:\(\w+\))? )?mod (\w+);")
+
+
+def is_test(file):
+    """Whether a file is compiled for tests alone: its own module, or one above it, is declared so."""
+    for path in [file, *file.parents]:
+        if path == ROOT:
+            return False
+        name, folder = path.stem, path.parent
+        for parent in (folder.with_suffix(".rs"), folder / "mod.rs", folder / "lib.rs"):
+            if parent.exists() and name in TESTED.findall(parent.read_text()):
+                return True
+    return False
+
+
 def files_of(args):
     """The Rust files asked for, relative to the root, without those of tests."""
     out = []
+
     for name in args.files or FILES.get(args.package, []):
         path = ROOT / name
         found = sorted(path.rglob("*.rs")) if path.is_dir() else [path] if path.exists() else []
-        out += [f.relative_to(ROOT).as_posix() for f in found if f.name != "tests.rs"]
+        out += [f.relative_to(ROOT).as_posix() for f in found if not is_test(f)]
     if not out:
         sys.exit("no files; allowed is --files with files or folders of the package")
     return out
