@@ -1,6 +1,7 @@
-//! The C interface in one process. Targets: a step without impact ≤ 0.5 µs, ten Reals read or written ≤ 50 ns,
-//! the FMU state taken and put back ≤ 200 ns; a step of FMI 3.0 within 10 % of that of FMI 2.0, which is shown as a ratio of turns
-//! by turns. That none of these allocates is `cargo test --test allocation`.
+//! The C interface in one process. Targets: a step without impact ≤ 0.5 µs, ten Reals read or
+//! written ≤ 50 ns, the FMU state taken and put back ≤ 200 ns; a step of FMI 3.0 within 10 % of
+//! that of FMI 2.0, which is shown as a ratio of turns by turns. That none of these allocates is
+//! `cargo test --test allocation`.
 #![allow(unsafe_code)] // the C interface
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -65,7 +66,8 @@ fn impacts(c: FmiComponent) -> i32 {
 
 fn benches(criterion: &mut Criterion) {
     let c = initialized();
-    // A start from rest has no impact for 100 steps; the state is put back after them, once in a hundred steps.
+    // A start from rest has no impact for 100 steps; the state is put back after them, once in a
+    // hundred steps.
     let (mut start, mut state, mut time) = (null_mut(), null_mut(), 0.0);
     // SAFETY (all below): a live component, arrays of as many elements as the count says.
     unsafe {
@@ -204,8 +206,8 @@ fn time_steps(mut step: impl FnMut(f64) -> i32, put_back: impl Fn() -> i32) -> f
     begin.elapsed().as_secs_f64() / (99 * ROUNDS) as f64
 }
 
-/// A step of FMI 3.0 over one of FMI 2.0, without event mode and with it: medians of turns that follow each other, so that what
-/// else the machine does meets all alike.
+/// A step of FMI 3.0 over one of FMI 2.0, without event mode and with it: medians of turns that
+/// follow each other, so that what else the machine does meets all alike.
 fn compare_steps(_: &mut Criterion) {
     const TURNS: usize = 301;
     let (c2, c3) = (initialized(), [0, 1].map(initialized3));

@@ -1,5 +1,6 @@
-//! Machines from text files: against the 3-DOF core on its own machine, growth with the number of bodies, stiff contacts and stiff
-//! springs; as ratios in one run. `cargo bench -p benches --bench assembly`
+//! Machines from text files: against the 3-DOF core on its own machine, growth with the number of
+//! bodies, stiff contacts and stiff springs; as ratios in one run.
+//! `cargo bench -p benches --bench assembly`
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -10,8 +11,8 @@ use vibro_impact::{Groups, Scales, Simulator, State};
 
 /// Rounds of each machine, of which the least time counts.
 const ROUNDS: usize = 7;
-/// Rounds of the machine that the 3-DOF core knows too, so short that many are not interrupted: in each every way runs once, so that a
-/// change of the computer's speed meets all alike.
+/// Rounds of the machine that the 3-DOF core knows too, so short that many are not interrupted: in
+/// each every way runs once, so that a change of the computer's speed meets all alike.
 const TURNS: usize = 200;
 
 /// The 3-DOF machine as a file's text.
@@ -45,7 +46,8 @@ fn paper_machine(p: &vibro_impact::Parameters) -> String {
     .concat()
 }
 
-/// A driven chain, as a gear train is: every second joint has play on both sides, the others a spring.
+/// A driven chain, as a gear train is: every second joint has play on both sides, the others a
+/// spring.
 fn chain(bodies: usize) -> String {
     let mut text = String::from("name = \"Chain\"\n");
     for i in 0..bodies {

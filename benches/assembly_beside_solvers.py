@@ -21,7 +21,8 @@ from sksundae.cvode import CVODE
 GAP, RESTITUTION, CONTACT = 0.05, 0.6, 2e4
 FORCE, OMEGA = 10.0, 2.0 * np.pi
 TOLERANCE = 1e-10
-# Seconds of work after which a solver is not followed further, and turns of which the least time counts.
+# Seconds of work after which a solver is not followed further, and turns of which the least time
+# counts.
 PATIENCE, TURNS = 60.0, 3
 
 

@@ -1,5 +1,5 @@
-//! What the packaged FMU of a machine from a text file costs beside the engine's own work: a step, an instance, an archive; in one run.
-//! `cargo bench -p benches --bench machine`
+//! What the packaged FMU of a machine from a text file costs beside the engine's own work: a step,
+//! an instance, an archive; in one run. `cargo bench -p benches --bench machine`
 
 use fmu_build::kit;
 use fmu_build::version::{MODEL_DESCRIPTION, Version};
@@ -12,11 +12,13 @@ use vibro_assembly_fmi::Plan;
 
 /// Rounds, in each of which every way runs once; the least time of each counts.
 const ROUNDS: usize = 25;
-/// Steps of a round, and their size in s: short beside the fastest period, so that little of it is the flow.
+/// Steps of a round, and their size in s: short beside the fastest period, so that little of it is
+/// the flow.
 const STEPS: u32 = 4000;
 const STEP: f64 = 1.0 / 1024.0;
 
-/// Ten bodies on springs, with a clearance between the first two, a buffer, dry friction, a load and an input.
+/// Ten bodies on springs, with a clearance between the first two, a buffer, dry friction, a load
+/// and an input.
 fn chain() -> String {
     let mut text = String::from("name = \"Chain\"\n");
     for i in 0..10 {

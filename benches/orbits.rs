@@ -1,5 +1,6 @@
-//! Periodic orbits: an accepted point of a branch with n impacts, beside what simulation and differences of the reference method cost
-//! for the same, and the tree of all branches. Targets: 30, 60, 160 µs a point at n = 1, 2, 6; the tree under 5 s on two cores.
+//! Periodic orbits: an accepted point of a branch with n impacts, beside what simulation and
+//! differences of the reference method cost for the same, and the tree of all branches. Targets:
+//! 30, 60, 160 µs a point at n = 1, 2, 6; the tree under 5 s on two cores.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;

@@ -1,5 +1,5 @@
-//! The standard work (benches/README.md) by every way that this repository has, in one run, as ratios; writes its table
-//! to `benches/README.md`. `cargo bench --bench standard_work`
+//! The standard work (benches/README.md) by every way that this repository has, in one run, as
+//! ratios; writes its table to `benches/README.md`. `cargo bench --bench standard_work`
 
 use fmu_build::archive;
 use fmu_build::compile::{PLATFORM, Product, SHARED_LIBRARY};
@@ -27,8 +27,9 @@ const ROUNDS: usize = 15;
 const PERIODS: f64 = 2000.0;
 const REFERENCE_PERIODS: f64 = 100.0;
 
-/// Motions of a sweep, and the periods that each runs when timed: one system from several starts, or systems of as many
-/// drives and four restitutions, each from the same start; the standard work is the first of either.
+/// Motions of a sweep, and the periods that each runs when timed: one system from several starts,
+/// or systems of as many drives and four restitutions, each from the same start; the standard work
+/// is the first of either.
 const STARTS: usize = 16;
 const SYSTEMS: usize = 64;
 const SWEPT_PERIODS: f64 = 200.0;
@@ -36,7 +37,8 @@ const SWEPT_PERIODS: f64 = 200.0;
 /// A run of n periods that returns the end state, set up already.
 type Run<'a> = Box<dyn FnOnce(f64) -> State + 'a>;
 
-/// One way to do the work: its name, the periods it runs when timed, and what sets up a run, untimed.
+/// One way to do the work: its name, the periods it runs when timed, and what sets up a run,
+/// untimed.
 struct Way<'a> {
     name: String,
     motions: usize,

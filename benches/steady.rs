@@ -1,5 +1,6 @@
-//! Steady states: one point of each theory, and a plane. Targets: a fixed point with all tests ≤ 2 µs, an
-//! exact orbit with multipliers ≤ 20 µs, a 1000 × 1000 plane by multiple scales in seconds on two cores.
+//! Steady states: one point of each theory, and a plane. Targets: a fixed point with all tests ≤ 2
+//! µs, an exact orbit with multipliers ≤ 20 µs, a 1000 × 1000 plane by multiple scales in seconds
+//! on two cores.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;

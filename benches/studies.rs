@@ -1,9 +1,11 @@
-//! Whole studies, as ratios to the paper's method (RKF45 with bisection, 1e-12) on the bare motion in the same run; motions side by
-//! side as ratios to one by one; and the work of a drive period in counts, which need no quiet machine. Writes its tables to
-//! `benches/STUDIES.md`. `cargo bench --bench studies`, or only some of it, which writes nothing: `-- studies`, `-- lanes`, `-- work`
+//! Whole studies, as ratios to the paper's method (RKF45 with bisection, 1e-12) on the bare motion
+//! in the same run; motions side by side as ratios to one by one; and the work of a drive period in
+//! counts, which need no quiet machine. Writes its tables to `benches/STUDIES.md`.
+//! `cargo bench --bench studies`, or only some of it, which writes nothing: `-- studies`,
+//! `-- lanes`, `-- work`
 //!
-//! Targets: the diagram of 451 values × 1200 periods with its maxima ≤ 2 s on two cores, that of 1051 values
-//! ≤ 5 s, a spectrum of seven exponents over 1500 periods ≤ 10 ms.
+//! Targets: the diagram of 451 values × 1200 periods with its maxima ≤ 2 s on two cores, that of
+//! 1051 values ≤ 5 s, a spectrum of seven exponents over 1500 periods ≤ 10 ms.
 
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -256,7 +258,8 @@ fn works() -> Vec<Work> {
     ]
 }
 
-/// Side by side and one by one in turns, on one thread: with the widest vectors of the machine, and with those of AVX2.
+/// Side by side and one by one in turns, on one thread: with the widest vectors of the machine, and
+/// with those of AVX2.
 fn lanes() -> String {
     let mut table = String::from(
         "| work | motions | vectors | single path, µs a motion | one by one | side by side | single path / side by side | one by one / side by side | lanes occupied | lanes that moved | sub-steps for each passed on |\n|---|---|---|---|---|---|---|---|---|---|---|\n",

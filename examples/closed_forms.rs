@@ -1,5 +1,5 @@
-//! The symmetric motion with two impacts a period: multiple scales, the exact orbit, and the simulation started on it.
-//! `cargo run --release --example closed_forms`
+//! The symmetric motion with two impacts a period: multiple scales, the exact orbit, and the
+//! simulation started on it. `cargo run --release --example closed_forms`
 
 use vibro_impact::{Groups, Parameters, Result, Simulator, steady};
 

@@ -1,5 +1,5 @@
-//! A load on the block that is computed outside, here a weak magnet at the upper stop, passed step by step as a value and a slope.
-//! `cargo run --release --example custom_load`
+//! A load on the block that is computed outside, here a weak magnet at the upper stop, passed step
+//! by step as a value and a slope. `cargo run --release --example custom_load`
 
 use vibro_impact::simulator::Loads;
 use vibro_impact::{Parameters, Result, Simulator, State};

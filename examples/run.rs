@@ -1,5 +1,5 @@
-//! The default system for 200 drive periods: the events as they come, the energies at the end, and a look at what comes next.
-//! `cargo run --release --example run`
+//! The default system for 200 drive periods: the events as they come, the energies at the end, and
+//! a look at what comes next. `cargo run --release --example run`
 
 use vibro_impact::simulator::Event;
 use vibro_impact::{Parameters, Result, Simulator, State};

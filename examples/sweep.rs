@@ -1,5 +1,5 @@
-//! Impacts per drive period over the drive's amplitude: all motions of the sweep advance side by side.
-//! `cargo run --release --example sweep`
+//! Impacts per drive period over the drive's amplitude: all motions of the sweep advance side by
+//! side. `cargo run --release --example sweep`
 
 use vibro_impact::simulator::advance_together;
 use vibro_impact::{Groups, Result, Scales, Simulator, State};

@@ -1,6 +1,6 @@
-//! Energy accounts: the work of drive and loads and the losses in the dampers, integrated as quadratic forms of the
-//! exact flow (docs/theory.md, section 12; docs/numerics.md, "Energy accounts"). They are found without the mechanical energy, so
-//! their balance is a test.
+//! Energy accounts: the work of drive and loads and the losses in the dampers, integrated as
+//! quadratic forms of the exact flow (docs/theory.md, section 12; docs/numerics.md, "Energy
+//! accounts"). They are found without the mechanical energy, so their balance is a test.
 
 use crate::flow::{CENTRED, CORE, Column, INTERVALS, Series, Table, polynomial};
 use crate::model::{
@@ -21,7 +21,8 @@ pub struct Rule<const N: usize> {
     pub weights: [f64; N],
 }
 
-/// Over a length of 0.15/rate the error is under 6e-17 of the largest power times the length (docs/numerics.md, section 4).
+/// Over a length of 0.15/rate the error is under 6e-17 of the largest power times the length
+/// (docs/numerics.md, section 4).
 pub const FIVE: Rule<5> = Rule {
     nodes: [
         0.046_910_077_030_668_004,
@@ -70,7 +71,8 @@ pub struct Sums {
     pub impact: DoubleDouble,
 }
 
-/// Accounts of flights on their way to the [`Sums`], kept in doubles for some sub-steps; nothing between two advances.
+/// Accounts of flights on their way to the [`Sums`], kept in doubles for some sub-steps; nothing
+/// between two advances.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub struct Pending {
@@ -89,7 +91,8 @@ impl Sums {
     }
 }
 
-/// Gramians of input and damped power from a sub-step's start to the centre of each interval and to its end.
+/// Gramians of input and damped power from a sub-step's start to the centre of each interval and to
+/// its end.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Gramians {
@@ -137,8 +140,9 @@ impl Gramians {
         self.work.as_ref()
     }
 
-    /// Integrates the Gramians of `mode` over a sub-step `h`, beside its `core`: those over the halves of an interval are the
-    /// same about every centre, and the transition matrices carry them to the sub-step's start. Input only where it is asked for.
+    /// Integrates the Gramians of `mode` over a sub-step `h`, beside its `core`: those over the
+    /// halves of an interval are the same about every centre, and the transition matrices carry
+    /// them to the sub-step's start. Input only where it is asked for.
     pub fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let columns: [Series<CENTRED>; COORDINATES] =
@@ -159,7 +163,8 @@ impl Gramians {
         }
     }
 
-    /// The forms [input, damped] between an interval's centre and its `end`, in the state at the centre.
+    /// The forms [input, damped] between an interval's centre and its `end`, in the state at the
+    /// centre.
     fn over_half(&self, columns: &[Series<CENTRED>; COORDINATES], end: f64, radius: f64) -> [Form; 2] {
         let (drive, c1, c3) = self.coefficients();
         let (mut input, mut damped): (Form, Form) =
@@ -181,7 +186,8 @@ impl Gramians {
         [input, damped]
     }
 
-    /// Input from the start `z` to the centre of interval `index`, or to the end with [`INTERVALS`].
+    /// Input from the start `z` to the centre of interval `index`, or to the end with
+    /// [`INTERVALS`].
     #[inline(always)]
     pub fn input_up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> f64 {
         form(simd, &self.input[index], z)
@@ -193,9 +199,10 @@ impl Gramians {
         form(simd, &self.damped[index], z)
     }
 
-    /// Damped from the start `z` of a free flight to the centre of interval `index`, if it passes one, and on along the `rows`
-    /// from 0 to u, where they have the values `end`; `radius` in s. Added to `total` in parts of which the sum counts. The
-    /// rule's error is under 7e-11 of the largest power times the length (docs/numerics.md, section 4).
+    /// Damped from the start `z` of a free flight to the centre of interval `index`, if it passes
+    /// one, and on along the `rows` from 0 to u, where they have the values `end`; `radius` in s.
+    /// Added to `total` in parts of which the sum counts. The rule's error is under 7e-11 of the
+    /// largest power times the length (docs/numerics.md, section 4).
     #[inline(always)]
     pub fn damped_along<S: Simd>(
         &self,
@@ -221,7 +228,8 @@ impl Gramians {
         self.drive * u * radius * input
     }
 
-    /// (input, damped) along a series from u0 to u1; `radius` in s. Loads included where given (at u = 0).
+    /// (input, damped) along a series from u0 to u1; `radius` in s. Loads included where given (at
+    /// u = 0).
     #[inline(always)]
     pub fn along<const N: usize>(
         &self,
@@ -285,10 +293,11 @@ fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; COORDINATES]) 
     }
 }
 
-/// The drive's work in flight in closed form. There the box knows of nothing but its spring, its damper and the drive, so
-/// that `d/dt [c (p0 x1 + p1 x1') + s (q0 x1 + q1 x1') + (q1 s c - p1 s²) F10/(2 m1 ω1)] + mean = F10 s x1'` with c = cos θ,
-/// s = sin θ and `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`, A the box's own matrix: between two impacts the work is a difference of two
-/// values, and at an impact the value jumps with x1'.
+/// The drive's work in flight in closed form. There the box knows of nothing but its spring, its
+/// damper and the drive, so that
+/// `d/dt [c (p0 x1 + p1 x1') + s (q0 x1 + q1 x1') + (q1 s c - p1 s²) F10/(2 m1 ω1)] + mean = F10 s x1'`
+/// with c = cos θ, s = sin θ and `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`, A the box's own matrix: between
+/// two impacts the work is a difference of two values, and at an impact the value jumps with x1'.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveWork {
     p: [f64; 2],
@@ -300,12 +309,14 @@ pub struct DriveWork {
 }
 
 impl DriveWork {
-    /// None where the steady state is so large that the differences would lose more than three digits: near resonance with
-    /// hardly any damping, or under a drive so strong and slow that a flight is a small part of the forced vibration (docs/theory.md (96)).
+    /// None where the steady state is so large that the differences would lose more than three
+    /// digits: near resonance with hardly any damping, or under a drive so strong and slow that a
+    /// flight is a small part of the forced vibration (docs/theory.md (96)).
     fn new(amplitude: f64, model: &Model) -> Option<Self> {
         /// Least impedance, in units of the sum of its parts.
         const LEAST: f64 = 1e-3;
-        /// Largest steady state, in gaps: the values are of the size of F10 times it, and the work in a flight of F10 times the gap.
+        /// Largest steady state, in gaps: the values are of the size of F10 times it, and the work
+        /// in a flight of F10 times the gap.
         const LARGEST: f64 = 100.0;
         let Model { k1, c1, omega, gap, drive, .. } = *model;
         let (stiff, inert) = (k1 / omega, omega);

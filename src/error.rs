@@ -32,8 +32,8 @@ pub enum Error {
         /// The largest allowed value.
         limit: f64,
     },
-    /// One advance has done all the work it is allowed. The state stands at `time` and is as good as any: another advance
-    /// goes on from there, with an allowance of its own.
+    /// One advance has done all the work it is allowed. The state stands at `time` and is as good
+    /// as any: another advance goes on from there, with an allowance of its own.
     #[error(
         "the advance ended at t = {time} s, where it reached the limit of work in one call: the last {span} s took {events} events. \
          Cause: stop.restitution = {restitution} lets a pressed block bounce too long, or the block is too fast (its path in \

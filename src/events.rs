@@ -1,29 +1,34 @@
-//! Guaranteed event location on a polynomial: the first passage from ≤ 0 to > 0, or the proof that there is none.
+//! Guaranteed event location on a polynomial: the first passage from ≤ 0 to > 0, or the proof that
+//! there is none.
 //!
-//! The polynomials are the Taylor coefficients of the event functional on |u| ≤ 1, cut off where the rest is under round-off
-//! (`docs/numerics.md`, "Events"). Three methods in turn:
+//! The polynomials are the Taylor coefficients of the event functional on |u| ≤ 1, cut off where
+//! the rest is under round-off (`docs/numerics.md`, "Events"). Three methods in turn:
 //!
-//! - **Dominance.** Where the constant term of p' or p'' outweighs the sum of the other coefficients' sizes, p is monotone,
-//!   convex or concave on all of |u| ≤ 1, and its values and slopes at the ends tell whether it passes zero. This is exact for
-//!   all u at once; nothing is sampled.
-//! - **Bisection** of the interval, with the coefficients about each half's centre, until dominance holds on every piece or the
-//!   coefficients' sizes bound p below zero there.
-//! - **Newton's method in a bracket** for the root itself; in flight it starts from the third-order reversion of the series.
+//! - **Dominance.** Where the constant term of p' or p'' outweighs the sum of the other
+//!   coefficients' sizes, p is monotone, convex or concave on all of |u| ≤ 1, and its values and
+//!   slopes at the ends tell whether it passes zero. This is exact for all u at once; nothing is
+//!   sampled.
+//! - **Bisection** of the interval, with the coefficients about each half's centre, until dominance
+//!   holds on every piece or the coefficients' sizes bound p below zero there.
+//! - **Newton's method in a bracket** for the root itself; in flight it starts from the third-order
+//!   reversion of the series.
 
 use crate::numerics::simd::{PADDED, multiply_add, value, weighted};
 use pulp::Simd;
 
-/// An interval is halved at most this often. A piece is then 2⁻⁵⁵ long, under the spacing of the doubles about ±1.
+/// An interval is halved at most this often. A piece is then 2⁻⁵⁵ long, under the spacing of the
+/// doubles about ±1.
 const MAX_DEPTH: u32 = 56;
 /// The most coefficients of a polynomial that is searched: those of a described machine's series.
 const MAX_COEFFICIENTS: usize = 26;
-/// At most this many pieces are looked at: no polynomial of [`MAX_COEFFICIENTS`] or fewer needs as many, and hardly any a hundred
-/// (docs/numerics.md, "Second stage").
+/// At most this many pieces are looked at: no polynomial of [`MAX_COEFFICIENTS`] or fewer needs as
+/// many, and hardly any a hundred (docs/numerics.md, "Second stage").
 const MAX_PIECES: u32 = 100_000;
-/// Newton's method in a bracket bisects wherever a step leaves the bracket, so that this many steps are never taken.
+/// Newton's method in a bracket bisects wherever a step leaves the bracket, so that this many steps
+/// are never taken.
 const MAX_ITERATIONS: u32 = 200;
-/// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate; see [`refine`]. The proof holds
-/// for any K far below 1/ε.
+/// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate;
+/// see [`refine`]. The proof holds for any K far below 1/ε.
 const MAX_NEWTON_FACTOR: f64 = 1e4;
 /// Below this K a polynomial is nearly straight: its curvature is under half the least slope.
 const STRAIGHT: f64 = 0.25;
@@ -70,11 +75,13 @@ enum Shape {
     Unknown,
 }
 
-/// The shape by dominance, and for a rising p a bound K on |p''|/(2p') over |u| ≤ 1: a Newton step from an error e leaves at
-/// most K e² (Taylor's formula with p'' in the remainder). Infinite where it is of no use.
+/// The shape by dominance, and for a rising p a bound K on |p''|/(2p') over |u| ≤ 1: a Newton step
+/// from an error e leaves at most K e² (Taylor's formula with p'' in the remainder). Infinite where
+/// it is of no use.
 #[inline(always)]
 fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
-    // Coefficients of p' with their orders, in four chains each; from the leading ones that dominate nothing is left.
+    // Coefficients of p' with their orders, in four chains each; from the leading ones that
+    // dominate nothing is left.
     let d = slope_of(c, 1.0);
     let (mut slopes, mut curvatures) = ([-d[0].abs(), 0.0, 0.0, 0.0], [0.0, -d[1].abs(), 0.0, 0.0]);
     for (four, orders) in d.chunks(4).zip(PLACES.as_chunks::<4>().0) {
@@ -100,10 +107,12 @@ fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
     (shape, f64::INFINITY)
 }
 
-/// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u: Newton's method in a bracket.
+/// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u: Newton's method
+/// in a bracket.
 ///
-/// It ends when a step is at round-off, or when the error of the iterate just reached is proved to be: after a step of length
-/// m = `moved` with K m ≤ 1, K = `newton_factor`, it is at most 4 K m², and a longer step is never accepted (docs/numerics.md, "The root").
+/// It ends when a step is at round-off, or when the error of the iterate just reached is proved to
+/// be: after a step of length m = `moved` with K m ≤ 1, K = `newton_factor`, it is at most 4 K m²,
+/// and a longer step is never accepted (docs/numerics.md, "The root").
 #[inline(always)]
 fn refine<const N: usize>(
     c: &[f64; N],
@@ -154,7 +163,8 @@ fn slope_of<const N: usize>(c: &[f64; N], sign: f64) -> [f64; N] {
     d
 }
 
-/// Where p of known shape first passes from ≤ 0 to > 0 in [lo, hi] ⊂ [-1, 1]; as [`first_crossing`].
+/// Where p of known shape first passes from ≤ 0 to > 0 in [lo, hi] ⊂ [-1, 1]; as
+/// [`first_crossing`].
 #[inline(always)]
 fn crossing_of_shape<const N: usize>(
     c: &[f64; N],
@@ -197,15 +207,17 @@ fn crossing_of_shape<const N: usize>(
     }
 }
 
-/// [`first_crossing`] for the relative displacement in free flight, whose coefficients from order ten on are zero. Nearly
-/// always it rises and is nearly straight. Then Newton's method, started from the third-order reversion of the series, takes
-/// one or two steps whose accuracy is proved, and a root found inside is the only one.
+/// [`first_crossing`] for the relative displacement in free flight, whose coefficients from order
+/// ten on are zero. Nearly always it rises and is nearly straight. Then Newton's method, started
+/// from the third-order reversion of the series, takes one or two steps whose accuracy is proved,
+/// and a root found inside is the only one.
 ///
-/// "Nearly straight" is a curvature under half the least slope, so that K = |p''|/(2p') < 1/4, and two steps are enough nearly
-/// always.
+/// "Nearly straight" is a curvature under half the least slope, so that K = |p''|/(2p') < 1/4, and
+/// two steps are enough nearly always.
 ///
-/// It never misses a passage that [`first_crossing`] finds. A root whose distance from `hi` is rounding may be found where
-/// `first_crossing`, which goes by the sign of the computed p(hi), finds none; the other way round it is not.
+/// It never misses a passage that [`first_crossing`] finds. A root whose distance from `hi` is
+/// rounding may be found where `first_crossing`, which goes by the sign of the computed p(hi),
+/// finds none; the other way round it is not.
 #[inline(always)]
 pub fn flight_crossing<S: Simd>(
     simd: S,
@@ -226,8 +238,9 @@ pub fn flight_crossing<S: Simd>(
         .or_else(|| rising(c, lo, value(c, lo), hi, newton_factor, iterations))
 }
 
-/// The root of a rising p in (lo, hi) by at most so many steps of Newton's method from `start` and a last one with the slope before it, where
-/// the accuracy that they reach is proved. `newton_factor` is K = |p''|/(2p') < 1/4, so that few steps are enough nearly always.
+/// The root of a rising p in (lo, hi) by at most so many steps of Newton's method from `start` and
+/// a last one with the slope before it, where the accuracy that they reach is proved.
+/// `newton_factor` is K = |p''|/(2p') < 1/4, so that few steps are enough nearly always.
 #[inline(always)]
 fn root_of_nearly_straight<const STEPS: usize>(
     (value, slope): (impl Fn(f64) -> f64, impl Fn(f64) -> f64),
@@ -251,8 +264,9 @@ fn root_of_nearly_straight<const STEPS: usize>(
         if error <= resolution {
             return (u > lo && u < hi).then_some(u);
         }
-        // A further step with the same slope. That slope is off by at most max |p''| times the distance from where it was taken to
-        // the root, `moved + error`; relative to p' this is 2K times that distance.
+        // A further step with the same slope. That slope is off by at most max |p''| times the
+        // distance from where it was taken to the root, `moved + error`; relative to p' this is 2K
+        // times that distance.
         if 2.0 * error * newton_factor * (moved.abs() + error) <= resolution {
             *iterations += 1;
             u -= value(u) * inverse;
@@ -275,8 +289,9 @@ fn by_fours<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     (sums[0] + sums[1] * u) + (sums[2] + sums[3] * u) * square
 }
 
-/// [`first_crossing`] on [0, hi]. Where p rises on all of |u| ≤ 1, Newton's method starts from the third-order reversion of the series, of
-/// which the error is small on the short intervals of a described machine.
+/// [`first_crossing`] on [0, hi]. Where p rises on all of |u| ≤ 1, Newton's method starts from the
+/// third-order reversion of the series, of which the error is small on the short intervals of a
+/// described machine.
 #[inline(always)]
 pub fn crossing_after_start<const N: usize>(c: &[f64; N], hi: f64, iterations: &mut u64) -> Option<f64> {
     let (Shape::Rising, newton_factor) = shape(c) else { return any_crossing(c, hi, iterations) };
@@ -298,7 +313,8 @@ fn any_crossing<const N: usize>(c: &[f64; N], hi: f64, iterations: &mut u64) -> 
     first_crossing(c, 0.0, hi, iterations)
 }
 
-/// The root near 0 of a nearly straight p by the series reverted: u = l - b l² + (2b² - t) l³ with l = -c0/c1, b = c2/c1, t = c3/c1.
+/// The root near 0 of a nearly straight p by the series reverted: u = l - b l² + (2b² - t) l³ with
+/// l = -c0/c1, b = c2/c1, t = c3/c1.
 #[inline(always)]
 fn reverted<const N: usize>(c: &[f64; N]) -> f64 {
     let scale = 1.0 / c[1];
@@ -307,8 +323,8 @@ fn reverted<const N: usize>(c: &[f64; N]) -> f64 {
     linear * (1.0 - linear * (bend - linear * (2.0 * bend * bend - twist)))
 }
 
-/// Σ_k c[first + k] u^k by pairs of neighbouring orders (Estrin's scheme), which shortens the chain of operations that wait
-/// for one another.
+/// Σ_k c[first + k] u^k by pairs of neighbouring orders (Estrin's scheme), which shortens the chain
+/// of operations that wait for one another.
 #[inline(always)]
 fn pairwise<S: Simd>(c: &[f64; PADDED], first: usize, u: f64) -> f64 {
     let square = u * u;
@@ -319,7 +335,8 @@ fn pairwise<S: Simd>(c: &[f64; PADDED], first: usize, u: f64) -> f64 {
     multiply_add::<S>(pair(8), fourth * fourth, multiply_add::<S>(middle, fourth, low))
 }
 
-/// The passage of a p that rises on [lo, hi], where `low` is p(lo): none when p(hi) ≤ 0, `lo` when p(lo) ≥ 0.
+/// The passage of a p that rises on [lo, hi], where `low` is p(lo): none when p(hi) ≤ 0, `lo` when
+/// p(lo) ≥ 0.
 #[inline(always)]
 fn rising<const N: usize>(
     c: &[f64; N],
@@ -357,15 +374,16 @@ fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
     r
 }
 
-/// The first u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0. A touch from below is no passage. A passage exactly
-/// at `hi` is none either: p is not positive before the end, and the search that begins there finds it.
+/// The first u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0. A touch from below is no
+/// passage. A passage exactly at `hi` is none either: p is not positive before the end, and the
+/// search that begins there finds it.
 ///
-/// Requires p(lo) ≤ 0 up to rounding. A positive p(lo), which rounding may leave, counts as zero: the answer is `lo` where p
-/// rises there or is constant, and the next passage, if there is one, where p falls. (So `0.5 + u²` on [0, 1], which breaks the
-/// requirement, gives 0.)
+/// Requires p(lo) ≤ 0 up to rounding. A positive p(lo), which rounding may leave, counts as zero:
+/// the answer is `lo` where p rises there or is constant, and the next passage, if there is one,
+/// where p falls. (So `0.5 + u²` on [0, 1], which breaks the requirement, gives 0.)
 ///
-/// `None` proves that p has no passage but one by which it stays under `4 N² ε Σ|c_k|`, for coefficients as given
-/// (docs/numerics.md, "Second stage").
+/// `None` proves that p has no passage but one by which it stays under `4 N² ε Σ|c_k|`, for
+/// coefficients as given (docs/numerics.md, "Second stage").
 #[inline(always)]
 pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations: &mut u64) -> Option<f64> {
     const { assert!(N <= MAX_COEFFICIENTS, "the bound on the number of pieces is proved up to here") };
@@ -375,12 +393,13 @@ pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations
     }
 }
 
-/// Visits the turns of a quantity with the rate p in [lo, hi] ⊂ [-1, 1], one after another: where p passes zero by more than the rounding of its
-/// sign. `rising` says whether the quantity rises at `lo`, and afterwards whether it rises at `hi`; `visit` is told the place and whether it rose
+/// Visits the turns of a quantity with the rate p in [lo, hi] ⊂ [-1, 1], one after another: where p
+/// passes zero by more than the rounding of its sign. `rising` says whether the quantity rises at
+/// `lo`, and afterwards whether it rises at `hi`; `visit` is told the place and whether it rose
 /// before.
 ///
-/// After each turn the search goes on from where p is certainly beyond zero: from a zero that is rounding itself the next one would be found at
-/// the same place, and so on without end.
+/// After each turn the search goes on from where p is certainly beyond zero: from a zero that is
+/// rounding itself the next one would be found at the same place, and so on without end.
 #[inline(always)]
 pub fn turns<const N: usize>(
     p: &[f64; N],
@@ -397,8 +416,9 @@ pub fn turns<const N: usize>(
     }
 }
 
-/// The first passage of p from below zero to above by more than the rounding of its sign, `4 N² ε Σ|c_k|` as for [`first_crossing`]: where
-/// it passes zero, and where it is that much above.
+/// The first passage of p from below zero to above by more than the rounding of its sign,
+/// `4 N² ε Σ|c_k|` as for [`first_crossing`]: where it passes zero, and where it is that much
+/// above.
 #[inline(always)]
 fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f64, f64)> {
     let sizes: f64 = c.iter().map(|x| x.abs()).sum();
@@ -408,8 +428,8 @@ fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f
     Some((first_crossing(c, lo, above, &mut 0).unwrap_or(above), above))
 }
 
-/// A place at which the computed p goes from ≤ 0 to > 0 in [lo, hi], for a piece on which p is nothing but rounding: `None` unless
-/// p(hi) > 0, and `lo` where p(lo) > 0 too.
+/// A place at which the computed p goes from ≤ 0 to > 0 in [lo, hi], for a piece on which p is
+/// nothing but rounding: `None` unless p(hi) > 0, and `lo` where p(lo) > 0 too.
 fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Option<f64> {
     if value(c, hi) <= 0.0 {
         return None;
@@ -424,10 +444,11 @@ fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Opt
     Some(lo)
 }
 
-/// Halves the interval until the shape of p is certain on every piece; needed about once in thousands of sub-steps.
+/// Halves the interval until the shape of p is certain on every piece; needed about once in
+/// thousands of sub-steps.
 ///
-/// Where p is nothing but rounding on a piece, which no halving would settle, the signs of the computed p decide (docs/numerics.md,
-/// "Second stage").
+/// Where p is nothing but rounding on a piece, which no halving would settle, the signs of the
+/// computed p decide (docs/numerics.md, "Second stage").
 #[cold]
 #[inline(never)]
 fn subdivide<const N: usize>(

@@ -1,9 +1,10 @@
-//! Exact propagation of a smooth mode: Taylor series about a point, and tables of the transition matrix over a
-//! sub-step (docs/theory.md (8); docs/numerics.md, "Exact flow").
+//! Exact propagation of a smooth mode: Taylor series about a point, and tables of the transition
+//! matrix over a sub-step (docs/theory.md (8); docs/numerics.md, "Exact flow").
 //!
-//! A sub-step of length H is divided into 16 intervals. A [`Table`] holds the event functional (w in flight, the
-//! free relative acceleration in rest) at the 16 interval ends, the transition matrices to the 16 interval centres and to
-//! the end, and a bound on the functional's second derivative, all as columns that act on the augmented state.
+//! A sub-step of length H is divided into 16 intervals. A [`Table`] holds the event functional (w
+//! in flight, the free relative acceleration in rest) at the 16 interval ends, the transition
+//! matrices to the 16 interval centres and to the end, and a bound on the functional's second
+//! derivative, all as columns that act on the augmented state.
 
 mod polynomial;
 mod series;
@@ -20,10 +21,11 @@ pub use series::{ANCHORED, CENTRED, PIECE, Series, WHOLE, expand_along, remainde
 
 /// Intervals of a sub-step.
 pub const INTERVALS: usize = 16;
-/// Sub-step times rate, so that most flights between two impacts of a period take one or two sub-steps; the series about
-/// an interval's centre then has radius 0.075/rate.
+/// Sub-step times rate, so that most flights between two impacts of a period take one or two
+/// sub-steps; the series about an interval's centre then has radius 0.075/rate.
 const SUBSTEP_TIMES_RATE: f64 = 2.4;
-// What the series leave out, as their comments and the table of docs/numerics.md, section 1, have it.
+// What the series leave out, as their comments and the table of docs/numerics.md, section 1, have
+// it.
 const _: () = {
     let interval = SUBSTEP_TIMES_RATE / INTERVALS as f64;
     assert!(remainder(WHOLE, SUBSTEP_TIMES_RATE) < 4e-20);
@@ -33,7 +35,8 @@ const _: () = {
 pub const CORE: usize = COORDINATES;
 /// Columns of the loads: 3 forces, each with its value and 3 derivatives.
 pub const LOAD: usize = 12;
-/// Covers the rounding of the bound itself. Why that of the samples is not added: docs/numerics.md, "Events".
+/// Covers the rounding of the bound itself. Why that of the samples is not added: docs/numerics.md,
+/// "Events".
 const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 
 /// The places of the interval centres on [0, 1].
@@ -60,8 +63,8 @@ pub fn shifted(forces: &Forces, dt: f64) -> Forces {
     })
 }
 
-/// Sub-step tables for C columns of the augmented state or of the load coefficients. In this order, so that no vector of a
-/// column lies across two cache lines.
+/// Sub-step tables for C columns of the augmented state or of the load coefficients. In this order,
+/// so that no vector of a column lies across two cache lines.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Table<const C: usize> {
@@ -77,14 +80,16 @@ pub struct Table<const C: usize> {
     peak: [f64; C],
 }
 
-/// The free flight about any point as polynomials in the state there: the coefficients of a [`Series`] without loads.
+/// The free flight about any point as polynomials in the state there: the coefficients of a
+/// [`Series`] without loads.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Local {
     /// The augmented state's coefficients, `[order][column][coordinate]`.
     states: [[Augmented; CORE]; CENTRED],
-    /// Those of w about the interval centres, from the state at the sub-step's start, `[interval][column][order]`; the
-    /// orders from [`CENTRED`] on are zero and fill up whole vectors.
+    /// Those of w about the interval centres, from the state at the sub-step's start,
+    /// `[interval][column][order]`; the orders from [`CENTRED`] on are zero and fill up whole
+    /// vectors.
     relative: [[[f64; PADDED]; CORE]; INTERVALS],
 }
 
@@ -129,7 +134,8 @@ impl Local {
     }
 }
 
-/// The rate of a displacement q = a x1 + b w + c x3 over a sub-step of free flight, as [`Table`] has the event functional.
+/// The rate of a displacement q = a x1 + b w + c x3 over a sub-step of free flight, as [`Table`]
+/// has the event functional.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct RateTable {
@@ -164,7 +170,8 @@ impl RateTable {
     }
 }
 
-/// `Σ_i weights[i] z[first + i]`: a displacement from [`BOX`](crate::model::BOX), its rate from [`BOX_RATE`].
+/// `Σ_i weights[i] z[first + i]`: a displacement from [`BOX`](crate::model::BOX), its rate from
+/// [`BOX_RATE`].
 #[inline(always)]
 pub fn weighted_sum(weights: &[f64; 3], z: &Augmented, first: usize) -> f64 {
     weights[0] * z[first] + weights[1] * z[first + 1] + weights[2] * z[first + 2]
@@ -247,7 +254,8 @@ impl<const C: usize> Table<C> {
         }
     }
 
-    /// Fills all but the bound, for the columns from `first` on (0 for the core, [`CORE`] for the loads).
+    /// Fills all but the bound, for the columns from `first` on (0 for the core, [`CORE`] for the
+    /// loads).
     #[inline(always)]
     fn propagate<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];
@@ -328,8 +336,8 @@ impl Table<LOAD> {
     }
 }
 
-/// Turns the largest functional'' at the centres into a bound between them: a row r at a centre is r·exp(Mδ) at a distance
-/// δ ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
+/// Turns the largest functional'' at the centres into a bound between them: a row r at a centre is
+/// r·exp(Mδ) at a distance δ ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
 #[inline(always)]
 fn spread<const N: usize>(model: &Model, mode: SmoothMode, row: [f64; N], half: f64) -> [f64; N] {
     let rates: [Column; N] = std::array::from_fn(|c| Column::unit(c).rate(model, mode));

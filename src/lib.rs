@@ -1,7 +1,7 @@
 //! A 3-DOF vibro-impact system: exact event-driven simulation and closed-form steady states.
 //!
-//! A box on a spring is driven near resonance; a block flies in it between two stops; a third body hangs on the block by a
-//! spring.
+//! A box on a spring is driven near resonance; a block flies in it between two stops; a third body
+//! hangs on the block by a spring.
 //!
 //! ```
 //! use vibro_impact::simulator::Loads;
@@ -28,16 +28,20 @@
 //! parameters → steady (multiple scales, strong coupling, exact orbit)
 //! ```
 //!
-//! The modules `model`, `flow`, `events`, `energy` and `numerics` are for the other packages of the workspace and are not shown here; what the
-//! simulator's signatures need of them is in [`simulator`].
+//! The modules `model`, `flow`, `events`, `energy` and `numerics` are for the other packages of the
+//! workspace and are not shown here; what the simulator's signatures need of them is in
+//! [`simulator`].
 //!
-//! `steady` never calls the simulator and the simulator never calls `steady`: each is the other's oracle.
+//! `steady` never calls the simulator and the simulator never calls `steady`: each is the other's
+//! oracle.
 //!
-//! The equations are in `docs/theory.md`, the numerical method and its error bounds in `docs/numerics.md`; both are shown in this
-//! documentation as the modules `theory` and `numerical_method`.
+//! The equations are in `docs/theory.md`, the numerical method and its error bounds in
+//! `docs/numerics.md`; both are shown in this documentation as the modules `theory` and
+//! `numerical_method`.
 #![forbid(unsafe_code)]
 
-// The insides that the other packages of the workspace stand on: not for users, and free to change from version to version.
+// The insides that the other packages of the workspace stand on: not for users, and free to change
+// from version to version.
 #[doc(hidden)]
 pub mod energy;
 pub mod error;
@@ -57,7 +61,8 @@ pub mod simulator;
 mod state;
 pub mod steady;
 
-// The pages are text, not code: their brackets are no links, and nothing of them is in the compiled library.
+// The pages are text, not code: their brackets are no links, and nothing of them is in the compiled
+// library.
 #[cfg(doc)]
 #[allow(rustdoc::all)]
 #[doc = include_str!("../docs/theory.md")]

@@ -1,8 +1,9 @@
 //! Loads from samples: a force history on one body, and the simulator under it.
 //!
-//! A record of samples (time, force) becomes a polynomial of degree one or three between neighbouring samples. The simulator
-//! carries such polynomials exactly (docs/theory.md (8)), so that the motion is exact for the interpolant: what is left to
-//! doubt is the force between the samples and nothing else.
+//! A record of samples (time, force) becomes a polynomial of degree one or three between
+//! neighbouring samples. The simulator carries such polynomials exactly (docs/theory.md (8)), so
+//! that the motion is exact for the interpolant: what is left to doubt is the force between the
+//! samples and nothing else.
 //!
 //! ```
 //! use vibro_impact::load::{Body, Interpolation, Load};
@@ -51,14 +52,15 @@ pub enum Interpolation {
     /// A straight line: continuous, with a corner at each sample.
     #[default]
     Linear,
-    /// The cubic with the slopes of Fritsch and Butland at the samples (the scheme known as PCHIP): smooth, and monotone
-    /// wherever the samples are. It never passes the samples' range, so that no force is invented that was not measured, as
-    /// the overshoot of a spline at a step would be; and a sample changes the force in the two intervals on either side of it
-    /// only.
+    /// The cubic with the slopes of Fritsch and Butland at the samples (the scheme known as PCHIP):
+    /// smooth, and monotone wherever the samples are. It never passes the samples' range, so that
+    /// no force is invented that was not measured, as the overshoot of a spline at a step would be;
+    /// and a sample changes the force in the two intervals on either side of it only.
     Cubic,
 }
 
-/// A force history on one body: an interpolant of samples, zero before the first and from the last on.
+/// A force history on one body: an interpolant of samples, zero before the first and from the last
+/// on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     body: Body,
@@ -70,12 +72,13 @@ pub struct Load {
 impl Load {
     /// A load from samples (time in s, force in N). Times are those of the simulator's clock.
     ///
-    /// Outside the samples the force is zero, because nothing was measured there: a record that does not begin and end at
-    /// zero begins and ends with a jump.
+    /// Outside the samples the force is zero, because nothing was measured there: a record that
+    /// does not begin and end at zero begins and ends with a jump.
     ///
     /// # Errors
-    /// [`Error::Sample`] with the index, counted from 0, of the first sample that is not finite, does not come later than the
-    /// one before it, or is followed by a slope too steep for a double; [`Error::Samples`] for fewer than two.
+    /// [`Error::Sample`] with the index, counted from 0, of the first sample that is not finite,
+    /// does not come later than the one before it, or is followed by a slope too steep for a
+    /// double; [`Error::Samples`] for fewer than two.
     pub fn new(body: Body, samples: &[(f64, f64)], interpolation: Interpolation) -> Result<Self> {
         if samples.len() < 2 {
             return Err(Error::Samples { count: samples.len() });
@@ -161,12 +164,15 @@ pub fn next_sample(loads: &[Load], time: f64) -> Option<f64> {
 }
 
 impl Simulator {
-    /// Advances under loads, of which several may act on one body: as [`advance_until`](Self::advance_until), with the loads
-    /// set anew at each of their samples. Where it ends, the loads in force are those just after that time, so that a call
-    /// with the same loads goes on from there, and [`advance_to`](Self::advance_to) goes on under the last polynomials.
+    /// Advances under loads, of which several may act on one body: as
+    /// [`advance_until`](Self::advance_until), with the loads set anew at each of their samples.
+    /// Where it ends, the loads in force are those just after that time, so that a call with the
+    /// same loads goes on from there, and [`advance_to`](Self::advance_to) goes on under the last
+    /// polynomials.
     ///
     /// # Errors
-    /// As [`advance_until`](Self::advance_until) and [`set_loads`](Self::set_loads); the state then stands at the time reached.
+    /// As [`advance_until`](Self::advance_until) and [`set_loads`](Self::set_loads); the state then
+    /// stands at the time reached.
     pub fn advance_under(
         &mut self,
         loads: &[Load],
@@ -196,9 +202,10 @@ impl Simulator {
     }
 }
 
-/// Slopes at the samples: the harmonic mean of the neighbouring chords, weighted by their lengths, and zero where these
-/// differ in sign, as F. N. Fritsch and J. Butland give them (SIAM J. Sci. Stat. Comput. 5 (1984) 300–304); at the ends the
-/// three-point formula, limited so that the cubic stays monotone. Two samples make a straight line.
+/// Slopes at the samples: the harmonic mean of the neighbouring chords, weighted by their lengths,
+/// and zero where these differ in sign, as F. N. Fritsch and J. Butland give them (SIAM J. Sci.
+/// Stat. Comput. 5 (1984) 300–304); at the ends the three-point formula, limited so that the cubic
+/// stays monotone. Two samples make a straight line.
 pub fn monotone_slopes(samples: &[(f64, f64)]) -> Vec<f64> {
     let steps: Vec<(f64, f64)> = samples
         .windows(2)
@@ -219,8 +226,9 @@ pub fn monotone_slopes(samples: &[(f64, f64)]) -> Vec<f64> {
     slopes
 }
 
-/// The slope at an end from the step there and the next one inwards, each with its length and chord: that of the parabola
-/// through three samples, but zero where it differs in sign from the chord, and at most three chords where the chords do.
+/// The slope at an end from the step there and the next one inwards, each with its length and
+/// chord: that of the parabola through three samples, but zero where it differs in sign from the
+/// chord, and at most three chords where the chords do.
 fn end_slope((h0, c0): (f64, f64), (h1, c1): (f64, f64)) -> f64 {
     let slope = c0 + (c0 - c1) * (h0 / (h0 + h1));
     if slope * c0 <= 0.0 {

@@ -1,7 +1,8 @@
 //! The smooth modes and the impact law (docs/theory.md (5) to (17)).
 //!
-//! Inside, the motion is carried in `x1, w = x2 - x1, x3`: the relative displacement is then a coordinate of its own, exact to
-//! its last bit at a stop however far the box has drifted, and resting contact is `w = ±L, w' = 0` without any projection.
+//! Inside, the motion is carried in `x1, w = x2 - x1, x3`: the relative displacement is then a
+//! coordinate of its own, exact to its last bit at a stop however far the box has drifted, and
+//! resting contact is `w = ±L, w' = 0` without any projection.
 
 use crate::error::{Error, Result};
 use crate::parameters::Parameters;
@@ -61,7 +62,8 @@ pub struct Model {
     pub k32: f64,
     /// 1/m1, 1/m2, 1/m3, 1/kg.
     pub inverse_mass: [f64; 3],
-    /// m1/(m1+m2): the box's share of the mass of box and block. What the block's leaves to 1 has few digits of it beside a heavy block.
+    /// m1/(m1+m2): the box's share of the mass of box and block. What the block's leaves to 1 has
+    /// few digits of it beside a heavy block.
     pub box_share: f64,
     /// m2/(m1+m2) = m_r/m1: the block's share.
     pub block_share: f64,
@@ -73,11 +75,12 @@ pub struct Model {
     pub gap: f64,
     /// κ.
     pub restitution: f64,
-    /// Constant loads on the three bodies, N. Like all loads they are arguments of [`acceleration`](Self::acceleration), which is
-    /// linear.
+    /// Constant loads on the three bodies, N. Like all loads they are arguments of
+    /// [`acceleration`](Self::acceleration), which is linear.
     pub constant_loads: [f64; 3],
-    /// A bound on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the bodies' matrices, and at least ω1.
-    /// What the drive and loads add to the bodies' motion is bounded apart (docs/numerics.md, section 1).
+    /// A bound on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the
+    /// bodies' matrices, and at least ω1. What the drive and loads add to the bodies' motion is
+    /// bounded apart (docs/numerics.md, section 1).
     pub rate: f64,
 }
 
@@ -101,7 +104,8 @@ pub struct Acceleration {
     pub free: f64,
 }
 
-/// The factors of the impact law, docs/theory.md (10) to (12), each of the approach speed or of its square.
+/// The factors of the impact law, docs/theory.md (10) to (12), each of the approach speed or of its
+/// square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactFactors {
     /// The box's change of velocity towards the stop over the approach speed.
@@ -112,13 +116,16 @@ pub struct ImpactFactors {
     pub loss: f64,
 }
 
-/// More sub-steps than this in a drive period would cost digits (each adds a rounding error) and never seem to end.
+/// More sub-steps than this in a drive period would cost digits (each adds a rounding error) and
+/// never seem to end.
 const MAX_RATE_RATIO: f64 = 1e7;
 /// Below this rate (1/s) nothing of the system happens in minutes; it keeps the sub-step finite.
 const MIN_RATE: f64 = 1e-3;
-/// Above this the squares and products of the theory overflow, and those of gaps and speeds under its reciprocal are lost.
+/// Above this the squares and products of the theory overflow, and those of gaps and speeds under
+/// its reciprocal are lost.
 const MAX_PRODUCT: f64 = 1e100;
-/// Above this energies of the largest speeds, and the fifth derivatives of the largest displacements, overflow (1/s, kg).
+/// Above this energies of the largest speeds, and the fifth derivatives of the largest
+/// displacements, overflow (1/s, kg).
 const MAX_RATE: f64 = 1e40;
 
 impl Model {
@@ -130,8 +137,9 @@ impl Model {
     /// The equations of motion of a set of parameters.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a parameter outside its range; [`Error::PrecisionLost`] where the rates of the system are so
-    /// large, or so far apart from the drive's frequency, that double precision does not carry the motion.
+    /// [`Error::OutOfRange`] for a parameter outside its range; [`Error::PrecisionLost`] where the
+    /// rates of the system are so large, or so far apart from the drive's frequency, that double
+    /// precision does not carry the motion.
     pub fn new(p: &Parameters) -> Result<Self> {
         p.validate()?;
         let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
@@ -182,8 +190,9 @@ impl Model {
         Ok(model)
     }
 
-    /// A bound on the norm of both modes' matrices, 1/s: the maximum norm with w weighted by 1/α and the velocities by the rate
-    /// itself; the smallest for a few α. (The rows of rest are weighted means of those of flight for box and block.)
+    /// A bound on the norm of both modes' matrices, 1/s: the maximum norm with w weighted by 1/α
+    /// and the velocities by the rate itself; the smallest for a few α. (The rows of rest are
+    /// weighted means of those of flight for box and block.)
     fn norm(&self) -> f64 {
         let norm = |alpha: f64| {
             let block = (self.k1 + 2.0 * self.k2) / alpha + self.k2;
@@ -195,8 +204,8 @@ impl Model {
         [1.0, 2.0, 4.0, 8.0, 16.0].into_iter().map(norm).fold(f64::INFINITY, f64::min)
     }
 
-    /// The accelerations in `mode`, linear in the arguments (docs/theory.md (6), (7), (13)). `f` are the loads on the three bodies in N,
-    /// if any act.
+    /// The accelerations in `mode`, linear in the arguments (docs/theory.md (6), (7), (13)). `f`
+    /// are the loads on the three bodies in N, if any act.
     #[inline(always)]
     pub fn acceleration(&self, mode: SmoothMode, z: &Augmented, f: Option<[f64; 3]>) -> Acceleration {
         let stretch = (z[BOX] - z[SECONDARY]) + z[RELATIVE]; // x2 - x3
@@ -211,14 +220,16 @@ impl Model {
         let free = a2 - a1;
         let coordinates = match mode {
             SmoothMode::Flight => [a1, free, a3],
-            // The mean by masses, from the heavier body's: from the lighter one's both terms would be large and all but cancel.
+            // The mean by masses, from the heavier body's: from the lighter one's both terms would
+            // be large and all but cancel.
             SmoothMode::Rest if self.block_share > 0.5 => [a2 - self.box_share * free, 0.0, a3],
             SmoothMode::Rest => [a1 + self.block_share * free, 0.0, a3],
         };
         Acceleration { coordinates, free }
     }
 
-    /// The impact law at stop `side` (+1 or -1), docs/theory.md (10) to (12): changes the velocities.
+    /// The impact law at stop `side` (+1 or -1), docs/theory.md (10) to (12): changes the
+    /// velocities.
     #[inline(always)]
     pub fn impact(&self, z: &mut Augmented, side: f64) -> Impact {
         let speed = side * z[RELATIVE_RATE];
@@ -239,7 +250,8 @@ impl Model {
         }
     }
 
-    /// The inelastic merge into resting contact, docs/theory.md (17): momentum is kept, and the energy lost, J, is returned.
+    /// The inelastic merge into resting contact, docs/theory.md (17): momentum is kept, and the
+    /// energy lost, J, is returned.
     #[inline(always)]
     pub fn merge(&self, z: &mut Augmented) -> f64 {
         let slip = z[RELATIVE_RATE];

@@ -1,12 +1,14 @@
 //! Numbers with units, as files and command lines write them: `48 kN/m`, `5 mm`, `600 rpm`.
 //!
-//! A dimension is named by its SI unit, written with points and without powers' signs: `N.s/m`, `kg.m2`. On input a point may
-//! also be `·`, `*` or a space, `µ` may stand for `u`, and `m²` or `m^2` for `m2`.
+//! A dimension is named by its SI unit, written with points and without powers' signs: `N.s/m`,
+//! `kg.m2`. On input a point may also be `·`, `*` or a space, `µ` may stand for `u`, and `m²` or
+//! `m^2` for `m2`.
 
 use std::f64::consts::PI;
 
-/// A unit of an SI unit's dimension: a value in it times `times`, divided by `over`, is the value in the SI unit. Two
-/// numbers, because a thousandth is no exact number while a division by 1000 rounds once.
+/// A unit of an SI unit's dimension: a value in it times `times`, divided by `over`, is the value
+/// in the SI unit. Two numbers, because a thousandth is no exact number while a division by 1000
+/// rounds once.
 #[derive(Debug, PartialEq)]
 pub struct Unit {
     /// The SI unit of its dimension.
@@ -58,8 +60,9 @@ impl Unit {
     }
 }
 
-/// The units understood, the SI unit of each dimension first. Angular frequencies and angular velocities are in `rad/s`, where
-/// a hertz is a revolution a second; frequencies that count cycles are in `Hz`. Numbers without a dimension are in `1`.
+/// The units understood, the SI unit of each dimension first. Angular frequencies and angular
+/// velocities are in `rad/s`, where a hertz is a revolution a second; frequencies that count cycles
+/// are in `Hz`. Numbers without a dimension are in `1`.
 #[rustfmt::skip]
 pub static UNITS: [Unit; 98] = [
     unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
@@ -95,7 +98,8 @@ pub static UNITS: [Unit; 98] = [
     unit("N.m.s/rad", "N.m.s/deg", 180.0, PI),
     unit("1/m", "1/m", 1.0, 1.0), unit("1/m", "rad/m", 1.0, 1.0), unit("1/m", "1/mm", 1e3, 1.0),
     unit("1/m", "rad/mm", 1e3, 1.0),
-    // What is written in place of a point is replaced before the table is read; these have no point.
+    // What is written in place of a point is replaced before the table is read; these have no
+    // point.
     unit("N.s/m", "Ns/m", 1.0, 1.0), unit("N.s/m", "kNs/m", 1e3, 1.0), unit("N.s/m", "Ns/mm", 1e3, 1.0),
     unit("N.m", "Nm", 1.0, 1.0), unit("N.m", "mNm", 1.0, 1e3), unit("N.m", "kNm", 1e3, 1.0),
     unit("N.m", "Ncm", 1.0, 1e2), unit("N.m", "Nmm", 1.0, 1e3),
@@ -128,7 +132,8 @@ pub fn split(text: &str) -> Option<(f64, &str)> {
     parts.find_map(|(number, rest)| Some((number.trim_end().parse().ok()?, rest.trim())))
 }
 
-/// The quantity of a number and a symbol of a unit, which may be empty; `None` for a unit of another dimension.
+/// The quantity of a number and a symbol of a unit, which may be empty; `None` for a unit of
+/// another dimension.
 pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     if symbol.is_empty() {
         return Some(Quantity { value: number, unit: None });
@@ -139,8 +144,8 @@ pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     Some(Quantity { value: unit.si(number), unit: Some(unit) })
 }
 
-/// Reads a number of any quantity, with or without a unit of the dimension of `si`, the SI unit as [`UNITS`] writes it. `None`
-/// for what is neither.
+/// Reads a number of any quantity, with or without a unit of the dimension of `si`, the SI unit as
+/// [`UNITS`] writes it. `None` for what is neither.
 ///
 /// ```
 /// use vibro_impact::quantities::quantity_in;
@@ -154,7 +159,8 @@ pub fn quantity_in(si: &str, text: &str) -> Option<Quantity> {
     in_si(si, number, symbol)
 }
 
-/// The symbols of the units of the dimension of `si`, itself first, as files and command lines write them.
+/// The symbols of the units of the dimension of `si`, itself first, as files and command lines
+/// write them.
 ///
 /// ```
 /// let mut masses = vibro_impact::quantities::symbols("kg");

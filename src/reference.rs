@@ -1,16 +1,19 @@
-//! The paper's own numerics as an independent second method: RKF45 with error control in
-//! flight; when a step violates the constraint, back to the step's beginning and classical RK4 with bisection of the
-//! step until the stop is met within tolerance.
+//! The paper's own numerics as an independent second method: RKF45 with error control in flight;
+//! when a step violates the constraint, back to the step's beginning and classical RK4 with
+//! bisection of the step until the stop is met within tolerance.
 //!
-//! It shares nothing with `model`, `flow`, `events` and `simulator` but plain data types, so that it can be their oracle in
-//! tests and the baseline in benches. The impact law and the forces therefore stand here once more, on purpose. It goes past the
-//! paper in three points, without which it would not end or would miss impacts:
-//! - a step in whose interior the block could come to the stop and back is searched too, by a heuristic without proof;
+//! It shares nothing with `model`, `flow`, `events` and `simulator` but plain data types, so that
+//! it can be their oracle in tests and the baseline in benches. The impact law and the forces
+//! therefore stand here once more, on purpose. It goes past the paper in three points, without
+//! which it would not end or would miss impacts:
+//! - a step in whose interior the block could come to the stop and back is searched too, by a
+//!   heuristic without proof;
 //! - resting contact is a mode of its own, docs/theory.md (13) to (15);
 //! - chatter is closed once a rebound stays below [`Tolerance::rebound`].
 //!
-//! Sources: E. Fehlberg, NASA TR R-315 (1969), table III (fourth order with a fifth-order estimate; the fifth-order
-//! result is carried on, as in Shampine and Watts's RKF45); Fritzkowski & Awrejcewicz, doi:10.1007/s11071-021-06838-w.
+//! Sources: E. Fehlberg, NASA TR R-315 (1969), table III (fourth order with a fifth-order estimate;
+//! the fifth-order result is carried on, as in Shampine and Watts's RKF45); Fritzkowski &
+//! Awrejcewicz, doi:10.1007/s11071-021-06838-w.
 
 mod law;
 mod steps;
@@ -23,20 +26,22 @@ use law::{Law, Vector};
 /// Most halvings of a step; after so many its length is under the resolution of time.
 const HALVINGS: u32 = 60;
 
-/// Least and largest tolerance: below, round-off prevails; above, the motion is no longer that of the system.
+/// Least and largest tolerance: below, round-off prevails; above, the motion is no longer that of
+/// the system.
 const TOLERANCES: Range =
     Range { min: 1e-15, max: 1e-2, open_min: false, allowed: "1e-15 <= tolerance <= 0.01" };
 
 /// Tolerances of the [`Reference`], unit 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Local error of a step, relative to each coordinate plus its scale (L, or L times the faster of ω1 and √(k1/m1)).
+    /// Local error of a step, relative to each coordinate plus its scale (L, or L times the faster
+    /// of ω1 and √(k1/m1)).
     pub step: f64,
     /// Distance from the stop, in units of L, at which it counts as met.
     pub gap: f64,
-    /// Height of a rebound, in units of L, at or below which a pressed block is put to rest. The rest of the series
-    /// then shifts coordinates by about that height only, since it acts for a time v/a with a mean force
-    /// equal to the contact force.
+    /// Height of a rebound, in units of L, at or below which a pressed block is put to rest. The
+    /// rest of the series then shifts coordinates by about that height only, since it acts for a
+    /// time v/a with a mean force equal to the contact force.
     pub rebound: f64,
 }
 
@@ -59,13 +64,15 @@ pub struct Reference {
     law: Law,
     tolerance: Tolerance,
     time: f64,
-    /// What `time` has lost to rounding (Kahan's summation), so that the clock does not drift over 10⁶ small steps.
+    /// What `time` has lost to rounding (Kahan's summation), so that the clock does not drift over
+    /// 10⁶ small steps.
     carry: f64,
     /// x1, x2, x3 (m) and their rates (m/s).
     y: Vector,
     /// Side of the stop the block rests on: ±1, or 0 in flight.
     side: f64,
-    /// Acceleration of the box by the drive at `time`. A step's last stage computes it for the next step's first.
+    /// Acceleration of the box by the drive at `time`. A step's last stage computes it for the next
+    /// step's first.
     drive: f64,
     /// Length of the next step, s.
     step: f64,
@@ -78,7 +85,8 @@ impl Reference {
     /// Starts at `time` (s) from `state`; the drive's phase is `ω1 time + drive.phase`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for parameters, state, time or tolerance; [`Error::Penetration`] outside the box.
+    /// [`Error::OutOfRange`] for parameters, state, time or tolerance; [`Error::Penetration`]
+    /// outside the box.
     pub fn new(parameters: &Parameters, state: &State, time: f64, tolerance: Tolerance) -> Result<Self> {
         parameters.validate()?;
         tolerance.validate()?;
@@ -148,7 +156,8 @@ impl Reference {
         if self.side == 0.0 { 0.0 } else { self.law.force(&self.y, self.drive, self.time, self.side) }
     }
 
-    /// Counts and last values of the impacts so far. The impacts of a chatter run after it is closed are not counted.
+    /// Counts and last values of the impacts so far. The impacts of a chatter run after it is
+    /// closed are not counted.
     pub fn impacts(&self) -> &ImpactRecord {
         &self.impacts
     }
@@ -164,8 +173,8 @@ impl Reference {
     /// Advances to exactly `end` (s), reporting each event.
     ///
     /// # Errors
-    /// [`Error::Step`] when `end` is not finite or in the past; [`Error::PrecisionLost`] when the error control asks
-    /// for steps under the resolution of time.
+    /// [`Error::Step`] when `end` is not finite or in the past; [`Error::PrecisionLost`] when the
+    /// error control asks for steps under the resolution of time.
     pub fn advance(&mut self, end: f64, on_event: &mut dyn FnMut(&Event)) -> Result<()> {
         if !end.is_finite() || end < self.time {
             return Err(Error::Step { time: self.time, end });
@@ -204,8 +213,8 @@ impl Reference {
         Ok(())
     }
 
-    /// Looks for an event in the accepted step to `next`. When there is one, it is applied at its time instead of the step, and
-    /// the answer is true.
+    /// Looks for an event in the accepted step to `next`. When there is one, it is applied at its
+    /// time instead of the step, and the answer is true.
     fn advance_to_event(
         &mut self,
         next: &Vector,
@@ -221,7 +230,8 @@ impl Reference {
         let reach = gap + self.law.slack(next);
         let violated = w.abs() > reach;
         if !violated {
-            // side·w may have a maximum inside the step. It can reach the stop only where the tangents of both ends do.
+            // side·w may have a maximum inside the step. It can reach the stop only where the
+            // tangents of both ends do.
             let (w0, rate0) = (self.y[1] - self.y[0], self.y[4] - self.y[3]);
             side = rate0.signum();
             let peak = side * rate < 0.0 && side * (w0 + rate0 * h) > reach && side * (w - rate * h) > reach;
@@ -241,8 +251,9 @@ impl Reference {
         }
     }
 
-    /// Classical RK4 from the step's beginning, with a step that is halved each time, up to the stop: the state there and the
-    /// time elapsed. `None` where the block turns before the stop, which is possible only if the step's end was not `violated`.
+    /// Classical RK4 from the step's beginning, with a step that is halved each time, up to the
+    /// stop: the state there and the time elapsed. `None` where the block turns before the stop,
+    /// which is possible only if the step's end was not `violated`.
     fn bisect(&self, side: f64, h: f64, violated: bool) -> Option<(Vector, f64)> {
         let (mut y, mut elapsed, mut step) = (self.y, 0.0, h);
         for _ in 0..HALVINGS {
@@ -266,7 +277,8 @@ impl Reference {
         (violated && side * (y[4] - y[3]) > 0.0).then_some((y, elapsed))
     }
 
-    /// Applies the impact law, docs/theory.md (10) and (11), written anew on purpose as in [`law`], at the stop and closes a chatter run.
+    /// Applies the impact law, docs/theory.md (10) and (11), written anew on purpose as in [`law`],
+    /// at the stop and closes a chatter run.
     fn strike(&mut self, side: f64, on_event: &mut dyn FnMut(&Event)) {
         let law = &self.law;
         let speed = side * (self.y[4] - self.y[3]);
@@ -282,8 +294,8 @@ impl Reference {
         self.rest_if_pressed(side, on_event);
     }
 
-    /// Merges box and block into rest when the block is pressed to the stop and its rebound would stay below the tolerated
-    /// height; momentum and centre of mass are kept.
+    /// Merges box and block into rest when the block is pressed to the stop and its rebound would
+    /// stay below the tolerated height; momentum and centre of mass are kept.
     fn rest_if_pressed(&mut self, side: f64, on_event: &mut dyn FnMut(&Event)) {
         let law = &self.law;
         let pressing = law.force(&self.y, self.drive, self.time, side) / law.reduced;
@@ -300,8 +312,8 @@ impl Reference {
         }
     }
 
-    /// Decides on a state that is on a stop at the start of an advance: an impact at once when the block moves outward, rest
-    /// when it is pressed.
+    /// Decides on a state that is on a stop at the start of an advance: an impact at once when the
+    /// block moves outward, rest when it is pressed.
     fn start_on_stop(&mut self, on_event: &mut dyn FnMut(&Event)) {
         let w = self.y[1] - self.y[0];
         if self.side != 0.0 || w.abs() < self.law.gap - self.law.slack(&self.y) {
@@ -315,8 +327,8 @@ impl Reference {
         }
     }
 
-    /// RK4 with bisection up to the instant at which the contact force has just become negative, within tolerance: the release of
-    /// docs/theory.md (15).
+    /// RK4 with bisection up to the instant at which the contact force has just become negative,
+    /// within tolerance: the release of docs/theory.md (15).
     fn release(&mut self, h: f64, on_event: &mut dyn FnMut(&Event)) -> bool {
         let small = self.tolerance.step * self.law.reduced * self.scale[3] * self.scale[3] / self.law.gap;
         let (mut y, mut elapsed, mut step) = (self.y, 0.0, h);

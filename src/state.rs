@@ -12,7 +12,8 @@ pub struct State {
 }
 
 impl State {
-    /// x1, w = x2 - x1, x3 and their rates: the coordinates in which the simulator carries the motion (docs/theory.md (5)).
+    /// x1, w = x2 - x1, x3 and their rates: the coordinates in which the simulator carries the
+    /// motion (docs/theory.md (5)).
     pub fn to_relative(&self) -> [f64; 6] {
         let Self { x, v } = self;
         [x[0], x[1] - x[0], x[2], v[0], v[1] - v[0], v[2]]

@@ -1,5 +1,5 @@
-//! Many motions at a time against one at a time (second method), against the golden files, and against themselves in other
-//! company (invariant: the same bits).
+//! Many motions at a time against one at a time (second method), against the golden files, and
+//! against themselves in other company (invariant: the same bits).
 
 mod common;
 
@@ -16,8 +16,8 @@ fn motion(p: &Parameters, place: f64, time: f64) -> Simulator {
     Simulator::new(p, &start(place), time).expect("valid").without_energy_accounts()
 }
 
-/// Motions of all kinds: impacts, rest, chatter, no impacts at all; elastic and plastic stops; without coupling, without
-/// damping, of other drive frequencies and none; accounts kept, loads.
+/// Motions of all kinds: impacts, rest, chatter, no impacts at all; elastic and plastic stops;
+/// without coupling, without damping, of other drive frequencies and none; accounts kept, loads.
 fn motions() -> Vec<Simulator> {
     let mut all = Vec::new();
     let systems =
@@ -64,7 +64,8 @@ fn growth(simulator: &Simulator, end: f64) -> f64 {
     distance(&same.state(), &changed.state(), 1.0, 1.0) / CHANGE
 }
 
-/// Round-off of some hundred sub-steps and of positions up to a few gaps; what impacts make of it is in the growth.
+/// Round-off of some hundred sub-steps and of positions up to a few gaps; what impacts make of it
+/// is in the growth.
 const ROUNDING: f64 = 1e-12;
 /// Motions in which small differences grow by more than this part in earnest.
 const MAX_GROWTH: f64 = 1e4;
@@ -122,7 +123,8 @@ fn second_method_settled_orbits_and_their_impacts() {
     }
     for (i, (alone, together)) in alone.iter().zip(&together).enumerate() {
         let (a, t) = (alone.state(), together.state());
-        // Another way through the transient may end on the mirror image of the orbit, half a period later.
+        // Another way through the transient may end on the mirror image of the orbit, half a period
+        // later.
         let mirror = State { x: t.x.map(|x| -x), v: t.v.map(|v| -v) };
         let mut later = alone.clone();
         later.advance_to(1100.5 * alone.parameters().period()).expect("it arrives");
@@ -152,7 +154,8 @@ fn golden_standard_work_together() {
     assert!(worst < TARGET, "{worst:e}");
 }
 
-/// Each row's motion until a good while after its event, so that the event is not in the last sub-steps.
+/// Each row's motion until a good while after its event, so that the event is not in the last
+/// sub-steps.
 fn golden_rows(name: &str) -> Vec<(String, Simulator, f64)> {
     let rows = table(name);
     let start = |row: &common::golden::Row| {
@@ -245,8 +248,8 @@ fn invariant_a_motion_depends_on_nothing_but_itself() {
 
 #[test]
 fn second_method_impacts_without_end_are_reported() {
-    // A constant force of a hundred gaps times the fastest rate squared presses the box against an elastic block, whose
-    // bounces are just too high to be closed.
+    // A constant force of a hundred gaps times the fastest rate squared presses the box against an
+    // elastic block, whose bounces are just too high to be closed.
     let p = Parameters {
         stop_restitution: 1.0,
         box_stiffness: 0.0,
@@ -314,8 +317,8 @@ fn second_method_another_of_the_same_system_is_a_new_one() {
     ));
 }
 
-/// A motion that is handed to the lanes where w still rounds to the stop that its block has just left goes on from there once: its impacts and
-/// their losses are those that it has alone.
+/// A motion that is handed to the lanes where w still rounds to the stop that its block has just
+/// left goes on from there once: its impacts and their losses are those that it has alone.
 #[test]
 fn second_method_motions_handed_over_right_after_an_impact() {
     /// Parts of the losses: twelve seconds with some impacts.

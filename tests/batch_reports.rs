@@ -1,4 +1,5 @@
-//! What motions side by side report: against one by one (second method), and against themselves in other company (invariant).
+//! What motions side by side report: against one by one (second method), and against themselves in
+//! other company (invariant).
 
 mod common;
 
@@ -192,7 +193,8 @@ fn invariant_an_event_that_is_due_is_reported() {
 
 #[test]
 fn second_method_samples_and_events_as_one_by_one() {
-    /// Round-off, and what some fifteen impacts make of it, in motions whose differences do not grow much in that time.
+    /// Round-off, and what some fifteen impacts make of it, in motions whose differences do not
+    /// grow much in that time.
     const DIFFERENCE: f64 = 1e-9;
     const END: f64 = 30.0;
     let records = record(&mut motions(), (0..motions().len()).collect(), REPORTS, END);

@@ -1,4 +1,5 @@
-//! The constants of docs/numerics.md, sections 1 and 2, at machines and states that are chosen to break them.
+//! The constants of docs/numerics.md, sections 1 and 2, at machines and states that are chosen to
+//! break them.
 
 use vibro_impact::flow::{CENTRED, CORE, INTERVALS, Series, Table, WHOLE, remainder, substep};
 use vibro_impact::model::{
@@ -33,8 +34,9 @@ fn resonant_box() -> Model {
     Model::new(&p).unwrap()
 }
 
-/// Machines of springs, masses and dampers that are equal, or differ by orders of magnitude, or are zero, mostly driven at their
-/// fastest rate: where one of them alone makes the fastest rate the bounds are nearly reached.
+/// Machines of springs, masses and dampers that are equal, or differ by orders of magnitude, or are
+/// zero, mostly driven at their fastest rate: where one of them alone makes the fastest rate the
+/// bounds are nearly reached.
 fn any_machine(next: &mut impl FnMut() -> f64) -> Model {
     let mut one_of = |values: [f64; 4]| values[(4.0 * next()) as usize % 4];
     let mut p = Parameters::default();
@@ -54,7 +56,8 @@ fn any_machine(next: &mut impl FnMut() -> f64) -> Model {
     Model::new(&p).unwrap()
 }
 
-/// A state and loads in a corner of the box of size one, in the units of [`size`], some of them zero.
+/// A state and loads in a corner of the box of size one, in the units of [`size`], some of them
+/// zero.
 fn any_start(model: &Model, next: &mut impl FnMut() -> f64) -> (Model, Augmented, Forces) {
     let mut corner = || -> f64 { [-1.0, 0.0, 1.0, 1.0, -1.0][(5.0 * next()) as usize % 5] };
     // With loads, without, and mostly one of the parts of the size alone.
@@ -86,7 +89,8 @@ fn any_start(model: &Model, next: &mut impl FnMut() -> f64) -> (Model, Augmented
     (model, z, forces)
 }
 
-/// The size S of a motion: the gap, the largest of the other coordinates, drive and loads, all as lengths.
+/// The size S of a motion: the gap, the largest of the other coordinates, drive and loads, all as
+/// lengths.
 fn size(model: &Model, z: &Augmented, forces: &Forces) -> f64 {
     let r = model.rate;
     let rates = z[BOX_RATE].abs().max(z[RELATIVE_RATE].abs()).max(z[SECONDARY_RATE].abs()) / r;
@@ -124,8 +128,9 @@ fn closed_form_coefficients_of_a_box_in_resonance() {
     }
 }
 
-/// What series leave out of the swing of a resonant box that only its drive moves: half of the bound, since the coefficients are (k-1)/2 or
-/// k/2 over k!. Without the drive's part the bound would be smaller by a factor of n, and would not hold.
+/// What series leave out of the swing of a resonant box that only its drive moves: half of the
+/// bound, since the coefficients are (k-1)/2 or k/2 over k!. Without the drive's part the bound
+/// would be smaller by a factor of n, and would not hold.
 #[test]
 fn closed_form_remainders_of_a_box_in_resonance() {
     fn left_out<const N: usize>(model: &Model, reach: f64) -> f64 {
@@ -145,7 +150,8 @@ fn closed_form_remainders_of_a_box_in_resonance() {
     assert!(parts.iter().all(|part| *part > 0.2 && *part <= 1.0), "{parts:?}");
 }
 
-/// The coefficients of order k from seven on are at most (rT)ᵏ/(k-1)! S, those of the acceleration in rest (3k+1) (rT)ᵏ/k! r² S.
+/// The coefficients of order k from seven on are at most (rT)ᵏ/(k-1)! S, those of the acceleration
+/// in rest (3k+1) (rT)ᵏ/k! r² S.
 #[test]
 fn invariant_coefficients_stay_under_their_bound() {
     let mut next = random(1);
@@ -169,7 +175,8 @@ fn invariant_coefficients_stay_under_their_bound() {
             most[1] = most[1].max(rest.free[k].abs() / bound);
         }
     }
-    // Coefficients reach more than half of their bound: without the drive's part, (rT)ᵏ/k! S, it would not hold.
+    // Coefficients reach more than half of their bound: without the drive's part, (rT)ᵏ/k! S, it
+    // would not hold.
     assert!(most[0] > 0.5, "{most:?}");
     assert!(most.iter().all(|part| *part <= 1.0 + ROUNDING), "{most:?}");
 }
@@ -177,8 +184,8 @@ fn invariant_coefficients_stay_under_their_bound() {
 /// δ of docs/numerics.md, section 2, in ε S.
 const SAMPLE_ROUNDING: f64 = 900.0;
 
-/// What the roundings of a sample add up to by the bounds of docs/numerics.md: those of the table's entries order by order, and those of
-/// twenty products and sums.
+/// What the roundings of a sample add up to by the bounds of docs/numerics.md: those of the table's
+/// entries order by order, and those of twenty products and sums.
 #[test]
 fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
     /// r times the length of a sub-step.
@@ -195,7 +202,8 @@ fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
     assert!(entries + 10.5 * TERMS < SAMPLE_ROUNDING, "{entries}");
 }
 
-/// The sizes of a sample's terms are at most 20 S in all, and 7 S are reached; its rounding is at most [`SAMPLE_ROUNDING`] ε S.
+/// The sizes of a sample's terms are at most 20 S in all, and 7 S are reached; its rounding is at
+/// most [`SAMPLE_ROUNDING`] ε S.
 #[test]
 fn second_method_rounding_of_samples() {
     const TERMS: f64 = 20.0;
@@ -225,11 +233,13 @@ fn second_method_rounding_of_samples() {
     assert!(error <= ERROR, "{}", error / f64::EPSILON);
 }
 
-/// An end within a sub-step is rounded by about ε S, by some times that where a strong damper makes the terms of the series large and of
-/// changing sign: of machines and states found by climbing, one with much.
+/// An end within a sub-step is rounded by about ε S, by some times that where a strong damper makes
+/// the terms of the series large and of changing sign: of machines and states found by climbing,
+/// one with much.
 #[test]
 fn second_method_rounding_of_a_sub_step() {
-    /// docs/numerics.md, section 1: what was found, in displacements and in rates over r, and half as much again.
+    /// docs/numerics.md, section 1: what was found, in displacements and in rates over r, and half
+    /// as much again.
     const MOST: [f64; 2] = [10.5, 13.5];
     let p = Parameters {
         box_mass: 1.0,
@@ -299,7 +309,8 @@ fn divided(x: DoubleDouble, n: f64) -> DoubleDouble {
     DoubleDouble::new(first).plus(rest / n)
 }
 
-/// The table's bound holds for |w''| throughout a sub-step, between the interval centres too, where it comes from the growth of a row.
+/// The table's bound holds for |w''| throughout a sub-step, between the interval centres too, where
+/// it comes from the growth of a row.
 #[test]
 fn invariant_the_bound_holds_between_the_samples() {
     /// Places in an interval on each side of its centre.
@@ -327,9 +338,10 @@ fn invariant_the_bound_holds_between_the_samples() {
     assert!(most > 0.9 && most <= 1.0, "{most}");
 }
 
-/// In a search for an event in flight the sizes of the coefficients add up to little more than two sizes of the motion where the series is
-/// formed (docs/numerics.md, "Second stage"): random fast blocks from which no longer steps are taken than `MAX_REACH` allows, at the
-/// centres of all intervals up to the first past a stop.
+/// In a search for an event in flight the sizes of the coefficients add up to little more than two
+/// sizes of the motion where the series is formed (docs/numerics.md, "Second stage"): random fast
+/// blocks from which no longer steps are taken than `MAX_REACH` allows, at the centres of all
+/// intervals up to the first past a stop.
 #[test]
 fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
     const MOST: f64 = 2.3;

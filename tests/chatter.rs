@@ -6,8 +6,9 @@ use vibro_impact::{Parameters, Simulator, State};
 /// Half a unit in the last place: e_c of docs/theory.md (18).
 const CLOSED: f64 = 0.5 * f64::EPSILON;
 
-/// A box without spring and damper, and a block that knows nothing but its load: the relative acceleration is the load over the
-/// block's mass. The secondary oscillator beside them sets the fastest rate, which limits how fast loads may change.
+/// A box without spring and damper, and a block that knows nothing but its load: the relative
+/// acceleration is the load over the block's mass. The secondary oscillator beside them sets the
+/// fastest rate, which limits how fast loads may change.
 fn machine(kappa: f64, rate: f64) -> Parameters {
     Parameters {
         box_stiffness: 0.0,
@@ -22,8 +23,8 @@ fn machine(kappa: f64, rate: f64) -> Parameters {
     }
 }
 
-/// The block at the upper stop with a first rebound speed `u` and the load `derivatives`, advanced by `span`: the simulator and
-/// its events.
+/// The block at the upper stop with a first rebound speed `u` and the load `derivatives`, advanced
+/// by `span`: the simulator and its events.
 fn bounce((kappa, rate): (f64, f64), u: f64, derivatives: [f64; 4], span: f64) -> (Simulator, Vec<Event>) {
     let at_stop = State { x: [0.0, 1.0, 0.0], v: [0.0, u / kappa, 0.0] };
     let mut simulator = Simulator::new(&machine(kappa, rate), &at_stop, 0.0).unwrap();
@@ -33,8 +34,9 @@ fn bounce((kappa, rate): (f64, f64), u: f64, derivatives: [f64; 4], span: f64) -
     (simulator, events)
 }
 
-/// A run is closed at the impact from which on the bounces move the block by no more than 2⁻⁵³ gaps: those of a first rebound u at
-/// constant acceleration a add up to u²/((1 - κ²) a), and (18) asks for no more than half of that times 1 + κ.
+/// A run is closed at the impact from which on the bounces move the block by no more than 2⁻⁵³
+/// gaps: those of a first rebound u at constant acceleration a add up to u²/((1 - κ²) a), and (18)
+/// asks for no more than half of that times 1 + κ.
 #[test]
 fn closed_form_runs_are_closed_by_the_way_that_is_left() {
     let (kappa, a0) = (0.5, 1e-3);
@@ -47,7 +49,8 @@ fn closed_form_runs_are_closed_by_the_way_that_is_left() {
     }
 }
 
-/// With the load a0 - c t², whose jerk is zero at first, the acceleration turns before the block is back: it never comes back.
+/// With the load a0 - c t², whose jerk is zero at first, the acceleration turns before the block is
+/// back: it never comes back.
 #[test]
 fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {
     /// Of a sum of two speeds, relatively.
@@ -83,8 +86,8 @@ fn closed_form_a_block_that_its_load_lets_go_late_does_not_come_to_rest() {
     }
 }
 
-/// The same where no load lets go, but a spring: the box swings as -X cos t, the load on the block follows it to the third order, and
-/// the relative acceleration is a0 - X t⁴/24.
+/// The same where no load lets go, but a spring: the box swings as -X cos t, the load on the block
+/// follows it to the third order, and the relative acceleration is a0 - X t⁴/24.
 #[test]
 fn closed_form_a_block_that_a_swinging_box_leaves_does_not_come_to_rest() {
     let (kappa, rate) = (0.5, 1.0);
@@ -110,8 +113,9 @@ fn closed_form_a_block_that_a_swinging_box_leaves_does_not_come_to_rest() {
     }
 }
 
-/// ∫ (τ - t) a(t0 + t) dt over 0..τ divided by τ, and the same with t: the speeds of departure and return of a flight of length τ,
-/// of which the first is to be u. In the time unit of the run, with a(t) = 1 + b t + c t² + d t³.
+/// ∫ (τ - t) a(t0 + t) dt over 0..τ divided by τ, and the same with t: the speeds of departure and
+/// return of a flight of length τ, of which the first is to be u. In the time unit of the run, with
+/// a(t) = 1 + b t + c t² + d t³.
 fn speeds(a: &[f64; 4], t0: f64, tau: f64) -> (f64, f64) {
     let [one, b, c, d] = *a;
     let shifted =
@@ -148,8 +152,8 @@ fn run_length(kappa: f64, a: &[f64; 4]) -> f64 {
     0.5 * t * (1.0 - kappa)
 }
 
-/// Loads of any shape, from steady to wild: where the simulator closes a run, the bounces computed one by one end within twice the
-/// length of the run at constant acceleration.
+/// Loads of any shape, from steady to wild: where the simulator closes a run, the bounces computed
+/// one by one end within twice the length of the run at constant acceleration.
 #[test]
 fn second_method_closed_runs_end_within_twice_their_length() {
     let mut state = 1u64;
@@ -183,7 +187,8 @@ fn second_method_closed_runs_end_within_twice_their_length() {
     assert!(longest <= 2.0, "{longest}");
 }
 
-/// With κ nearer to 1 than 10⁻³ a run is closed as soon as its bounces are lower than 10⁻¹² gaps, also where it would never end.
+/// With κ nearer to 1 than 10⁻³ a run is closed as soon as its bounces are lower than 10⁻¹² gaps,
+/// also where it would never end.
 #[test]
 fn closed_form_nearly_elastic_runs_are_closed_by_the_height_of_their_bounces() {
     const HEIGHT: f64 = 1e-12;

@@ -82,7 +82,8 @@ fn closed_form_of_polynomial_loads() {
     }
 }
 
-/// Box and block without springs and loads: the block rattles between the stops, every flight κ times slower.
+/// Box and block without springs and loads: the block rattles between the stops, every flight κ
+/// times slower.
 #[test]
 fn closed_form_of_a_free_block_between_the_stops() {
     let p = Parameters {
@@ -116,7 +117,8 @@ fn closed_form_of_a_free_block_between_the_stops() {
     assert!((v[0] + 0.1 * v[1] - 0.1).abs() < ROUNDING, "momentum of box and block is kept");
 }
 
-/// A constant push on the block presses it to the stop: a bouncing ball, whose chatter ends at a known instant.
+/// A constant push on the block presses it to the stop: a bouncing ball, whose chatter ends at a
+/// known instant.
 #[test]
 fn closed_form_of_a_bouncing_block_that_comes_to_rest() {
     const CLOSED_EARLY: f64 = 1e-7; // the run is closed when at most this much time is left of it
@@ -141,7 +143,8 @@ fn closed_form_of_a_bouncing_block_that_comes_to_rest() {
                 }
             })
             .unwrap();
-        // Falls 0.5 at unit acceleration in 1 s and arrives with speed 1; the series of bounces lasts 2κ/(1-κ).
+        // Falls 0.5 at unit acceleration in 1 s and arrives with speed 1; the series of bounces
+        // lasts 2κ/(1-κ).
         let exact = 1.0 + 2.0 * kappa / (1.0 - kappa);
         let (time, side) = rest.expect("it comes to rest");
         assert_eq!(side, 1);
@@ -184,7 +187,8 @@ fn closed_form_of_the_release() {
         }
         let time = released.expect("it lets go");
         assert!((time - 10.0).abs() < ROUNDING * 10.0, "{time}");
-        // From there w'' = -0.1 (t - 10): at 10 + τ the block is 0.1 τ³/6 off the stop until it meets the other one.
+        // From there w'' = -0.1 (t - 10): at 10 + τ the block is 0.1 τ³/6 off the stop until it
+        // meets the other one.
         let tau: f64 = simulator.time() - 10.0;
         if tau.powi(3) * 0.1 / 6.0 < 2.0 {
             assert!((simulator.relative_motion().0 - (1.0 - 0.1 * tau.powi(3) / 6.0)).abs() < 1e-8);
@@ -192,9 +196,10 @@ fn closed_form_of_the_release() {
     }
 }
 
-/// A heavy block that its load holds at a stop of a light box: box and block swing on the box's spring as one body. What is left is
-/// round-off, about ε S for each sub-step (docs/numerics.md, section 1). If the small share of the box in the mass of both were what the
-/// block's leaves to 1, its few digits would put the frequency off, and the motion by a thousand times as much.
+/// A heavy block that its load holds at a stop of a light box: box and block swing on the box's
+/// spring as one body. What is left is round-off, about ε S for each sub-step (docs/numerics.md,
+/// section 1). If the small share of the box in the mass of both were what the block's leaves to 1,
+/// its few digits would put the frequency off, and the motion by a thousand times as much.
 #[test]
 fn closed_form_a_heavy_block_at_rest_in_a_light_box() {
     for (ratio, end) in [(1e2, 100.0), (1e6, 10.0), (1e8, 1.0)] {

@@ -1,4 +1,5 @@
-//! Constant loads: gravity and the off-centre gap against independent integrations, the mirror image, what closed forms say.
+//! Constant loads: gravity and the off-centre gap against independent integrations, the mirror
+//! image, what closed forms say.
 
 use vibro_impact::parameters::{FIELDS, LOADS};
 use vibro_impact::reference::{Reference, Tolerance};
@@ -38,7 +39,8 @@ fn largest_difference(a: &State, b: &State) -> f64 {
 
 #[test]
 fn second_method_gravity_by_the_papers_integrator() {
-    /// The reference integrator's error over the time compared, at its tightest tolerance, m; some tens of impacts amplify it.
+    /// The reference integrator's error over the time compared, at its tightest tolerance, m; some
+    /// tens of impacts amplify it.
     const REFERENCE: f64 = 1e-8;
     for p in [damper(), off_centre(), Parameters { constant_loads: [3.0, 0.0, -2.0], ..off_centre() }] {
         let start = State { x: [0.0, -0.5 * p.stop_gap, 0.0], v: [0.1, 0.3, 0.0] };
@@ -60,8 +62,9 @@ fn second_method_gravity_by_the_papers_integrator() {
     }
 }
 
-/// The machine as it stands: the block's coordinate counts from where its spring is relaxed, and its stops are at unequal distances.
-/// Classical Runge-Kutta steps; an impact is found by bisecting the step.
+/// The machine as it stands: the block's coordinate counts from where its spring is relaxed, and
+/// its stops are at unequal distances. Classical Runge-Kutta steps; an impact is found by bisecting
+/// the step.
 struct UnequalStops {
     p: Parameters,
     offset: f64,
@@ -128,7 +131,8 @@ fn second_method_an_off_centre_gap_by_stops_at_unequal_distances() {
     const STEPS: f64 = 1e-9;
     let p = off_centre();
     let b = 0.004;
-    // Counted from the middle of the gap; the other method counts from where the spring is relaxed, b higher.
+    // Counted from the middle of the gap; the other method counts from where the spring is relaxed,
+    // b higher.
     let start = State { x: [0.0, -0.005, 0.0], v: [0.0, 0.4, 0.0] };
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
     let y = [0.0, -0.005 + b, 0.0, 0.0, 0.4, 0.0];

@@ -1,4 +1,5 @@
-//! Where advances end: every state reached can be saved and restored, and an end that comes at once after an event adds none.
+//! Where advances end: every state reached can be saved and restored, and an end that comes at once
+//! after an event adds none.
 
 use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -25,7 +26,8 @@ fn distances() -> Vec<f64> {
     distances
 }
 
-/// Advances from a snapshot to `end` and back into the same and into another simulator; whether both take the state.
+/// Advances from a snapshot to `end` and back into the same and into another simulator; whether
+/// both take the state.
 fn is_restored(simulator: &mut Simulator, other: &mut Simulator, from: &Snapshot, end: DoubleDouble) -> bool {
     simulator.restore(from).unwrap();
     if simulator.advance_until(end, Pause::Never, None).is_err() {
@@ -36,7 +38,8 @@ fn is_restored(simulator: &mut Simulator, other: &mut Simulator, from: &Snapshot
     taken && other.snapshot() == reached
 }
 
-/// Scans ends around `events` events of a motion; the ends whose state was refused, and how many there were.
+/// Scans ends around `events` events of a motion; the ends whose state was refused, and how many
+/// there were.
 fn scan(p: &Parameters, events: usize, load: impl Fn(f64) -> Loads) -> (Vec<f64>, usize) {
     let mut simulator = Simulator::new(p, &start(), 0.0).unwrap().without_energy_accounts();
     let mut other = simulator.clone();
@@ -62,8 +65,8 @@ fn scan(p: &Parameters, events: usize, load: impl Fn(f64) -> Loads) -> (Vec<f64>
     (refused, count)
 }
 
-/// Among these ends is 76.64538209875533 s + 7.9e-16 s of the motion with f10 = 3.6, where w is past the stop by a unit in the last
-/// place of the gap before it is put on the stop.
+/// Among these ends is 76.64538209875533 s + 7.9e-16 s of the motion with f10 = 3.6, where w is
+/// past the stop by a unit in the last place of the gap before it is put on the stop.
 #[test]
 fn invariant_every_end_near_an_event_can_be_restored() {
     /// Events of each motion whose neighbourhood is scanned.
@@ -92,8 +95,8 @@ fn advance_to_release(simulator: &mut Simulator) {
     }
 }
 
-/// A block that lets go of a stop has no speed there, and its acceleration is zero but for rounding, which must not bring it back
-/// however short the steps are.
+/// A block that lets go of a stop has no speed there, and its acceleration is zero but for
+/// rounding, which must not bring it back however short the steps are.
 #[test]
 fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
     let mut added = Vec::new();
@@ -127,8 +130,9 @@ fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of 1512: {:?}", added.len(), &added[..added.len().min(5)]);
 }
 
-/// Loads that are set right after a release decide anew whether the block rests: not by an acceleration that is rounding, but by the jerk,
-/// which leads away. No other release is reported, and the motion is the same.
+/// Loads that are set right after a release decide anew whether the block rests: not by an
+/// acceleration that is rounding, but by the jerk, which leads away. No other release is reported,
+/// and the motion is the same.
 #[test]
 fn invariant_loads_set_right_after_a_release_move_nothing() {
     /// Of the displacements, gaps: what is decided differs by the rounding of the acceleration.
@@ -167,8 +171,9 @@ fn invariant_loads_set_right_after_a_release_move_nothing() {
     }
 }
 
-/// A block without springs under a constant load, which rises to a stop: where its path turns within rounding of the stop, the impact
-/// may depend on where steps end, and nowhere else (docs/numerics.md, "Statement").
+/// A block without springs under a constant load, which rises to a stop: where its path turns
+/// within rounding of the stop, the impact may depend on where steps end, and nowhere else
+/// (docs/numerics.md, "Statement").
 #[test]
 fn closed_form_only_grazes_within_rounding_depend_on_where_steps_end() {
     /// η of docs/numerics.md, section 2, in parts of the motion's size.
@@ -222,13 +227,15 @@ fn closed_form_only_grazes_within_rounding_depend_on_where_steps_end() {
     assert!(grazes > 0, "no graze depends on the step: docs/guarantees.md says that one may");
 }
 
-/// The last bounces of a chatter run are as low as the rounding of the gap, and what is kept of them between two advances is rounded to
-/// that: some may come or go with where steps end. The motion and the rest at its end are the same.
+/// The last bounces of a chatter run are as low as the rounding of the gap, and what is kept of
+/// them between two advances is rounded to that: some may come or go with where steps end. The
+/// motion and the rest at its end are the same.
 #[test]
 fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
     /// Of displacements in gaps, and of velocities.
     const ROUNDING: f64 = 1e-12;
-    /// The speed of a bounce 10⁻¹² gaps high, under the largest acceleration of these motions, 1 m/s².
+    /// The speed of a bounce 10⁻¹² gaps high, under the largest acceleration of these motions, 1
+    /// m/s².
     const SLOW: f64 = 1.5e-6;
     /// A run in which a bounce is so slow has ended by then, s.
     const LATER: f64 = 1e-4;
@@ -267,9 +274,10 @@ fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
     assert!(runs > 20, "{runs} runs");
 }
 
-/// A box without spring and damper, and a block that its load presses to the upper stop with the acceleration `a`, from which it bounces
-/// with the speed `u`. Advances by `span` in equal `steps`: the impacts, the time of rest, and the largest distance from the stop at the
-/// ends of steps, gaps.
+/// A box without spring and damper, and a block that its load presses to the upper stop with the
+/// acceleration `a`, from which it bounces with the speed `u`. Advances by `span` in equal `steps`:
+/// the impacts, the time of rest, and the largest distance from the stop at the ends of steps,
+/// gaps.
 fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64>, f64) {
     let p = Parameters {
         box_stiffness: 0.0,
@@ -300,11 +308,13 @@ fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64
     (simulator.impacts().upper, rest, height / p.stop_gap)
 }
 
-/// With κ near 1 thousands of bounces are within rounding of the stop: how many there are and when the block comes to rest depends on where
-/// steps end, and with κ = 1 whether it does. The block is on the stop but for the exception of docs/guarantees.md all the while.
+/// With κ near 1 thousands of bounces are within rounding of the stop: how many there are and when
+/// the block comes to rest depends on where steps end, and with κ = 1 whether it does. The block is
+/// on the stop but for the exception of docs/guarantees.md all the while.
 #[test]
 fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
-    /// η of docs/numerics.md, section 2, in gaps; the size of these motions is hardly more than the gap.
+    /// η of docs/numerics.md, section 2, in gaps; the size of these motions is hardly more than the
+    /// gap.
     const OVERSHOOT: f64 = 2e-12;
     let a = 1e-3;
     let kappa = 0.998;
@@ -328,13 +338,13 @@ fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
     assert!(few.1.is_none() && many.1.is_some(), "{few:?} {many:?}: docs/guarantees.md says that it may");
 }
 
-/// w = w0 + v t + a t²/2 in many short steps, with and without loads: their roundings go all ways, also where each step moves the block by a
-/// t²/2 of less than half a unit in the last place.
+/// w = w0 + v t + a t²/2 in many short steps, with and without loads: their roundings go all ways,
+/// also where each step moves the block by a t²/2 of less than half a unit in the last place.
 #[test]
 fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
     const STEPS: u32 = 10_000;
-    /// Of all steps together, units in the last place of the gap: at random they add up to a third of a unit times the square root of their
-    /// number, and each half a unit one way to thousands.
+    /// Of all steps together, units in the last place of the gap: at random they add up to a third
+    /// of a unit times the square root of their number, and each half a unit one way to thousands.
     const ROUNDING: f64 = 150.0;
     let still = Parameters {
         box_stiffness: 0.0,
@@ -344,7 +354,8 @@ fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
         ..Parameters::default()
     };
     let (w0, v, a) = (0.6 * still.stop_gap, 1e-3, -1.0);
-    // The acceleration of the block by a load, and of the box by its spring, which hardly moves in this time.
+    // The acceleration of the block by a load, and of the box by its spring, which hardly moves in
+    // this time.
     let swung = Parameters { box_stiffness: still.box_mass, ..still };
     for (p, x1, load) in [(still, 0.0, a * still.block_mass), (swung, a, 0.0)] {
         for step in [1e-9, 3e-9, 1e-8, 1e-7] {
@@ -363,11 +374,13 @@ fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
     }
 }
 
-/// A block on a stop, all forces on which cancel but for a load that falls by next to nothing: its speed is rounding over a whole sub-step and
-/// longer, and rounding may add impacts, rests and releases. They do not move it.
+/// A block on a stop, all forces on which cancel but for a load that falls by next to nothing: its
+/// speed is rounding over a whole sub-step and longer, and rounding may add impacts, rests and
+/// releases. They do not move it.
 #[test]
 fn closed_form_a_block_that_hardly_any_force_moves_stays_at_its_stop() {
-    /// Speeds that are rounding, in gaps times the fastest rate, and the gap, as in docs/guarantees.md.
+    /// Speeds that are rounding, in gaps times the fastest rate, and the gap, as in
+    /// docs/guarantees.md.
     const SPEED: f64 = 20.0 * f64::EPSILON;
     const NEAR: f64 = 2e-12;
     const END: f64 = 1000.0;

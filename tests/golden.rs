@@ -7,7 +7,8 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Pause};
 use vibro_impact::{Simulator, State};
 
-/// Round-off of the gap after a flight of up to one and a half periods (the rows' states are of order one).
+/// Round-off of the gap after a flight of up to one and a half periods (the rows' states are of
+/// order one).
 const GAP_ROUNDING: f64 = 2e-14;
 
 #[test]
@@ -108,7 +109,8 @@ fn golden_standard_work_over_twenty_periods() {
 
 #[test]
 fn golden_standard_work_after_two_thousand_periods() {
-    /// The motion is stable: the end is forgotten but for the rounding of 2000 periods as a double, 1e-12 s.
+    /// The motion is stable: the end is forgotten but for the rounding of 2000 periods as a double,
+    /// 1e-12 s.
     const END: f64 = 1e-11;
     let (p, start) = standard();
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
@@ -119,8 +121,8 @@ fn golden_standard_work_after_two_thousand_periods() {
         v: [-0.7166788315354791, -1.2876764920670574, -0.3927812190837065],
     };
     let direct = distance(&simulator.state(), &certified, 1.0, 1.0);
-    // The transient multiplies rounding by 10⁹ between periods 20 and 60: another mathematical library may settle on the
-    // mirror image of the orbit, x → -x half a period later.
+    // The transient multiplies rounding by 10⁹ between periods 20 and 60: another mathematical
+    // library may settle on the mirror image of the orbit, x → -x half a period later.
     simulator.advance_to(2000.5 * p.period()).unwrap();
     let State { x, v } = simulator.state();
     let mirror = State { x: x.map(|x| -x), v: v.map(|v| -v) };
@@ -134,11 +136,11 @@ fn golden_standard_work_after_two_thousand_periods() {
 
 #[test]
 fn golden_every_chatter_ends_in_rest_and_lets_go_at_its_time() {
-    /// Of the time scale √(L/a), about 1: the run is closed at speeds of 1e-8, so its end is known to the square of that
-    /// over κ's losses, and a root of the contact force to its own rounding.
+    /// Of the time scale √(L/a), about 1: the run is closed at speeds of 1e-8, so its end is known
+    /// to the square of that over κ's losses, and a root of the contact force to its own rounding.
     const INSTANT: f64 = 1e-12;
-    /// Of the gap and of the speeds: the chatter that is left is under half a unit in the last place, the rest is the
-    /// rounding of up to 150 impacts.
+    /// Of the gap and of the speeds: the chatter that is left is under half a unit in the last
+    /// place, the rest is the rounding of up to 150 impacts.
     const STATE: f64 = 1e-12;
     let rows = table("chatter.csv");
     assert!(rows.len() > 100);

@@ -60,7 +60,8 @@ fn closed_form_of_a_free_block_under_a_ramp() {
 
 #[test]
 fn closed_form_of_the_cubic() {
-    // Samples of a straight line give it; on a parabola with equal steps the slopes are harmonic means of chords.
+    // Samples of a straight line give it; on a parabola with equal steps the slopes are harmonic
+    // means of chords.
     let line = Load::new(Body::Box, &[(0.0, 1.0), (1.0, 3.0), (3.0, 7.0)], Interpolation::Cubic).unwrap();
     for t in [0.0, 0.3, 1.0, 2.9] {
         assert!((line.force(t) - (1.0 + 2.0 * t)).abs() < ROUNDING, "{t}");
@@ -69,7 +70,8 @@ fn closed_form_of_the_cubic() {
     let cubic = Load::new(Body::Box, &squares, Interpolation::Cubic).unwrap();
     let slope = 2.0 / (1.0 / 3.0 + 1.0 / 5.0);
     assert!((cubic.derivatives(2.0)[1] - slope).abs() < ROUNDING);
-    // The impulse on a free box: the integral of a cubic by its ends, h (f0 + f1)/2 + h² (s0 - s1)/12.
+    // The impulse on a free box: the integral of a cubic by its ends, h (f0 + f1)/2 + h² (s0 -
+    // s1)/12.
     let p = free();
     let mut simulator = Simulator::new(&p, &State::default(), 2.0).unwrap();
     simulator.advance_under(std::slice::from_ref(&cubic), 3.0, Pause::Never, None).unwrap();
@@ -205,7 +207,8 @@ fn off_centre(p: &Parameters, b: f64) -> Loads {
 
 #[test]
 fn closed_form_of_a_block_at_its_place_off_centre() {
-    // Where the coupling spring is relaxed nothing moves, and that is b below the middle of the gap.
+    // Where the coupling spring is relaxed nothing moves, and that is b below the middle of the
+    // gap.
     let p = Parameters { drive_amplitude: 0.0, ..Parameters::default() };
     let b = 0.25 * p.stop_gap;
     let start = State { x: [0.0, -b, 0.0], v: [0.0; 3] };
@@ -233,8 +236,9 @@ fn invariant_mirror_image_of_an_off_centre_gap() {
     assert_eq!(above.v.map(|v| -v), below.v);
 }
 
-/// A block that its load holds on a stop, by a force that falls as (t - t0)² - d and rises again: it is let go where that is zero, however
-/// short the dip and wherever it lies between two samples, and not at all where the force stays above zero.
+/// A block that its load holds on a stop, by a force that falls as (t - t0)² - d and rises again:
+/// it is let go where that is zero, however short the dip and wherever it lies between two samples,
+/// and not at all where the force stays above zero.
 #[test]
 fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
     /// Of the time at which the force falls through zero, by its rounding over its slope.
@@ -269,11 +273,13 @@ fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
     }
 }
 
-/// A block that its load holds on its stop to rounding, in steps of which one finds an impact in its past: it takes place at the present, with the
-/// state there. Otherwise the clock, and with it the loads, goes ahead of the bodies, and the block gets a speed out of nothing.
+/// A block that its load holds on its stop to rounding, in steps of which one finds an impact in
+/// its past: it takes place at the present, with the state there. Otherwise the clock, and with it
+/// the loads, goes ahead of the bodies, and the block gets a speed out of nothing.
 #[test]
 fn second_method_an_event_found_in_the_past_moves_no_clock() {
-    /// Roundings of the place, in sizes of the motion: docs/numerics.md, section 3, allows 18 in a time of 1/r.
+    /// Roundings of the place, in sizes of the motion: docs/numerics.md, section 3, allows 18 in a
+    /// time of 1/r.
     const ROUNDING: f64 = 18.0 * f64::EPSILON;
     const STEPS: u32 = 300;
     let p = Parameters {
@@ -292,7 +298,8 @@ fn second_method_an_event_found_in_the_past_moves_no_clock() {
         drive_phase: 0.06604562253327717,
         constant_loads: [0.0; 3],
     };
-    // The drive's force on the box, by order, is that of the load on the block: they keep together up to the fifth derivative.
+    // The drive's force on the box, by order, is that of the load on the block: they keep together
+    // up to the fifth derivative.
     let load = [0.8477580355092145, 10.131094698408301, -0.6793357438453484, -8.11837159249228];
     let start = State { x: [0.0, -p.stop_gap, 282.5911201755524], v: [0.0, 0.0, -351.95968862946336] };
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();

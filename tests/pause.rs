@@ -3,9 +3,11 @@
 use vibro_impact::simulator::{AdvanceOutcome, Contact, DueEvent, Event, Loads, Pause, advance_together};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
-/// Sums of the input energy are formed in another order where a motion pauses: round-off of a few hundred additions.
+/// Sums of the input energy are formed in another order where a motion pauses: round-off of a few
+/// hundred additions.
 const SUM_ROUNDING: f64 = 1e-12;
-/// A pause takes the drive's phase anew: round-off of the phase, multiplied by some tens of impacts of a stable motion.
+/// A pause takes the drive's phase anew: round-off of the phase, multiplied by some tens of impacts
+/// of a stable motion.
 const PHASE_ROUNDING: f64 = 1e-11;
 
 fn start() -> State {
@@ -32,7 +34,8 @@ fn bits(s: &Simulator) -> Vec<u64> {
 
 #[test]
 fn invariant_pause_and_law_give_the_bits_of_a_stop_after_the_impact() {
-    // κ 0.7: impacts alone; 0 and 0.3: capture into rest and release as well, with pauses at the releases.
+    // κ 0.7: impacts alone; 0 and 0.3: capture into rest and release as well, with pauses at the
+    // releases.
     for (f10, kappa) in [(1.5, 0.7), (3.5, 0.75), (1.5, 0.0), (1.5, 0.3), (3.0, 1.0)] {
         let p = system(f10, kappa);
         let end = 30.0 * p.period();
@@ -228,7 +231,8 @@ fn invariant_energies_balance_and_each_pause_has_its_event_over_a_thousand_pause
 
 #[test]
 fn invariant_the_time_told_is_the_events_but_for_its_rounding() {
-    // An advance to that very time may end just before the event; a pause on the way to a later end comes to it.
+    // An advance to that very time may end just before the event; a pause on the way to a later end
+    // comes to it.
     for kappa in [0.0, 0.3, 0.75] {
         let mut s = simulator(&system(1.5, kappa));
         for _ in 0..100 {
@@ -247,7 +251,8 @@ fn invariant_the_time_told_is_the_events_but_for_its_rounding() {
 
 #[test]
 fn second_method_the_lanes_take_the_ends_that_one_by_one_takes() {
-    // The present as a double is off the present by rounding, to either side, and the next double below is still taken.
+    // The present as a double is off the present by rounding, to either side, and the next double
+    // below is still taken.
     let mut s = simulator(&system(1.5, 0.75)).without_energy_accounts();
     for _ in 0..50 {
         s.advance_until(1e4, Pause::BeforeEvent, None).unwrap();

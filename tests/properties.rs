@@ -1,4 +1,5 @@
-//! Properties over wide random parameters, loads and steps (proptest shrinks what fails; `proptest-regressions/` keeps it).
+//! Properties over wide random parameters, loads and steps (proptest shrinks what fails;
+//! `proptest-regressions/` keeps it).
 
 use proptest::prelude::*;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -67,12 +68,14 @@ fn system() -> impl Strategy<Value = (Parameters, State)> {
     parameters().prop_flat_map(|p| (Just(p), state(p.stop_gap)))
 }
 
-/// The approach to an impact rate that is reported, not followed, is the only refusal of a valid step.
+/// The approach to an impact rate that is reported, not followed, is the only refusal of a valid
+/// step.
 fn allowed(error: &Error) -> bool {
     matches!(error, Error::WorkLimit { restitution, .. } if *restitution > 0.99)
 }
 
-/// Enough for a test run; `PROPTEST_CASES=100000 cargo test --release --test properties` digs deeper.
+/// Enough for a test run; `PROPTEST_CASES=100000 cargo test --release --test properties` digs
+/// deeper.
 fn cases() -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(400);
     ProptestConfig { cases, max_global_rejects: 10 * cases, ..ProptestConfig::default() }
@@ -95,7 +98,8 @@ fn growth(p: &Parameters, start: &State, load: &Loads, end: f64) -> f64 {
     differences.fold(0.0, f64::max) / CHANGE
 }
 
-/// Motions in which small differences grow by more than this within the test part in earnest, whoever computes them.
+/// Motions in which small differences grow by more than this within the test part in earnest,
+/// whoever computes them.
 const MAX_GROWTH: f64 = 1e4;
 
 proptest! {
@@ -147,7 +151,8 @@ proptest! {
             let error = l.mechanical - first - l.input + l.damped + l.impact;
             prop_assert!(error.abs() <= BALANCE * passed.max(1e-6), "{error:e} of {passed:e}");
         }
-        /// Sub-steps beside one an event and one an interval of wild motion: bounded by rate, reach and events.
+        /// Sub-steps beside one an event and one an interval of wild motion: bounded by rate, reach
+        /// and events.
         const PER_TIME: f64 = 20_000.0;
         let work = simulator.work_counters();
         prop_assert!((work.substeps as f64) < 100.0 + 8.0 * work.events as f64 + PER_TIME * t, "{work:?} in {t}");
@@ -174,9 +179,11 @@ proptest! {
             let t = if n == parts { end } else { end * f64::from(n) / f64::from(parts) };
             split.advance_to(t).unwrap();
         }
-        // A slow impact or a long run of them multiplies round-off: there the two may part in earnest.
+        // A slow impact or a long run of them multiplies round-off: there the two may part in
+        // earnest.
         prop_assume!(least > 1e-2 && impacts < 30 && growth(&p, &start, &load, end) < MAX_GROWTH);
-        /// Round-off of some hundred sub-steps, times the growth over up to 30 impacts no slower than 0.01 m/s.
+        /// Round-off of some hundred sub-steps, times the growth over up to 30 impacts no slower
+        /// than 0.01 m/s.
         const BOUND: f64 = 1e-7;
         let (a, b) = (whole.state(), split.state());
         let scale = a.x.iter().chain(&a.v).fold(1.0f64, |m, x| m.max(x.abs()));
@@ -192,12 +199,14 @@ proptest! {
         load in loads(),
         end in 0.1..8.0f64,
     ) {
-        /// The reference method's local tolerance; its error is that times the steps and what impacts make of it. With 1e-11 a motion
-        /// through rest, release and ten plastic impacts was off by 5e-5, with 1e-12 by 5e-6, with 1e-13 by 5e-7.
+        /// The reference method's local tolerance; its error is that times the steps and what
+        /// impacts make of it. With 1e-11 a motion through rest, release and ten plastic impacts
+        /// was off by 5e-5, with 1e-12 by 5e-6, with 1e-13 by 5e-7.
         const TOLERANCE: f64 = 1e-12;
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         prop_assume!(simulator.set_loads(&load).is_ok()); // else out of all proportion to this system
-        // From a start in rest the reference method counts a touch of some 1e-11 m/s; this one none.
+        // From a start in rest the reference method counts a touch of some 1e-11 m/s; this one
+        // none.
         let mut flies = simulator.contact() == Contact::Flight;
         let (mut least, mut events) = (f64::INFINITY, 0);
         let outcome = simulator.advance_observed(end, &mut |e| {
@@ -207,7 +216,8 @@ proptest! {
                 least = least.min(*speed);
             }
         });
-        // Slow impacts, chatter and long runs of impacts multiply the reference method's error without bound.
+        // Slow impacts, chatter and long runs of impacts multiply the reference method's error
+        // without bound.
         prop_assume!(outcome.is_ok() && least > 2e-2 * p.stop_gap && events < 15);
         prop_assume!(growth(&p, &start, &load, end) < MAX_GROWTH);
         let mut reference = Reference::new(&p, &start, 0.0, Tolerance::new(TOLERANCE)).unwrap();
@@ -250,14 +260,16 @@ proptest! {
                 impacts += 1;
             });
             let together = &together[i];
-            // The limit of impacts without end is on sub-steps, of which the two ways take not quite the same number.
+            // The limit of impacts without end is on sub-steps, of which the two ways take not
+            // quite the same number.
             prop_assert!(outcome.is_ok() == results[i].is_ok() || impacts > MANY);
             if let Err(error) = &results[i] {
                 prop_assert!(allowed(error), "{error}");
             }
             let (w, _) = together.relative_motion();
             prop_assert!(w.abs() <= p.stop_gap * (1.0 + 1e-12));
-            // A slow impact or a long run of them multiplies round-off: there the two may part in earnest.
+            // A slow impact or a long run of them multiplies round-off: there the two may part in
+            // earnest.
             if outcome.is_err() || results[i].is_err() || least < 1e-2 || impacts > 100
                 || growth(p, start, &Loads::default(), end) >= MAX_GROWTH {
                 continue;

@@ -152,8 +152,8 @@ fn golden_standard_work_over_20_periods() {
     }
 }
 
-/// Rounding decides, in the transient, between the orbit of the standard work and its mirror image: x → -x, half a
-/// period later (between periods 20 and 60 errors grow a further 10⁹ times).
+/// Rounding decides, in the transient, between the orbit of the standard work and its mirror image:
+/// x → -x, half a period later (between periods 20 and 60 errors grow a further 10⁹ times).
 #[test]
 fn golden_standard_work_settles_on_the_certified_orbit_or_its_mirror() {
     const SETTLED: f64 = 1e-9;
@@ -174,8 +174,8 @@ fn golden_standard_work_settles_on_the_certified_orbit_or_its_mirror() {
 
 #[test]
 fn golden_grazing_set() {
-    // An error of this part of L in w moves the instant by that over the speed, and the velocities after the impact
-    // alike; 1e-12 a step over up to 1.6 periods.
+    // An error of this part of L in w moves the instant by that over the speed, and the velocities
+    // after the impact alike; 1e-12 a step over up to 1.6 periods.
     const GAP_ERROR: f64 = 1e-10;
     let rows = table("grazing.csv");
     assert!(rows.len() > 400);
@@ -206,8 +206,8 @@ fn golden_grazing_set() {
 
 #[test]
 fn golden_chatter_set() {
-    // A closed rebound of 4e-12 L acts for a time of 1e-6: the state departs by its height, and a chatter with
-    // kappa = 0.9 amplifies the error of its first impact by some more.
+    // A closed rebound of 4e-12 L acts for a time of 1e-6: the state departs by its height, and a
+    // chatter with kappa = 0.9 amplifies the error of its first impact by some more.
     const AFTER_CHATTER: f64 = 1e-9;
     let rows = table("chatter.csv");
     assert!(rows.len() > 100);
@@ -223,7 +223,8 @@ fn golden_chatter_set() {
             match *event {
                 Event::Rest { time, side } => {
                     assert_eq!(f64::from(side), row.get("side"));
-                    // Merged while rebounds of that height were still to come, each of about 1e-6/rate.
+                    // Merged while rebounds of that height were still to come, each of about
+                    // 1e-6/rate.
                     let early = (row.get("rest") - (time - t0)) * p.drive_frequency;
                     assert!((-1e-9..1e-3).contains(&early), "row {id}: {early:e}");
                 }
@@ -261,7 +262,8 @@ fn invariant_of_splitting_the_advance() {
 fn limits_of_restitution() {
     let loads = Loads { derivatives: [[0.0; 4], [0.1, 0.0, 0.0, 0.0], [0.0; 4]] };
     for (restitution, count) in [(0.0, 1), (1.0, 8)] {
-        // An immovable box: the block falls with 1 m/s² from 0.5 m below the upper stop, contacts at t = 1, 3, 5, ...
+        // An immovable box: the block falls with 1 m/s² from 0.5 m below the upper stop, contacts
+        // at t = 1, 3, 5, ...
         let p = Parameters { box_mass: 1e15, ..free(restitution) };
         let start = State { x: [0.0, 0.5, 0.0], v: [0.0; 3] };
         let mut reference = Reference::new(&p, &start, 0.0, TIGHT).unwrap();

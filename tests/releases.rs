@@ -1,11 +1,13 @@
-//! A block that lets go of its stop without speed, in steps that end right then or are too short for its way to show.
+//! A block that lets go of its stop without speed, in steps that end right then or are too short
+//! for its way to show.
 
 use vibro_impact::flow::Series;
 use vibro_impact::model::{Model, RELATIVE, SmoothMode};
 use vibro_impact::simulator::{AdvanceOutcome, Contact, DoubleDouble, Event, Loads, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// A step that ends where a release was foretold, or a unit in the last place beside it, adds no impact to the motion.
+/// A step that ends where a release was foretold, or a unit in the last place beside it, adds no
+/// impact to the motion.
 #[test]
 fn invariant_steps_that_end_at_a_release_add_no_impact() {
     let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
@@ -41,8 +43,8 @@ fn invariant_steps_that_end_at_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of {releases} releases", added.len());
 }
 
-/// A block that a force of rounding's size takes off its stop, or lets go ever so slowly, leaves it in short steps as in one advance: what
-/// is too little for w to show in a step adds up.
+/// A block that a force of rounding's size takes off its stop, or lets go ever so slowly, leaves it
+/// in short steps as in one advance: what is too little for w to show in a step adds up.
 #[test]
 fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
     const STEP: f64 = 0.1;
@@ -87,8 +89,8 @@ fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
     }
 }
 
-/// A force that lets go of the block a little and turns before w shows it: no impact comes of the turn, and the block goes on with the speed
-/// that it was given.
+/// A force that lets go of the block a little and turns before w shows it: no impact comes of the
+/// turn, and the block goes on with the speed that it was given.
 #[test]
 fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
     const STEP: f64 = 1e-3;
@@ -127,8 +129,9 @@ fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
     }
 }
 
-/// Loads on the block with which the derivatives of w from the second to below the `order`-th are zero at the start, and that one leads away
-/// from the stop with the size `away` m/sᵏ; `None` where rounding leaves no such loads.
+/// Loads on the block with which the derivatives of w from the second to below the `order`-th are
+/// zero at the start, and that one leads away from the stop with the size `away` m/sᵏ; `None` where
+/// rounding leaves no such loads.
 fn loads_of_order(simulator: &Simulator, order: usize, away: f64) -> Option<Loads> {
     let (model, side) = (Model::new(simulator.parameters()).unwrap(), simulator.relative_motion().0.signum());
     let mut derivatives = [[0.0; 4]; 3];
@@ -150,8 +153,8 @@ fn loads_of_order(simulator: &Simulator, order: usize, away: f64) -> Option<Load
     Some(Loads { derivatives })
 }
 
-/// A block on a moving box that its loads follow to some order leaves by the next one, in steps of any shortness, though all derivatives
-/// below are rounding as soon as it has left.
+/// A block on a moving box that its loads follow to some order leaves by the next one, in steps of
+/// any shortness, though all derivatives below are rounding as soon as it has left.
 #[test]
 fn second_method_departures_of_high_orders_in_steps_of_any_shortness() {
     let mut departures = [0; 6];
@@ -187,8 +190,8 @@ fn second_method_departures_of_high_orders_in_steps_of_any_shortness() {
     assert!(departures[3..].iter().all(|count| *count > 100), "{departures:?}");
 }
 
-/// A block that its load lets go by a jerk that the next derivative turns late in a longer step: what little speed it has from some short steps
-/// before is no impact.
+/// A block that its load lets go by a jerk that the next derivative turns late in a longer step:
+/// what little speed it has from some short steps before is no impact.
 #[test]
 fn second_method_a_longer_step_after_short_ones_finds_no_impact_at_its_start() {
     let mut added = Vec::new();
@@ -214,8 +217,9 @@ fn second_method_a_longer_step_after_short_ones_finds_no_impact_at_its_start() {
     assert!(added.is_empty(), "{added:?}");
 }
 
-/// A machine at rest under the largest force of its drive, with the block at a stop: the force's rate is the rounding of the cosine, and what
-/// follows it decides. On one side the block is pressed and rests, on the other it is let go.
+/// A machine at rest under the largest force of its drive, with the block at a stop: the force's
+/// rate is the rounding of the cosine, and what follows it decides. On one side the block is
+/// pressed and rests, on the other it is let go.
 #[test]
 fn closed_form_a_start_at_the_static_deflection_of_the_drive() {
     use std::f64::consts::PI;
@@ -261,8 +265,8 @@ fn closed_form_a_start_at_the_static_deflection_of_the_drive() {
     }
 }
 
-/// While w rounds to the stop that the block has left, a step is a part of the one step from the departure to its end: with its very bits,
-/// from a restored state too.
+/// While w rounds to the stop that the block has left, a step is a part of the one step from the
+/// departure to its end: with its very bits, from a restored state too.
 #[test]
 fn invariant_short_steps_after_a_departure_have_the_bits_of_one() {
     /// Of energies of some joules: the roundings of a sum for each of some hundred steps.
@@ -305,8 +309,8 @@ fn invariant_short_steps_after_a_departure_have_the_bits_of_one() {
     assert!(compared > 10_000, "{compared}");
 }
 
-/// Forces and rates near what counts as rounding, where the derivative that decides is beyond it in flight and not in rest, or the other way
-/// round: what rounding does ends, and the motion goes on.
+/// Forces and rates near what counts as rounding, where the derivative that decides is beyond it in
+/// flight and not in rest, or the other way round: what rounding does ends, and the motion goes on.
 #[test]
 fn invariant_forces_at_the_edge_of_rounding_do_not_stall() {
     let still = Parameters { drive_amplitude: 0.0, ..Parameters::default() };
@@ -357,11 +361,12 @@ fn invariant_forces_at_the_edge_of_rounding_do_not_stall() {
     }
 }
 
-/// A block that leaves a stop by the ninth derivative of w, while rounding is all that its second to eighth ones are: it is kept there only
-/// as long as no derivative is beyond rounding.
+/// A block that leaves a stop by the ninth derivative of w, while rounding is all that its second
+/// to eighth ones are: it is kept there only as long as no derivative is beyond rounding.
 #[test]
 fn second_method_what_was_in_doubt_leaves_by_what_is_beyond_rounding() {
-    /// Roundings of the place, gaps: docs/numerics.md, section 3, allows 18 ε S, and S is some gaps here.
+    /// Roundings of the place, gaps: docs/numerics.md, section 3, allows 18 ε S, and S is some gaps
+    /// here.
     const ROUNDING: f64 = 100.0 * f64::EPSILON;
     let p = Parameters {
         box_mass: 0.7982975814983321,

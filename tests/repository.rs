@@ -1,4 +1,5 @@
-//! What the repository promises about itself: links lead somewhere, lines are read beside code, the pages are listed (invariant).
+//! What the repository promises about itself: links lead somewhere, lines are read beside code, the
+//! pages are listed (invariant).
 
 #[path = "repository/citations.rs"]
 mod citations;
@@ -92,7 +93,8 @@ fn invariant_motions_progress_and_results_are_reported_and_passed_on() {
 /// The relative paths of a text that go up, e.g. `../README.md`.
 fn climbing(text: &str) -> impl Iterator<Item = &str> {
     let paths = text.split(|c: char| !(c.is_alphanumeric() || "/._-".contains(c)));
-    // A path behind `env!("CARGO_MANIFEST_DIR")` begins with the separator, and one at the end of a sentence ends with its stop.
+    // A path behind `env!("CARGO_MANIFEST_DIR")` begins with the separator, and one at the end of a
+    // sentence ends with its stop.
     let paths = paths.map(|path| path.strip_prefix("/").unwrap_or(path));
     let paths = paths.map(|path| if path.ends_with("..") { path } else { path.trim_end_matches('.') });
     paths.filter(|path| path.contains('/') && path.split('/').any(|name| name == ".."))
@@ -111,8 +113,9 @@ fn followed(folder: &Path, path: &str) -> Option<PathBuf> {
     Some(place)
 }
 
-/// Whether a path in a file leads to something of the repository, or to what is made there: read from the file's folder, or from
-/// that of its package, as paths behind `env!("CARGO_MANIFEST_DIR")` are.
+/// Whether a path in a file leads to something of the repository, or to what is made there: read
+/// from the file's folder, or from that of its package, as paths behind
+/// `env!("CARGO_MANIFEST_DIR")` are.
 fn leads_into_the_repository(file: &Path, path: &str) -> bool {
     let beside = file.parent().expect("a file is in a folder");
     let package = beside.ancestors().find(|folder| folder.join("Cargo.toml").exists()).expect("a package");
@@ -123,7 +126,8 @@ fn leads_into_the_repository(file: &Path, path: &str) -> bool {
 
 #[test]
 fn invariant_every_relative_path_that_goes_up_stays_in_the_repository() {
-    // Entries of an archive, from the folder of the archive in which they are named; and what a machine's file must not reach.
+    // Entries of an archive, from the folder of the archive in which they are named; and what a
+    // machine's file must not reach.
     const ELSEWHERE: [&str; 4] =
         ["../../documentation/fmi-ls-ref.txt", "../resources/", "../../../etc/passwd", "../../secret.csv"];
     let mut files = Vec::new();
@@ -184,7 +188,8 @@ fn links(page: &str) -> Vec<String> {
     ends.map(|(link, _)| link.to_owned()).collect()
 }
 
-/// The anchors of a page's headings, as GitHub makes them: lower case, a hyphen for each space, no other signs.
+/// The anchors of a page's headings, as GitHub makes them: lower case, a hyphen for each space, no
+/// other signs.
 fn anchors(page: &str) -> BTreeSet<String> {
     let mut fenced = false;
     let mut found = BTreeSet::new();
@@ -255,7 +260,8 @@ fn invariant_the_readme_is_short_and_the_index_has_every_page() {
     }
 }
 
-/// The names that the crate's root shows: its public modules and re-exports that are not hidden from the documentation.
+/// The names that the crate's root shows: its public modules and re-exports that are not hidden
+/// from the documentation.
 fn shown_names(root: &str) -> BTreeSet<String> {
     let (mut shown, mut hidden) = (BTreeSet::new(), false);
     for line in root.lines() {

@@ -197,7 +197,8 @@ fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
 fn invariant_a_step_of_nothing_from_the_present_is_none() {
     let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
     for n in 0..200 {
-        // The end of a step is begin + step in extended precision, which the present as a double may round down.
+        // The end of a step is begin + step in extended precision, which the present as a double
+        // may round down.
         simulator.advance_until(DoubleDouble::sum(simulator.time(), 0.0317), Pause::Never, None).unwrap();
         let before = simulator.time();
         simulator.advance_observed(before, &mut |_| {}).unwrap_or_else(|e| panic!("step {n}: {e}"));
@@ -205,8 +206,8 @@ fn invariant_a_step_of_nothing_from_the_present_is_none() {
     }
 }
 
-/// Found by the fuzzer: the sub-step's bound on the acceleration, far above what acts just after a release or between two
-/// fast impacts, must not decide how far a step may go.
+/// Found by the fuzzer: the sub-step's bound on the acceleration, far above what acts just after a
+/// release or between two fast impacts, must not decide how far a step may go.
 #[test]
 fn invariant_absurd_speeds_end_and_keep_the_stops() {
     for speed in [1e3, 1e12] {
@@ -224,7 +225,8 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     assert!(refused(&p, 6e66));
     assert!(refused(&Parameters { stop_gap: 1e-300, ..p }, 0.5));
     assert!(refused(&Parameters { drive_amplitude: 1e30, ..p }, 0.0));
-    // Squares of speeds would be lost, by which chatter runs are closed; gaps that are a power of two smaller have the same bits.
+    // Squares of speeds would be lost, by which chatter runs are closed; gaps that are a power of
+    // two smaller have the same bits.
     let scaled = |gap: f64| {
         let p = Parameters {
             drive_amplitude: 0.3 * gap,
@@ -242,7 +244,8 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     for power in [-340, -600, -1070] {
         assert!(matches!(scaled(2f64.powi(power)), Err(Error::PrecisionLost { .. })), "{power}");
     }
-    // Nor may speeds of some gaps in the system's time have squares that overflow: every state that is reached can be restored.
+    // Nor may speeds of some gaps in the system's time have squares that overflow: every state that
+    // is reached can be restored.
     assert!(refused(&Parameters { stop_gap: 1e101, ..p }, 0.0));
     assert!(refused(&Parameters { stop_gap: 1e99, drive_frequency: 1e3, ..p }, 0.0));
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();

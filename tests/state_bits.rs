@@ -1,7 +1,9 @@
-//! State bits of many motions against a golden file (golden file: `tests/data/state_bits.<instruction set>.txt`).
+//! State bits of many motions against a golden file (golden file:
+//! `tests/data/state_bits.<instruction set>.txt`).
 //!
-//! A change of code that is meant to leave the arithmetic alone leaves every digest alone. Where a change is meant to alter
-//! the arithmetic, `UPDATE=1 cargo test --test state_bits` writes the file anew, and the commit says why.
+//! A change of code that is meant to leave the arithmetic alone leaves every digest alone. Where a
+//! change is meant to alter the arithmetic, `UPDATE=1 cargo test --test state_bits` writes the file
+//! anew, and the commit says why.
 
 mod common;
 

@@ -18,7 +18,8 @@ fn weak(kappa: f64, f10: f64) -> Parameters {
 
 #[test]
 fn golden_work_of_twenty_periods_of_the_standard_case() {
-    // Twenty: later the transient multiplies round-off, and counts differ between mathematical libraries.
+    // Twenty: later the transient multiplies round-off, and counts differ between mathematical
+    // libraries.
     let p = Groups::weak(0.1, 0.75, 1.5, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).unwrap();
     insta::assert_snapshot!(work(&p, 20.0));
 }
@@ -48,8 +49,8 @@ fn invariant_the_sweep_of_the_paper_ends_everywhere() {
     }
 }
 
-/// The sub-steps that one advance in lanes may take: 10⁶ and 64 for each sub-step length (2.4 over the fastest rate, here more than
-/// 0.1 s), and the 64 between two looks at the limit.
+/// The sub-steps that one advance in lanes may take: 10⁶ and 64 for each sub-step length (2.4 over
+/// the fastest rate, here more than 0.1 s), and the 64 between two looks at the limit.
 fn most_substeps(span: f64) -> f64 {
     1e6 + 64.0 * span / 0.1 + 64.0
 }
@@ -58,7 +59,8 @@ fn substeps(simulator: &Simulator) -> f64 {
     simulator.work_counters().substeps as f64
 }
 
-/// Motions that hardly progress: a block pressed to an elastic stop, and one that is far too fast, without and with loads.
+/// Motions that hardly progress: a block pressed to an elastic stop, and one that is far too fast,
+/// without and with loads.
 fn busy_motions() -> Vec<Simulator> {
     let elastic = Parameters { stop_restitution: 1.0, ..Parameters::default() };
     let pressed = Parameters {
@@ -134,8 +136,8 @@ fn invariant_the_lanes_have_the_same_limit() {
 
 #[test]
 fn second_method_elastic_bounces_come_to_the_same_end_in_lanes() {
-    /// So long that bounces of 0.65 intervals, which take two sub-steps each in lanes and one alone, take more than 10⁶ in lanes and 32
-    /// for each sub-step length.
+    /// So long that bounces of 0.65 intervals, which take two sub-steps each in lanes and one
+    /// alone, take more than 10⁶ in lanes and 32 for each sub-step length.
     const END: f64 = 144_000.0;
     /// The part of the impacts by which round-off may change their number.
     const ROUND_OFF: f64 = 1e-4;

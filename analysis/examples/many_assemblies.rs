@@ -1,7 +1,9 @@
-//! Many machines of a file on all cores: the impact damper with a rubber buffer over 1000 gaps, 200 drive periods each.
+//! Many machines of a file on all cores: the impact damper with a rubber buffer over 1000 gaps, 200
+//! drive periods each.
 //!
-//! `cargo run --release -p vibro-analysis --example many_assemblies` measures once. With the argument `serve` it measures once for every
-//! line of its input, so that `benches/python_package.py` can take turns with it.
+//! `cargo run --release -p vibro-analysis --example many_assemblies` measures once. With the
+//! argument `serve` it measures once for every line of its input, so that
+//! `benches/python_package.py` can take turns with it.
 
 use rayon::prelude::*;
 use std::error::Error;

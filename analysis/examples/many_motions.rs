@@ -1,7 +1,9 @@
-//! Many machines side by side on all cores: the default machine over 1000 forces, 400 drive periods each.
+//! Many machines side by side on all cores: the default machine over 1000 forces, 400 drive periods
+//! each.
 //!
-//! `cargo run --release -p vibro-analysis --example many_motions` measures once. With the argument `serve` it measures once for every line
-//! of its input, so that `benches/python_package.py` can take turns with it.
+//! `cargo run --release -p vibro-analysis --example many_motions` measures once. With the argument
+//! `serve` it measures once for every line of its input, so that `benches/python_package.py` can
+//! take turns with it.
 
 use std::error::Error;
 use std::io::{BufRead, Write};

@@ -1,8 +1,9 @@
-//! What a settled motion is: its period, its impacts, the states by which it is recognized, and its class.
+//! What a settled motion is: its period, its impacts, the states by which it is recognized, and its
+//! class.
 //!
-//! The machine without constant loads is symmetric: if x(t) is a motion, so is -x(t + T/2), where T is the drive's period. Two
-//! attractors that are each other's mirror image are therefore distinguished from two different ones. Under constant loads there
-//! are no mirror images.
+//! The machine without constant loads is symmetric: if x(t) is a motion, so is -x(t + T/2), where T
+//! is the drive's period. Two attractors that are each other's mirror image are therefore
+//! distinguished from two different ones. Under constant loads there are no mirror images.
 
 use super::error::Result;
 use super::free_limit::{is_damped, limit_keeps_clear};
@@ -19,10 +20,11 @@ use vibro_impact::simulator::{Contact, Event, Simulator};
 pub const OBSERVED: u32 = 128;
 /// The longest period that is recognized, in drive periods: four of them fit into what is observed.
 pub const LONGEST: u32 = 32;
-/// A state has returned when no coordinate differs by more (units of L and L ω10). What is left of a transient after
-/// hundreds of periods is less, except next to a bifurcation.
+/// A state has returned when no coordinate differs by more (units of L and L ω10). What is left of
+/// a transient after hundreds of periods is less, except next to a bifurcation.
 pub const RETURN: f64 = 1e-5;
-/// States of one attractor that were reached in different ways agree to this; those of two attractors differ by more.
+/// States of one attractor that were reached in different ways agree to this; those of two
+/// attractors differ by more.
 pub(crate) const SAME: f64 = 1e-3;
 
 /// One drive period of an observed motion.
@@ -42,8 +44,8 @@ pub(crate) struct ObservedPeriod {
 pub struct Attractor {
     /// Its period in drive periods, where it has one up to [`LONGEST`].
     pub period: Option<u32>,
-    /// Whether its states come nearer to a return from one eighth of the record to the next: a transient that has not died
-    /// out.
+    /// Whether its states come nearer to a return from one eighth of the record to the next: a
+    /// transient that has not died out.
     pub approaching: bool,
     /// Impacts per drive period at the upper and at the lower stop.
     pub impacts: [f64; 2],
@@ -81,9 +83,11 @@ pub enum MotionClass {
     QuasiPeriodic,
     /// λ1 > 0.
     Chaotic,
-    /// Has negative exponents, so it is periodic, but it has not yet come to its period or has one over [`LONGEST`].
+    /// Has negative exponents, so it is periodic, but it has not yet come to its period or has one
+    /// over [`LONGEST`].
     Settling,
-    /// Nothing is decided: it has no period up to [`LONGEST`] as far as it was followed, and no exponent whose sign is certain.
+    /// Nothing is decided: it has no period up to [`LONGEST`] as far as it was followed, and no
+    /// exponent whose sign is certain.
     NotSettled,
 }
 
@@ -104,22 +108,26 @@ impl MotionClass {
         matches!(self, Self::Periodic(_) | Self::Settling)
     }
 
-    /// Whether following a motion further would tell no more of it: not where it is settling or not settled.
+    /// Whether following a motion further would tell no more of it: not where it is settling or not
+    /// settled.
     pub fn is_decided(self) -> bool {
         !matches!(self, Self::Settling | Self::NotSettled)
     }
 
-    /// Whether it need not be looked at once more either: what seems quasi-periodic may have been leaving an orbit that is hardly unstable,
-    /// and have come to another while its exponent was counted.
+    /// Whether it need not be looked at once more either: what seems quasi-periodic may have been
+    /// leaving an orbit that is hardly unstable, and have come to another while its exponent was
+    /// counted.
     pub(crate) fn is_final(self) -> bool {
         self.is_decided() && self != Self::QuasiPeriodic
     }
 
-    /// The class of an attractor, with the largest exponent beside the drive phase's zero where it is known.
+    /// The class of an attractor, with the largest exponent beside the drive phase's zero where it
+    /// is known.
     pub fn by_largest(attractor: &Attractor, largest: Option<&LargestExponent>, p: &Parameters) -> Self {
         let sign = largest.map(|exponent| exponent.sign(p));
         match Self::by_sign(attractor.period, sign, attractor.approaching) {
-            // Where all is damped a motion without events has one limit, unless a stop is in its way.
+            // Where all is damped a motion without events has one limit, unless a stop is in its
+            // way.
             Self::NotSettled if attractor.approaching && attractor.is_free() && limit_keeps_clear(p) => {
                 Self::Settling
             }
@@ -127,7 +135,8 @@ impl MotionClass {
         }
     }
 
-    /// The class by a motion's period, the sign of its largest exponent, and whether its states come nearer to a return.
+    /// The class by a motion's period, the sign of its largest exponent, and whether its states
+    /// come nearer to a return.
     pub(crate) fn by_sign(period: Option<u32>, sign: Option<ExponentSign>, approaching: bool) -> Self {
         match (period, sign) {
             (Some(n), _) => Self::Periodic(n),
@@ -236,8 +245,9 @@ impl StroboscopicRecord {
     /// What the motion is, after [`OBSERVED`] periods.
     pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
         let found = if self.is_complete() { period(&self.periods) } else { None };
-        // Without contact the motion is linear, and its one limit has the drive's period: a longer one is a slow swing that nearly returns,
-        // and so is any where the limit is beyond the stops.
+        // Without contact the motion is linear, and its one limit has the drive's period: a longer
+        // one is a slow swing that nearly returns, and so is any where the limit is beyond the
+        // stops.
         let touches = self.periods.iter().any(|s| s.impacts != [0; 2] || s.rests);
         let free = |period| period == 1 && (limit_keeps_clear(p) || !is_damped(p));
         self.attractor_of(p, found.filter(|n| touches || free(*n)))
@@ -247,8 +257,8 @@ impl StroboscopicRecord {
     pub(crate) fn attractor_of(&self, p: &Parameters, period: Option<u32>) -> Attractor {
         let Self { periods, halves, .. } = self;
         let kept = period.unwrap_or(1) as usize;
-        // Of a periodic motion only the last period is counted, so that a transient that died out during the observation is
-        // left out.
+        // Of a periodic motion only the last period is counted, so that a transient that died out
+        // during the observation is left out.
         let settled = period.unwrap_or(periods.len() as u32);
         let last = periods.len() - settled as usize;
         let mut sizes = [0.0; 3];
@@ -259,7 +269,8 @@ impl StroboscopicRecord {
         }
         let counts = [0, 1].map(|side| periods[last..].iter().map(|s| s.impacts[side]).sum::<u32>());
         let rests = periods[last..].iter().any(|s| s.rests);
-        // Without impacts a damped motion that has not reached its limit is on its way there, if that is clear of the stops.
+        // Without impacts a damped motion that has not reached its limit is on its way there, if
+        // that is clear of the stops.
         let dies_out = counts == [0; 2] && !rests && is_damped(p) && limit_keeps_clear(p);
         Attractor {
             period,
@@ -277,14 +288,16 @@ impl StroboscopicRecord {
         }
     }
 
-    /// The largest distance between a state and the one `period` drive periods later, over the last of them that were recorded.
+    /// The largest distance between a state and the one `period` drive periods later, over the last
+    /// of them that were recorded.
     pub(crate) fn return_distance(&self, period: u32) -> f64 {
         let lag = period as usize;
         farthest_return(&self.periods[self.periods.len().saturating_sub(2 * lag)..], lag)
     }
 
-    /// The nearest return over the whole record: the least, of all lags up to [`LONGEST`], of the largest distance after that lag. None
-    /// where as many periods at the end are free: returns fall between bursts of impacts.
+    /// The nearest return over the whole record: the least, of all lags up to [`LONGEST`], of the
+    /// largest distance after that lag. None where as many periods at the end are free: returns
+    /// fall between bursts of impacts.
     pub(crate) fn nearest_return(&self) -> Option<f64> {
         let longest = LONGEST as usize;
         let touches = self.periods.iter().rev().take(longest).any(|s| s.impacts != [0; 2] || s.rests);
@@ -292,7 +305,8 @@ impl StroboscopicRecord {
         touches.then(|| lags.map(|lag| farthest_return(&self.periods, lag)).fold(f64::INFINITY, f64::min))
     }
 
-    /// The largest distance between a state and the mirror image of the one half an odd `period` before it, over the last period.
+    /// The largest distance between a state and the mirror image of the one half an odd `period`
+    /// before it, over the last period.
     pub(crate) fn mirror_distance(&self, period: u32) -> f64 {
         let (first, half) = (self.periods.len().saturating_sub(period as usize), period as usize / 2);
         let images = &self.halves[first.saturating_sub(half)..];
@@ -311,13 +325,14 @@ pub(crate) fn appended(pattern: u64, upper: bool) -> u64 {
     pattern.wrapping_mul(3).wrapping_add(1 + u64::from(upper))
 }
 
-/// The least n for which, over the last four times n drive periods, states return after n periods and the order of impacts
-/// repeats.
+/// The least n for which, over the last four times n drive periods, states return after n periods
+/// and the order of impacts repeats.
 fn period(periods: &[ObservedPeriod]) -> Option<u32> {
     least_period(periods, |a, b| a.pattern == b.pattern && distance(&a.state, &b.state) < RETURN)
 }
 
-/// The least n up to [`LONGEST`] for which, over the last four times n returns, each is the same as that n before.
+/// The least n up to [`LONGEST`] for which, over the last four times n returns, each is the same as
+/// that n before.
 pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> Option<u32> {
     (1..=LONGEST).take_while(|&n| 4 * n as usize <= returns.len()).find(|&n| {
         let lag = n as usize;
@@ -332,8 +347,8 @@ fn farthest_return(periods: &[ObservedPeriod], lag: usize) -> f64 {
     pairs.map(|(a, b)| distance(&a.state, &b.state)).fold(0.0, f64::max)
 }
 
-/// Whether for some lag the largest distance between a state and the one that many periods later falls from each eighth of
-/// the record to the next.
+/// Whether for some lag the largest distance between a state and the one that many periods later
+/// falls from each eighth of the record to the next.
 fn approaches(periods: &[ObservedPeriod]) -> bool {
     nears(periods, |a, b| distance(&a.state, &b.state))
 }
@@ -355,9 +370,10 @@ pub(crate) fn nears<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool 
     })
 }
 
-/// The largest difference between coordinates of two states; of displacements over 10⁵, in parts of 10⁻⁵ of the largest, and so of
-/// speeds, since 10⁻⁷ of a unit is no more than their rounding over a period of several impacts: so are speeds in units of L ω10
-/// where the box has a spring of next to no stiffness.
+/// The largest difference between coordinates of two states; of displacements over 10⁵, in parts of
+/// 10⁻⁵ of the largest, and so of speeds, since 10⁻⁷ of a unit is no more than their rounding over
+/// a period of several impacts: so are speeds in units of L ω10 where the box has a spring of next
+/// to no stiffness.
 pub fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
     const LARGE: f64 = 1e5;
     let of = |[a, b]: [&[f64]; 2]| {
@@ -378,8 +394,9 @@ impl Attractor {
         self.impacts == [0.0; 2] && !self.rests
     }
 
-    /// What another attractor is to this one. Two without a period are compared by their [means](Statistics::likeness). Two without
-    /// impacts count as the same: the flow without impacts is linear and has one limit, where springs hold and dampers reach every body.
+    /// What another attractor is to this one. Two without a period are compared by their
+    /// [means](Statistics::likeness). Two without impacts count as the same: the flow without
+    /// impacts is linear and has one limit, where springs hold and dampers reach every body.
     /// Elsewhere its limits are a family, one for each start, and it is the family that is one.
     pub fn relation(&self, other: &Self) -> Relation {
         if self.is_free() && other.is_free() {
@@ -418,8 +435,8 @@ impl Attractor {
         self.statistics = Some(pooled);
     }
 
-    /// Whether it is its own mirror image, as far as it has come: where the motion is still [settling](MotionClass::Settling), that is
-    /// not decided.
+    /// Whether it is its own mirror image, as far as it has come: where the motion is still
+    /// [settling](MotionClass::Settling), that is not decided.
     pub fn is_symmetric(&self) -> bool {
         if self.mirror_states.is_empty() {
             return false;
@@ -433,8 +450,8 @@ impl Attractor {
     }
 }
 
-/// What two motions without a period are to each other. That one is like both another and its mirror image says that the other is its
-/// own mirror image.
+/// What two motions without a period are to each other. That one is like both another and its
+/// mirror image says that the other is its own mirror image.
 fn by_means(a: &Statistics, b: &Statistics) -> Relation {
     match (a.likeness(b), a.likeness(&b.mirrored())) {
         (Likeness::Same, _) => Relation::Same,

@@ -13,7 +13,8 @@ use std::ops::Range;
 use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
 
-/// The range of an initial value, both ends finite and the lower one first; read from `name=from:to`.
+/// The range of an initial value, both ends finite and the lower one first; read from
+/// `name=from:to`.
 ///
 /// ```
 /// use vibro_analysis::basin::InitialValueRange;
@@ -35,7 +36,8 @@ impl InitialValueRange {
     /// The range in units of L or L ω10 of a machine.
     ///
     /// # Errors
-    /// [`vibro_impact::Error::Undefined`] for a range of a speed in SI without a spring between box and ground, since ω10 is zero.
+    /// [`vibro_impact::Error::Undefined`] for a range of a speed in SI without a spring between box
+    /// and ground, since ω10 is zero.
     pub fn scaled(self, p: &Parameters) -> Result<Self> {
         if !self.si {
             return Ok(self);
@@ -84,7 +86,8 @@ impl std::fmt::Display for InitialValueRange {
     }
 }
 
-/// One axis of a plane of starts: an initial value at the centres of `count` cells between `from` and `to`.
+/// One axis of a plane of starts: an initial value at the centres of `count` cells between `from`
+/// and `to`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InitialValueAxis {
     /// Index into [`COORDINATES`].
@@ -111,7 +114,8 @@ pub struct Request {
     pub x: InitialValueAxis,
     /// Vertical.
     pub y: InitialValueAxis,
-    /// Drive periods discarded before a motion is observed. One that is not decided then is followed further.
+    /// Drive periods discarded before a motion is observed. One that is not decided then is
+    /// followed further.
     pub discard: u32,
     /// The initial values that are on no axis.
     #[serde(default = "in_the_middle")]
@@ -134,7 +138,8 @@ pub enum Destination {
     Outside,
     /// What the motion is was not decided up to the [limit](crate::verdict::PROLONGED).
     NotSettled,
-    /// It is chaotic or on a torus, but on which of the known attractors was not decided up to the limit.
+    /// It is chaotic or on a torus, but on which of the known attractors was not decided up to the
+    /// limit.
     Undecided,
 }
 
@@ -170,7 +175,8 @@ impl Basin {
     }
 }
 
-/// The start at the centre of a cell: the start of the request, with the values on the axes in it, which are scaled.
+/// The start at the centre of a cell: the start of the request, with the values on the axes in it,
+/// which are scaled.
 fn cell_start(p: &Parameters, request: &Request, first: &State, column: usize, row: usize) -> State {
     let mut s = *first;
     for (axis, i) in [(&request.x, column), (&request.y, row)] {
@@ -193,13 +199,14 @@ pub fn count(request: &Request) -> usize {
     request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count.max(1)))
 }
 
-/// The basins, on all threads; `None` where rows belong to other shards. The result depends neither on threads nor on
-/// shards.
+/// The basins, on all threads; `None` where rows belong to other shards. The result depends neither
+/// on threads nor on shards.
 ///
 /// # Errors
-/// [`Error::Form`] for two axes of one coordinate, for a range that is empty or not finite and for no cells;
-/// [`Error::TooMany`] for a plane that does not fit into memory; [`Error::TooManyAttractors`] for more than can be numbered; what the
-/// simulator refuses, starts outside the stops apart.
+/// [`Error::Form`] for two axes of one coordinate, for a range that is empty or not finite and for
+/// no cells; [`Error::TooMany`] for a plane that does not fit into memory;
+/// [`Error::TooManyAttractors`] for more than can be numbered; what the simulator refuses, starts
+/// outside the stops apart.
 pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Basin>> {
     let Request { x, y, .. } = request;
     if x.coordinate == y.coordinate {
@@ -249,10 +256,11 @@ fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut 
 }
 
 impl Basin {
-    /// Puts down where the motion of a cell ends; tells whether that is decided, which chaos and what is not known well enough are only at
-    /// the `last` look.
+    /// Puts down where the motion of a cell ends; tells whether that is decided, which chaos and
+    /// what is not known well enough are only at the `last` look.
     fn decide(&mut self, number: usize, motion: &Followed, last: bool) -> Result<bool> {
-        // Chaos beside motions with a period is often a long transient, so that it is an attractor's only at the limit.
+        // Chaos beside motions with a period is often a long transient, so that it is an
+        // attractor's only at the limit.
         let open = motion.wanders() && !last;
         let destination = if open { None } else { self.destination(motion)? };
         if let Some(destination) = destination {
@@ -263,7 +271,8 @@ impl Basin {
         Ok(destination.is_some())
     }
 
-    /// Where a motion ends: on an attractor that is known, or on a new one. `None` where that is not decided.
+    /// Where a motion ends: on an attractor that is known, or on a new one. `None` where that is
+    /// not decided.
     fn destination(&mut self, motion: &Followed) -> Result<Option<Destination>> {
         if !motion.class.is_decided() {
             return Ok(None);
@@ -310,7 +319,8 @@ impl Basin {
         if undecided { Known::Undecided } else { Known::Not }
     }
 
-    /// The same with the attractors in the order in which the cells meet them, not in that in which they were decided.
+    /// The same with the attractors in the order in which the cells meet them, not in that in which
+    /// they were decided.
     fn in_order_of_cells(self) -> Self {
         let mut order: Vec<u16> = Vec::new();
         for cell in &self.cells {

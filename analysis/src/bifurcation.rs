@@ -1,9 +1,10 @@
-//! Bifurcation diagrams: the local maxima of X2, or of another displacement, over one parameter, upwards and downwards, with
-//! period, class and exponents.
+//! Bifurcation diagrams: the local maxima of X2, or of another displacement, over one parameter,
+//! upwards and downwards, with period, class and exponents.
 //!
-//! As in the paper, section 4: at each value a number of drive periods is discarded and a number kept, and the last state is
-//! the start of the next value. The motion from value to value is one chain and cannot be divided. What is observed at each
-//! value is independent of the other values, so that threads and machines share that part, and the motions of some values run
+//! As in the paper, section 4: at each value a number of drive periods is discarded and a number
+//! kept, and the last state is the start of the next value. The motion from value to value is one
+//! chain and cannot be divided. What is observed at each value is independent of the other values,
+//! so that threads and machines share that part, and the motions of some values run
 //! [side by side](Workspace::run).
 
 use super::attractor::{Attractor, LONGEST, MotionClass, Relation};
@@ -29,7 +30,8 @@ const MAXIMA_IN_A_PERIOD: usize = 4;
 /// Maxima are told apart by this, units of L: six digits after the point are kept.
 const RESOLUTION: f64 = 1e-6;
 
-/// Part of the gap by which a block scaled to another gap may be past a stop: rounding of a place some gaps away.
+/// Part of the gap by which a block scaled to another gap may be past a stop: rounding of a place
+/// some gaps away.
 const ROUNDING: f64 = 1e-12;
 
 /// What to compute.
@@ -56,7 +58,8 @@ pub struct Sweep {
 pub struct SweepPoint {
     /// The parameter's value.
     pub value: f64,
-    /// Local maxima of the sweep's displacement (units of L, to six digits after the point), ascending, with the times each was met.
+    /// Local maxima of the sweep's displacement (units of L, to six digits after the point),
+    /// ascending, with the times each was met.
     pub maxima: Vec<(f64, u32)>,
     /// What the motion has settled on.
     pub attractor: Attractor,
@@ -115,8 +118,8 @@ impl DiagramPoint for SweepPoint {
     }
 }
 
-/// The start of what is kept at one value: the system and its state after the discarded periods, or no state where the
-/// simulator refused.
+/// The start of what is kept at one value: the system and its state after the discarded periods, or
+/// no state where the simulator refused.
 #[derive(Clone, Copy, Debug)]
 struct SettledStart {
     value: f64,
@@ -124,8 +127,8 @@ struct SettledStart {
     state: Option<State>,
 }
 
-/// A state of a machine with one gap for a machine with another: where the gap changes, displacements and velocities change
-/// in proportion, so that the block stays between the stops.
+/// A state of a machine with one gap for a machine with another: where the gap changes,
+/// displacements and velocities change in proportion, so that the block stays between the stops.
 pub fn within_gap(state: State, from: f64, to: f64) -> State {
     if from == to {
         return state;
@@ -140,8 +143,8 @@ pub fn within_gap(state: State, from: f64, to: f64) -> State {
     scaled
 }
 
-/// The chain of states from value to value, in the order of rising values. Where the simulator refuses, the next value
-/// starts with the sweep's start. The store may end it before any value.
+/// The chain of states from value to value, in the order of rising values. Where the simulator
+/// refuses, the next value starts with the sweep's start. The store may end it before any value.
 fn chain(
     set: &ParameterSet,
     sweep: &Sweep,
@@ -172,7 +175,8 @@ fn chain(
     })
 }
 
-/// One way through the values of a diagram: what `step` makes of each, in the order of rising values. The store may end it before any.
+/// One way through the values of a diagram: what `step` makes of each, in the order of rising
+/// values. The store may end it before any.
 pub(crate) fn chained<S>(
     count: usize,
     upward: bool,
@@ -269,7 +273,8 @@ fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Res
     Ok(Some(SweepPoint { value, maxima, attractor, class, spectrum }))
 }
 
-/// Refuses what cannot be met: periods that cannot be counted, and results that do not fit into memory.
+/// Refuses what cannot be met: periods that cannot be counted, and results that do not fit into
+/// memory.
 fn check(sweep: &Sweep) -> Result<()> {
     let Sweep { axis, discard, keep, .. } = sweep;
     if discard.checked_add(*keep).is_none() {
@@ -298,11 +303,12 @@ pub(crate) fn parts(values: usize) -> usize {
     2 * values.div_ceil(BLOCK)
 }
 
-/// The diagram, on all threads, in [`count`] parts: `None` where parts belong to other shards. The result depends neither
-/// on threads nor on shards.
+/// The diagram, on all threads, in [`count`] parts: `None` where parts belong to other shards. The
+/// result depends neither on threads nor on shards.
 ///
 /// # Errors
-/// Ranges that are not allowed; [`Error::TooMany`] for more periods or values than fit; what the parts' folder refuses.
+/// Ranges that are not allowed; [`Error::TooMany`] for more periods or values than fit; what the
+/// parts' folder refuses.
 pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
     check(sweep)?;
     in_both_directions(
@@ -316,8 +322,8 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
 /// What is observed at some starts, with a workspace.
 type Observe<'a, S, W, P> = dyn Fn(&mut W, &[S]) -> Result<Vec<Option<P>>> + Sync + 'a;
 
-/// A diagram from its chains, one for each direction, and from what is observed at some of their starts, with a workspace that is used
-/// for one part after another.
+/// A diagram from its chains, one for each direction, and from what is observed at some of their
+/// starts, with a workspace that is used for one part after another.
 pub(crate) fn in_both_directions<S: Send + Sync, W: Default, P>(
     values: usize,
     task: &Task,
@@ -370,19 +376,22 @@ pub struct Window {
 }
 
 impl<P: DiagramPoint> Diagram<P> {
-    /// Values at which the two directions end on attractors that are neither the same nor mirror images. Two without a period are two
-    /// where their [means](crate::statistics) differ for certain; what has not settled is on no attractor.
+    /// Values at which the two directions end on attractors that are neither the same nor mirror
+    /// images. Two without a period are two where their [means](crate::statistics) differ for
+    /// certain; what has not settled is on no attractor.
     pub fn hysteresis(&self) -> Vec<bool> {
         self.apart().into_iter().map(|apart| apart == Some(true)).collect()
     }
 
-    /// Whether the two directions end [elsewhere](Self::hysteresis), by value; `None` where that is not
-    /// decided: a motion has not settled, was refused, or neither has a period and nothing tells them apart.
+    /// Whether the two directions end [elsewhere](Self::hysteresis), by value; `None` where that is
+    /// not decided: a motion has not settled, was refused, or neither has a period and nothing
+    /// tells them apart.
     pub fn apart(&self) -> Vec<Option<bool>> {
         self.up.iter().zip(&self.down).map(|(a, b)| a.as_ref()?.differs(b.as_ref()?)).collect()
     }
 
-    /// The motion at the value of the rising direction that is nearest to `value`; `None` where the simulator refused all.
+    /// The motion at the value of the rising direction that is nearest to `value`; `None` where the
+    /// simulator refused all.
     pub fn nearest(&self, value: f64) -> Option<&P> {
         let near = |a: &&P, b: &&P| (a.value() - value).abs().total_cmp(&(b.value() - value).abs());
         self.up.iter().flatten().min_by(near)
@@ -451,7 +460,8 @@ mod tests {
 
     #[test]
     fn second_method_rows_next_to_a_doubling_have_the_class_of_their_orbit() {
-        // The stable orbit there is one of one drive period with the multiplier -0.9973: after these periods two in a row differ by 4e-4.
+        // The stable orbit there is one of one drive period with the multiplier -0.9973: after
+        // these periods two in a row differ by 4e-4.
         let axis = ParameterAxis::new(find_group("f10").unwrap(), (2.8, 2.81), 2).unwrap();
         let sweep = Sweep {
             axis,
@@ -468,7 +478,8 @@ mod tests {
 
     #[test]
     fn second_method_next_to_a_doubling_there_is_one_orbit_in_both_directions() {
-        // The orbit of one drive period loses its stability at 2.8022, and what leaves it or comes to it takes thousands of periods.
+        // The orbit of one drive period loses its stability at 2.8022, and what leaves it or comes
+        // to it takes thousands of periods.
         let axis = ParameterAxis::new(find_group("f10").unwrap(), (2.8, 2.805), 51).unwrap();
         let (exponents, of, start) = (None, Displacement::X2, StartRule::default());
         let sweep = Sweep { axis, discard: 400, keep: 800, exponents, of, start };

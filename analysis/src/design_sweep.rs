@@ -1,9 +1,10 @@
 //! Measures of settled motions over any number of parameters: a row for each design.
 //!
-//! A design is one combination of values of the parameters that vary: of a grid, of a list, or a point of a Sobol sequence. It
-//! is judged by one motion, or by several: from several starts, and over parameters that are not the designer's to choose,
-//! such as the drive's frequency in a band. Of several, each measure has its least, mean and largest value. A design that makes
-//! no machine, and a motion that the simulator refuses, end nothing: the row says why it has no values.
+//! A design is one combination of values of the parameters that vary: of a grid, of a list, or a
+//! point of a Sobol sequence. It is judged by one motion, or by several: from several starts, and
+//! over parameters that are not the designer's to choose, such as the drive's frequency in a band.
+//! Of several, each measure has its least, mean and largest value. A design that makes no machine,
+//! and a motion that the simulator refuses, end nothing: the row says why it has no values.
 //!
 //! ```
 //! use vibro_analysis::design_sweep::{Designs, Request, SampledAxis, row};
@@ -47,13 +48,15 @@ pub const MOST_MOTIONS: usize = 100_000;
 /// A scatter of this part of a value and less is rounding.
 const REGULAR: f64 = 1e-6;
 
-/// What a machine's parameters, starts and measures are for a sweep: plain data that a manifest holds.
+/// What a machine's parameters, starts and measures are for a sweep: plain data that a manifest
+/// holds.
 pub trait Plain: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync {}
 
 impl<T: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync> Plain for T {}
 
 /// A machine of which designs are measured: the 3-DOF machine by a [`ParameterSet`], or a
-/// [described one](crate::assembly::Machine). Designs, parts, rows and what is made of them are the same for both.
+/// [described one](crate::assembly::Machine). Designs, parts, rows and what is made of them are the
+/// same for both.
 pub trait Machine: Clone + Send + Sync {
     /// A parameter.
     type Name: Plain + AxisName;
@@ -81,7 +84,8 @@ pub trait Machine: Clone + Send + Sync {
     fn outcomes(&self, request: &Request<Self>) -> Vec<Outcome>;
     /// At least as many starts, spread evenly; fewer where the machine has no more.
     fn spread_starts(count: u32) -> Vec<Self::Start>;
-    /// Whether a measure is read off the window of a motion, so that a longer one tells more: not the class, the exponent, a closed form.
+    /// Whether a measure is read off the window of a motion, so that a longer one tells more: not
+    /// the class, the exponent, a closed form.
     fn is_of_window(measure: &Self::Measure) -> bool;
     /// Values of a parameter that is a frequency at which the machine may resonate.
     fn resonances(&self, name: &Self::Name) -> Vec<f64>;
@@ -93,7 +97,8 @@ pub trait Machine: Clone + Send + Sync {
 pub struct Request<M: Machine = ParameterSet> {
     /// The designs.
     pub designs: Designs<M::Name>,
-    /// Parameters over which the motions of each design are taken together, the last one varying fastest.
+    /// Parameters over which the motions of each design are taken together, the last one varying
+    /// fastest.
     pub over: Vec<SampledAxis<M::Name>>,
     /// Where the motions start, each from every one of these.
     pub starts: Vec<M::Start>,
@@ -103,8 +108,8 @@ pub struct Request<M: Machine = ParameterSet> {
     pub periods: u32,
     /// What is measured.
     pub measures: Vec<M::Measure>,
-    /// Parameters of [`over`](Self::over) that stand for an interval: what lies between their values is looked at for designs that may
-    /// be the best.
+    /// Parameters of [`over`](Self::over) that stand for an interval: what lies between their
+    /// values is looked at for designs that may be the best.
     pub between: Vec<M::Name>,
     /// Periods of motion that may be spent on measuring again what may be the best: [`choice`].
     pub again: u64,
@@ -139,7 +144,8 @@ pub struct Summary {
     pub largest: f64,
     /// The first motion that has the largest, for [`Request::motion`] and [`Row::motion`].
     pub at: usize,
-    /// How much the largest would scatter from one window of the motions to the next, by their [`Measured::spreads`].
+    /// How much the largest would scatter from one window of the motions to the next, by their
+    /// [`Measured::spreads`].
     pub spread: f64,
 }
 
@@ -164,18 +170,22 @@ pub struct Again {
 pub struct Row {
     /// Values of the parameters that vary, in their order, SI.
     pub values: Vec<f64>,
-    /// For each measure what the motions make together; `None` for the class, and where a motion has no value.
+    /// For each measure what the motions make together; `None` for the class, and where a motion
+    /// has no value.
     pub outputs: Vec<Option<Summary>>,
-    /// The different classes in the order in which they are met, where the class was asked for and every motion has one.
+    /// The different classes in the order in which they are met, where the class was asked for and
+    /// every motion has one.
     pub classes: Vec<MotionClass>,
-    /// Why there are values missing, or what they are worth: a motion may have been measured before it had settled.
+    /// Why there are values missing, or what they are worth: a motion may have been measured before
+    /// it had settled.
     pub reason: Option<String>,
     /// How it was measured again, if it was.
     pub again: Option<Again>,
 }
 
 impl Row {
-    /// What tells a motion of this row from the others, those between the values that were asked for included: as [`Request::motion`].
+    /// What tells a motion of this row from the others, those between the values that were asked
+    /// for included: as [`Request::motion`].
     pub fn motion<M: Machine>(&self, request: &Request<M>, index: usize) -> (Vec<f64>, M::Start) {
         let (asked, starts) = (request.motions(), request.starts.len().max(1));
         let further = index.checked_sub(asked).and_then(|i| self.again.as_ref()?.between.get(i / starts));
@@ -188,7 +198,8 @@ impl<M: Machine> Request<M> {
     /// Checks what every row depends on.
     ///
     /// # Errors
-    /// [`Error::Form`] for parameters that are one quantity, lists without values, too many designs or motions.
+    /// [`Error::Form`] for parameters that are one quantity, lists without values, too many designs
+    /// or motions.
     pub fn check(&self) -> Result<()> {
         let refused = |text: String, expected| Err(Error::Form { text, expected });
         let names: Vec<M::Name> =
@@ -224,21 +235,23 @@ impl<M: Machine> Request<M> {
         over.fold(self.starts.len(), usize::saturating_mul)
     }
 
-    /// What tells a motion of a design from the others: the values of [`over`](Self::over) and the start.
+    /// What tells a motion of a design from the others: the values of [`over`](Self::over) and the
+    /// start.
     pub fn motion(&self, index: usize) -> (Vec<f64>, M::Start) {
         let starts = self.starts.len().max(1);
         let start = self.starts.get(index % starts).cloned().unwrap_or_default();
         (designs::combination(&self.over, index / starts), start)
     }
 
-    /// A motion in words: `drive.frequency = 10 Hz, start v2=1`, in the units in which the machine was written, without what all
-    /// motions have in common.
+    /// A motion in words: `drive.frequency = 10 Hz, start v2=1`, in the units in which the machine
+    /// was written, without what all motions have in common.
     pub fn motion_in_words(&self, set: &M, index: usize) -> String {
         let (values, start) = self.motion(index);
         self.place_in_words(set, (values, start))
     }
 
-    /// Values of [`over`](Self::over) and a start in words, as [`motion_in_words`](Self::motion_in_words).
+    /// Values of [`over`](Self::over) and a start in words, as
+    /// [`motion_in_words`](Self::motion_in_words).
     pub fn place_in_words(&self, set: &M, (values, start): (Vec<f64>, M::Start)) -> String {
         let told = |(axis, value): (&SampledAxis<M::Name>, f64)| {
             format!("{} = {}", M::name(&axis.name), set.with_unit(&axis.name, value))
@@ -268,8 +281,8 @@ pub fn part<M: Machine>(set: &M, request: &Request<M>, index: usize) -> Vec<Row>
     (index * size..until).into_par_iter().map(|design| row(set, request, design)).collect()
 }
 
-/// Computes the parts that are not in the task's store, on all threads, and leaves them there; returns whether all are there.
-/// The rows depend neither on threads nor on shards.
+/// Computes the parts that are not in the task's store, on all threads, and leaves them there;
+/// returns whether all are there. The rows depend neither on threads nor on shards.
 ///
 /// # Errors
 /// As [`Request::check`]; what the store refuses.
@@ -377,7 +390,8 @@ fn summary<M: Machine>(
     row
 }
 
-/// Least, mean and largest of numbers, all of which must be there, with their spreads; the mean of the first few.
+/// Least, mean and largest of numbers, all of which must be there, with their spreads; the mean of
+/// the first few.
 fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>, asked: usize) -> Option<Summary> {
     let (numbers, spreads): (Vec<f64>, Vec<f64>) =
         numbers.collect::<Option<Vec<(f64, f64)>>>()?.into_iter().unzip();
@@ -395,7 +409,8 @@ fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>, asked: usize) -> 
 pub const MORE_STARTS: u32 = 8;
 
 impl<M: Machine> Request<M> {
-    /// One of its designs measured by one measure from eight more starts; `None` where the machine has no more.
+    /// One of its designs measured by one measure from eight more starts; `None` where the machine
+    /// has no more.
     pub fn from_more_starts(&self, design: Vec<f64>, measure: M::Measure) -> Option<Self> {
         let mut starts = self.starts.clone();
         for start in M::spread_starts(self.starts.len() as u32 + MORE_STARTS) {

@@ -13,7 +13,8 @@ pub enum Error {
     /// A described machine's new values are refused.
     #[error(transparent)]
     Refusal(#[from] vibro_assembly::Refusal),
-    /// A study of a described machine is refused: what it asks for is not in the machine, or its motion has no section.
+    /// A study of a described machine is refused: what it asks for is not in the machine, or its
+    /// motion has no section.
     #[error("{problem}")]
     Described {
         /// What was given, and what is allowed.
@@ -24,7 +25,8 @@ pub enum Error {
     UnknownName {
         /// What was given.
         name: String,
-        /// The nearest valid name with its meaning and range or, where none is near, all valid names.
+        /// The nearest valid name with its meaning and range or, where none is near, all valid
+        /// names.
         advice: String,
     },
     /// No measure has this name.

@@ -1,7 +1,9 @@
-//! The motion of a block that never meets a stop again: proved by its energy, and computed for all time at once.
+//! The motion of a block that never meets a stop again: proved by its energy, and computed for all
+//! time at once.
 //!
-//! In free flight box and block do not feel each other (docs/theory.md (6)). The drive moves the box alone, which comes to its forced
-//! vibration; block and secondary oscillator come to rest in the middle, where constant loads hold them.
+//! In free flight box and block do not feel each other (docs/theory.md (6)). The drive moves the
+//! box alone, which comes to its forced vibration; block and secondary oscillator come to rest in
+//! the middle, where constant loads hold them.
 
 use super::attractor::{OBSERVED, StroboscopicRecord};
 use super::free_limit::{dynamic_stiffness, forced, middle};
@@ -12,18 +14,22 @@ use vibro_impact::model::{COORDINATES, Model, SmoothMode};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
-/// What rounding may add to the bound on |w|, in parts of the gap and of the places where loads hold the bodies.
+/// What rounding may add to the bound on |w|, in parts of the gap and of the places where loads
+/// hold the bodies.
 const MARGIN: f64 = 1e-9;
-/// Roundings of the difference by which a spring is stiffer than the box's inertia, each of a part of the two.
+/// Roundings of the difference by which a spring is stiffer than the box's inertia, each of a part
+/// of the two.
 const ROUNDINGS: f64 = 8.0;
 
 /// Whether a block that flies in this state at a whole drive period never meets a stop again.
 ///
-/// The box is at most the forced amplitude and its transient away from the middle, the block at most its displacement from where it is held.
-/// Springs and dampers take energy from the transients and add none, so that each body stays where its springs hold at most today's
-/// energy: a transient of the box with the energy E within √(2 E/k1), and the block, whose springs k23 and k3 act in series, within
-/// √(2 E (1/k23 + 1/k3)). Under constant loads both are counted from the places where the loads hold them, whose distance is added.
-/// A block at a stop is not found to keep clear of it, since the bound holds for the present w too.
+/// The box is at most the forced amplitude and its transient away from the middle, the block at
+/// most its displacement from where it is held. Springs and dampers take energy from the transients
+/// and add none, so that each body stays where its springs hold at most today's energy: a transient
+/// of the box with the energy E within √(2 E/k1), and the block, whose springs k23 and k3 act in
+/// series, within √(2 E (1/k23 + 1/k3)). Under constant loads both are counted from the places
+/// where the loads hold them, whose distance is added. A block at a stop is not found to keep clear
+/// of it, since the bound holds for the present w too.
 pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
     let ([v1, v2, v3], middle) = (state.v, middle(p));
     let [x1, x2, x3] = from_middle(state.x, &middle);
@@ -40,7 +46,8 @@ pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
     // Not so either where a spring is missing: the bound is infinite or no number then.
     let bound = forced.norm() + (twice_box / p.box_stiffness).sqrt() + block.sqrt() + apart;
     let largest = middle.iter().fold(p.stop_gap, |largest, x| largest.max(x.abs()));
-    // Next to the resonance of a box with hardly a damper that difference is little more than rounding.
+    // Next to the resonance of a box with hardly a damper that difference is little more than
+    // rounding.
     let parts = p.box_stiffness + p.box_mass * omega * omega;
     let off = ROUNDINGS * f64::EPSILON * parts / dynamic_stiffness(p).norm() * forced.norm();
     bound < p.stop_gap - MARGIN * largest - off
@@ -92,8 +99,9 @@ impl FreeFlight {
     }
 }
 
-/// Records what a motion [without further impacts](keeps_clear), with this state at a whole drive period, would be observed to be
-/// `later` whole periods from there. Returns its state after the observation, or `None` where the parameters make no model.
+/// Records what a motion [without further impacts](keeps_clear), with this state at a whole drive
+/// period, would be observed to be `later` whole periods from there. Returns its state after the
+/// observation, or `None` where the parameters make no model.
 pub(crate) fn observe(
     p: &Parameters,
     state: &State,
@@ -125,7 +133,8 @@ mod tests {
         let weak = Parameters { drive_amplitude: 0.02, ..Parameters::default() };
         let slow = Parameters { drive_frequency: 0.4, drive_phase: 1.1, ..weak };
         let wide = Parameters { secondary_damping: 0.0, stop_gap: 0.37, drive_frequency: 2.3, ..weak };
-        // The block hangs off the centre, at different places of box and block, and by the secondary oscillator's load alone.
+        // The block hangs off the centre, at different places of box and block, and by the
+        // secondary oscillator's load alone.
         let hung = Parameters { constant_loads: [0.02, -3e-4, 1e-3], ..weak };
         [weak, slow, wide, hung, Parameters { constant_loads: [0.0, 0.0, -1e-3], ..slow }]
     }
@@ -174,7 +183,8 @@ mod tests {
     #[test]
     fn closed_form_at_places_of_many_gaps_nothing_is_proved_within_their_rounding() {
         let [weak, ..] = systems();
-        // The block hangs at rest, by this part of the gap clear of what the box's forced vibration reaches.
+        // The block hangs at rest, by this part of the gap clear of what the box's forced vibration
+        // reaches.
         const CLEAR: f64 = 5e-9;
         for (place, is_proved) in [(0.0, true), (300.0, false)] {
             let block_place = place + weak.stop_gap * (1.0 - CLEAR) - forced(&weak).norm();

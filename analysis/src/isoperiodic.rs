@@ -1,8 +1,9 @@
-//! Simulated motion over a plane of two parameters: its period, impacts and class (an isoperiodic diagram); of the 3-DOF machine beside
-//! the exact orbit with two symmetric impacts a period, which needs no simulation.
+//! Simulated motion over a plane of two parameters: its period, impacts and class (an isoperiodic
+//! diagram); of the 3-DOF machine beside the exact orbit with two symmetric impacts a period, which
+//! needs no simulation.
 //!
-//! Every point is a motion of its own. The motions of some rows are a part; those of the 3-DOF machine run
-//! [side by side](Workspace::run).
+//! Every point is a motion of its own. The motions of some rows are a part; those of the 3-DOF
+//! machine run [side by side](Workspace::run).
 
 use super::attractor::{MotionClass, OBSERVED};
 use super::design_sweep::{Machine, Plain};
@@ -32,10 +33,11 @@ pub struct Request<M: Machine = ParameterSet> {
     pub start: M::Start,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
-    /// Of the 3-DOF machine: most drive periods over which the largest exponents of motions with impacts and without a period are computed
-    /// at a time, if they are. They are computed until the class is decided; a motion whose class is not is [followed](crate::verdict)
-    /// further. Of a described machine: the returns over which the exponents of all motions are counted, if they are; those of motions
-    /// without a period are computed until the class is decided.
+    /// Of the 3-DOF machine: most drive periods over which the largest exponents of motions with
+    /// impacts and without a period are computed at a time, if they are. They are computed until
+    /// the class is decided; a motion whose class is not is [followed](crate::verdict) further. Of
+    /// a described machine: the returns over which the exponents of all motions are counted, if
+    /// they are; those of motions without a period are computed until the class is decided.
     pub exponents: Option<u32>,
 }
 
@@ -74,15 +76,17 @@ pub struct SettledMotion {
     pub rests: bool,
     /// Whether it is its own mirror image; false for motions without a period.
     pub symmetric: bool,
-    /// The largest of the seven exponents per unit of τ and the standard error of what it was decided by, where exponents were asked
-    /// for and there are impacts and no period. One of the seven is zero, so that it is not negative.
+    /// The largest of the seven exponents per unit of τ and the standard error of what it was
+    /// decided by, where exponents were asked for and there are impacts and no period. One of the
+    /// seven is zero, so that it is not negative.
     pub exponent: Option<[f64; 2]>,
     /// Whether it is the stable exact orbit, and not one that has just broken away from it.
     pub on_orbit: bool,
 }
 
 impl SettledMotion {
-    /// Whether it is of the exact orbit's kind: symmetric, with one impact at each stop in each drive period, and no rest.
+    /// Whether it is of the exact orbit's kind: symmetric, with one impact at each stop in each
+    /// drive period, and no rest.
     pub fn is_two_impact(&self) -> bool {
         self.class == MotionClass::Periodic(1) && self.symmetric && self.impacts == [1.0; 2] && !self.rests
     }
@@ -109,11 +113,13 @@ pub struct Isoperiodic<P = PlanePoint> {
 pub struct Agreement {
     /// Where the exact orbit is stable.
     pub stable: usize,
-    /// The number of these at which the simulated motion is this orbit. The others start in the basin of another motion.
+    /// The number of these at which the simulated motion is this orbit. The others start in the
+    /// basin of another motion.
     pub reached: usize,
     /// Where the simulated motion is of the exact orbit's [kind](SettledMotion::is_two_impact).
     pub two_impact: usize,
-    /// The number of these at which it is the exact orbit and that is stable. Any other contradicts the theory.
+    /// The number of these at which it is the exact orbit and that is stable. Any other contradicts
+    /// the theory.
     pub predicted: usize,
 }
 
@@ -144,13 +150,13 @@ pub fn count<M: PlaneMachine>(request: &Request<M>) -> usize {
     request.y.count.div_ceil(M::IN_PLANE_PART.div_ceil(request.x.count.max(1)))
 }
 
-/// The plane, on all threads; `None` where rows belong to other shards. The result depends neither on threads nor on
-/// shards.
+/// The plane, on all threads; `None` where rows belong to other shards. The result depends neither
+/// on threads nor on shards.
 ///
 /// # Errors
-/// [`Error::Form`] for axes of one quantity, and for starts on the exact orbit under constant loads; [`Error::TooMany`] for a plane
-/// that does not fit into memory; a start that the
-/// simulator refuses; what the parts' folder refuses.
+/// [`Error::Form`] for axes of one quantity, and for starts on the exact orbit under constant
+/// loads; [`Error::TooMany`] for a plane that does not fit into memory; a start that the simulator
+/// refuses; what the parts' folder refuses.
 pub fn isoperiodic<M: PlaneMachine>(
     machine: &M,
     request: &Request<M>,
@@ -228,7 +234,8 @@ fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Sit
     Site { theory, orbit, start: Some(Start { parameters, state }) }
 }
 
-/// The points of some rows. Neighbours in a row have similar motions, which take similar times in their lanes.
+/// The points of some rows. Neighbours in a row have similar motions, which take similar times in
+/// their lanes.
 fn points(
     set: &ParameterSet,
     request: &Request,
@@ -282,8 +289,9 @@ mod tests {
 
     #[test]
     fn second_method_beyond_a_doubling_there_is_one_orbit() {
-        // The orbit of one drive period has lost its stability at 2.8022 by so little that what leaves it seems to be on a torus for thousands
-        // of periods; the orbit of two is stable there, as the branches of the package of orbits say.
+        // The orbit of one drive period has lost its stability at 2.8022 by so little that what
+        // leaves it seems to be on a torus for thousands of periods; the orbit of two is stable
+        // there, as the branches of the package of orbits say.
         let x = ParameterAxis::new(find_group("f10").unwrap(), (2.8035, 2.808), 60).unwrap();
         let y = ParameterAxis::new(find_group("kappa").unwrap(), (0.7499, 0.7501), 2).unwrap();
         let start = "x1=-0.6,v1=0.3,v2=0.4,x3=0.2".parse().unwrap();

@@ -1,10 +1,13 @@
-//! The largest Lyapunov exponent of a motion beside the drive phase's, which is zero, from the motion's events alone.
+//! The largest Lyapunov exponent of a motion beside the drive phase's, which is zero, from the
+//! motion's events alone.
 //!
-//! Between two events the variations follow a linear system (docs/theory.md, section 11), so that one variation is carried over the whole
-//! time between them at once, and through the jump (84). Nothing else is needed of the motion, which can be one of many side by side.
+//! Between two events the variations follow a linear system (docs/theory.md, section 11), so that
+//! one variation is carried over the whole time between them at once, and through the jump (84).
+//! Nothing else is needed of the motion, which can be one of many side by side.
 //!
-//! The time that is counted is not fixed: it ends when the class is decided. Growth is summed over blocks of drive periods, whose
-//! scatter gives the standard error of their mean. docs/studies.md, "The largest exponent of many motions", states the rule.
+//! The time that is counted is not fixed: it ends when the class is decided. Growth is summed over
+//! blocks of drive periods, whose scatter gives the standard error of their mean. docs/studies.md,
+//! "The largest exponent of many motions", states the rule.
 
 use super::variation::SingleVariation;
 use serde::{Deserialize, Serialize};
@@ -12,11 +15,13 @@ use vibro_impact::Parameters;
 use vibro_impact::model::{Augmented, COORDINATES, Model, SmoothMode};
 use vibro_impact::simulator::Event;
 
-/// An exponent above this counts as positive and one below its negative as negative, per unit of the dimensionless time τ or, where the drive is
-/// slower than the box by itself, of the time in which the drive turns by 1 rad: over 1500 periods those that are zero stay within a few 1e-4.
+/// An exponent above this counts as positive and one below its negative as negative, per unit of
+/// the dimensionless time τ or, where the drive is slower than the box by itself, of the time in
+/// which the drive turns by 1 rad: over 1500 periods those that are zero stay within a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
 
-/// The threshold of a machine's exponents, 1/s. With a drive hundreds of times slower than the box, chaos has exponents under 1e-3 ω10.
+/// The threshold of a machine's exponents, 1/s. With a drive hundreds of times slower than the box,
+/// chaos has exponents under 1e-3 ω10.
 pub(crate) fn zero_exponent(p: &Parameters) -> f64 {
     ZERO_EXPONENT * p.box_frequency().min(p.drive_frequency)
 }
@@ -25,15 +30,18 @@ pub(crate) fn zero_exponent(p: &Parameters) -> f64 {
 pub(crate) const BLOCK: u32 = 8;
 /// Blocks in which the variation turns into its direction before anything is counted.
 pub(crate) const ALIGN: u32 = 4;
-/// An exponent is decided to be positive or negative when it is farther than so many standard errors from the threshold, …
+/// An exponent is decided to be positive or negative when it is farther than so many standard
+/// errors from the threshold, …
 const CONFIDENCE: f64 = 6.0;
-/// … and the variation has grown or shrunk by this, as a logarithm: on a torus it stays within some powers of ten for ever.
+/// … and the variation has grown or shrunk by this, as a logarithm: on a torus it stays within some
+/// powers of ten for ever.
 const LEAST_GROWTH: f64 = 20.0;
 /// Fewer blocks do not tell their scatter.
 const LEAST_BLOCKS: u32 = 8;
 /// Squares of lengths between which a variation is not scaled, …
 const SCALED: std::ops::Range<f64> = 1e-200..1e200;
-/// … and the longest time, in 1/rate, until that is looked at: a length changes by e¹⁰⁰ in it at most, so that its square stays a number.
+/// … and the longest time, in 1/rate, until that is looked at: a length changes by e¹⁰⁰ in it at
+/// most, so that its square stays a number.
 const LOOKED: f64 = 100.0;
 
 /// The largest exponent of a motion apart from the drive phase's zero.
@@ -54,8 +62,8 @@ pub enum ExponentSign {
     Positive,
     /// Negative for certain.
     Negative,
-    /// Between the thresholds, ± [`ZERO_EXPONENT`](crate::attractor::ZERO_EXPONENT) times ω10 or ω1, after so long that one beyond them would
-    /// have made the variation grow or shrink by e²⁰.
+    /// Between the thresholds, ± [`ZERO_EXPONENT`](crate::attractor::ZERO_EXPONENT) times ω10 or
+    /// ω1, after so long that one beyond them would have made the variation grow or shrink by e²⁰.
     Zero,
     /// Not known.
     Undecided,
@@ -124,7 +132,8 @@ impl Growth {
         LargestExponent { value: mean / block, error: error / block, periods }
     }
 
-    /// Whether the exponent's sign is decided beyond a threshold in 1/s, or it has been counted over `most` periods.
+    /// Whether the exponent's sign is decided beyond a threshold in 1/s, or it has been counted
+    /// over `most` periods.
     pub(crate) fn is_decided(&self, block: f64, threshold: f64, most: u32) -> bool {
         let LargestExponent { value, error, periods } = self.exponent(block);
         let clear = value.abs() - CONFIDENCE * error > threshold;
@@ -167,7 +176,8 @@ impl Default for Tangent {
 }
 
 impl Tangent {
-    /// Begins at `time`, s, with a motion that is in this mode. The first block begins at `from`, s, which may be some time before.
+    /// Begins at `time`, s, with a motion that is in this mode. The first block begins at `from`,
+    /// s, which may be some time before.
     pub(crate) fn begin(&mut self, parameters: &Parameters, mode: SmoothMode, (from, time): (f64, f64)) {
         // In general position, as `generic_frame`.
         const START: Augmented = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.0, 0.0];

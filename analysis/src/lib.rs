@@ -1,8 +1,9 @@
-//! What motions of the vibro-impact machine do: settled motions and their classes, Lyapunov exponents, sweeps, basins,
-//! planes, and steady states along a parameter.
+//! What motions of the vibro-impact machine do: settled motions and their classes, Lyapunov
+//! exponents, sweeps, basins, planes, and steady states along a parameter.
 //!
-//! Every study is a function from a [`ParameterSet`] and a request to plain data. Nothing is printed or written here, and
-//! results depend neither on the number of threads nor on how a study is divided.
+//! Every study is a function from a [`ParameterSet`] and a request to plain data. Nothing is
+//! printed or written here, and results depend neither on the number of threads nor on how a study
+//! is divided.
 //!
 //! | module | what it computes | what its tests hold it against |
 //! |---|---|---|

@@ -1,10 +1,11 @@
-//! The seven Lyapunov exponents: six coordinates and the phase of the drive, whose exponent is exactly zero.
+//! The seven Lyapunov exponents: six coordinates and the phase of the drive, whose exponent is
+//! exactly zero.
 //!
-//! Between events the variations are propagated by exact transition matrices, at impacts they jump (docs/theory.md (84)), and
-//! once a drive period, and before dampers and impacts have made some of them too small beside others, they are made orthonormal
-//! (docs/theory.md (85); paper, section 4). Where the block comes to rest, its
-//! relative motion is lost: two directions become zero, and their exponents are -∞ from then on. An impact with κ = 0 makes
-//! one direction zero.
+//! Between events the variations are propagated by exact transition matrices, at impacts they jump
+//! (docs/theory.md (84)), and once a drive period, and before dampers and impacts have made some of
+//! them too small beside others, they are made orthonormal (docs/theory.md (85); paper, section 4).
+//! Where the block comes to rest, its relative motion is lost: two directions become zero, and
+//! their exponents are -∞ from then on. An impact with κ = 0 makes one direction zero.
 //!
 //! ```
 //! use vibro_analysis::lyapunov::{SpectrumOptions, spectrum};
@@ -36,7 +37,8 @@ pub struct SpectrumOptions {
     pub align: u32,
     /// Most periods counted (1500 in the paper).
     pub periods: u32,
-    /// The computation ends when the standard deviation of every running exponent over this many last periods …
+    /// The computation ends when the standard deviation of every running exponent over this many
+    /// last periods …
     pub window: u32,
     /// … is under this, 1/s. Zero: never before all periods are done.
     pub threshold: f64,
@@ -54,7 +56,8 @@ impl Default for SpectrumOptions {
 pub struct Spectrum {
     /// The exponents, largest first, 1/s; -∞ for directions lost in rest.
     pub exponents: [f64; DIMENSION],
-    /// Largest standard deviation of the running exponents over the last window, 1/s (those at -∞ left out).
+    /// Largest standard deviation of the running exponents over the last window, 1/s (those at -∞
+    /// left out).
     pub deviation: f64,
     /// Periods counted.
     pub periods: u32,
@@ -67,8 +70,8 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// The largest exponent beside that of the drive's phase, 1/s, which is zero: the exponent nearest to
-    /// zero is left out. What is left is the same on a torus, where two are zero.
+    /// The largest exponent beside that of the drive's phase, 1/s, which is zero: the exponent
+    /// nearest to zero is left out. What is left is the same on a torus, where two are zero.
     pub fn largest_beside_phase(&self) -> f64 {
         let phase =
             (0..DIMENSION).min_by(|&i, &j| self.exponents[i].abs().total_cmp(&self.exponents[j].abs()));
@@ -77,8 +80,8 @@ impl Spectrum {
     }
 }
 
-/// Variations are made orthonormal when dampers and impacts may have made one e¹² times as small as another: what is lost to rounding is
-/// then ten digits at most away.
+/// Variations are made orthonormal when dampers and impacts may have made one e¹² times as small as
+/// another: what is lost to rounding is then ten digits at most away.
 const SMALLER: f64 = 12.0;
 
 /// A spectrum and its values on the way.
@@ -106,8 +109,9 @@ pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Resu
     convergence_while(simulator, options, &mut || true)
 }
 
-/// As [`convergence`], as long as `go_on`, which is asked before each drive period, says so: for a computation that a person may
-/// break off, and to show how far it is. What was counted until then is the outcome.
+/// As [`convergence`], as long as `go_on`, which is asked before each drive period, says so: for a
+/// computation that a person may break off, and to show how far it is. What was counted until then
+/// is the outcome.
 ///
 /// # Errors
 /// As [`spectrum`].
@@ -132,7 +136,8 @@ pub fn convergence_while(
         frame: generic_frame(&simulator.augmented()),
         rank: DIMENSION,
         logs: [0.0; DIMENSION],
-        // Energy falls no faster than all of it would be kinetic in the body with the strongest damper, and an impact turns w' and takes κ.
+        // Energy falls no faster than all of it would be kinetic in the body with the strongest
+        // damper, and an impact turns w' and takes κ.
         decay: (p.box_damping / p.box_mass).max(p.secondary_damping / p.secondary_mass),
         impact: if p.stop_restitution > 0.0 { -2.0 * p.stop_restitution.ln() } else { 0.0 },
         taken: 0.0,
@@ -173,10 +178,12 @@ pub fn convergence_while(
     Ok(Convergence { spectrum: Spectrum { exponents, deviation, periods, settled, impacts, rests }, running })
 }
 
-/// The spectrum with its running values in units of ω10, i.e. per unit of the dimensionless time τ; the threshold too.
+/// The spectrum with its running values in units of ω10, i.e. per unit of the dimensionless time τ;
+/// the threshold too.
 ///
 /// # Errors
-/// As [`spectrum`]; [`Error::Undefined`] without a spring between box and ground, since ω10 is zero.
+/// As [`spectrum`]; [`Error::Undefined`] without a spring between box and ground, since ω10 is
+/// zero.
 pub fn dimensionless(simulator: &mut Simulator, options: &SpectrumOptions) -> Result<Convergence> {
     let rate = simulator.parameters().box_frequency();
     if rate == 0.0 {
@@ -200,7 +207,8 @@ struct Tangent {
     rank: usize,
     /// Logarithms of the growth so far.
     logs: [f64; DIMENSION],
-    /// By how much dampers may shrink a variation beside others in a second, and an impact, as logarithms.
+    /// By how much dampers may shrink a variation beside others in a second, and an impact, as
+    /// logarithms.
     decay: f64,
     impact: f64,
     /// By how much both may have done so since the variations were made orthonormal.
@@ -245,7 +253,8 @@ impl Tangent {
         0.5 * squares.fold(1.0, f64::max).ln()
     }
 
-    /// Makes the variations orthonormal at a phase of the drive, without what rounding has put beside the circle.
+    /// Makes the variations orthonormal at a phase of the drive, without what rounding has put
+    /// beside the circle.
     fn renormalize_at(&mut self, phase: f64) {
         let (sine, cosine) = phase.sin_cos();
         on_circle(&mut self.frame, (cosine, sine));
@@ -266,7 +275,8 @@ impl Tangent {
     }
 }
 
-/// The largest standard deviation of a running exponent over the last `window` periods, those at -∞ left out.
+/// The largest standard deviation of a running exponent over the last `window` periods, those at -∞
+/// left out.
 fn deviation(running: &[[f64; DIMENSION]], window: u32) -> f64 {
     let last = &running[running.len().saturating_sub(window as usize)..];
     let count = last.len().max(1) as f64;

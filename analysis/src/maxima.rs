@@ -1,7 +1,8 @@
-//! Local maxima of a displacement (x1, x2, x3, w or any sum of them with weights), as the simulator reports them: found from the
-//! flow and not from samples, at smooth tops and at corners where an impact reverses the rate. In the motion with two symmetric
-//! impacts a period every maximum of x2 is such a corner. A maximum that lasts, of w while the block rests at the upper stop,
-//! counts once, where it ends.
+//! Local maxima of a displacement (x1, x2, x3, w or any sum of them with weights), as the simulator
+//! reports them: found from the flow and not from samples, at smooth tops and at corners where an
+//! impact reverses the rate. In the motion with two symmetric impacts a period every maximum of x2
+//! is such a corner. A maximum that lasts, of w while the block rests at the upper stop, counts
+//! once, where it ends.
 
 use super::error::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -99,8 +100,9 @@ pub struct PeriodRecord {
     pub rests: bool,
 }
 
-/// Calls `visit` with a record of each of the next drive periods of a motion without loads, with the maxima of a displacement.
-/// The record is reused, so `visit` copies what it needs. No energy accounts are kept from now on.
+/// Calls `visit` with a record of each of the next drive periods of a motion without loads, with
+/// the maxima of a displacement. The record is reused, so `visit` copies what it needs. No energy
+/// accounts are kept from now on.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`], and [`vibro_impact::Error::OutOfRange`] under loads.
@@ -211,7 +213,8 @@ mod tests {
 
     #[test]
     fn second_method_maxima_by_interpolated_samples() {
-        // In chaos, with many impacts, and with rest; few periods, since chaos multiplies the rounding of the samples' steps.
+        // In chaos, with many impacts, and with rest; few periods, since chaos multiplies the
+        // rounding of the samples' steps.
         const PERIODS: u32 = 6;
         for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (4.5, 0.9), (3.0, 0.0), (2.0, 0.3)] {
             let p = at(f10, kappa);
@@ -263,7 +266,8 @@ mod tests {
             let mut plain = simulator.clone();
             plain
                 .advance_observed(end, &mut |event| match *event {
-                    // The impact that ends in rest is followed by a rest, at whose end the maximum counts.
+                    // The impact that ends in rest is followed by a rest, at whose end the maximum
+                    // counts.
                     vibro_impact::simulator::Event::Impact { side: 1, .. } => upper += 1,
                     vibro_impact::simulator::Event::Rest { side: 1, .. } => upper -= 1,
                     vibro_impact::simulator::Event::Release { side: 1, .. } => upper += 1,
@@ -277,7 +281,8 @@ mod tests {
         }
     }
 
-    /// At a release the rate of w is rounding. At the lower stop that is no maximum, and no turn is found twice.
+    /// At a release the rate of w is rounding. At the lower stop that is no maximum, and no turn is
+    /// found twice.
     #[test]
     fn invariant_a_release_from_the_lower_stop_is_no_maximum_of_w() {
         let mut releases = 0;
@@ -303,8 +308,8 @@ mod tests {
 
     #[test]
     fn closed_form_of_a_free_block() {
-        // Without spring the block's speed is constant in flight: every maximum is a corner at the upper stop, where
-        // the box carries it.
+        // Without spring the block's speed is constant in flight: every maximum is a corner at the
+        // upper stop, where the box carries it.
         let groups = vibro_impact::Groups { beta2: 0.0, alpha23: 0.0, ..vibro_impact::Groups::basic() };
         let p = groups.to_parameters(vibro_impact::Scales::default()).unwrap();
         let mut simulator = settled_simulator(&p, &moving_block(&p), 40.0).unwrap();
@@ -319,8 +324,8 @@ mod tests {
 
     #[test]
     fn closed_form_of_a_small_swing_between_the_stops() {
-        // Not driven and never at a stop: x2 is the sum of two undamped modes; here one alone, at the symmetric pair of
-        // block and secondary oscillator held together by k3 = 0.
+        // Not driven and never at a stop: x2 is the sum of two undamped modes; here one alone, at
+        // the symmetric pair of block and secondary oscillator held together by k3 = 0.
         let groups = vibro_impact::Groups { f10: 0.0, gamma3: 0.0, ..vibro_impact::Groups::basic() };
         let mut p = groups.to_parameters(vibro_impact::Scales::default()).unwrap();
         p.secondary_stiffness = 0.0;

@@ -1,10 +1,11 @@
-//! What is read off a settled motion: amplitudes, root mean squares, impacts, powers, class, exponent.
+//! What is read off a settled motion: amplitudes, root mean squares, impacts, powers, class,
+//! exponent.
 //!
-//! All of it comes from one pass over the smooth pieces of the motion, along which the flow's series are known: extrema lie at
-//! the ends of a piece or where a rate passes zero, which [`turns`](vibro_impact::events::turns) proves;
-//! squares are integrated by a Gauss rule
-//! whose error is under round-off. Losses at impacts and the work of the drive are the simulator's accounts, the losses in a
-//! damper its coefficient times the mean square of its rate.
+//! All of it comes from one pass over the smooth pieces of the motion, along which the flow's
+//! series are known: extrema lie at the ends of a piece or where a rate passes zero, which
+//! [`turns`](vibro_impact::events::turns) proves; squares are integrated by a Gauss rule whose
+//! error is under round-off. Losses at impacts and the work of the drive are the simulator's
+//! accounts, the losses in a damper its coefficient times the mean square of its rate.
 //!
 //! ```
 //! use vibro_analysis::measures::{Measure, measure};
@@ -43,16 +44,18 @@ use vibro_impact::simulator::Simulator;
 /// What was read off one motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// A number for each measure, in their order and units; `None` for the class, and for a closed form that has no value.
+    /// A number for each measure, in their order and units; `None` for the class, and for a closed
+    /// form that has no value.
     pub numbers: Vec<Option<f64>>,
-    /// By how much each number would scatter from one window of this length to the next: the standard deviation that the six parts of
-    /// this one give, each a whole number of periods of a motion that repeats. 0 for what is exact, and for regular motion but for
-    /// rounding. docs/studies.md, (N4) and (N5).
+    /// By how much each number would scatter from one window of this length to the next: the
+    /// standard deviation that the six parts of this one give, each a whole number of periods of a
+    /// motion that repeats. 0 for what is exact, and for regular motion but for rounding.
+    /// docs/studies.md, (N4) and (N5).
     pub spreads: Vec<f64>,
     /// The class, where it was asked for.
     pub class: Option<MotionClass>,
-    /// The first number that goes one way from part to part, by its place; a place behind the last where
-    /// something else that forces depend on does: the motion has not settled.
+    /// The first number that goes one way from part to part, by its place; a place behind the last
+    /// where something else that forces depend on does: the motion has not settled.
     pub unsettled: Option<usize>,
 }
 
@@ -67,7 +70,8 @@ struct Impacts {
     impulse: f64,
 }
 
-/// Parts of a window, by which the spread of its numbers is found, where it has as many drive periods.
+/// Parts of a window, by which the spread of its numbers is found, where it has as many drive
+/// periods.
 pub(crate) const PARTS: u32 = 6;
 
 /// A window of whole drive periods.
@@ -83,9 +87,9 @@ struct Window {
     periods: f64,
 }
 
-/// Measures a motion without loads, other than the constant ones of its parameters, over the next `periods` drive periods;
-/// class and exponent over those that follow. The
-/// transient is the caller's to discard. [`Measure::PowerInput`] needs a simulator with energy accounts.
+/// Measures a motion without loads, other than the constant ones of its parameters, over the next
+/// `periods` drive periods; class and exponent over those that follow. The transient is the
+/// caller's to discard. [`Measure::PowerInput`] needs a simulator with energy accounts.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`]; [`Error::Undefined`] without a drive, which sets the period.
@@ -129,9 +133,9 @@ fn undefined(name: &'static str, needed_by: &'static str) -> Error {
     Error::Undefined { name, value: 0.0, needed_by, allowed }
 }
 
-/// The amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1 ω1|, the
-/// periodic solution of docs/theory.md (3) without block and coupling; under a constant load on the box, which shifts its middle,
-/// the largest |x1|.
+/// The amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i
+/// c1 ω1|, the periodic solution of docs/theory.md (3) without block and coupling; under a constant
+/// load on the box, which shifts its middle, the largest |x1|.
 ///
 /// # Errors
 /// [`Error::Undefined`] at the resonance of a box without damping.
@@ -168,9 +172,10 @@ fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
     }
 }
 
-/// The spread of a number that a window's parts have, over windows as long as these parts together. An extreme of a long window scatters
-/// as that of a part does, since the scale of the limit law of extremes does not depend on the number of parts, docs/studies.md (N4); a
-/// mean by as much less as there are more of them, (N5). A number that goes one way from part to part is on its way, (N8).
+/// The spread of a number that a window's parts have, over windows as long as these parts together.
+/// An extreme of a long window scatters as that of a part does, since the scale of the limit law of
+/// extremes does not depend on the number of parts, docs/studies.md (N4); a mean by as much less as
+/// there are more of them, (N5). A number that goes one way from part to part is on its way, (N8).
 pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if numbers.len() < 2 {
         return 0.0;
@@ -195,8 +200,9 @@ const SLOWEST: f64 = 0.9;
 /// A way of this part of a number and less is not worth a word.
 const WORTH: f64 = 1e-3;
 
-/// How far a number that rises or falls from each part to the next, by steps that do not grow, has come and, by the ratio of its last two
-/// steps, would still go; `None` where it does not. Numbers without an order do so once in some ten thousand times.
+/// How far a number that rises or falls from each part to the next, by steps that do not grow, has
+/// come and, by the ratio of its last two steps, would still go; `None` where it does not. Numbers
+/// without an order do so once in some ten thousand times.
 fn way_to_go(numbers: &[f64]) -> Option<f64> {
     let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let [.., before, last] = steps[..] else { return None };
@@ -227,7 +233,8 @@ fn deviation(numbers: &[f64]) -> f64 {
     (scatter / (count - 1.0)).sqrt()
 }
 
-/// Passes over the next drive periods, in parts; of a motion that repeats no more of them than show that.
+/// Passes over the next drive periods, in parts; of a motion that repeats no more of them than show
+/// that.
 fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Result<Vec<Window>> {
     let p = *simulator.parameters();
     let model = Model::new(&p)?;

@@ -1,10 +1,12 @@
-//! Simulated motion for comparison with theory: after its transient, as samples cut at impacts, with amplitudes and maxima.
+//! Simulated motion for comparison with theory: after its transient, as samples cut at impacts,
+//! with amplitudes and maxima.
 
 use vibro_impact::error::Result;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator, State};
 
-/// Samples per drive period: cubic interpolation between them is good to about 1e-8 of the amplitudes.
+/// Samples per drive period: cubic interpolation between them is good to about 1e-8 of the
+/// amplitudes.
 const PER_PERIOD: u32 = 128;
 
 /// One instant of a motion.
@@ -18,11 +20,12 @@ pub struct Instant {
     pub state: State,
 }
 
-/// Motion between two impacts, its instants in order; the first is after an impact, the last before the next.
+/// Motion between two impacts, its instants in order; the first is after an impact, the last before
+/// the next.
 pub type Flight = Vec<Instant>;
 
-/// A simulator that started from a state and has been advanced over `periods` drive periods, in which the transient dies
-/// out.
+/// A simulator that started from a state and has been advanced over `periods` drive periods, in
+/// which the transient dies out.
 ///
 /// # Errors
 /// As [`Simulator::new`] and [`Simulator::advance_to`].
@@ -58,7 +61,8 @@ pub fn record_flights(simulator: &mut Simulator, periods: u32) -> Result<Vec<Fli
                     }
                 }),
             );
-            // The last impact was at the end itself: a step of no length is refused, and nothing is left to do.
+            // The last impact was at the end itself: a step of no length is refused, and nothing is
+            // left to do.
             let reason = reason.or_else(|e| if now >= end { Ok(AdvanceOutcome::End) } else { Err(e) })?;
             let after = simulator.state();
             match (reason, last) {
@@ -81,7 +85,8 @@ pub fn record_flights(simulator: &mut Simulator, periods: u32) -> Result<Vec<Fli
     Ok(flights)
 }
 
-/// Local maxima of q·x over a record, m: where its rate passes zero from above, smoothly or at an impact.
+/// Local maxima of q·x over a record, m: where its rate passes zero from above, smoothly or at an
+/// impact.
 pub fn maxima(flights: &[Flight], parameters: &Parameters, q: [f64; 3]) -> Vec<f64> {
     let dot = |a: &[f64; 3]| q[0] * a[0] + q[1] * a[1] + q[2] * a[2];
     let mut found = Vec::new();
@@ -113,7 +118,8 @@ pub fn amplitude(flights: &[Flight], parameters: &Parameters, q: [f64; 3]) -> f6
     sizes.chain(tops).fold(0.0, f64::max)
 }
 
-/// Maximum on [0, 1] of the cubic with these values and slopes at its ends, where its slope falls through zero.
+/// Maximum on [0, 1] of the cubic with these values and slopes at its ends, where its slope falls
+/// through zero.
 fn hermite_top(x0: f64, v0: f64, x1: f64, v1: f64) -> f64 {
     let (c2, c3) = (3.0 * (x1 - x0) - 2.0 * v0 - v1, v0 + v1 - 2.0 * (x1 - x0));
     let (mut low, mut high) = (0.0, 1.0);

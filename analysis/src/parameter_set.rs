@@ -14,9 +14,10 @@ use vibro_impact::parameters::{FIELDS, Field, GROUPS, Groups, Parameters, check_
 
 /// Parameters in both forms, kept in step.
 ///
-/// Setting a group leaves the other groups as they are, setting an SI parameter the other SI parameters. Three
-/// groups are tied: β² = ε α̂23, of which the one set last is held when ε changes (α̂23 to begin with); and
-/// μ13 = 1/ε (m3 = m2, as the paper has it) until `mu13` or `secondary.m` is set.
+/// Setting a group leaves the other groups as they are, setting an SI parameter the other SI
+/// parameters. Three groups are tied: β² = ε α̂23, of which the one set last is held when ε changes
+/// (α̂23 to begin with); and μ13 = 1/ε (m3 = m2, as the paper has it) until `mu13` or `secondary.m`
+/// is set.
 ///
 /// ```
 /// use vibro_analysis::ParameterSet;
@@ -76,7 +77,8 @@ fn bit(mut names: impl Iterator<Item = &'static str>, name: &str) -> u16 {
     names.position(|n| n == name).map_or(0, |i| 1 << i)
 }
 
-/// Each group, the physical parameter it is made of, and the others that scale it: docs/theory.md (21), (22).
+/// Each group, the physical parameter it is made of, and the others that scale it: docs/theory.md
+/// (21), (22).
 const DEFINITIONS: [(&str, &str, &[&str]); 10] = [
     ("epsilon", "block.m", &["box.m"]),
     ("kappa", "stop.restitution", &[]),
@@ -91,7 +93,8 @@ const DEFINITIONS: [(&str, &str, &[&str]); 10] = [
 ];
 
 impl ParameterSet {
-    /// The set BASIC, docs/theory.md, end of section 4: ε, κ and f̂10 are the paper's, the other groups a reconstruction.
+    /// The set BASIC, docs/theory.md, end of section 4: ε, κ and f̂10 are the paper's, the other
+    /// groups a reconstruction.
     pub fn basic() -> Self {
         Self {
             parameters: Parameters::default(),
@@ -104,8 +107,9 @@ impl ParameterSet {
         }
     }
 
-    /// The set STRONG, for the paper's section 5 (m3 = m1, strong coupling). Its numbers are chosen for this program, since
-    /// the copy of the paper this work was built from lacks the displayed ones.
+    /// The set STRONG, for the paper's section 5 (m3 = m1, strong coupling). Its numbers are chosen
+    /// for this program, since the copy of the paper this work was built from lacks the displayed
+    /// ones.
     ///
     /// # Errors
     /// None for these numbers.
@@ -126,8 +130,8 @@ impl ParameterSet {
         &self.parameters
     }
 
-    /// Whether a parameter was set, in either form: a group also by any physical parameter that it is made of, and a
-    /// physical parameter also by its group.
+    /// Whether a parameter was set, in either form: a group also by any physical parameter that it
+    /// is made of, and a physical parameter also by its group.
     pub fn is_set(&self, name: Name) -> bool {
         let given = |name: &&str| self.given.has(name);
         let definitions = || DEFINITIONS.iter();
@@ -147,24 +151,26 @@ impl ParameterSet {
         }
     }
 
-    /// The first parameter that was set by its own name or as the physical parameter of its group, among these groups.
+    /// The first parameter that was set by its own name or as the physical parameter of its group,
+    /// among these groups.
     pub fn first_set(&self, groups: &[&str]) -> Option<Name> {
         let names = groups.iter().filter_map(|group| DEFINITIONS.iter().find(|d| d.0 == *group));
         let mut names = names.flat_map(|d| [d.0, d.1]);
         Name::find(names.find(|name| self.given.has(name))?).ok()
     }
 
-    /// Whether a physical parameter was set, so that the machine is one in SI. Constant loads do not count: they have a default of
-    /// their own, which is none.
+    /// Whether a physical parameter was set, so that the machine is one in SI. Constant loads do
+    /// not count: they have a default of their own, which is none.
     pub fn is_si(&self) -> bool {
         self.given.fields & ((1 << FIELDS.len()) - 1) != 0
     }
 
-    /// Refuses constant loads, and parameters that vary if one of them is a load: for closed forms and theories, which are those of
-    /// the symmetric machine.
+    /// Refuses constant loads, and parameters that vary if one of them is a load: for closed forms
+    /// and theories, which are those of the symmetric machine.
     ///
     /// # Errors
-    /// [`vibro_impact::Error::OutOfRange`] with the load's value; [`Error::Form`] with its name where it varies.
+    /// [`vibro_impact::Error::OutOfRange`] with the load's value; [`Error::Form`] with its name
+    /// where it varies.
     pub fn check_symmetric(&self, varied: impl IntoIterator<Item = Name>) -> Result<()> {
         self.parameters.check_symmetric()?;
         match varied.into_iter().find(|name| name.is_load()) {
@@ -176,8 +182,9 @@ impl ParameterSet {
         }
     }
 
-    /// The physical parameters that were not set although others were, and whose values therefore belong to another
-    /// machine. Those that a group fixes are not among them, nor is the drive's phase.
+    /// The physical parameters that were not set although others were, and whose values therefore
+    /// belong to another machine. Those that a group fixes are not among them, nor is the drive's
+    /// phase.
     pub fn not_given(&self) -> Vec<Name> {
         let fixed = |f: &&'static Field| self.is_set(Name::Si(f)) || f.name == "drive.phase";
         let missing = FIELDS.iter().filter(|f| self.is_si() && !fixed(f));
@@ -196,7 +203,8 @@ impl ParameterSet {
         g
     }
 
-    /// The parameter set with one parameter of either form changed: the one way to vary a parameter.
+    /// The parameter set with one parameter of either form changed: the one way to vary a
+    /// parameter.
     ///
     /// # Errors
     /// The range that the value violates.
@@ -204,8 +212,9 @@ impl ParameterSet {
         self.changed(&[(name.into(), value)])
     }
 
-    /// The groups with one parameter of either form changed. Where that is a group, the physical parameters are not
-    /// computed: theories in groups alone need no more, and over a plane this is a fifth of their time.
+    /// The groups with one parameter of either form changed. Where that is a group, the physical
+    /// parameters are not computed: theories in groups alone need no more, and over a plane this is
+    /// a fifth of their time.
     ///
     /// # Errors
     /// The range that the value violates.
@@ -223,8 +232,8 @@ impl ParameterSet {
         }
     }
 
-    /// The physical parameters with these groups, in the scales and with the drive phase and the constant
-    /// loads of this parameter set.
+    /// The physical parameters with these groups, in the scales and with the drive phase and the
+    /// constant loads of this parameter set.
     ///
     /// # Errors
     /// As [`Groups::to_parameters`].
@@ -233,8 +242,9 @@ impl ParameterSet {
         Ok(Parameters { drive_phase, constant_loads, ..groups.to_parameters(self.parameters.scales())? })
     }
 
-    /// Applies texts of the form `name=value`, in order. A number without a unit is in the unit in which its parameter was
-    /// [written](Self::unit) before, if it was, as on every axis; else in SI.
+    /// Applies texts of the form `name=value`, in order. A number without a unit is in the unit in
+    /// which its parameter was [written](Self::unit) before, if it was, as on every axis; else in
+    /// SI.
     ///
     /// ```
     /// use vibro_analysis::ParameterSet;
@@ -247,8 +257,8 @@ impl ParameterSet {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Form`], [`Error::UnknownName`], [`Error::NotANumber`], [`Error::Unit`] or the range that a value
-    /// violates.
+    /// [`Error::Form`], [`Error::UnknownName`], [`Error::NotANumber`], [`Error::Unit`] or the range
+    /// that a value violates.
     pub fn apply<T: AsRef<str>>(&mut self, assignments: &[T]) -> Result<()> {
         let mut next = self.clone();
         let mut parsed = Vec::with_capacity(assignments.len());
@@ -266,8 +276,8 @@ impl ParameterSet {
         Ok(())
     }
 
-    /// Reads a number of a parameter with a unit, or without one in the unit in which the parameter was [written](Self::unit), or
-    /// else in SI.
+    /// Reads a number of a parameter with a unit, or without one in the unit in which the parameter
+    /// was [written](Self::unit), or else in SI.
     ///
     /// # Errors
     /// As [`number`].
@@ -280,16 +290,16 @@ impl ParameterSet {
         })
     }
 
-    /// From now on labels and captions show a physical parameter in this unit, in which it was written; `None`, and a unit of
-    /// another dimension, change nothing.
+    /// From now on labels and captions show a physical parameter in this unit, in which it was
+    /// written; `None`, and a unit of another dimension, change nothing.
     pub fn show_in(&mut self, name: Name, unit: Option<&'static Unit>) {
         if let (Name::Si(field), Some(unit)) = (name, unit) {
             self.units.set(field.name, unit.plain());
         }
     }
 
-    /// Applies values in order. The groups are turned into SI only where SI follows and at the end, so that the order of
-    /// two groups does not matter.
+    /// Applies values in order. The groups are turned into SI only where SI follows and at the end,
+    /// so that the order of two groups does not matter.
     ///
     /// # Errors
     /// The range that a value violates; nothing is changed then.

@@ -1,14 +1,16 @@
 //! Long studies in parts: which parts are computed here, and where finished ones are kept.
 //!
-//! A study in parts is a function from the number of a part to its result. The parts are independent of each other, so
-//! threads and machines can share them, and a study that was interrupted continues with the parts that are missing. How
-//! parts outlive the program is decided by the caller through [`PartStore`]; this module touches no disk.
+//! A study in parts is a function from the number of a part to its result. The parts are
+//! independent of each other, so threads and machines can share them, and a study that was
+//! interrupted continues with the parts that are missing. How parts outlive the program is decided
+//! by the caller through [`PartStore`]; this module touches no disk.
 
 use super::error::{Error, Result};
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 
-/// The parts that are computed here: those whose number leaves the remainder `index` when divided by `count`.
+/// The parts that are computed here: those whose number leaves the remainder `index` when divided
+/// by `count`.
 ///
 /// ```
 /// use vibro_analysis::parts::Shard;
@@ -46,7 +48,8 @@ impl std::str::FromStr for Shard {
 
 /// Keeps the bytes of finished parts by their number. Several threads use it at once.
 pub trait PartStore: Sync {
-    /// The bytes of a finished part, or `None` where it is not there or cannot be read: it is then computed again.
+    /// The bytes of a finished part, or `None` where it is not there or cannot be read: it is then
+    /// computed again.
     fn load(&self, index: usize) -> Option<Vec<u8>>;
 
     /// Keeps the bytes of a finished part. A part must be there whole or not at all.
@@ -105,8 +108,9 @@ impl Task<'static> {
 }
 
 impl Task<'_> {
-    /// Computes the parts 0 … `count` - 1 that are not there and belong to the shard, on all threads. Returns all parts
-    /// in order, or `None` where some belong to other shards and are not there.
+    /// Computes the parts 0 … `count` - 1 that are not there and belong to the shard, on all
+    /// threads. Returns all parts in order, or `None` where some belong to other shards and are not
+    /// there.
     ///
     /// # Errors
     /// What `compute` returns; [`Error::Store`].
@@ -118,8 +122,8 @@ impl Task<'_> {
         self.complete_with(count, |&mut (), index| compute(index))
     }
 
-    /// [`complete`](Self::complete) with a workspace `W` that `compute` uses for one part after another. It must not change what
-    /// is computed.
+    /// [`complete`](Self::complete) with a workspace `W` that `compute` uses for one part after
+    /// another. It must not change what is computed.
     ///
     /// # Errors
     /// As [`complete`](Self::complete).
@@ -134,8 +138,8 @@ impl Task<'_> {
         Ok(parts.into_iter().collect())
     }
 
-    /// The same for a study whose parts do not fit into memory together: they are left in the store, where [`Self::part`]
-    /// finds them. Returns whether all are there.
+    /// The same for a study whose parts do not fit into memory together: they are left in the
+    /// store, where [`Self::part`] finds them. Returns whether all are there.
     ///
     /// # Errors
     /// As [`Self::complete`].

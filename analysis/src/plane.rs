@@ -17,12 +17,13 @@ pub enum Method {
     MultipleScales,
     /// Strong coupling: paper, section 5; docs/theory.md section 8.
     StrongCoupling,
-    /// The exact orbit of docs/theory.md section 9, which needs no small parameter; not in the paper.
+    /// The exact orbit of docs/theory.md section 9, which needs no small parameter; not in the
+    /// paper.
     ExactOrbit,
 }
 
-/// What a point of a plane is. A motion exists when its impacts lead into the stop (C > 0; p > 0) and the block
-/// passes neither stop in between.
+/// What a point of a plane is. A motion exists when its impacts lead into the stop (C > 0; p > 0)
+/// and the block passes neither stop in between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SteadyStateClass {
     /// No symmetric motion with two impacts.
@@ -35,8 +36,8 @@ pub enum SteadyStateClass {
     Undefined,
 }
 
-/// One axis of a plane: `count` values from `from` to `to`, both included. Written down with the parameter's name, and checked
-/// when read.
+/// One axis of a plane: `count` values from `from` to `to`, both included. Written down with the
+/// parameter's name, and checked when read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written", bound = "N: AxisName")]
 pub struct ParameterAxis<N = Name> {
@@ -187,7 +188,8 @@ impl<N: AxisName> ParameterAxis<N> {
     /// An axis, checked.
     ///
     /// # Errors
-    /// [`Error::Form`] for a range that is empty or not finite, or for fewer than two values; the parameter's own range.
+    /// [`Error::Form`] for a range that is empty or not finite, or for fewer than two values; the
+    /// parameter's own range.
     pub fn of(name: N, (from, to): (f64, f64), count: usize) -> Result<Self> {
         if !(from < to && (to - from).is_finite() && count >= 2) {
             let text = format!("{}={from}:{to} in {count} values", name.text());
@@ -212,8 +214,8 @@ impl<N: AxisName> ParameterAxis<N> {
     }
 }
 
-/// The class of a parameter set with one parameter changed. A value that makes no machine with the others is a point without an
-/// answer.
+/// The class of a parameter set with one parameter changed. A value that makes no machine with the
+/// others is a point without an answer.
 fn classify_with(set: &ParameterSet, name: Name, value: f64, method: Method) -> SteadyStateClass {
     match method {
         Method::MultipleScales => set.groups_with(name, value).and_then(|g| by_multiple_scales(&g)),
@@ -253,8 +255,8 @@ pub fn exact(p: &Parameters) -> vibro_impact::Result<(SteadyStateClass, Option<E
 /// Two axes of a plane.
 ///
 /// # Errors
-/// [`Error::Form`] when one is the other by another name: α̂23, β² and k23, κ and the stops' restitution coefficient, or a
-/// group and the physical parameter that it is made of.
+/// [`Error::Form`] when one is the other by another name: α̂23, β² and k23, κ and the stops'
+/// restitution coefficient, or a group and the physical parameter that it is made of.
 pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
     if x.name.is_same_quantity(y.name) {
         let text = format!("{},{}", x.name.name(), y.name.name());
@@ -266,8 +268,8 @@ pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
 /// The memory that a study may take for its results, bytes.
 const MOST_MEMORY: usize = 1 << 30;
 
-/// Checks that a plane of so many columns and rows fits into memory, where at most `held` bytes are held at a time for each of its
-/// cells.
+/// Checks that a plane of so many columns and rows fits into memory, where at most `held` bytes are
+/// held at a time for each of its cells.
 ///
 /// # Errors
 /// [`Error::TooMany`], with the number that would fit.
@@ -282,7 +284,8 @@ pub fn check_cells(what: &'static str, (columns, rows): (usize, usize), held: us
     }
 }
 
-/// Checks that so many results of a study along a line fit into memory, where at most `held` bytes are held at a time for each.
+/// Checks that so many results of a study along a line fit into memory, where at most `held` bytes
+/// are held at a time for each.
 ///
 /// # Errors
 /// [`Error::TooMany`], with the number that would fit.
@@ -291,7 +294,8 @@ pub fn check_count(what: &'static str, count: usize, held: usize) -> Result<()> 
     if count <= most { Ok(()) } else { Err(Error::TooMany { what, count: count as f64, most, side: None }) }
 }
 
-/// Classifies a plane on all threads; `done` hears of each finished row. The result does not depend on their number.
+/// Classifies a plane on all threads; `done` hears of each finished row. The result does not depend
+/// on their number.
 ///
 /// # Errors
 /// As [`check_pair`]; constant loads.

@@ -22,14 +22,15 @@ pub struct ResponsePoint {
     pub b: f64,
     /// Amplitudes of X1, X2, X3.
     pub a: [f64; 3],
-    /// Amplitude of W: 1 where the block keeps clear of the stops between its impacts, more where a theory passes them; by
-    /// strong coupling |W| at the impact.
+    /// Amplitude of W: 1 where the block keeps clear of the stops between its impacts, more where a
+    /// theory passes them; by strong coupling |W| at the impact.
     pub w: f64,
     /// Whether the curve from here to the next point is stable and admissible.
     pub stable: bool,
     /// Whether the block keeps clear of the stops between its impacts.
     pub clear: bool,
-    /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin (docs/theory.md (56)).
+    /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin (docs/theory.md
+    /// (56)).
     pub right: bool,
     /// What is special here.
     pub special: Option<Special>,

@@ -1,8 +1,10 @@
-//! When a motion has settled on a period, so that it need not be simulated through the rest of what is discarded.
+//! When a motion has settled on a period, so that it need not be simulated through the rest of what
+//! is discarded.
 //!
-//! Impacts tell it first, at no cost: their order, times and speeds, added up over each drive period, repeat. Then the states at
-//! whole drive periods are looked at, and have the last word. docs/studies.md, "What has settled is not simulated further", says why
-//! the verdict at the end would be the same.
+//! Impacts tell it first, at no cost: their order, times and speeds, added up over each drive
+//! period, repeat. Then the states at whole drive periods are looked at, and have the last word.
+//! docs/studies.md, "What has settled is not simulated further", says why the verdict at the end
+//! would be the same.
 
 use super::attractor::{RETURN, SAME, StroboscopicRecord, appended, distance};
 use super::stroboscopic::StroboscopicState;
@@ -15,23 +17,26 @@ const REPEATED: u32 = 16;
 const REMEMBERED: u32 = 4 * LONGEST;
 /// Impacts are looked at again after so many drive periods.
 const CHECK: u32 = 4;
-/// Sums over a drive period, of the speeds of its impacts (units of L ω10) and of their times (drive periods), repeat when they
-/// differ by no more.
+/// Sums over a drive period, of the speeds of its impacts (units of L ω10) and of their times
+/// (drive periods), repeat when they differ by no more.
 const SIMILAR: f64 = 1e-6;
 /// Differences under this may be round-off, and need not fall.
 const ROUNDING: f64 = 1e-11;
-/// Next to a period doubling a motion takes its way by turns from either side: the part of it that it takes a period is the ratio of the
-/// returns in two periods to those in one. Where that is less, the motion has twice the period. Next to a symmetry breaking half a period
-/// with the mirror image is such a part of a period.
+/// Next to a period doubling a motion takes its way by turns from either side: the part of it that
+/// it takes a period is the ratio of the returns in two periods to those in one. Where that is
+/// less, the motion has twice the period. Next to a symmetry breaking half a period with the mirror
+/// image is such a part of a period.
 pub(crate) const TURNED: f64 = 1e-5;
-/// A motion has settled when its states return to this (units of L and L ω10). While returns of this size do not grow, they add up to as
-/// many times as much as there are of them in the drive periods left out, …
+/// A motion has settled when its states return to this (units of L and L ω10). While returns of
+/// this size do not grow, they add up to as many times as much as there are of them in the drive
+/// periods left out, …
 const STEADY: f64 = 1e-7;
 /// … at least so many are reckoned with, …
 const RETURNS: f64 = 1000.0;
 
-/// … and a state and the one that it nearly returns to may each move by that: where a shorter period is farther from a return than this
-/// beside [`RETURN`], it stays farther than that through as many returns. So does the mirror image beside [`SAME`].
+/// … and a state and the one that it nearly returns to may each move by that: where a shorter
+/// period is farther from a return than this beside [`RETURN`], it stays farther than that through
+/// as many returns. So does the mirror image beside [`SAME`].
 fn moves(returns: f64) -> f64 {
     2.0 * returns.max(RETURNS) * STEADY
 }
@@ -61,8 +66,8 @@ impl ImpactRepetition {
         (self.number, self.open) = (0, PeriodImpacts::default());
     }
 
-    /// Takes note of an impact at `time` (drive periods since the start) with `speed` (any unit of the system); returns the period
-    /// with which the impacts before it repeat, if they do.
+    /// Takes note of an impact at `time` (drive periods since the start) with `speed` (any unit of
+    /// the system); returns the period with which the impacts before it repeat, if they do.
     pub(crate) fn impact(&mut self, time: f64, upper: bool, speed: f64) -> Option<u32> {
         let (number, before) = (time as u32, self.number);
         while self.number < number {
@@ -76,7 +81,8 @@ impl ImpactRepetition {
         if number / CHECK == before / CHECK { None } else { (1..=LONGEST).find(|&n| self.repeats(n)) }
     }
 
-    /// Whether the last periods repeat after `lag` of them, and more exactly in the later half of them than in the earlier.
+    /// Whether the last periods repeat after `lag` of them, and more exactly in the later half of
+    /// them than in the earlier.
     fn repeats(&self, lag: u32) -> bool {
         let pairs = REPEATED.max(4 * lag) - lag;
         if self.number < pairs + lag {
@@ -109,7 +115,8 @@ pub(crate) struct Confirmation {
 }
 
 impl Confirmation {
-    /// For a motion at `time` (drive periods since the start): its first sample is taken at the next whole period.
+    /// For a motion at `time` (drive periods since the start): its first sample is taken at the
+    /// next whole period.
     pub(crate) fn new(period: u32, time: f64) -> Self {
         Self { period, first: 2 * (time as u32 + 1), start: [0.0; 6] }
     }
@@ -119,8 +126,9 @@ impl Confirmation {
         self.first + 4 * self.period
     }
 
-    /// Whether the states of two periods since `start` and the order of impacts repeat with the period and with no shorter one, so that
-    /// they still will after `left` drive periods, and whether it is decided if a motion of a `symmetric` machine is its own mirror image.
+    /// Whether the states of two periods since `start` and the order of impacts repeat with the
+    /// period and with no shorter one, so that they still will after `left` drive periods, and
+    /// whether it is decided if a motion of a `symmetric` machine is its own mirror image.
     pub(crate) fn holds(&self, record: &StroboscopicRecord, left: u32, symmetric: bool) -> bool {
         let n = self.period as usize;
         let moves = moves(f64::from(left) / f64::from(self.period));
@@ -132,7 +140,8 @@ impl Confirmation {
         let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, RETURN + moves));
         let most = |lag| (0..=2 * n - lag).map(|k| distance(state(k), state(k + lag))).fold(0.0, f64::max);
         let by_turns = |lag: usize| n.is_multiple_of(lag) && most(n) >= TURNED * most(lag);
-        // Half of an odd period with the mirror image either returns as exactly, or stays away and is no part of it.
+        // Half of an odd period with the mirror image either returns as exactly, or stays away and
+        // is no part of it.
         let half = record.mirror_distance(self.period);
         let decided = half < STEADY || (half > SAME + moves && most(n) < TURNED * half);
         repeats
@@ -145,7 +154,8 @@ impl Confirmation {
 mod tests {
     use super::*;
 
-    /// The period in which impacts with these speeds, one in the middle of each drive period, are found to repeat, and which.
+    /// The period in which impacts with these speeds, one in the middle of each drive period, are
+    /// found to repeat, and which.
     fn found(speed: impl Fn(f64) -> f64) -> Option<(u32, u32)> {
         let mut impacts = ImpactRepetition::default();
         (0..400).find_map(|k| Some((k, impacts.impact(f64::from(k) + 0.5, true, speed(f64::from(k)))?)))
@@ -160,7 +170,8 @@ mod tests {
         assert_eq!(found(|k| (TAU * k / 8.0).cos()), Some((32, 8)));
         assert_eq!(found(|k| (TAU * k / 9.0).cos()), None);
         assert_eq!(found(|k| (TAU * k * 0.381_966_011).cos()), None);
-        // A transient: differences of 1 - q times q^k are similar when the first of sixteen is under 1e-6.
+        // A transient: differences of 1 - q times q^k are similar when the first of sixteen is
+        // under 1e-6.
         let (at, n) = found(|k| 1.0 + 0.9f64.powf(k)).unwrap();
         assert!(n == 1 && (124..=132).contains(&at), "{at} {n}");
         // Near an unstable motion differences grow, however small they are.
@@ -179,8 +190,9 @@ mod tests {
             }
             confirmation.holds(&record, left, symmetric)
         };
-        // Of a symmetric motion, and by turns to one in 10,000 periods, in so many that it is none for all that is observed, and so near to
-        // it that the verdict at the end would call it symmetric.
+        // Of a symmetric motion, and by turns to one in 10,000 periods, in so many that it is none
+        // for all that is observed, and so near to it that the verdict at the end would call it
+        // symmetric.
         let breaking = |size: f64, taken: f64| move |k: f64| size * (1.0 - taken).powf(2.0 * k);
         assert!(confirmed_of(true, 0, 3, &|k| (std::f64::consts::TAU * k / 3.0).cos()));
         assert!(
@@ -194,7 +206,8 @@ mod tests {
         let mut confirmed_for = |left: u32, period: u32, coordinate: &dyn Fn(f64) -> f64| {
             confirmed_of(false, left, period, coordinate)
         };
-        // Nearly of period 1, as the next ones: the more periods are left out, the farther from it it must be.
+        // Nearly of period 1, as the next ones: the more periods are left out, the farther from it
+        // it must be.
         let far = |size: f64| move |k: f64| size * (std::f64::consts::PI * k).cos();
         assert!(confirmed_for(2000, 2, &far(1.1e-4)) && !confirmed_for(8192, 2, &far(1.1e-4)));
         assert!(!confirmed_for(8192, 2, &far(4.1e-4)) && confirmed_for(8192, 2, &far(4.2e-4)));
@@ -207,7 +220,8 @@ mod tests {
         // Nearly of period 1: left to the verdict at the end.
         let nearly = |size: f64| move |k: f64| size * (std::f64::consts::PI * k).cos();
         assert!(!confirmed(2, &nearly(1e-4)) && confirmed(2, &nearly(1.1e-4)));
-        // By turns to an orbit of period 1, in 10,000 periods, and in so many that it has period 2 for all that is observed.
+        // By turns to an orbit of period 1, in 10,000 periods, and in so many that it has period 2
+        // for all that is observed.
         let turns =
             |taken: f64| move |k: f64| 4e-4 * (1.0 - taken).powf(k) * (std::f64::consts::PI * k).cos();
         assert!(!confirmed(2, &turns(1e-4)) && confirmed(2, &turns(1e-6)));

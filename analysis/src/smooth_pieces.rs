@@ -1,7 +1,8 @@
-//! A motion cut into its smooth pieces, for what needs more than states at communication points: measures and variations.
+//! A motion cut into its smooth pieces, for what needs more than states at communication points:
+//! measures and variations.
 //!
-//! The simulator is used through its public methods. The state at the start of each piece is exact, so that the series of
-//! the flow (docs/theory.md (8)) gives the motion along the piece again.
+//! The simulator is used through its public methods. The state at the start of each piece is exact,
+//! so that the series of the flow (docs/theory.md (8)) gives the motion along the piece again.
 
 use vibro_impact::error::{Error, Result};
 use vibro_impact::flow::expand_along;
@@ -40,7 +41,8 @@ pub(crate) struct Piece {
     pub(crate) end: PieceEnd,
 }
 
-/// The flow along a piece and its variations are those of the machine under its drive and its constant loads.
+/// The flow along a piece and its variations are those of the machine under its drive and its
+/// constant loads.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] with the first other load that is not zero.
@@ -59,8 +61,8 @@ fn refuse_loads(simulator: &Simulator) -> Result<()> {
     Ok(())
 }
 
-/// Advances a simulator without loads other than the constant ones of its parameters to the time `end` (s) and calls `visit`
-/// with each smooth piece of its motion.
+/// Advances a simulator without loads other than the constant ones of its parameters to the time
+/// `end` (s) and calls `visit` with each smooth piece of its motion.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`], and as [`refuse_loads`].

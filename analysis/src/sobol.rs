@@ -1,9 +1,10 @@
 //! The Sobol sequence: points that fill a box evenly, however many of them are taken.
 //!
-//! The direction numbers are those of S. Joe and F. Y. Kuo, "Constructing Sobol sequences with better two-dimensional
-//! projections", SIAM J. Sci. Comput. 30 (2008) 2635–2654, file `new-joe-kuo-6.21201`, for as many dimensions as a machine has
-//! parameters; the points come in the order of the Gray code (I. A. Antonov, V. M. Saleev, 1979). A table of our own, since
-//! the crates at hand scramble in single precision or are no longer kept up.
+//! The direction numbers are those of S. Joe and F. Y. Kuo, "Constructing Sobol sequences with
+//! better two-dimensional projections", SIAM J. Sci. Comput. 30 (2008) 2635–2654, file
+//! `new-joe-kuo-6.21201`, for as many dimensions as a machine has parameters; the points come in
+//! the order of the Gray code (I. A. Antonov, V. M. Saleev, 1979). A table of our own, since the
+//! crates at hand scramble in single precision or are no longer kept up.
 
 /// Most dimensions.
 pub const DIMENSIONS: usize = 13;
@@ -11,8 +12,8 @@ pub const DIMENSIONS: usize = 13;
 /// Digits of a coordinate.
 const DIGITS: usize = 32;
 
-/// Of each dimension from the second on: the inner coefficients of its primitive polynomial as bits, and the first direction
-/// numbers, of which there are as many as the polynomial's degree.
+/// Of each dimension from the second on: the inner coefficients of its primitive polynomial as
+/// bits, and the first direction numbers, of which there are as many as the polynomial's degree.
 const POLYNOMIALS: [(u32, &[u32]); DIMENSIONS - 1] = [
     (0, &[1]),
     (1, &[1, 3]),
@@ -49,7 +50,8 @@ fn directions(dimension: usize) -> [u32; DIGITS] {
     all
 }
 
-/// The coordinate of a point in one dimension below [`DIMENSIONS`], in [0, 1). The point of index 0 is the origin.
+/// The coordinate of a point in one dimension below [`DIMENSIONS`], in [0, 1). The point of index 0
+/// is the origin.
 ///
 /// ```
 /// use vibro_analysis::sobol::coordinate;
@@ -73,7 +75,8 @@ mod tests {
 
     #[test]
     fn golden_file_the_points_of_scipy() {
-        // scipy.stats.qmc.Sobol(13, scramble=False) of SciPy 1.17.1: the first 64 points, and three past a million.
+        // scipy.stats.qmc.Sobol(13, scramble=False) of SciPy 1.17.1: the first 64 points, and three
+        // past a million.
         let mut rows = include_str!("sobol.scipy.csv").lines();
         assert!(rows.next().is_some_and(|header| header.starts_with("index")));
         let mut count = 0;

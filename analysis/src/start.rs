@@ -1,5 +1,5 @@
-//! Where motions start: on the exact orbit, or in a state by its coordinates, with or without units, as `x1=0.2,v2=1` or
-//! `block.s=5mm`. The one grammar of starts, for all studies.
+//! Where motions start: on the exact orbit, or in a state by its coordinates, with or without
+//! units, as `x1=0.2,v2=1` or `block.s=5mm`. The one grammar of starts, for all studies.
 
 use crate::error::{Error, Result};
 use crate::parameter_set::quantity_in;
@@ -32,7 +32,8 @@ const EXPECTED: &str = "name=value,… with names of x1 x2 x3 (units of L) v1 v2
 pub enum StartRule {
     /// All start in one state; what is not named is zero.
     State([Coordinate; 6]),
-    /// Each starts on the exact orbit where that is stable, elsewhere with the [moving block](MOVING_BLOCK).
+    /// Each starts on the exact orbit where that is stable, elsewhere with the
+    /// [moving block](MOVING_BLOCK).
     Orbit,
 }
 
@@ -111,8 +112,9 @@ impl StartRule {
         Self::State(state.map(Coordinate::Scaled))
     }
 
-    /// The state in which a machine starts, SI: that of the coordinates; for [`Orbit`](Self::Orbit) that of the stable exact orbit at
-    /// time 0, or the [moving block](MOVING_BLOCK) where no exact orbit is stable.
+    /// The state in which a machine starts, SI: that of the coordinates; for [`Orbit`](Self::Orbit)
+    /// that of the stable exact orbit at time 0, or the [moving block](MOVING_BLOCK) where no exact
+    /// orbit is stable.
     ///
     /// # Errors
     /// For [`Orbit`](Self::Orbit) what the exact orbit refuses, constant loads among it.

@@ -1,9 +1,10 @@
-//! Means of a motion without a period, with their standard errors, and the test by which two such motions are one attractor.
+//! Means of a motion without a period, with their standard errors, and the test by which two such
+//! motions are one attractor.
 //!
-//! Six observables are followed: x1, x2, x3 and their squares, at whole drive periods and, of the mirror image, at half ones. Two sets
-//! of six, since the mirror image of a motion has the same two in the other order. docs/studies.md, "When two motions without
-//! a period are one attractor", states the test and
-//! what it leaves open.
+//! Six observables are followed: x1, x2, x3 and their squares, at whole drive periods and, of the
+//! mirror image, at half ones. Two sets of six, since the mirror image of a motion has the same two
+//! in the other order. docs/studies.md, "When two motions without a period are one attractor",
+//! states the test and what it leaves open.
 
 use super::stroboscopic::StroboscopicState;
 use serde::{Deserialize, Serialize};
@@ -12,8 +13,9 @@ use serde::{Deserialize, Serialize};
 const BLOCK: u32 = 8;
 /// Fewer blocks do not tell their scatter.
 const LEAST_BLOCKS: usize = 8;
-/// Two means are the same when their difference and two of its standard errors are less than this part of the observable's standard
-/// deviation: docs/studies.md (N1). It is the resolution of the test.
+/// Two means are the same when their difference and two of its standard errors are less than this
+/// part of the observable's standard deviation: docs/studies.md (N1). It is the resolution of the
+/// test.
 pub const EQUAL: f64 = 0.25;
 /// Two means differ when they are farther apart than so many standard errors: docs/studies.md (N2).
 pub const CONFIDENCE: f64 = 6.0;
@@ -39,7 +41,8 @@ pub enum Likeness {
 pub struct Mean {
     /// The mean.
     pub value: f64,
-    /// Its standard error: the largest that blocks of any length give, of which there are eight or more. Infinite where there are fewer.
+    /// Its standard error: the largest that blocks of any length give, of which there are eight or
+    /// more. Infinite where there are fewer.
     pub error: f64,
     /// The standard deviation of the observable itself.
     pub deviation: f64,
@@ -50,12 +53,14 @@ pub struct Mean {
 pub struct Statistics {
     /// The window, in drive periods.
     pub periods: u32,
-    /// Of x1, x2, x3 (units of L) and their squares at whole drive periods, and of the mirror image at half ones.
+    /// Of x1, x2, x3 (units of L) and their squares at whole drive periods, and of the mirror image
+    /// at half ones.
     pub means: [[Mean; 6]; 2],
 }
 
 impl Statistics {
-    /// Whether the means are known well enough for others to be compared with them: to an eighth of the test's resolution.
+    /// Whether the means are known well enough for others to be compared with them: to an eighth of
+    /// the test's resolution.
     pub fn is_precise(&self) -> bool {
         let sharp = |m: &Mean| 8.0 * m.error < FLOOR.max(EQUAL * m.deviation);
         self.means.iter().flatten().all(sharp)
@@ -83,7 +88,8 @@ impl Statistics {
         likeness
     }
 
-    /// The means of two windows of one attractor together. Windows of different motions are independent.
+    /// The means of two windows of one attractor together. Windows of different motions are
+    /// independent.
     pub fn pooled(&self, other: &Self) -> Self {
         let all = f64::from(self.periods) + f64::from(other.periods);
         let [a, b] = [self, other].map(|s| f64::from(s.periods) / all.max(1.0));
@@ -204,8 +210,9 @@ impl Blocks {
     }
 }
 
-/// The standard error of the mean of correlated numbers: the largest of those that the scatter of blocks of 1, 2, 4, … of them gives,
-/// as long as there are [`LEAST_BLOCKS`]. While blocks are shorter than the memory of the motion it grows with their length.
+/// The standard error of the mean of correlated numbers: the largest of those that the scatter of
+/// blocks of 1, 2, 4, … of them gives, as long as there are [`LEAST_BLOCKS`]. While blocks are
+/// shorter than the memory of the motion it grows with their length.
 fn standard_error(numbers: impl Iterator<Item = f64>) -> f64 {
     let mut blocks: Vec<f64> = numbers.collect();
     let mut most = f64::NEG_INFINITY;

@@ -1,4 +1,5 @@
-//! Stroboscopic states: the motion seen at whole drive periods, dimensionless, with names for its coordinates.
+//! Stroboscopic states: the motion seen at whole drive periods, dimensionless, with names for its
+//! coordinates.
 
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
@@ -46,8 +47,8 @@ pub fn dimensional(p: &Parameters, s: &StroboscopicState) -> State {
     State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
 }
 
-/// The start that studies have in common: everything at rest in the middle but the block, which moves towards the upper
-/// stop with the speed L ω10.
+/// The start that studies have in common: everything at rest in the middle but the block, which
+/// moves towards the upper stop with the speed L ω10.
 pub const MOVING_BLOCK: StroboscopicState = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 /// [`MOVING_BLOCK`] in SI.

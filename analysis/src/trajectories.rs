@@ -1,4 +1,5 @@
-//! Many independent motions at once, on all threads and sixteen to a thread, side by side in the machine's vectors.
+//! Many independent motions at once, on all threads and sixteen to a thread, side by side in the
+//! machine's vectors.
 
 mod queue;
 
@@ -11,8 +12,8 @@ use rayon::prelude::*;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{LaneUse, Simulator, State, TOGETHER, Way, advance_queue_by};
 
-/// Motions in a part of a study, at least. A lane that has finished one takes the next, so that only the last few of a part leave
-/// lanes idle; with so many that is a tenth.
+/// Motions in a part of a study, at least. A lane that has finished one takes the next, so that
+/// only the last few of a part leave lanes idle; with so many that is a tenth.
 pub(crate) const MOTIONS: usize = 128;
 
 /// Where a motion starts, at time 0.
@@ -29,15 +30,17 @@ pub struct Start {
 pub struct Program {
     /// Whole drive periods that are discarded.
     pub discard: u32,
-    /// Whether a motion that is found to have settled on a period within them, or to have no more impacts, ends there, as what it would
-    /// be observed to be. Only for motions that are observed and whose maxima are not asked for.
+    /// Whether a motion that is found to have settled on a period within them, or to have no more
+    /// impacts, ends there, as what it would be observed to be. Only for motions that are observed
+    /// and whose maxima are not asked for.
     pub until_settled: bool,
     /// Whole drive periods over which the maxima of a displacement are collected, if any are.
     pub maxima: Option<(Displacement, u32)>,
     /// Whether the motion is then [observed](super::attractor::observe).
     pub observed: bool,
-    /// Most drive periods over which the largest exponent of a motion with impacts and without a period is computed, if it is.
-    /// Only for motions that are observed; most of the observation counts in any case.
+    /// Most drive periods over which the largest exponent of a motion with impacts and without a
+    /// period is computed, if it is. Only for motions that are observed; most of the observation
+    /// counts in any case.
     pub exponent: Option<u32>,
 }
 
@@ -57,13 +60,15 @@ pub struct Outcome<'a> {
     pub maxima: &'a [f64],
     /// What the motion has settled on, if it was observed.
     pub attractor: Option<Attractor>,
-    /// The largest exponent beside the drive phase's zero, where it was asked for and there are impacts and no period.
+    /// The largest exponent beside the drive phase's zero, where it was asked for and there are
+    /// impacts and no period.
     pub exponent: Option<LargestExponent>,
     /// What was observed, of motions that were.
     pub(crate) record: &'a StroboscopicRecord,
 }
 
-/// A thread's workspace: simulators and records that serve one motion after another, so that nothing is allocated for each.
+/// A thread's workspace: simulators and records that serve one motion after another, so that
+/// nothing is allocated for each.
 #[derive(Debug, Default)]
 pub struct Workspace {
     simulators: Vec<Simulator>,
@@ -75,8 +80,8 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Runs a program on motions on this thread and shows `finished` each as it ends, with its number in the order of the
-    /// starts. What becomes of a motion does not depend on the others.
+    /// Runs a program on motions on this thread and shows `finished` each as it ends, with its
+    /// number in the order of the starts. What becomes of a motion does not depend on the others.
     /// What the simulator refuses is the outcome of the motion that it refuses.
     pub fn run(
         &mut self,
@@ -104,12 +109,14 @@ impl Workspace {
     }
 }
 
-/// Advances motions over `periods` whole drive periods, on all threads, and calls `done` after each. The results are in the
-/// order of the starts and depend neither on the number of threads nor on the other starts. Since the periods are whole, a
-/// motion may be continued from its result at time 0.
+/// Advances motions over `periods` whole drive periods, on all threads, and calls `done` after
+/// each. The results are in the order of the starts and depend neither on the number of threads nor
+/// on the other starts. Since the periods are whole, a motion may be continued from its result at
+/// time 0.
 ///
 /// # Errors
-/// Each start has a result of its own: what [`Simulator::new`] or [`Simulator::advance_until`] refuses.
+/// Each start has a result of its own: what [`Simulator::new`] or [`Simulator::advance_until`]
+/// refuses.
 pub fn propagate(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Result<State>> {
     let program = Program { discard: periods, ..Program::default() };
     let share = starts.len().div_ceil(4 * rayon::current_num_threads()).clamp(TOGETHER, MOTIONS);

@@ -1,9 +1,11 @@
-//! How a motion varies with its start: exact transition matrices between events, and the jump at each event.
+//! How a motion varies with its start: exact transition matrices between events, and the jump at
+//! each event.
 //!
-//! A variation is carried in the centre of mass of box and block, w, x3 and their rates (docs/theory.md (83)), lengths in
-//! L and times in 1/rate, with (δcos θ, δsin θ) = δθ (-sin θ, cos θ) for the phase of the drive (docs/theory.md (82)). In
-//! these coordinates an impact changes w, w' and, by the damper's force alone, the rate of the centre, so that coming to rest
-//! is a projection without cancellation.
+//! A variation is carried in the centre of mass of box and block, w, x3 and their rates
+//! (docs/theory.md (83)), lengths in L and times in 1/rate, with (δcos θ, δsin θ) = δθ (-sin θ, cos
+//! θ) for the phase of the drive (docs/theory.md (82)). In these coordinates an impact changes w,
+//! w' and, by the damper's force alone, the rate of the centre, so that coming to rest is a
+//! projection without cancellation.
 
 mod single;
 
@@ -20,12 +22,13 @@ type Matrix = [Augmented; COORDINATES];
 /// Orthonormal variations, the most expanding first.
 pub(crate) type Frame = [Augmented; DIMENSION];
 
-/// Distance of two nodes of the grid, times the model's rate; a time is at most half of it away from a node.
+/// Distance of two nodes of the grid, times the model's rate; a time is at most half of it away
+/// from a node.
 const GRID_TIMES_RATE: f64 = 0.16;
 /// Number of nodes: flights of up to 10/rate need one product.
 const NODES: usize = 64;
-/// Terms of the series around a node: the remainder is under 3.4e-15 of the variation's size, that of the drive's phase counted by the
-/// acceleration that it makes (docs/numerics.md, section 1).
+/// Terms of the series around a node: the remainder is under 3.4e-15 of the variation's size, that
+/// of the drive's phase counted by the acceleration that it makes (docs/numerics.md, section 1).
 const TERMS: usize = 9;
 const _: () = assert!(remainder(TERMS, 0.5 * GRID_TIMES_RATE) < 3.4e-15);
 
@@ -66,7 +69,8 @@ impl Transition {
     pub(crate) fn new(model: &Model, mode: SmoothMode) -> Self {
         let spacing = GRID_TIMES_RATE / model.rate;
         let (share, speed) = (model.block_share, model.gap * model.rate);
-        // Columns of the flow over the spacing as Taylor coefficients, in the coordinates of variations.
+        // Columns of the flow over the spacing as Taylor coefficients, in the coordinates of
+        // variations.
         let mut coefficients = [[[0.0; COORDINATES]; COORDINATES]; WHOLE];
         for column in 0..COORDINATES {
             let mut unit = [0.0; COORDINATES];
@@ -147,8 +151,8 @@ impl Variation {
         Self { model: *model, flight: Transition::new(model, SmoothMode::Flight), rest: None }
     }
 
-    /// Propagates a frame along a piece and through the event at its end, by the best instruction set at hand. No operation
-    /// is fused, so that all instruction sets give the same bits.
+    /// Propagates a frame along a piece and through the event at its end, by the best instruction
+    /// set at hand. No operation is fused, so that all instruction sets give the same bits.
     pub(crate) fn propagate(&mut self, frame: &mut Frame, piece: &Piece) -> Rank {
         let model = &self.model;
         let transition = match piece.mode {
@@ -161,7 +165,8 @@ impl Variation {
             #[inline(always)]
             || transition.propagate(frame, piece.span),
         );
-        // At a release the fields of rest and flight agree (the contact force is zero there): nothing jumps.
+        // At a release the fields of rest and flight agree (the contact force is zero there):
+        // nothing jumps.
         let PieceEnd::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
         let jump = saltation(&self.model, *rate, after);
         for v in frame.iter_mut() {
@@ -181,8 +186,8 @@ fn saltation(model: &Model, rate: f64, after: &Augmented) -> Saltation {
     Saltation::new(model, rate, after, model.constant_loads, model.rate)
 }
 
-/// Projects the phase's variation onto the circle of (cos θ, sin θ), docs/theory.md (82). What rounding puts beside the
-/// circle belongs to no motion, and the flow would not damp it.
+/// Projects the phase's variation onto the circle of (cos θ, sin θ), docs/theory.md (82). What
+/// rounding puts beside the circle belongs to no motion, and the flow would not damp it.
 #[inline(always)]
 pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     for v in frame.iter_mut() {
@@ -191,8 +196,9 @@ pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     }
 }
 
-/// Gram–Schmidt: makes each column orthogonal to those before it, twice where the first time took most of it away, and
-/// returns the lengths before scaling. A column with nothing left, or past `rank`, becomes zero with length zero.
+/// Gram–Schmidt: makes each column orthogonal to those before it, twice where the first time took
+/// most of it away, and returns the lengths before scaling. A column with nothing left, or past
+/// `rank`, becomes zero with length zero.
 #[inline(always)]
 pub(crate) fn orthonormalize(frame: &mut Frame, rank: usize) -> [f64; DIMENSION] {
     let mut lengths = [0.0; DIMENSION];
@@ -233,8 +239,9 @@ fn dot(a: &Augmented, b: &Augmented) -> f64 {
     (four[0] + four[2]) + (four[1] + four[3])
 }
 
-/// An orthonormal frame in general position: coming to rest makes no more directions zero than it must, and where bodies do not act on each
-/// other, as in flight, its first columns have parts of all of them.
+/// An orthonormal frame in general position: coming to rest makes no more directions zero than it
+/// must, and where bodies do not act on each other, as in flight, its first columns have parts of
+/// all of them.
 pub(crate) fn generic_frame(z: &Augmented) -> Frame {
     // The first one is a unit variation reflected along a direction that is no coordinate's.
     const FIRST: [f64; DIMENSION] = [0.815, -0.280, 0.137, -0.244, -0.221, 0.173, -0.316];

@@ -1,8 +1,9 @@
 //! What a motion is, followed until that is decided or a stated limit is reached.
 //!
-//! A motion with a period is decided at once. One whose largest exponent is positive, or zero, for certain is chaotic or quasi-periodic
-//! for as long as it was followed; whoever asks says when its window is long enough. All others are prolonged, twice as far each time: a
-//! transient has an end, and so has a slow approach. What is undecided at the limit is *not settled*, and no attractor.
+//! A motion with a period is decided at once. One whose largest exponent is positive, or zero, for
+//! certain is chaotic or quasi-periodic for as long as it was followed; whoever asks says when its
+//! window is long enough. All others are prolonged, twice as far each time: a transient has an end,
+//! and so has a slow approach. What is undecided at the limit is *not settled*, and no attractor.
 //! docs/studies.md, "When a verdict is decided", has the reasons.
 
 use super::attractor::{Attractor, MotionClass, OBSERVED, SAME, StroboscopicRecord};
@@ -16,22 +17,27 @@ use super::trajectories::{Outcome, Program, Start, Workspace};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 
-/// Most drive periods for which a motion is followed after the discarded ones, but for the last of the growing steps.
+/// Most drive periods for which a motion is followed after the discarded ones, but for the last of
+/// the growing steps.
 pub const PROLONGED: u32 = 8192;
 /// Most drive periods over which the largest exponent is computed at a time.
 pub const EXPONENT_PERIODS: u32 = 4000;
 /// Drive periods for which chaos must last to be called so where nothing else is asked of it.
 pub(crate) const LASTS: u32 = 4 * OBSERVED;
 
-/// The shortest window whose means may become those of an attractor, in drive periods: eight blocks of it hold 128 each.
+/// The shortest window whose means may become those of an attractor, in drive periods: eight blocks
+/// of it hold 128 each.
 const WINDOW: u32 = 1024;
 
-/// States that return to this (units of L and L ω10) have arrived: with a thousandth of the way taken a period, what is left is a
-/// thousand times as much and under what tells two attractors apart.
+/// States that return to this (units of L and L ω10) have arrived: with a thousandth of the way
+/// taken a period, what is left is a thousand times as much and under what tells two attractors
+/// apart.
 const ARRIVED: f64 = 1e-7;
-/// What seems quasi-periodic is a spiral onto an orbit where its nearest return falls below the first part of what it was before the exponent was
-/// counted, thousands of drive periods, and in each window after that below the second. On a torus that passes a resonance slowly it falls too, for
-/// half of its slow time: at none of 20,553 places along the 221 tori by which both parts were chosen, and on none of 190 others, it did both.
+/// What seems quasi-periodic is a spiral onto an orbit where its nearest return falls below the
+/// first part of what it was before the exponent was counted, thousands of drive periods, and in
+/// each window after that below the second. On a torus that passes a resonance slowly it falls too,
+/// for half of its slow time: at none of 20,553 places along the 221 tori by which both parts were
+/// chosen, and on none of 190 others, it did both.
 const FALLS: [f64; 2] = [0.1, 0.97];
 /// Windows after the exponent in which it must do so.
 const FALLEN: u32 = 3;
@@ -66,7 +72,8 @@ pub struct Followed {
     pub exponent: Option<LargestExponent>,
     /// Drive periods for which it has been followed since it is what it is.
     pub periods: u32,
-    /// Whether its window is long enough, since its means last changed, for others to be compared with them.
+    /// Whether its window is long enough, since its means last changed, for others to be compared
+    /// with them.
     pub stationary: bool,
 }
 
@@ -88,15 +95,18 @@ struct Open {
     rests: bool,
     arrived: bool,
     nearest: Option<f64>,
-    /// Windows since the exponent in each of which the nearest return [fell](FALLS); `None` once it has not.
+    /// Windows since the exponent in each of which the nearest return [fell](FALLS); `None` once it
+    /// has not.
     falls: Option<u32>,
     /// Drive periods for which it has been followed in all.
     followed: u32,
 }
 
-/// Follows motions on this thread until all are decided. `judge` is shown each motion that has a period, that wanders, whose window has
-/// doubled since, or that has come to the limit, with its number in the order of the starts; it says whether that is enough. The last
-/// time (`true`) its answer counts for nothing. What it is shown comes in one order, whatever else the thread has done.
+/// Follows motions on this thread until all are decided. `judge` is shown each motion that has a
+/// period, that wanders, whose window has doubled since, or that has come to the limit, with its
+/// number in the order of the starts; it says whether that is enough. The last time (`true`) its
+/// answer counts for nothing. What it is shown comes in one order, whatever else the thread has
+/// done.
 pub(crate) fn follow(
     workspace: &mut Workspace,
     starts: &[Start],
@@ -152,7 +162,8 @@ pub(crate) fn follow(
     }
 }
 
-/// Motions that are prolonged in the same way, together: those that wander, and the others by how long they have been followed.
+/// Motions that are prolonged in the same way, together: those that wander, and the others by how
+/// long they have been followed.
 fn alike(motions: Vec<Open>) -> Vec<Vec<Open>> {
     let kind = |m: &Open| (m.found.wanders(), if m.found.wanders() { 0 } else { m.followed });
     let mut groups: Vec<Vec<Open>> = Vec::new();
@@ -170,7 +181,8 @@ struct Seen {
     state: vibro_impact::State,
     attractor: Attractor,
     exponent: Option<LargestExponent>,
-    /// Whether a motion with a period returns so exactly that a slow approach has no way left to go, or keeps clear of the stops.
+    /// Whether a motion with a period returns so exactly that a slow approach has no way left to
+    /// go, or keeps clear of the stops.
     arrived: bool,
     /// Whether it is proved that no impact will come.
     clear: bool,
@@ -184,8 +196,9 @@ pub(crate) fn has_arrived(record: &StroboscopicRecord, period: u32, p: &Paramete
     record.return_distance(period) < ARRIVED && has_no_part(record, period, p)
 }
 
-/// Whether a period is not that of a way by turns from either side, on which states nearly return in twice the period of the orbit, or, to
-/// a symmetric one, in its period without having come to half of it with the mirror image. Only an odd period has such a half.
+/// Whether a period is not that of a way by turns from either side, on which states nearly return
+/// in twice the period of the orbit, or, to a symmetric one, in its period without having come to
+/// half of it with the mirror image. Only an odd period has such a half.
 fn has_no_part(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool {
     let own = record.return_distance(period);
     let half = record.mirror_distance(period);
@@ -205,7 +218,8 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
             let mut attractor = attractor.unwrap_or_else(|| record.attractor(p));
             let clear = attractor.is_free() && keeps_clear(p, &state);
             if attractor.period.is_none() && clear {
-                // No impact will come, and the linear motion has one limit if it is damped; if not, it is still in motion then.
+                // No impact will come, and the linear motion has one limit if it is damped; if not,
+                // it is still in motion then.
                 let mut far = StroboscopicRecord::default();
                 if free_motion::observe(p, &state, FAR, &mut far).is_some() {
                     attractor = far.attractor(p);
@@ -260,7 +274,8 @@ impl Open {
         self.start.state = seen.state;
         let ended = seen.clear && is_damped(&self.start.parameters);
         if !self.found.wanders() || seen.attractor.period.is_some() || ended {
-            // On a torus beside a resonance returns fall within most windows, but not from each window to the next.
+            // On a torus beside a resonance returns fall within most windows, but not from each
+            // window to the next.
             seen.attractor.approaching &=
                 seen.nearest.zip(self.nearest).is_none_or(|(now, before)| now < before);
             // What it was so far was a transient.
@@ -287,7 +302,8 @@ impl Open {
         }
     }
 
-    /// Shows the motion to the judge where there is something new to say of it; whether it is done with.
+    /// Shows the motion to the judge where there is something new to say of it; whether it is done
+    /// with.
     fn is_decided(
         &mut self,
         following: &Following,
@@ -304,7 +320,8 @@ impl Open {
             return false;
         }
         if has_period && !self.arrived && following.limit > 0 {
-            // It is on its way to an orbit of this period or of a part of it, or past the place of one that has vanished.
+            // It is on its way to an orbit of this period or of a part of it, or past the place of
+            // one that has vanished.
             self.found.class = MotionClass::Settling;
         }
         if !has_period {
@@ -335,7 +352,8 @@ impl Open {
     }
 }
 
-/// What one motion is, followed from its start; chaos and quasi-periodic motion are called so when they have lasted for 512 drive periods.
+/// What one motion is, followed from its start; chaos and quasi-periodic motion are called so when
+/// they have lasted for 512 drive periods.
 ///
 /// # Errors
 /// What the simulator refuses.

@@ -87,7 +87,8 @@ impl Plan {
         quantities.filter_map(|quantity| Some((self.table.reference_of(quantity)?, quantity)))
     }
 
-    /// The row of a state or of the derivative of one: the derivative's state, and the nominal value.
+    /// The row of a state or of the derivative of one: the derivative's state, and the nominal
+    /// value.
     fn in_exchange(&self, row: &Row, variable: Variable) -> Variable {
         let Quantity::Body(body, order) = row.quantity else { return variable };
         let states = self.assembly.states();

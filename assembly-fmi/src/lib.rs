@@ -7,9 +7,10 @@
 //!            host ── doors ──▶ machine   parameters, steps, events, saved states, on a motion of `vibro_assembly`
 //! ```
 //!
-//! One library serves every machine: which variables it has is known when an instance is made and the file in the FMU's resources
-//! is read. The token of the description is a hash of this file and of the library's version, so that neither another machine's file
-//! nor another version's description is taken.
+//! One library serves every machine: which variables it has is known when an instance is made and
+//! the file in the FMU's resources is read. The token of the description is a hash of this file and
+//! of the library's version, so that neither another machine's file nor another version's
+//! description is taken.
 #![forbid(unsafe_code)]
 
 mod description;

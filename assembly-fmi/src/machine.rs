@@ -31,7 +31,8 @@ pub struct Machine {
     life: Life,
     /// Values of all parameters.
     values: Vec<f64>,
-    /// What is added to phases so that a change of their frequencies under way makes no jump, rad; by parameter.
+    /// What is added to phases so that a change of their frequencies under way makes no jump, rad;
+    /// by parameter.
     phases: Vec<f64>,
     /// Whether parameters were set under way and not yet taken over by the motion.
     changed: bool,
@@ -41,7 +42,8 @@ pub struct Machine {
     moving: Option<Moving>,
     /// The motion as it is with all that was set; made when it is asked for.
     ahead: Option<Moving>,
-    /// What changes at events only, as it is shown until the host has handled the events of the last step.
+    /// What changes at events only, as it is shown until the host has handled the events of the
+    /// last step.
     latched: Option<Shown>,
     /// The last step, and its derivatives once they were asked for.
     last_step: Option<LastStep>,
@@ -143,7 +145,8 @@ impl Machine {
         }
     }
 
-    /// The same, zero without a sign, which is to be finite: of a host's solver that has lost its way it may not be.
+    /// The same, zero without a sign, which is to be finite: of a host's solver that has lost its
+    /// way it may not be.
     fn finite_value(&self, quantity: Quantity, name: &str) -> Result<f64, Problem> {
         let value = self.value(quantity) + 0.0;
         let allowed = "a finite number: states or inputs are too large for it";
@@ -230,14 +233,16 @@ impl Machine {
         let before = std::mem::replace(&mut self.values[i], value);
         let Some(moving) = &self.moving else { return };
         self.changed |= before != value;
-        // A harmonic's phase stands behind its frequency in the order of the parameters. It goes on from where it is.
+        // A harmonic's phase stands behind its frequency in the order of the parameters. It goes on
+        // from where it is.
         if self.plan.table.parameters[i].name.ends_with(".frequency") {
             let turns = (before - value) * moving.motion.time();
             self.phases[i + 1] = (self.phases[i + 1] + TAU * turns.fract()) % TAU;
         }
     }
 
-    /// Sets parameters under way, all or none: whether they go with one another and with the present state shows at once.
+    /// Sets parameters under way, all or none: whether they go with one another and with the
+    /// present state shows at once.
     fn change(&mut self, values: &[(usize, f64)]) -> Result<(), MachineProblem> {
         let before = (self.values.clone(), self.phases.clone(), self.changed);
         values.iter().for_each(|&(i, value)| self.put(Quantity::Parameter(i), value));

@@ -1,4 +1,5 @@
-//! What is known of a machine before it moves: its file, its variables, and what tells it apart from others.
+//! What is known of a machine before it moves: its file, its variables, and what tells it apart
+//! from others.
 
 use crate::problem::MachineProblem;
 use crate::table::Table;
@@ -10,7 +11,8 @@ use std::sync::Arc;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::{Assembly, Description};
 
-/// The machine's file in the folder of the FMU's resources. It has its records within itself: no other file is read.
+/// The machine's file in the folder of the FMU's resources. It has its records within itself: no
+/// other file is read.
 pub const FILE: &str = "machine.toml";
 
 /// Bytes of the file, at most.
@@ -33,7 +35,8 @@ impl Plan {
     /// The plan of the machine in the text of a [`FILE`]. `file` is what messages call it.
     ///
     /// # Errors
-    /// [`MachineProblem::Machine`] with everything that is wrong; [`MachineProblem::Motion`] for a machine that has no start.
+    /// [`MachineProblem::Machine`] with everything that is wrong; [`MachineProblem::Motion`] for a
+    /// machine that has no start.
     pub fn new(text: String, file: &str) -> Result<Self, MachineProblem> {
         let machine = parse(&text, file, &no_records)?;
         let assembly = Arc::new(Assembly::new(machine)?);
@@ -51,8 +54,8 @@ impl Plan {
         Self::new(machine.to_toml(), FILE)
     }
 
-    /// The same machine with matrices of derivatives over a step, for a description of FMI 3.0 of its own: several importers cannot
-    /// read arrays.
+    /// The same machine with matrices of derivatives over a step, for a description of FMI 3.0 of
+    /// its own: several importers cannot read arrays.
     #[must_use]
     pub fn with_arrays(mut self) -> Self {
         self.token = token_with_arrays(&self.text);
@@ -60,12 +63,13 @@ impl Plan {
         self
     }
 
-    /// The plan that an instance is asked for: of the file in its resources, if it bears the token of the description.
+    /// The plan that an instance is asked for: of the file in its resources, if it bears the token
+    /// of the description.
     ///
     /// # Errors
-    /// [`MachineProblem::File`] where there is no such file, neither where the host says nor beside the library;
-    /// [`MachineProblem::Door`] where the host says nothing; [`MachineProblem::Text`] where it gives the token of another text; else as
-    /// [`new`](Self::new).
+    /// [`MachineProblem::File`] where there is no such file, neither where the host says nor beside
+    /// the library; [`MachineProblem::Door`] where the host says nothing; [`MachineProblem::Text`]
+    /// where it gives the token of another text; else as [`new`](Self::new).
     pub(crate) fn asked_for(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
         let places = request.resource_folders();
         let mut read = places.iter().map(|folder| folder.join(FILE)).map(|file| (read(&file), file));
@@ -112,7 +116,8 @@ impl Plan {
         &self.assembly.description.name
     }
 
-    /// The machine with these values of all parameters, in their order; of a machine under way the starts do not matter.
+    /// The machine with these values of all parameters, in their order; of a machine under way the
+    /// starts do not matter.
     ///
     /// # Errors
     /// A refusal of what the values together are.

@@ -1,6 +1,7 @@
-//! Saved states, and how they are laid out as bytes: "VIBROMCH", a checksum of what follows (FNV-1a, 64 bit, little-endian), then
-//! the machine's token and the state in postcard's format. The token holds the library's version, so that the layout may change
-//! with it. The checksum notices accidents; it is no signature, and what the bytes say is checked as well.
+//! Saved states, and how they are laid out as bytes: "VIBROMCH", a checksum of what follows
+//! (FNV-1a, 64 bit, little-endian), then the machine's token and the state in postcard's format.
+//! The token holds the library's version, so that the layout may change with it. The checksum
+//! notices accidents; it is no signature, and what the bytes say is checked as well.
 
 use crate::machine::{SavedMoving, Shown};
 use crate::problem::refused;

@@ -11,7 +11,8 @@
 //! | `step.transition`, `step.response`: matrices, in FMI 3.0 with arrays | local |
 //! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
 //!
-//! Names of bodies and of elements are unique each, and what follows them differs: no two variables share a name.
+//! Names of bodies and of elements are unique each, and what follows them differs: no two variables
+//! share a name.
 
 use fmi_doors::{Base, Bases, Problem};
 use vibro_assembly::description::{BodyKind, Dimension, Signal, StopLaw};
@@ -278,7 +279,8 @@ impl Table {
         }
     }
 
-    /// The matrices of derivatives over a step, of a machine with so many states; several importers cannot read arrays.
+    /// The matrices of derivatives over a step, of a machine with so many states; several importers
+    /// cannot read arrays.
     pub(crate) fn add_matrices(&mut self, states: usize) {
         const ROWS: &str = "Derivatives of the states (coordinates, then rates, in the order of the model structure) at the end of the \
                             last step";
@@ -323,12 +325,14 @@ impl Table {
     }
 }
 
-/// Whether a number may be set after the motion has begun: neither a start nor an arm, on which coordinates depend.
+/// Whether a number may be set after the motion has begun: neither a start nor an arm, on which
+/// coordinates depend.
 fn is_tunable(name: &str) -> bool {
     !name.contains(".start.") && !name.contains(".arms.")
 }
 
-/// Names and units of the inputs, in the engine's order: motions of bodies, loads, levels of friction.
+/// Names and units of the inputs, in the engine's order: motions of bodies, loads, levels of
+/// friction.
 fn inputs(machine: &Description) -> Vec<(String, &'static str)> {
     let mut all = Vec::new();
     let mut add = |name: String, signal: &Signal, unit| {

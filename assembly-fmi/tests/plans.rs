@@ -1,4 +1,5 @@
-//! The variables and descriptions of all example machines, and of one with every kind of element and input.
+//! The variables and descriptions of all example machines, and of one with every kind of element
+//! and input.
 
 use fmi_doors::Version;
 use fmi_doors::description::{Kind, Variability};

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 /// A platform as archives name it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Folder under `binaries/`: the names of FMI 2.0 for x86, and for other processors, as FMI 2.0.4 (2.3) has it,
-    /// the platform tuples of FMI 3.0.
+    /// Folder under `binaries/`: the names of FMI 2.0 for x86, and for other processors, as FMI
+    /// 2.0.4 (2.3) has it, the platform tuples of FMI 3.0.
     pub folder: &'static str,
     /// The same in FMI 3.0 (2.5.1.4.1): the platform tuple.
     pub tuple: &'static str,
@@ -32,8 +32,8 @@ pub const PLACES: [Place; 7] = [
     place("win32", "x86-windows", ".dll"),
 ];
 
-/// Folder of this platform's binary inside the archive of FMI 2.0 (2.3), as hosts look for it: they go by
-/// operating system and pointer width alone, whatever the processor.
+/// Folder of this platform's binary inside the archive of FMI 2.0 (2.3), as hosts look for it: they
+/// go by operating system and pointer width alone, whatever the processor.
 pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = "macos"), usize::BITS) {
     (true, _, 64) => "win64",
     (true, _, _) => "win32",
@@ -42,7 +42,8 @@ pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = 
     _ => "linux32",
 };
 
-/// Folder of this platform's binary inside the archive of FMI 3.0 (2.5.1.4.1): processor and system.
+/// Folder of this platform's binary inside the archive of FMI 3.0 (2.5.1.4.1): processor and
+/// system.
 pub const PLATFORM_TUPLE: &str = match (std::env::consts::ARCH.as_bytes(), std::env::consts::OS.as_bytes()) {
     (b"x86_64", b"windows") => "x86_64-windows",
     (b"x86_64", b"macos") => "x86_64-darwin",

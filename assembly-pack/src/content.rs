@@ -1,5 +1,6 @@
-//! Everything that an archive of a machine holds: the library that serves all machines, under the machine's name, and the machine's
-//! file in the resources. All but this is generated from the file.
+//! Everything that an archive of a machine holds: the library that serves all machines, under the
+//! machine's name, and the machine's file in the resources. All but this is generated from the
+//! file.
 
 use crate::archive::{self, Content};
 use crate::error::Result;
@@ -15,7 +16,8 @@ use vibro_sketch::Sketch;
 /// Path inside every archive of what describes its model.
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 
-/// Everything that the archive of a version holds; of the plan with arrays, that of FMI 3.0 with them.
+/// Everything that the archive of a version holds; of the plan with arrays, that of FMI 3.0 with
+/// them.
 ///
 /// # Errors
 /// [`Error::Picture`](crate::Error::Picture), which would be a mistake of ours.
@@ -46,12 +48,14 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
 /// Writes the archive of a machine for a version of FMI, whole or not at all.
 ///
 /// # Errors
-/// [`Error::Machine`](crate::Error::Machine) for a machine that has no start, [`Error::File`](crate::Error::File).
+/// [`Error::Machine`](crate::Error::Machine) for a machine that has no start,
+/// [`Error::File`](crate::Error::File).
 pub fn write(machine: &Description, version: Version, kit: &Kit, path: &Path) -> Result<()> {
     archive::write(&content(version, &Plan::of(machine)?, kit)?, path)
 }
 
-/// Icon, diagram and terminals, by the names that the version gives them (FMI 2.0, 2.3; FMI 3.0.2, 2.5.1 and 2.4.9).
+/// Icon, diagram and terminals, by the names that the version gives them (FMI 2.0, 2.3; FMI 3.0.2,
+/// 2.5.1 and 2.4.9).
 fn pictures(version: Version, plan: &Plan) -> Result<Content> {
     let machine = &plan.assembly.description;
     let (icon_svg, icon) = canvas::svg_and_png(&Sketch::icon(machine))?;

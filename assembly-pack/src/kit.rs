@@ -36,7 +36,8 @@ impl Kit {
         date.chain(binaries).chain(licences).collect()
     }
 
-    /// The kit that has these entries, whatever other ones there are; none where they are of no platform.
+    /// The kit that has these entries, whatever other ones there are; none where they are of no
+    /// platform.
     pub fn from_entries(entries: Content) -> Option<Self> {
         let (mut binaries, mut licences, mut date) = (Content::new(), Content::new(), None);
         for (name, bytes) in entries {

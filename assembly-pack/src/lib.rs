@@ -1,5 +1,5 @@
-//! FMU archives of machines that a text file describes, without a compiler: one compiled library serves all machines, and all else
-//! in an archive follows from the machine's file.
+//! FMU archives of machines that a text file describes, without a compiler: one compiled library
+//! serves all machines, and all else in an archive follows from the machine's file.
 //!
 //! ```text
 //! description ─▶ content (modelDescription.xml, page, terminals, pictures, file) ─┐

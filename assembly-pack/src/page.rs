@@ -1,4 +1,5 @@
-//! The page of documentation of a described machine: its sketch, what it is in words, and the table of its variables.
+//! The page of documentation of a described machine: its sketch, what it is in words, and the table
+//! of its variables.
 
 use crate::error::Result;
 use std::fmt::Write;
@@ -6,12 +7,14 @@ use vibro_assembly_fmi::{FILE, Plan, Quantity, Role};
 use vibro_figures::canvas;
 use vibro_sketch::Sketch;
 
-/// How the page looks: narrow enough to read, tables that do not break out of it, dark where the reader's other pages are, but for the sketch.
+/// How the page looks: narrow enough to read, tables that do not break out of it, dark where the
+/// reader's other pages are, but for the sketch.
 const STYLE: &str = ":root{color-scheme:light dark}body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
     table{border-collapse:collapse;display:block;overflow-x:auto}td,th{text-align:left;padding:.15rem .8rem .15rem 0;border-bottom:1px solid #8884}\
     figure{margin:0;overflow-x:auto}svg{max-width:100%;height:auto;background:#fff}code{white-space:nowrap}";
 
-/// The least part of its own width at which a sketch is shown: its names have nine pixels then. On a narrower page it is moved sideways.
+/// The least part of its own width at which a sketch is shown: its names have nine pixels then. On
+/// a narrower page it is moved sideways.
 const LEAST: f64 = 0.7;
 
 /// Sections of the table: heading, what stands under it, roles.

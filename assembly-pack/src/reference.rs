@@ -1,5 +1,6 @@
-//! Reference results in the archives of described machines, by the layered standard FMI-LS-REF 1.0.0-alpha.1
-//! (modelica/fmi-ls-ref): the default experiment and its events by the engine, on the machine that packs.
+//! Reference results in the archives of described machines, by the layered standard FMI-LS-REF
+//! 1.0.0-alpha.1 (modelica/fmi-ls-ref): the default experiment and its events by the engine, on the
+//! machine that packs.
 
 use crate::archive::Content;
 use fmi_doors::description::Experiment;
@@ -20,9 +21,11 @@ const VERSION: &str = "1.0.0-alpha.1";
 const REPORTED: u32 = 4;
 /// Events that are told, at most.
 const EVENTS: usize = 1000;
-/// A second motion starts with coordinates and rates that differ by this part of their sizes, some roundings.
+/// A second motion starts with coordinates and rates that differ by this part of their sizes, some
+/// roundings.
 const SHIFT: f64 = 1e-14;
-/// As long as both agree to this part of a column's largest value the result is told: other processors then agree as well.
+/// As long as both agree to this part of a column's largest value the result is told: other
+/// processors then agree as well.
 const AGREEMENT: f64 = 1e-9;
 
 /// What the files are, for a reader (`documentation/fmi-ls-ref.txt`).
@@ -88,8 +91,8 @@ pub fn manifest<'a>(files: impl IntoIterator<Item = Related<'a>>) -> String {
     text + "</fmiReferences>\n"
 }
 
-/// `smoke-test.xml`: an experiment whose result is in `default.csv`, by the draft's schema of experiments. `agreement` says how well it
-/// is to be reproduced.
+/// `smoke-test.xml`: an experiment whose result is in `default.csv`, by the draft's schema of
+/// experiments. `agreement` says how well it is to be reproduced.
 pub fn smoke_test(experiment: Experiment, agreement: &str) -> String {
     let Experiment { start_time, stop_time, tolerance, step_size } = experiment;
     format!(

@@ -1,11 +1,12 @@
-//! `terminalsAndIcons.xml` (FMI 3.0.2, 2.4.9) of a described machine: a mechanical terminal for each body, with its motion out and,
-//! where a load of it takes an input, the force in.
+//! `terminalsAndIcons.xml` (FMI 3.0.2, 2.4.9) of a described machine: a mechanical terminal for
+//! each body, with its motion out and, where a load of it takes an input, the force in.
 
 use std::fmt::Write;
 use vibro_assembly::description::Dimension;
 use vibro_assembly_fmi::Plan;
 
-/// Kinds of the terminals, of translation and of rotation; kinds of tools begin with an underscore and the tool's name.
+/// Kinds of the terminals, of translation and of rotation; kinds of tools begin with an underscore
+/// and the tool's name.
 const KINDS: [&str; 2] = ["_VibroImpact_TranslationalFlange", "_VibroImpact_RotationalFlange"];
 
 /// The text of the file. The rule is `bus`, since a partner may have displacement and force alone.

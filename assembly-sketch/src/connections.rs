@@ -16,7 +16,8 @@ pub(crate) enum Symbol {
     Link,
 }
 
-/// The ends of an element: e = `arm` s of the second less that of the first, where `None` is ground; or a sum over more bodies.
+/// The ends of an element: e = `arm` s of the second less that of the first, where `None` is
+/// ground; or a sum over more bodies.
 #[derive(Clone, Debug)]
 pub(crate) enum Ends {
     Two([Option<usize>; 2]),

@@ -1,5 +1,6 @@
-//! Where everything stands: bodies as boxes in a row; elements between neighbours in lanes of the gap between them, as are loads;
-//! elements to ground at the ends of the row in the gap there, else in lanes under the row; all others in lanes over the row.
+//! Where everything stands: bodies as boxes in a row; elements between neighbours in lanes of the
+//! gap between them, as are loads; elements to ground at the ends of the row in the gap there, else
+//! in lanes under the row; all others in lanes over the row.
 
 use crate::connections::{Connection, Ends, Symbol, connections};
 use crate::order::{Side, ground_side, order};
@@ -16,7 +17,8 @@ pub(crate) const NAME: f64 = 52.0;
 const SYMBOL: f64 = 230.0;
 /// Length of a symbol between numbers of lever arms.
 const BARE: f64 = 240.0;
-/// Room around the picture, between texts and what is beside them, and from a box to the lanes over and under it.
+/// Room around the picture, between texts and what is beside them, and from a box to the lanes over
+/// and under it.
 pub(crate) const MARGIN: f64 = 40.0;
 const ROOM: f64 = 24.0;
 const OFF: f64 = 30.0;
@@ -204,7 +206,8 @@ impl Layout {
         layout
     }
 
-    /// The boxes, with the legs that each has upwards: which of the long elements they belong to, from left to right.
+    /// The boxes, with the legs that each has upwards: which of the long elements they belong to,
+    /// from left to right.
     fn boxes(&mut self, machine: &Description, order: &[usize], sorted: &Sorted) -> Vec<Vec<usize>> {
         let count = order.len();
         let span = |long: &Long| long.columns[long.columns.len() - 1] - long.columns[0];
@@ -212,7 +215,8 @@ impl Layout {
             .map(|place| {
                 let ends = |(_, long): &(usize, &Long)| long.columns.contains(&place);
                 let mut own: Vec<_> = sorted.over.iter().enumerate().filter(ends).collect();
-                // To the left the short ones first, to the right last, so that legs do not cross lanes of the same box.
+                // To the left the short ones first, to the right last, so that legs do not cross
+                // lanes of the same box.
                 own.sort_by_key(|(_, long)| {
                     let leftwards = long.columns[0] != place;
                     if leftwards { (0, span(long)) } else { (1, usize::MAX - span(long)) }
@@ -337,7 +341,8 @@ impl Layout {
             let height = lane(item);
             let (first, last) = (ports[0].1, ports[ports.len() - 1].1);
             let (from, to) = if *walled { (first - need(item), first) } else { (first, last) };
-            // The legs of those in the lanes above go through this one: the symbol stands in the widest part between them.
+            // The legs of those in the lanes above go through this one: the symbol stands in the
+            // widest part between them.
             let above = by_length[rank + 1..].iter().flat_map(|&above| ports_of(self, above));
             let mut cuts: Vec<f64> = above.map(|port| port.1).filter(|x| from < *x && *x < to).collect();
             cuts.extend([from, to]);

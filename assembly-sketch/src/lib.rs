@@ -1,5 +1,6 @@
-//! The sketch of a machine as an engineer draws it: bodies in a row along their coordinate, springs as zigzags, dashpots, stops with
-//! their gaps, friction, links as bars, loads as arrows, ground hatched.
+//! The sketch of a machine as an engineer draws it: bodies in a row along their coordinate, springs
+//! as zigzags, dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground
+//! hatched.
 //!
 //! ```text
 //! description ─▶ connections (what each element ties together) ─▶ order (of the bodies) ─▶ layout (places) ─▶ symbols (marks)

@@ -1,4 +1,5 @@
-//! The order of the bodies in the row: neighbours are what elements tie together, ground is at the ends.
+//! The order of the bodies in the row: neighbours are what elements tie together, ground is at the
+//! ends.
 
 use crate::connections::{Connection, Ends, Symbol};
 
@@ -7,7 +8,8 @@ const ALL_ORDERS: usize = 7;
 /// Exchanges of two that are tried, in turns over all pairs.
 const TURNS: usize = 20;
 
-/// Which side of a body its ground is drawn on, if it is tied to ground: that on which a stop's plates face one another.
+/// Which side of a body its ground is drawn on, if it is tied to ground: that on which a stop's
+/// plates face one another.
 pub(crate) fn ground_side(connection: &Connection) -> Option<(usize, Side)> {
     match (&connection.ends, connection.symbol) {
         (Ends::Two([None, Some(body)]), Symbol::Stop { .. }) => Some((*body, Side::Right)),
@@ -43,7 +45,8 @@ pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
     for _ in 0..TURNS {
         let before = least;
         for i in 0..count {
-            // Of very many bodies only those nearby, so that a thousand of them take no longer than is worth it.
+            // Of very many bodies only those nearby, so that a thousand of them take no longer than
+            // is worth it.
             for j in i + 1..count.min(i + 1 + 2000 / count) {
                 best.swap(i, j);
                 let changed = cost(&best, connections);
@@ -72,8 +75,8 @@ fn permute(order: &mut Vec<usize>, from: usize, try_one: &mut dyn FnMut(&[usize]
     }
 }
 
-/// How far an order is from a good one: elements over bodies between, plates that do not face, ground in the middle, and least of all
-/// another order than the file's.
+/// How far an order is from a good one: elements over bodies between, plates that do not face,
+/// ground in the middle, and least of all another order than the file's.
 fn cost(order: &[usize], connections: &[Connection]) -> usize {
     let mut column = vec![0; order.len()];
     order.iter().enumerate().for_each(|(place, &body)| column[body] = place);

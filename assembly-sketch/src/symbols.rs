@@ -13,7 +13,8 @@ const HATCH: f64 = 26.0;
 /// Distance between a stop's plates.
 const GAP: f64 = 34.0;
 
-/// The pen of everything, whether names are written, and the units of the drawing in one of the layout.
+/// The pen of everything, whether names are written, and the units of the drawing in one of the
+/// layout.
 struct Hand<'c> {
     canvas: &'c mut Canvas,
     named: bool,

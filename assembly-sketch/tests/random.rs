@@ -1,4 +1,5 @@
-//! Sketches of random machines: no two names meet, none lies outside or under a line, and symbols keep their places apart.
+//! Sketches of random machines: no two names meet, none lies outside or under a line, and symbols
+//! keep their places apart.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -76,7 +77,8 @@ fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
     element.split_once(&format!(" {name}=\""))?.1.split('"').next()
 }
 
-/// The rectangle of a text, by the letters' widths and the height of capitals, in units of the drawing.
+/// The rectangle of a text, by the letters' widths and the height of capitals, in units of the
+/// drawing.
 #[derive(Debug)]
 struct Label {
     words: String,

@@ -23,7 +23,8 @@ impl Assembly {
     /// The machine of a description.
     ///
     /// # Errors
-    /// As [`System::new`]; [`Error::TooFast`] for rates beyond what doubles carry; [`Error::NoEquilibrium`] for a machine that starts at rest and cannot.
+    /// As [`System::new`]; [`Error::TooFast`] for rates beyond what doubles carry;
+    /// [`Error::NoEquilibrium`] for a machine that starts at rest and cannot.
     pub fn new(description: Description) -> Result<Self, Error> {
         let system = System::new(&description)?;
         rates::check(&description, &system)?;
@@ -52,8 +53,8 @@ impl Assembly {
         Ok(system.bodies.iter().map(|body| body.s.dot(&z)).collect())
     }
 
-    /// The same machine with other starts: coordinate and rate by body, m, m/s or rad, rad/s. Those of prescribed bodies, and of
-    /// bodies that follow from others by links, are not used.
+    /// The same machine with other starts: coordinate and rate by body, m, m/s or rad, rad/s. Those
+    /// of prescribed bodies, and of bodies that follow from others by links, are not used.
     #[must_use]
     pub fn starting_from(mut self, starts: Vec<(f64, f64)>) -> Self {
         self.starts = starts;

@@ -1,4 +1,5 @@
-//! Whether a description is a machine: what no single number shows. The file's reader and the table of parameters both end here.
+//! Whether a description is a machine: what no single number shows. The file's reader and the table
+//! of parameters both end here.
 
 mod links;
 mod names;
@@ -8,14 +9,16 @@ use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal};
 use crate::refusal::{Problem, Refusal};
 use crate::slots::slots;
 
-/// Bodies, elements, or harmonics and steps, at most; a machine of more is refused before anything is made of it.
+/// Bodies, elements, or harmonics and steps, at most; a machine of more is refused before anything
+/// is made of it.
 pub(crate) const MOST: usize = 10_000;
 
 /// Knots of a record, at most.
 pub(crate) const MOST_KNOTS: usize = 1_000_000;
 
 impl Description {
-    /// Whether the description is a machine: what its file or its parameters would be refused for, a program's may have as well.
+    /// Whether the description is a machine: what its file or its parameters would be refused for,
+    /// a program's may have as well.
     ///
     /// ```
     /// let refused = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() }.check().unwrap_err();
@@ -32,7 +35,8 @@ impl Description {
     }
 }
 
-/// All problems of a machine, or none. Numbers outside their ranges and broken structure hide what would follow from them.
+/// All problems of a machine, or none. Numbers outside their ranges and broken structure hide what
+/// would follow from them.
 pub(crate) fn check(machine: &Description) -> Vec<Problem> {
     let mut problems = check_under_way(machine);
     if problems.is_empty() {

@@ -1,7 +1,9 @@
-//! What a machine consists of, as plain data in SI units: bodies, springs, stops, friction, links and loads.
+//! What a machine consists of, as plain data in SI units: bodies, springs, stops, friction, links
+//! and loads.
 //!
-//! A [`Description`] is what a file says ([`crate::file`]) or a program puts together; [`crate::Assembly`] is a description that
-//! was checked. Everything refers to bodies by their place in [`Description::bodies`].
+//! A [`Description`] is what a file says ([`crate::file`]) or a program puts together;
+//! [`crate::Assembly`] is a description that was checked. Everything refers to bodies by their
+//! place in [`Description::bodies`].
 
 /// A machine of bodies with one coordinate each, and of elements between them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -10,7 +12,8 @@ pub struct Description {
     pub name: String,
     /// Acceleration of gravity g, m/s²; it acts on a body by g times its [`Free::gravity`].
     pub gravity: f64,
-    /// Whether the machine starts at rest in equilibrium instead of at the bodies' own start values.
+    /// Whether the machine starts at rest in equilibrium instead of at the bodies' own start
+    /// values.
     pub starts_at_rest: bool,
     /// The bodies, in the file's order.
     pub bodies: Vec<Body>,
@@ -65,7 +68,8 @@ pub enum BodyKind {
 pub struct Free {
     /// Mass in kg, or moment of inertia in kg m²; positive.
     pub inertia: f64,
-    /// Cosine of the angle between the coordinate's direction and gravity: 1 where s points downwards, -1 where upwards.
+    /// Cosine of the angle between the coordinate's direction and gravity: 1 where s points
+    /// downwards, -1 where upwards.
     pub gravity: f64,
     /// Coordinate at time 0, m or rad.
     pub s: f64,
@@ -73,15 +77,17 @@ pub struct Free {
     pub v: f64,
 }
 
-/// The weights of the bodies' coordinates in an elongation e = Σ arm · s, by the bodies' places; no body twice, no arm zero.
-/// Between ground and a body the arm is ±1; from body a to body b it is -1 for a and +1 for b.
+/// The weights of the bodies' coordinates in an elongation e = Σ arm · s, by the bodies' places; no
+/// body twice, no arm zero. Between ground and a body the arm is ±1; from body a to body b it is -1
+/// for a and +1 for b.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arms {
     /// Place of the body and its arm.
     pub terms: Vec<(usize, f64)>,
     /// What the elongation is measured in.
     pub dimension: Dimension,
-    /// Whether the arms are levers, which may be varied, instead of the signs that follow from `between`.
+    /// Whether the arms are levers, which may be varied, instead of the signs that follow from
+    /// `between`.
     pub levers: bool,
 }
 
@@ -93,8 +99,8 @@ impl Arms {
     }
 }
 
-/// A spring and a dashpot side by side. Its force f = preload + stiffness · e + damping · e' resists e: it acts on a body by
-/// -arm · f.
+/// A spring and a dashpot side by side. Its force f = preload + stiffness · e + damping · e'
+/// resists e: it acts on a body by -arm · f.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the springs.
@@ -125,7 +131,8 @@ pub struct Stop {
 /// What a stop does when it is closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StopLaw {
-    /// e stays at most the gap; an impact reverses e' with the restitution coefficient, from 0 to 1.
+    /// e stays at most the gap; an impact reverses e' with the restitution coefficient, from 0 to
+    /// 1.
     Rigid {
         /// Speed after over speed before a single impact.
         restitution: f64,
@@ -146,12 +153,13 @@ pub enum StopLaw {
 pub enum DampingLimit {
     /// f = max(0, stiffness (e - gap) + damping e'): it never pulls.
     NoPull,
-    /// The dashpot's share is at most the spring's in size, so that f lies between 0 and 2 stiffness (e - gap): the law of the
-    /// Modelica Standard Library's `ElastoGap`.
+    /// The dashpot's share is at most the spring's in size, so that f lies between 0 and 2
+    /// stiffness (e - gap): the law of the Modelica Standard Library's `ElastoGap`.
     Elastogap,
 }
 
-/// Coulomb friction that resists e': of the size `force` where it slips, up to `static_force` (or `force`) where it sticks.
+/// Coulomb friction that resists e': of the size `force` where it slips, up to `static_force` (or
+/// `force`) where it sticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// Its name, unique among the frictions.

@@ -1,5 +1,6 @@
-//! Energy accounts: work of loads and of prescribed motions, and losses in dashpots, compliant stops, friction and impacts, found
-//! without the mechanical energy, so that the balance is a test (docs/assembly-law.md (A16) to (A18)).
+//! Energy accounts: work of loads and of prescribed motions, and losses in dashpots, compliant
+//! stops, friction and impacts, found without the mechanical energy, so that the balance is a test
+//! (docs/assembly-law.md (A16) to (A18)).
 
 mod long;
 mod powers;
@@ -103,7 +104,8 @@ impl Accounts {
     }
 }
 
-/// Kinetic and stored energy, J: of springs ½ k e² + preload e, of compliant stops ½ k max(0, e - gap)², of weight.
+/// Kinetic and stored energy, J: of springs ½ k e² + preload e, of compliant stops ½ k max(0, e -
+/// gap)², of weight.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {

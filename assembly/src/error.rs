@@ -1,4 +1,5 @@
-//! What can go wrong with a machine and its motion; every message names the quantity, its value and what is allowed.
+//! What can go wrong with a machine and its motion; every message names the quantity, its value and
+//! what is allowed.
 
 /// An error of a machine or its motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -66,7 +67,8 @@ pub enum Error {
         /// What happens, with the elements.
         cause: String,
     },
-    /// A call that would take more sub-steps than it may; a further one goes on from the time reached.
+    /// A call that would take more sub-steps than it may; a further one goes on from the time
+    /// reached.
     #[error("the motion cannot go on at t = {time} s: {cause}")]
     TooStiff {
         /// s.

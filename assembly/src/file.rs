@@ -1,7 +1,8 @@
 //! The file of a machine: TOML text to a checked [`Description`], and back.
 //!
-//! `docs/assemblies.md` is the reference of what may stand in it. Every problem of a file is told at once, with line, dotted name,
-//! value, what is allowed and, for a name that is not known, the nearest:
+//! `docs/assemblies.md` is the reference of what may stand in it. Every problem of a file is told
+//! at once, with line, dotted name, value, what is allowed and, for a name that is not known, the
+//! nearest:
 //!
 //! ```
 //! let text = r#"
@@ -38,7 +39,8 @@ use reading::{Reading, Table};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a record by its path as the machine's file gives it, which is relative and leads to no folder above.
+/// Reads a record by its path as the machine's file gives it, which is relative and leads to no
+/// folder above.
 pub type Records<'a> = &'a dyn Fn(&str) -> io::Result<String>;
 
 /// Bytes of a file or of a record, at most.
@@ -117,8 +119,9 @@ fn machine(reading: &mut Reading, root: &Table) -> Description {
 }
 
 impl Description {
-    /// The machine as the text of a file that reads back to an equal machine: SI units, every number to its last digit, records
-    /// within the text. The description is one that [`check`](Self::check) accepts.
+    /// The machine as the text of a file that reads back to an equal machine: SI units, every
+    /// number to its last digit, records within the text. The description is one that
+    /// [`check`](Self::check) accepts.
     ///
     /// ```
     /// use vibro_assembly::file::{no_records, parse};

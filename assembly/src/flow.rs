@@ -1,6 +1,7 @@
-//! Exact flow of a mode: the transition over a sub-step and its intervals, and for each watched functional samples, a bound
-//! between them and its Taylor coefficients (docs/assembly-law.md (A5), (A6)). Machines of few coordinates keep columns for all this, which act
-//! on the augmented state; the others find it from each state anew.
+//! Exact flow of a mode: the transition over a sub-step and its intervals, and for each watched
+//! functional samples, a bound between them and its Taylor coefficients (docs/assembly-law.md (A5),
+//! (A6)). Machines of few coordinates keep columns for all this, which act on the augmented state;
+//! the others find it from each state anew.
 
 mod ahead;
 mod apart;
@@ -26,20 +27,22 @@ use exponential::{LEAST_RATE, series_orders};
 use kept::Kept;
 use nalgebra::DMatrix;
 
-/// Derivatives of a functional that are looked at where a mode begins, and its Taylor coefficients from the first one on that is not zero.
+/// Derivatives of a functional that are looked at where a mode begins, and its Taylor coefficients
+/// from the first one on that is not zero.
 pub const ORDERS: usize = 26;
-/// Rate times the length of a sub-step. With 2 more whole sub-steps are made between events, with 4 bounds throughout a sub-step are so wide that
-/// more is searched: both take longer.
+/// Rate times the length of a sub-step. With 2 more whole sub-steps are made between events, with 4
+/// bounds throughout a sub-step are so wide that more is searched: both take longer.
 const RADIUS: f64 = 3.0;
 /// Springs and buffers are stiff where they make the rate so many times what it is without them.
 pub(crate) const STIFF: f64 = 30.0;
 /// Intervals of a sub-step, at whose ends functionals are sampled.
 pub const INTERVALS: usize = 8;
-/// Taylor coefficients of a functional over an interval: with a radius of 3/8 the first one left out is under
-/// 0.375¹⁶/16! < 8e-21 of the largest coordinate. They fill whole vectors.
+/// Taylor coefficients of a functional over an interval: with a radius of 3/8 the first one left
+/// out is under 0.375¹⁶/16! < 8e-21 of the largest coordinate. They fill whole vectors.
 pub const LOCAL: usize = 16;
-/// Up to this many coordinates tables of a sub-step are kept as dense matrices; beyond, a power series of the actual state takes their place. Measured
-/// on chains: the series needs less where modes are new, and up to half as much again where a few come back often, beyond 30 hardly more.
+/// Up to this many coordinates tables of a sub-step are kept as dense matrices; beyond, a power
+/// series of the actual state takes their place. Measured on chains: the series needs less where
+/// modes are new, and up to half as much again where a few come back often, beyond 30 hardly more.
 pub(crate) const DENSE: usize = 20;
 /// Within an interval no frequency turns farther than signals are carried on.
 const _: () = assert!(RADIUS / INTERVALS as f64 <= SMALL);
@@ -88,7 +91,8 @@ impl Table {
             let is_stiff = !is_small || elastic.are_stiff || rate > STIFF * rate_bound(&elastic.rest, one);
             is_stiff.then(|| Apart::of(elastic))
         });
-        // What contacts hold against such a force would leave its rounding in A, a force from nowhere on all that they hold together.
+        // What contacts hold against such a force would leave its rounding in A, a force from
+        // nowhere on all that they hold together.
         if let (Some(apart), Some(_)) = (&apart, &loose) {
             a = apart.sum();
             rate = rate_bound(&a, one).max(LEAST_RATE);
@@ -143,7 +147,8 @@ impl Table {
         }
     }
 
-    /// Carries a state on over a time of any length: by the longest rungs that fit, and the rest by its series.
+    /// Carries a state on over a time of any length: by the longest rungs that fit, and the rest by
+    /// its series.
     pub fn carry(&self, z: &mut [f64], mut time: f64) {
         let (mut rates, mut end) = (vec![0.0; z.len()], vec![0.0; z.len()]);
         for k in (1..RUNGS).rev() {
@@ -177,9 +182,11 @@ impl Table {
         self.orders[last]
     }
 
-    /// Looks ahead by a time within a sub-step: writes where the watched functionals stand; where forces are found apart also z' and z''.
+    /// Looks ahead by a time within a sub-step: writes where the watched functionals stand; where
+    /// forces are found apart also z' and z''.
     ///
-    /// Such a force is a small difference of large terms: what the state's coordinates bound is far too much. z'' has that difference in it.
+    /// Such a force is a small difference of large terms: what the state's coordinates bound is far
+    /// too much. z'' has that difference in it.
     #[inline(always)]
     pub fn look_ahead(
         &self,
@@ -202,8 +209,8 @@ impl Table {
         kept.heads_at(z, sizes, to);
     }
 
-    /// The state at a time within an [interval](Self::begin_interval) from that at its start. Signals, whose values at a time are known, may stay as in `to`
-    /// unless `all` are asked for.
+    /// The state at a time within an [interval](Self::begin_interval) from that at its start.
+    /// Signals, whose values at a time are known, may stay as in `to` unless `all` are asked for.
     #[inline(always)]
     pub fn within(&self, z: &[f64], dt: f64, all: bool, ahead: &mut Ahead, to: &mut [f64]) {
         match &self.kept {
@@ -217,7 +224,8 @@ impl Table {
         }
     }
 
-    /// The state at the end of a sub-step from that at its start, and from what [looking ahead](Self::look_ahead) has left.
+    /// The state at the end of a sub-step from that at its start, and from what
+    /// [looking ahead](Self::look_ahead) has left.
     #[inline(always)]
     pub fn at_end(&self, z: &[f64], derivatives: [&[f64]; 2], ahead: &Ahead, to: &mut [f64]) {
         match &self.kept {
@@ -226,7 +234,8 @@ impl Table {
         }
     }
 
-    /// The state at the start of interval `i` from that at the sub-step's start, and from what [looking ahead](Self::look_ahead) has left.
+    /// The state at the start of interval `i` from that at the sub-step's start, and from what
+    /// [looking ahead](Self::look_ahead) has left.
     #[inline(always)]
     pub fn at_interval_start(&self, i: usize, z: &[f64], ahead: &Ahead, to: &mut [f64]) {
         match (i.checked_sub(1), &self.kept) {
@@ -236,7 +245,8 @@ impl Table {
         }
     }
 
-    /// The values of the watched functional at a place at the interval ends, from the state at the sub-step's start.
+    /// The values of the watched functional at a place at the interval ends, from the state at the
+    /// sub-step's start.
     #[inline(always)]
     pub fn samples(&self, place: usize, z: &[f64], ahead: &Ahead) -> [f64; INTERVALS] {
         match &self.kept {
@@ -253,8 +263,8 @@ impl Table {
         }
     }
 
-    /// The Taylor coefficients of the watched functional at a place about the [begin of an interval](Self::begin_interval), in units of an
-    /// interval.
+    /// The Taylor coefficients of the watched functional at a place about the
+    /// [begin of an interval](Self::begin_interval), in units of an interval.
     #[inline(always)]
     pub fn local(&self, place: usize, from: &[f64], ahead: &Ahead) -> [f64; LOCAL] {
         match &self.kept {
@@ -263,13 +273,15 @@ impl Table {
         }
     }
 
-    /// Whether tables of a sub-step are kept; else a state's series is found by the entries that are not zero.
+    /// Whether tables of a sub-step are kept; else a state's series is found by the entries that
+    /// are not zero.
     pub fn is_dense(&self) -> bool {
         self.kept.is_some()
     }
 
-    /// The order of the first derivative of a functional that is not zero, and its value; those that are positive count as zero up to
-    /// `doubt` times what is zero else. None where all are. `rows` is memory.
+    /// The order of the first derivative of a functional that is not zero, and its value; those
+    /// that are positive count as zero up to `doubt` times what is zero else. None where all are.
+    /// `rows` is memory.
     pub fn departure(
         &self,
         w: &WatchTable,
@@ -307,7 +319,8 @@ impl Table {
         None
     }
 
-    /// The size of the terms that the time derivative of a functional is the sum of, from the coordinates' sizes.
+    /// The size of the terms that the time derivative of a functional is the sum of, from the
+    /// coordinates' sizes.
     fn slope_size(&self, w: &WatchTable, sizes: &[f64]) -> f64 {
         w.row.terms().iter().map(|&(i, x)| x.abs() * self.sizes.row_times(i, sizes)).sum()
     }
@@ -317,8 +330,10 @@ impl Table {
         w.slope.terms().iter().map(|&(i, x)| x * self.a.row_times(i, z)).sum()
     }
 
-    /// The sizes of what a flight of a time, of which at most a sub-step counts, has added to the velocities: Σ |A| |z| times this time, from
-    /// the coordinates' sizes. Forces that balance leave of a velocity the rounding of this size, but for what contacts keep at zero. `all` is memory.
+    /// The sizes of what a flight of a time, of which at most a sub-step counts, has added to the
+    /// velocities: Σ |A| |z| times this time, from the coordinates' sizes. Forces that balance
+    /// leave of a velocity the rounding of this size, but for what contacts keep at zero. `all` is
+    /// memory.
     #[inline(always)]
     pub fn flown(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
         let time = time.min(self.length);

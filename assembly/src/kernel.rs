@@ -1,11 +1,13 @@
-//! Products of small matrices with vectors, for the inner loop: columns of fixed length, which become vector instructions, and
-//! lists of the entries that are not zero. Only the makers take memory, and what returns a vector.
+//! Products of small matrices with vectors, for the inner loop: columns of fixed length, which
+//! become vector instructions, and lists of the entries that are not zero. Only the makers take
+//! memory, and what returns a vector.
 
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Abscissas and weights of Gauss's rule with twelve nodes on [0, 1] (Abramowitz and Stegun, table 25.4). The powers are
-/// products of two functions of rate r over a span of at most 3/r: the rule's error is (12!)⁴ 6²⁴/(25 (24!)³) < 5e-20 of their size.
+/// Abscissas and weights of Gauss's rule with twelve nodes on [0, 1] (Abramowitz and Stegun, table
+/// 25.4). The powers are products of two functions of rate r over a span of at most 3/r: the rule's
+/// error is (12!)⁴ 6²⁴/(25 (24!)³) < 5e-20 of their size.
 pub const NODES: [(f64, f64); 12] = {
     let half = [
         (0.125_233_408_511_468_9, 0.249_147_045_813_402_8),

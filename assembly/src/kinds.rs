@@ -1,5 +1,6 @@
-//! The kinds of numbers that a machine consists of: meaning, units and allowed range. The file and the table of parameters
-//! both use them, so that a number is refused for the same reason wherever it comes from.
+//! The kinds of numbers that a machine consists of: meaning, units and allowed range. The file and
+//! the table of parameters both use them, so that a number is refused for the same reason wherever
+//! it comes from.
 
 use crate::description::Dimension;
 use vibro_impact::parameters::Range;

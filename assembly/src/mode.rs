@@ -1,5 +1,5 @@
-//! A mode: which stops are closed or pressed, which friction slips or sticks; and its linear system z' = A z with the
-//! functionals that end it (docs/assembly-law.md (A5)).
+//! A mode: which stops are closed or pressed, which friction slips or sticks; and its linear system
+//! z' = A z with the functionals that end it (docs/assembly-law.md (A5)).
 
 mod linear;
 pub mod states;
@@ -28,7 +28,8 @@ pub struct Mode {
     pub stops: Vec<StopState>,
     /// By friction.
     pub frictions: Vec<FrictionState>,
-    /// Closed stops and sticking frictions that are independent of one another; the forces of the others are set to zero.
+    /// Closed stops and sticking frictions that are independent of one another; the forces of the
+    /// others are set to zero.
     pub basis: Vec<Contact>,
 }
 
@@ -123,7 +124,8 @@ impl System {
         }
     }
 
-    /// The force of a friction in a state in which the state determines it: slipping, or at its level while it sticks.
+    /// The force of a friction in a state in which the state determines it: slipping, or at its
+    /// level while it sticks.
     pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<Row> {
         let friction = &self.frictions[i];
         match state {
@@ -157,7 +159,8 @@ impl System {
         }
     }
 
-    /// M⁻¹ times the forces that the state determines in given states: accelerations without contact forces.
+    /// M⁻¹ times the forces that the state determines in given states: accelerations without
+    /// contact forces.
     pub fn free_acceleration(&self, stops: &[StopState], frictions: &[FrictionState]) -> DMatrix<f64> {
         self.accelerations(&self.forces, stops, frictions)
     }

@@ -2,16 +2,18 @@
 //! free shaft or the place of a train (docs/assembly-law.md (A25)).
 //!
 //! A direction u of the coordinates is neutral where no elongation that a force depends on changes
-//! along it: w · u = 0 for every spring with stiffness and every stop. Where in addition no dashpot and
-//! no friction acts along u, momentum along u is conserved but for the loads, and the direction u of the
-//! velocities is neutral, too. The motion from a state changed along neutral directions is the motion
-//! itself, changed along them by a known amount: they have the exponent 0, and no return depends on them.
+//! along it: w · u = 0 for every spring with stiffness and every stop. Where in addition no dashpot
+//! and no friction acts along u, momentum along u is conserved but for the loads, and the direction
+//! u of the velocities is neutral, too. The motion from a state changed along neutral directions is
+//! the motion itself, changed along them by a known amount: they have the exponent 0, and no return
+//! depends on them.
 
 use crate::description::Description;
 use crate::system::System;
 use nalgebra::DVector;
 
-/// A row of unit size whose entries are under this is zero: arms and links are given to more digits.
+/// A row of unit size whose entries are under this is zero: arms and links are given to more
+/// digits.
 const ZERO: f64 = 1e-10;
 
 /// The neutral directions of a machine.
@@ -90,8 +92,8 @@ fn short(x: f64) -> String {
     format!("{}", if rounded == 0.0 { x } else { rounded })
 }
 
-/// The directions u with w · u = 0 for all rows w, by elimination with the largest pivots, so that a
-/// body on which nothing acts is a direction of its own.
+/// The directions u with w · u = 0 for all rows w, by elimination with the largest pivots, so that
+/// a body on which nothing acts is a direction of its own.
 fn null_space(rows: Vec<DVector<f64>>, count: usize) -> Vec<DVector<f64>> {
     let mut pivots: Vec<(usize, DVector<f64>)> = Vec::new();
     for mut row in rows {

@@ -1,8 +1,11 @@
-//! The numbers of a machine by name: the one table from which FMU variables, command lines and Python read and set them.
+//! The numbers of a machine by name: the one table from which FMU variables, command lines and
+//! Python read and set them.
 //!
-//! Names are those of the file: `gravity`, `body.box.mass`, `body.box.start.s`, `spring.mesh.arms.pinion`, `stop.upper.gap`,
-//! `friction.guide.force`, `load.shaker.amplitude`, or `load.shaker.harmonics[1].amplitude` where there are several harmonics. Which
-//! names there are follows from the machine's topology and never from its numbers. The knots of records have no names.
+//! Names are those of the file: `gravity`, `body.box.mass`, `body.box.start.s`,
+//! `spring.mesh.arms.pinion`, `stop.upper.gap`, `friction.guide.force`, `load.shaker.amplitude`, or
+//! `load.shaker.harmonics[1].amplitude` where there are several harmonics. Which names there are
+//! follows from the machine's topology and never from its numbers. The knots of records have no
+//! names.
 
 use crate::check::{check, check_under_way};
 use crate::description::{Description, Dimension};
@@ -55,7 +58,8 @@ pub(crate) fn read(kind: Kind, dimension: Dimension, text: &str) -> Option<f64> 
 }
 
 impl Description {
-    /// All parameters, in the file's order of sections: bodies, springs, stops, frictions, links, loads.
+    /// All parameters, in the file's order of sections: bodies, springs, stops, frictions, links,
+    /// loads.
     ///
     /// ```
     /// let text = r#"
@@ -91,7 +95,8 @@ impl Description {
         slots(&mut copy).into_iter().map(parameter).collect()
     }
 
-    /// The parameter of a name. Where there is one harmonic alone, `harmonics[0].amplitude` is another name of `amplitude`.
+    /// The parameter of a name. Where there is one harmonic alone, `harmonics[0].amplitude` is
+    /// another name of `amplitude`.
     ///
     /// # Errors
     /// A [`Refusal`] with the nearest name.
@@ -118,18 +123,18 @@ impl Description {
         Ok(())
     }
 
-    /// The machine with other values of some parameters, in SI. The machine is checked after all of them, so that a gap and a
-    /// start may change together.
+    /// The machine with other values of some parameters, in SI. The machine is checked after all of
+    /// them, so that a gap and a start may change together.
     ///
     /// # Errors
-    /// A [`Refusal`] for unknown names, with the nearest; for a value outside its range; and for whatever a file with these values
-    /// would be refused for.
+    /// A [`Refusal`] for unknown names, with the nearest; for a value outside its range; and for
+    /// whatever a file with these values would be refused for.
     pub fn with<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
         self.changed(changes, check)
     }
 
-    /// The same of a machine under way, whose bodies no longer stand at their starts: nothing is asked of the starts, and bodies keep
-    /// theirs where the machine started at rest.
+    /// The same of a machine under way, whose bodies no longer stand at their starts: nothing is
+    /// asked of the starts, and bodies keep theirs where the machine started at rest.
     ///
     /// # Errors
     /// As [`with`](Self::with), but for what the start would be refused for.

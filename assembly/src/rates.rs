@@ -1,13 +1,16 @@
-//! Rates beyond what doubles carry: a machine that has them would move by numbers that are none, or never.
+//! Rates beyond what doubles carry: a machine that has them would move by numbers that are none, or
+//! never.
 
 use crate::description::{BodyKind, Description, Signal, StopLaw};
 use crate::error::Error;
 use crate::system::{Elongation, System};
 
-/// The highest rate, rad/s, or frequency, Hz: its square times the largest coordinate, 1e100, is a number.
+/// The highest rate, rad/s, or frequency, Hz: its square times the largest coordinate, 1e100, is a
+/// number.
 const MOST_RATE: f64 = 1e100;
 
-/// Springs and compliant stops, with the inertias that they move, and harmonics are slower than that.
+/// Springs and compliant stops, with the inertias that they move, and harmonics are slower than
+/// that.
 ///
 /// # Errors
 /// [`Error::TooFast`].
@@ -26,7 +29,8 @@ pub(crate) fn check(machine: &Description, system: &System) -> Result<(), Error>
     })
 }
 
-/// The rates that a stiffness and a damping would make by themselves. What is linked to a light body moves with it, and makes them lower.
+/// The rates that a stiffness and a damping would make by themselves. What is linked to a light
+/// body moves with it, and makes them lower.
 fn check_force(
     (kind, name): (&str, &str),
     elongation: &Elongation,

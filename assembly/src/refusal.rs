@@ -37,7 +37,8 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Characters of a name or value, and of what is said of it, that are written out: a damaged file must not fill the screen.
+/// Characters of a name or value, and of what is said of it, that are written out: a damaged file
+/// must not fill the screen.
 const LONGEST_NAME: usize = 150;
 const LONGEST_TEXT: usize = 2_000;
 
@@ -89,7 +90,8 @@ impl std::error::Error for Refusal {}
 /// Letters in a name for which a nearest one is sought; a longer one is no misspelling.
 const LONGEST_MISSPELT: usize = 100;
 
-/// What to say of a name that is not among the valid ones: the nearest or, where none is near, all of them.
+/// What to say of a name that is not among the valid ones: the nearest or, where none is near, all
+/// of them.
 pub(crate) fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
     // A name that differs in more than half of its letters is another word.
     let far = (name.chars().count() / 2).max(1);

@@ -1,6 +1,6 @@
-//! Signals of time as coordinates of the augmented state, in which every mode is one autonomous linear system
-//! (docs/assembly-law.md (A2)): the number 1, cosine and sine of each frequency, and for what is polynomial between knots
-//! its value and derivatives.
+//! Signals of time as coordinates of the augmented state, in which every mode is one autonomous
+//! linear system (docs/assembly-law.md (A2)): the number 1, cosine and sine of each frequency, and
+//! for what is polynomial between knots its value and derivatives.
 
 use crate::description::{Record, Signal, Step};
 use crate::kernel::Sparse;
@@ -87,7 +87,8 @@ fn small_turn(angle: f64) -> (f64, f64) {
     (angle * sine, cosine)
 }
 
-/// The largest angle for which so many terms do: the first ones left out are under 0.4¹⁶/16! < 3e-20.
+/// The largest angle for which so many terms do: the first ones left out are under 0.4¹⁶/16! <
+/// 3e-20.
 pub(crate) const SMALL: f64 = 0.4;
 
 /// 1/k! for even and odd k.
@@ -282,8 +283,9 @@ impl Signals {
         }
     }
 
-    /// Carries all on by a time `dt` between knots, in which no frequency turns by more than [`SMALL`] rad: from the augmented state `from` to
-    /// that in `to`. Like a sub-step this adds a rounding, which [`fill`](Self::fill) takes off.
+    /// Carries all on by a time `dt` between knots, in which no frequency turns by more than
+    /// [`SMALL`] rad: from the augmented state `from` to that in `to`. Like a sub-step this adds a
+    /// rounding, which [`fill`](Self::fill) takes off.
     #[inline(always)]
     pub(crate) fn carry_within(&self, from: &[f64], dt: f64, to: &mut [f64]) {
         to[self.one..].copy_from_slice(&from[self.one..]);

@@ -1,5 +1,5 @@
-//! The machine as matrices: minimal coordinates, inertia, and every elongation, rate and force as a row that acts on the
-//! augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to (A4)).
+//! The machine as matrices: minimal coordinates, inertia, and every elongation, rate and force as a
+//! row that acts on the augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to (A4)).
 
 mod rows;
 mod stiff;
@@ -11,7 +11,8 @@ use crate::error::Error;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// A link whose largest arm on a free coordinate is under this part of its largest arm adds nothing to the others.
+/// A link whose largest arm on a free coordinate is under this part of its largest arm adds nothing
+/// to the others.
 const NO_PIVOT: f64 = 1e-12;
 
 /// The machine as matrices; it does not change during a motion.
@@ -49,7 +50,8 @@ pub struct System {
     pub load_bodies: Vec<usize>,
     /// Whether any body's motion is prescribed.
     pub has_motions: bool,
-    /// The momentum that prescribed bodies carry through links, Bᵀ m D p' as rows; none where no link does that.
+    /// The momentum that prescribed bodies carry through links, Bᵀ m D p' as rows; none where no
+    /// link does that.
     carried: Option<DMatrix<f64>>,
     /// Inertia of each free body; 0 for prescribed ones.
     pub inertias: Vec<f64>,
@@ -66,7 +68,8 @@ struct Reduction {
     prescribed: Vec<DVector<f64>>,
 }
 
-/// Eliminates one coordinate for each link: the one with the largest arm that is left, so that no arm is divided by a small one.
+/// Eliminates one coordinate for each link: the one with the largest arm that is left, so that no
+/// arm is divided by a small one.
 fn reduce(d: &Description) -> Result<Reduction, Error> {
     let count = d.bodies.len();
     let free: Vec<bool> = d.bodies.iter().map(|b| matches!(b.kind, BodyKind::Free(_))).collect();
@@ -119,8 +122,8 @@ impl System {
     /// The matrices of a machine.
     ///
     /// # Errors
-    /// [`Error::Redundant`] for a link that follows from others or moves nothing; [`Error::Inertia`] where the inertia is not
-    /// positive in double precision.
+    /// [`Error::Redundant`] for a link that follows from others or moves nothing;
+    /// [`Error::Inertia`] where the inertia is not positive in double precision.
     pub fn new(d: &Description) -> Result<Self, Error> {
         let reduction = reduce(d)?;
         let n = reduction.kept.len();
@@ -190,8 +193,9 @@ impl System {
         Ok(system)
     }
 
-    /// The momentum Bᵀ m D p' that prescribed bodies carry through links, where there is any: what changes a coordinate's rate by Δv takes
-    /// the work Δv · Bᵀ m D p' from them (docs/assembly-law.md (A9)).
+    /// The momentum Bᵀ m D p' that prescribed bodies carry through links, where there is any: what
+    /// changes a coordinate's rate by Δv takes the work Δv · Bᵀ m D p' from them
+    /// (docs/assembly-law.md (A9)).
     pub(crate) fn carried(&self, z: &DVector<f64>) -> Option<DVector<f64>> {
         self.carried.as_ref().map(|carried| carried * z)
     }

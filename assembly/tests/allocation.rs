@@ -1,5 +1,5 @@
-//! A motion in steady operation takes no memory, neither between its events nor at those of one element. Alone in its process, since it has
-//! an allocator of its own.
+//! A motion in steady operation takes no memory, neither between its events nor at those of one
+//! element. Alone in its process, since it has an allocator of its own.
 #![allow(unsafe_code)] // an allocator is one
 
 mod common;
@@ -12,7 +12,8 @@ use common::*;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::EventKind;
 
-/// A box on a mount, driven by a load and at its base, with a block between a rigid stop and a buffer.
+/// A box on a mount, driven by a load and at its base, with a block between a rigid stop and a
+/// buffer.
 fn damper() -> Description {
     Description {
         bodies: vec![
@@ -30,7 +31,8 @@ fn damper() -> Description {
     }
 }
 
-/// A sled that a belt drags along by friction against a spring and an elastic stop: it sticks and slips.
+/// A sled that a belt drags along by friction against a spring and an elastic stop: it sticks and
+/// slips.
 fn sled() -> Description {
     Description {
         bodies: vec![body("sled", 1.0, 0.0, 0.4), prescribed("belt", Signal::default(), 0.4)],
@@ -44,7 +46,8 @@ fn sled() -> Description {
     }
 }
 
-/// Follows a machine for 30 s; each of some kinds of events must come 20 times, and nothing be allocated.
+/// Follows a machine for 30 s; each of some kinds of events must come 20 times, and nothing be
+/// allocated.
 fn follow(machine: Description, kinds: &[fn(&EventKind) -> bool]) {
     let mut motion = motion(machine);
     // In this time every mode has been met, and from each those that follow it.

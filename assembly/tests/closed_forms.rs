@@ -13,7 +13,8 @@ use vibro_assembly::motion::EventKind;
 /// Some roundings of numbers of order one, and of sums of a few hundred of them.
 const ROUNDING: f64 = 1e-12;
 
-/// What is left of a transient that falls by more than a quarter with each impact, after more than a hundred, and rounding.
+/// What is left of a transient that falls by more than a quarter with each impact, after more than
+/// a hundred, and rounding.
 const SETTLED: f64 = 1e-12;
 
 fn is_impact(kind: &EventKind) -> bool {
@@ -64,7 +65,8 @@ fn closed_form_oscillator_with_dry_friction() {
 
 #[test]
 fn closed_form_impact_pair() {
-    // Base sin t, gap 3, restitution 0.5: a motion with two impacts a period, approach speed V = 1.50557395311726.
+    // Base sin t, gap 3, restitution 0.5: a motion with two impacts a period, approach speed V =
+    // 1.50557395311726.
     let base = sine(1.0, 1.0 / std::f64::consts::TAU, 0.0);
     let d = Description {
         bodies: vec![prescribed("base", base, 0.0), body("block", 1.0, 0.0, 0.9)],
@@ -80,15 +82,17 @@ fn closed_form_impact_pair() {
         .iter()
         .rev()
         .find_map(|e| if let EventKind::Impact { speed, .. } = e.kind { Some(speed) } else { None });
-    // The block's own speed c: it reverses, c(1 - ε) = -b(1 + ε) with the base's speed b at the impact, and in half a period
-    // it goes 2(L + sqrt(1 - b²)) = π c. The closing speed is c - b = 4c/3.
+    // The block's own speed c: it reverses, c(1 - ε) = -b(1 + ε) with the base's speed b at the
+    // impact, and in half a period it goes 2(L + sqrt(1 - b²)) = π c. The closing speed is c - b =
+    // 4c/3.
     let c = 1.50557395311726;
     assert!((last.unwrap() - 4.0 * c / 3.0).abs() < SETTLED, "{last:?}");
 }
 
 #[test]
 fn closed_form_impact_on_a_spring() {
-    // m = 100, k = 1e6 contact beside mount 1e4, v = 1: F = 9950.37190209989 N, 0.0312600152681233 s.
+    // m = 100, k = 1e6 contact beside mount 1e4, v = 1: F = 9950.37190209989 N, 0.0312600152681233
+    // s.
     let d = Description {
         bodies: vec![body("mass", 100.0, 0.0, 1.0)],
         springs: vec![spring(&[(0, 1.0)], 1e4, 0.0)],
@@ -106,7 +110,8 @@ fn closed_form_impact_on_a_spring() {
 
 #[test]
 fn closed_form_cradle() {
-    // Three equal balls that touch: Newton's law with restitution 1 gives (-1/3, 2/3, 2/3) v; apart, (0, 0, 1) v.
+    // Three equal balls that touch: Newton's law with restitution 1 gives (-1/3, 2/3, 2/3) v;
+    // apart, (0, 0, 1) v.
     for (gap, expected) in [(0.0, [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]), (0.01, [0.0, 0.0, 1.0])] {
         let d = Description {
             bodies: vec![body("a", 1.0, -1.0, 1.0), body("b", 1.0, 0.0, 0.0), body("c", 1.0, 0.0, 0.0)],
@@ -126,7 +131,8 @@ fn closed_form_cradle() {
 
 #[test]
 fn others_models_elastogap() {
-    // MSL Translational.ElastoGap: m = 1, c = 10, d = 1.5, gaps ±0.5, from 2: s(5) = -0.707885294079811.
+    // MSL Translational.ElastoGap: m = 1, c = 10, d = 1.5, gaps ±0.5, from 2: s(5) =
+    // -0.707885294079811.
     let d = Description {
         bodies: vec![body("mass", 1.0, 2.0, 0.0)],
         stops: vec![
@@ -144,8 +150,9 @@ fn others_models_elastogap() {
     assert!((m.energy().balance() - change).abs() < ROUNDING * before, "{change} {}", m.energy().balance());
 }
 
-/// MSL's Rotational.Examples.CoupledClutches: four wheels with J = 1, the first at 10 rad/s under 10 sin(10 π t); clutches with
-/// μ = 0.5, peak 1.1, normal force 20 N times cos(0.4 π t), a step at 0.4 s and one at 0.9 s.
+/// MSL's Rotational.Examples.CoupledClutches: four wheels with J = 1, the first at 10 rad/s under
+/// 10 sin(10 π t); clutches with μ = 0.5, peak 1.1, normal force 20 N times cos(0.4 π t), a step at
+/// 0.4 s and one at 0.9 s.
 #[test]
 fn others_models_coupled_clutches() {
     let step = |time: f64, height: f64| Signal { steps: vec![Step { time, height }], ..Signal::default() };
@@ -189,7 +196,8 @@ fn others_models_coupled_clutches() {
 
 #[test]
 fn closed_form_bead_column() {
-    // Five beads that fall on a floor one upon the other, plastic: all lie, each contact bears what is above it.
+    // Five beads that fall on a floor one upon the other, plastic: all lie, each contact bears what
+    // is above it.
     let count = 5;
     let bodies =
         (0..count).map(|i| heavy(&format!("bead{i}"), 1.0, -1.0, 0.1 * (i + 1) as f64, 0.0)).collect();
@@ -245,8 +253,9 @@ fn anvil(mass: f64, speed: f64) -> Description {
 
 #[test]
 fn closed_form_light_body_between_a_wall_and_a_heavy_one() {
-    // The heavy body drives the light one against the wall, where both stop; then a load draws them away together. The two impulses on the light body
-    // cancel but for rounding, which is all that its speed has ever been.
+    // The heavy body drives the light one against the wall, where both stop; then a load draws them
+    // away together. The two impulses on the light body cancel but for rounding, which is all that
+    // its speed has ever been.
     for k in 1..100 {
         let (mass, speed) = (0.83f64.powi(k), 0.37 * k as f64);
         let mut d = anvil(mass, speed);
@@ -281,9 +290,10 @@ fn invariant_an_impact_without_impulse_ends_the_sequence() {
 
 #[test]
 fn closed_form_bounces_that_follow_one_another_ever_faster() {
-    // Two equal bodies fall, the lower one drawn down faster: restitution 1/2 at the ground, 0 between them. Where both fall with v, the lower one
-    // bounces with v/2 and meets the upper one, and both fall with v/4. Each pause is of the size of the square of the one before: after some impacts
-    // there are no doubles between two of them, and in the end both lie still.
+    // Two equal bodies fall, the lower one drawn down faster: restitution 1/2 at the ground, 0
+    // between them. Where both fall with v, the lower one bounces with v/2 and meets the upper one,
+    // and both fall with v/4. Each pause is of the size of the square of the one before: after some
+    // impacts there are no doubles between two of them, and in the end both lie still.
     let d = Description {
         gravity: 9.81,
         bodies: vec![heavy("lower", 1.0, -1.0, 0.1, 0.0), heavy("upper", 1.0, -1.0, 0.101, -1.0)],
@@ -317,8 +327,10 @@ fn closed_form_bounces_that_follow_one_another_ever_faster() {
 
 #[test]
 fn closed_form_redundant_friction_that_was_released_holds_again() {
-    // A sled on the ground, held by two frictions, with a block on it that a load draws. At first the block's friction would hand on more than the
-    // static levels on the ground; then it slips at its own level of 1.5, and two frictions with a level of 1 each are enough: the sled never moves.
+    // A sled on the ground, held by two frictions, with a block on it that a load draws. At first
+    // the block's friction would hand on more than the static levels on the ground; then it slips
+    // at its own level of 1.5, and two frictions with a level of 1 each are enough: the sled never
+    // moves.
     let ground = || Friction { static_force: Some(constant(1.1)), ..friction(&[(1, 1.0)], 1.0) };
     let block = Friction { static_force: Some(constant(4.0)), ..friction(&[(1, -1.0), (0, 1.0)], 1.5) };
     let d = Description {

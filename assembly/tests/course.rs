@@ -1,5 +1,5 @@
-//! Machines in the hands of a solver that knows derivatives and indicators alone, against the exact motion; and machines of which
-//! numbers change under way.
+//! Machines in the hands of a solver that knows derivatives and indicators alone, against the exact
+//! motion; and machines of which numbers change under way.
 
 mod common;
 
@@ -14,7 +14,8 @@ use vibro_assembly::{Assembly, Error, Motion, file};
 /// More than any of these motions has.
 const MOST_EVENTS: usize = 1000;
 
-/// A solver of fixed step: Runge and Kutta's rule of fourth order, with roots of indicators by halving the step's part.
+/// A solver of fixed step: Runge and Kutta's rule of fourth order, with roots of indicators by
+/// halving the step's part.
 struct Solver {
     motion: Motion,
     course: Course,
@@ -85,7 +86,8 @@ fn example(name: &str) -> Arc<Assembly> {
 
 #[test]
 fn second_method_a_solver_by_derivatives_and_indicators_finds_the_exact_motion() {
-    // Of coordinates and rates, in parts of their nominal sizes: lateness of events and the rule's error, magnified by impacts.
+    // Of coordinates and rates, in parts of their nominal sizes: lateness of events and the rule's
+    // error, magnified by impacts.
     const AGREEMENT: f64 = 1e-6;
     // Of the largest energy: what the rule and the late events leave.
     const BALANCE: f64 = 1e-7;
@@ -127,7 +129,8 @@ fn second_method_a_solver_by_derivatives_and_indicators_finds_the_exact_motion()
 
 #[test]
 fn closed_form_a_ball_comes_to_rest_on_a_course() {
-    // By theory at sqrt(2 h/g) (1 + e)/(1 - e); bounces under some 1e-9 of the height are left out, each with its time.
+    // By theory at sqrt(2 h/g) (1 + e)/(1 - e); bounces under some 1e-9 of the height are left out,
+    // each with its time.
     const REST: f64 = 8.578_949_178_728_89;
     let mut solver = Solver::new(&example("bouncing_ball"));
     solver.run(9.0, 1e-2);
@@ -138,10 +141,12 @@ fn closed_form_a_ball_comes_to_rest_on_a_course() {
     assert!(solver.events > 90 && solver.events < 110, "{} until {REST}", solver.events);
 }
 
-/// Bounces end where a stop itself loses nothing or hardly anything, and between two stops in series, of which one drives the body from the other.
+/// Bounces end where a stop itself loses nothing or hardly anything, and between two stops in
+/// series, of which one drives the body from the other.
 #[test]
 fn second_method_bounces_end_on_a_course_as_in_the_exact_motion() {
-    // Of coordinates: lateness of events, magnified by impacts. Of rates: those of the bounces that are left out, which no longer move.
+    // Of coordinates: lateness of events, magnified by impacts. Of rates: those of the bounces that
+    // are left out, which no longer move.
     const AGREEMENT: f64 = 1e-6;
     let rubbed = |restitution: f64, force: f64| Description {
         gravity: 10.0,
@@ -177,11 +182,12 @@ fn second_method_bounces_end_on_a_course_as_in_the_exact_motion() {
     }
 }
 
-/// A host's solver leaves a closed stop that moves a little off, on either side: where a friction turns round meanwhile, that is neither an impact nor the
-/// contact's end, and it turns round once.
+/// A host's solver leaves a closed stop that moves a little off, on either side: where a friction
+/// turns round meanwhile, that is neither an impact nor the contact's end, and it turns round once.
 #[test]
 fn closed_form_a_box_rests_on_a_shaken_table_while_its_guide_turns_round() {
-    // Amplitude, m, and half a period of the table, s: it pulls at the box by less than half its weight.
+    // Amplitude, m, and half a period of the table, s: it pulls at the box by less than half its
+    // weight.
     const AMPLITUDE: f64 = 2e-3;
     const HALF: f64 = 1.0 / 16.0;
     // Turns of the friction: at every half period but the first quarter.
@@ -221,14 +227,16 @@ fn closed_form_a_box_rests_on_a_shaken_table_while_its_guide_turns_round() {
                 set.set_inputs_on(&mut solver.course.clone(), &[(0, [1.0, 0.0, 0.0, 0.0])]).unwrap();
                 assert_eq!((set.mode().stops[0], set.impacts(0).count), (StopState::Closed, 0), "{off}");
             }
-            // The solver's rate may pass zero before the table's: then the contact is put right first.
+            // The solver's rate may pass zero before the table's: then the contact is put right
+            // first.
             assert!(solver.events <= 2 * TURNS, "{restitution} {step} {}", solver.events);
         }
     }
 }
 
-/// A table that a host sets between events has no rate, so that a box that rests on it stays where it is, until an event: where the table is back there, or
-/// less far down, nothing is violated, and the box is put on it.
+/// A table that a host sets between events has no rate, so that a box that rests on it stays where
+/// it is, until an event: where the table is back there, or less far down, nothing is violated, and
+/// the box is put on it.
 #[test]
 fn a_table_that_is_set_back_at_an_event_does_not_hit_the_box_on_it() {
     let description = Description {
@@ -264,8 +272,9 @@ fn a_table_that_is_set_back_at_an_event_does_not_hit_the_box_on_it() {
     }
 }
 
-/// An impact is met late. What puts its bodies on the gap then moves one of them onto another stop's gap, which the impact drives shut.
-/// Bodies that fall as one then have no event: their stops' forces are nothing, and not the rounding of their weights.
+/// An impact is met late. What puts its bodies on the gap then moves one of them onto another
+/// stop's gap, which the impact drives shut. Bodies that fall as one then have no event: their
+/// stops' forces are nothing, and not the rounding of their weights.
 #[test]
 fn invariant_a_stop_that_the_impact_of_another_drives_shut_has_its_own_impact() {
     // Of the energy at the start: what the rule and the late events leave.
@@ -297,15 +306,18 @@ fn invariant_a_stop_that_the_impact_of_another_drives_shut_has_its_own_impact() 
     assert!(residual.abs() < BALANCE * start.abs(), "{residual} of {start}");
 }
 
-/// A light part that a stiff spring holds on a stop of a heavy one: what the spring's forces leave of the friction's by their rounding is more than an
-/// indicator is late. Until the law is sure that the part slips, it sticks, which is no error.
+/// A light part that a stiff spring holds on a stop of a heavy one: what the spring's forces leave
+/// of the friction's by their rounding is more than an indicator is late. Until the law is sure
+/// that the part slips, it sticks, which is no error.
 #[test]
 fn closed_form_a_part_slips_that_a_stiff_spring_holds_on_a_stop() {
     const FREQUENCY: f64 = 1.17;
-    // The latest instant behind that at which it slips by theory, s, and the parts by halves of it down to rounding.
+    // The latest instant behind that at which it slips by theory, s, and the parts by halves of it
+    // down to rounding.
     const LATEST: f64 = 1e-3;
     const HALVES: i32 = 50;
-    // Of these the first ones at which the force is beyond its level by more than counts as zero: to 1.6e-5 s.
+    // Of these the first ones at which the force is beyond its level by more than counts as zero:
+    // to 1.6e-5 s.
     const SURE: i32 = 6;
     let machine = Description {
         bodies: vec![body("part", 0.013, -0.0535, 0.0), body("heavy", 10.0, -0.04, 0.0)],
@@ -370,7 +382,8 @@ fn closed_form_a_stop_gives_way_or_is_violated_where_its_gap_changes() {
     let mut resting = motion(machine(0.0, 10.0));
     resting.advance_to(1.0).unwrap();
     presses(&resting, 20.0);
-    // Heavier, it presses more; a floor that has gone lets it fall; one that has risen is refused, by name.
+    // Heavier, it presses more; a floor that has gone lets it fall; one that has risen is refused,
+    // by name.
     let heavier = resting.changed(Arc::new(Assembly::new(machine(0.0, 20.0)).unwrap())).unwrap();
     presses(&heavier, 40.0);
     let mut falling = resting.changed(Arc::new(Assembly::new(machine(0.5, 10.0)).unwrap())).unwrap();

@@ -1,4 +1,5 @@
-//! Signals that are set anew: prescribed bodies that jump in place and in rate, and events at the instant of a knot.
+//! Signals that are set anew: prescribed bodies that jump in place and in rate, and events at the
+//! instant of a knot.
 
 mod common;
 
@@ -32,7 +33,8 @@ fn closed_form_friction_on_a_belt_that_starts_and_stops_at_once() {
          [friction.f]\nbetween = [\"belt\", \"b\"]\nforce = 2.0\n",
     );
     let all = events(&mut m, 0.5);
-    // Sticking ends where the belt starts with 1 m/s, and the body is pulled with 2 m/s² up to 0.5 m/s.
+    // Sticking ends where the belt starts with 1 m/s, and the body is pulled with 2 m/s² up to 0.5
+    // m/s.
     near(m.body(0)[0], 0.0625);
     near(m.body(0)[1], 0.5);
     assert_eq!(times(&all, |k| matches!(k, EventKind::Slip { direction: -1.0, .. })), [0.25]);
@@ -60,7 +62,8 @@ fn closed_form_base_that_steps_away_from_what_lies_on_it() {
     near(off_balance(&m, 0.0), 0.0);
 }
 
-/// A differential: two bodies, the sum of whose ways is that of a prescribed one, and springs that store what a step does.
+/// A differential: two bodies, the sum of whose ways is that of a prescribed one, and springs that
+/// store what a step does.
 fn differential(motion: &str, order: [&str; 2]) -> Motion {
     differential_with(motion, order, "")
 }
@@ -82,7 +85,8 @@ fn closed_form_links_share_a_jump_by_inertia() {
     for order in [["a", "b"], ["b", "a"]] {
         let place = |name: &str| order.iter().position(|n| *n == name).unwrap();
         let (a, b) = (place("a"), place("b"));
-        // An impulse in the link moves one of them three times as fast as the other: of a rate, and of a step's way.
+        // An impulse in the link moves one of them three times as fast as the other: of a rate, and
+        // of a step's way.
         let mut m = differential("table = [[0.25, 0.0], [0.5, 1.0]]", order);
         m.advance_to(0.25).unwrap();
         near(m.body(a)[1], 3.0);
@@ -116,7 +120,8 @@ fn closed_form_inputs_that_jump_a_belt_and_a_base() {
 
 #[test]
 fn closed_form_force_that_touches_its_level_at_a_knot_makes_no_slip() {
-    // What holds the body is at its level at the peak of the load alone; a rounding before it would make it slip and stick.
+    // What holds the body is at its level at the peak of the load alone; a rounding before it would
+    // make it slip and stick.
     for peak in [0.3, 0.4, 0.5, 0.6, 0.7, 0.9, 1.1] {
         let mut m = text(&format!(
             "name = \"T\"\n[body.b]\nmass = 1.0\n[friction.f]\nbetween = [\"ground\", \"b\"]\nforce = 2.0\n\
@@ -130,7 +135,8 @@ fn closed_form_force_that_touches_its_level_at_a_knot_makes_no_slip() {
 
 #[test]
 fn invariant_every_knot_is_told_beside_what_ends_there() {
-    // A stop's force goes to zero with zero slope at a knot, where rounding sees it end before; a body meets a stop there, too.
+    // A stop's force goes to zero with zero slope at a knot, where rounding sees it end before; a
+    // body meets a stop there, too.
     for knot in [0.8125f64, 0.3, 0.7] {
         let mut m = text(&format!(
             "name = \"K\"\n[body.b]\nmass = 0.5\n[body.c]\nmass = 1.0\nstart = {{ s = -{knot}, v = 1.0 }}\n\
@@ -160,7 +166,8 @@ fn invariant_impacts_at_the_start_are_told() {
 
 #[test]
 fn invariant_energy_of_impacts_on_bodies_that_links_tie_to_a_moving_one() {
-    // At an impact the link that carries two bodies along has an impulse, too, and the prescribed body does work by it; of one stop and of two.
+    // At an impact the link that carries two bodies along has an impulse, too, and the prescribed
+    // body does work by it; of one stop and of two.
     for second in ["", "[stop.t]\narms = { a = 2.0 }\ngap = 0.2\nrestitution = 0.3\n"] {
         let mut m = text(&format!(
             "name = \"C\"\n[body.a]\nmass = 1.0\nstart = {{ v = 0.75 }}\n[body.b]\nmass = 3.0\nstart = {{ v = 0.25 }}\n[body.p]\nmotion = {{ rate = 1.0 }}\n\
@@ -175,7 +182,8 @@ fn invariant_energy_of_impacts_on_bodies_that_links_tie_to_a_moving_one() {
 
 #[test]
 fn closed_form_stops_on_linked_bodies_see_the_share_of_a_jump() {
-    // A step of 0.4 moves a by 0.3 and b by 0.1, whichever of them is the coordinate: a gap of 0.2 is violated by a, not by b.
+    // A step of 0.4 moves a by 0.3 and b by 0.1, whichever of them is the coordinate: a gap of 0.2
+    // is violated by a, not by b.
     let stop = |body: &str, gap: f64, order: [&str; 2]| {
         let mut m = differential_with(
             "steps = [[0.25, 0.4]]",
@@ -195,7 +203,8 @@ fn closed_form_stops_on_linked_bodies_see_the_share_of_a_jump() {
 
 #[test]
 fn closed_form_changed_numbers_are_judged_after_the_share_of_their_jump() {
-    // The step's height grows from 0 to 0.4 while the machine moves on: a moves by 0.3, so that its gap of 0.35 is kept.
+    // The step's height grows from 0 to 0.4 while the machine moves on: a moves by 0.3, so that its
+    // gap of 0.35 is kept.
     for order in [["a", "b"], ["b", "a"]] {
         let with = |height: f64| {
             let gap = "[stop.r]\narms = { a = 1.0 }\ngap = 0.35\nrestitution = 0.5\n";
@@ -210,7 +219,8 @@ fn closed_form_changed_numbers_are_judged_after_the_share_of_their_jump() {
 
 #[test]
 fn closed_form_inputs_that_are_set_at_once_move_what_touches_together() {
-    // A carriage and the plate that lies on it are both driven: neither violates the other, and nothing is hit.
+    // A carriage and the plate that lies on it are both driven: neither violates the other, and
+    // nothing is hit.
     let mut m = text(
         "name = \"T\"\n[body.plate]\nmotion = { input = true }\n[body.carriage]\nmotion = { input = true }\n\
          [body.b]\nmass = 1.0\n[stop.r]\nbetween = [\"carriage\", \"plate\"]\ngap = 0.0\nrestitution = 0.5\n\

@@ -1,5 +1,5 @@
-//! The machines of examples/assembly against the figures that their files state, and closed forms of every kind of element and
-//! signal.
+//! The machines of examples/assembly against the figures that their files state, and closed forms
+//! of every kind of element and signal.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -82,7 +82,8 @@ fn closed_form_bouncing_ball() {
 #[test]
 fn closed_form_den_hartog() {
     let mut m = example("den_hartog.toml");
-    // The transient of an undamped oscillator is eaten by friction: after hundreds of periods the amplitude is the steady one.
+    // The transient of an undamped oscillator is eaten by friction: after hundreds of periods the
+    // amplitude is the steady one.
     let period = std::f64::consts::TAU / 1.5;
     m.advance_to(600.0 * period).unwrap();
     let mut largest = 0.0f64;
@@ -187,7 +188,8 @@ fn closed_form_links_and_prescribed_bodies() {
     near(m.body(1)[0], 2.0 * (2.0 - 6.0f64.sin() / 3.0), ROUNDING);
     let (kinetic, stored) = m.kinetic_and_stored();
     near(m.energy().motions.value(), kinetic + stored, 10.0 * ROUNDING);
-    // A link to a prescribed body carries its inertia: the work of the motion is the kinetic energy.
+    // A link to a prescribed body carries its inertia: the work of the motion is the kinetic
+    // energy.
     let mut m = text(
         "name = \"L\"\n[body.cam]\nmotion = { amplitude = 0.5, frequency = \"2 rad/s\", rate = 1.0 }\n[body.follower]\nmass = 3.0\n\
          start = { v = 2.0 }\n[body.tip]\nmass = 1.0\n[link.rod]\nbetween = [\"cam\", \"follower\"]\n\

@@ -1,4 +1,5 @@
-//! Motions that end early: by request, and where coordinates become too large for energies that are numbers.
+//! Motions that end early: by request, and where coordinates become too large for energies that are
+//! numbers.
 
 mod common;
 
@@ -8,7 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_assembly::description::*;
 use vibro_assembly::{Error, Motion};
 
-/// An undamped body on a stiff spring beside a stop at twice its amplitude: each of its turns must be looked at.
+/// An undamped body on a stiff spring beside a stop at twice its amplitude: each of its turns must
+/// be looked at.
 fn fast() -> Motion {
     motion(Description {
         bodies: vec![body("light", 1e-6, 0.0, 1.0)],
@@ -82,7 +84,8 @@ fn a_start_beyond_energies_is_refused() {
 fn rates_beyond_doubles_are_refused_by_name() {
     let (sound, pushed) = (fast().assembly().description.clone(), pushed(1.0).assembly().description.clone());
     let said = |d: Description| vibro_assembly::Assembly::new(d).unwrap_err().to_string();
-    // 1e6 N/m over 1e-308 kg is infinite: such a machine would wait for its first sub-step without end.
+    // 1e6 N/m over 1e-308 kg is infinite: such a machine would wait for its first sub-step without
+    // end.
     let mut light = sound.clone();
     light.bodies[0] = body("light", 1e-308, 0.0, 1.0);
     assert!(said(light).starts_with("spring.spring0.stiffness = 1e6: allowed are rates"));
@@ -110,7 +113,8 @@ fn what_a_link_makes_heavy_is_not_refused() {
 
 #[test]
 fn closed_form_knots_are_no_work_that_has_no_end() {
-    // A force that goes up and down 60,000 times in 0.6 ms, of 1 N in the mean, on a body whose sub-step is 3 s.
+    // A force that goes up and down 60,000 times in 0.6 ms, of 1 N in the mean, on a body whose
+    // sub-step is 3 s.
     let knots = (0..120_001).map(|k| (5e-9 * f64::from(k), 2.0 * f64::from(k % 2))).collect();
     let force = Signal { table: Some(Record { knots, cubic: false }), ..Signal::default() };
     let mut motion = motion(Description {
@@ -120,7 +124,8 @@ fn closed_form_knots_are_no_work_that_has_no_end() {
         ..Description::default()
     });
     motion.advance_to(6e-4).unwrap();
-    // 1 - cos t and sin t, but for what the steps' shape adds: 1e-8 N s at most at any time, nothing at their ends.
+    // 1 - cos t and sin t, but for what the steps' shape adds: 1e-8 N s at most at any time,
+    // nothing at their ends.
     let [s, v, _] = motion.body(0);
     assert!((s - (1.0 - 6e-4f64.cos())).abs() < 1e-11 && (v - 6e-4f64.sin()).abs() < 1e-11, "{s} {v}");
 }

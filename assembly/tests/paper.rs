@@ -1,4 +1,5 @@
-//! The 3-DOF machine as an assembly against the 3-DOF core, which shares only the search for roots with it.
+//! The 3-DOF machine as an assembly against the 3-DOF core, which shares only the search for roots
+//! with it.
 
 mod common;
 
@@ -8,9 +9,11 @@ use vibro_assembly::motion::EventKind;
 use vibro_impact::simulator::{Event, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Both methods round each sub-step, of which twenty periods have some hundreds; a motion with impacts magnifies that tenfold.
+/// Both methods round each sub-step, of which twenty periods have some hundreds; a motion with
+/// impacts magnifies that tenfold.
 const AGREEMENT: f64 = 1e-12;
-/// Starts that are off by some roundings show what rounding does to a motion: where a run of chatter is closed depends on it.
+/// Starts that are off by some roundings show what rounding does to a motion: where a run of
+/// chatter is closed depends on it.
 const ROUNDINGS: [f64; 4] = [-5e-15, -1e-15, 1e-15, 5e-15];
 /// Two motions that rounding drives apart, in parts of the largest way that one of the four goes.
 const APART: f64 = 3.0;

@@ -32,7 +32,8 @@ fn invariant_pausing_before_events_changes_no_bit() {
     {
         let (known, speed) = (before.len(), paused.body(0)[1]);
         assert!(paused.is_event_due());
-        // The ball still falls, or the load has not jumped yet; the law comes when it is asked for, once.
+        // The ball still falls, or the load has not jumped yet; the law comes when it is asked for,
+        // once.
         assert_eq!(paused.load(0), if paused.time() > 0.3 { 0.05 } else { 0.0 });
         assert!(speed > 0.0, "{speed}");
         paused.apply_event(&mut |event| before.push(event.clone())).unwrap();
@@ -73,7 +74,8 @@ fn closed_form_of_a_start_at_another_time() {
     assert_eq!(refused, "start time = NaN: allowed is a finite number");
 }
 
-/// Names and machines in which something comes to its limit and turns round there, as seen at 1.5 s, and nothing else happens.
+/// Names and machines in which something comes to its limit and turns round there, as seen at 1.5
+/// s, and nothing else happens.
 fn touches() -> [(&'static str, Description); 4] {
     let wave = |constant, amplitude| Signal { constant, ..sine(amplitude, 0.5, 0.0) };
     let load = |force| vec![Load { name: "load".into(), body: 0, force }];
@@ -134,7 +136,8 @@ fn invariant_a_capped_buffer_that_is_hardly_reached_stops_no_motion() {
 
 #[test]
 fn invariant_a_buffer_that_is_met_slowly_lets_go_in_one_call_as_in_many() {
-    // A cam with a flat top, of sixth order at 2 s, comes beyond a heavily damped buffer's edge by 1e-12 m, with 7e-10 m/s.
+    // A cam with a flat top, of sixth order at 2 s, comes beyond a heavily damped buffer's edge by
+    // 1e-12 m, with 7e-10 m/s.
     let wave = |amplitude, frequency| Harmonic { amplitude, frequency, phase: std::f64::consts::FRAC_PI_2 };
     let harmonics = [wave(1.0, 0.25), wave(-1.0 / 6.0, 0.75), wave(0.02, 1.25)];
     let shift = |h: &Harmonic| Harmonic { phase: h.phase - 4.0 * std::f64::consts::PI * h.frequency, ..*h };

@@ -10,15 +10,16 @@ use vibro_assembly::{Error, Motion};
 
 /// Some tens of roundings of a state of order one, over some hundred radians.
 const ROUNDING: f64 = 1e-13;
-/// Of a machine with rates of 1e3/s followed in two ways over some thousand radians: a rounding of the fast motion in each of thousands of
-/// sub-steps, and what impacts make of it.
+/// Of a machine with rates of 1e3/s followed in two ways over some thousand radians: a rounding of
+/// the fast motion in each of thousands of sub-steps, and what impacts make of it.
 const TWO_WAYS: f64 = 1e-10;
 
-/// Of a loss, what the fast motion's decay at 500/s in 1e9 rad/s makes of its mean, and what 1e9 rounded sub-steps make of that.
+/// Of a loss, what the fast motion's decay at 500/s in 1e9 rad/s makes of its mean, and what 1e9
+/// rounded sub-steps make of that.
 const LOST: f64 = 1e-7;
 
-/// Of place and speed of the middle of two bodies 1 m from the origin: roundings of each place, 1e-16, and of the buffer's 100 m/s2 times a sub-step, in
-/// each of 2e4 sub-steps.
+/// Of place and speed of the middle of two bodies 1 m from the origin: roundings of each place,
+/// 1e-16, and of the buffer's 100 m/s2 times a sub-step, in each of 2e4 sub-steps.
 const MIDDLE: [f64; 2] = [1e-12, 1e-11];
 
 /// Two bodies of mass 1 on springs to the ground, with a spring between them.
@@ -36,8 +37,8 @@ fn pair(soft: f64, stiff: f64, damping: f64, start: (f64, f64)) -> Description {
 
 #[test]
 fn closed_form_two_undamped_oscillators_far_apart_in_frequency() {
-    // M = 1 and K = [soft + 1, -1; -1, stiff + 1]: the slow frequency from the quadratic without cancellation, by the product of its roots. Half a
-    // million million sub-steps of the fast one.
+    // M = 1 and K = [soft + 1, -1; -1, stiff + 1]: the slow frequency from the quadratic without
+    // cancellation, by the product of its roots. Half a million million sub-steps of the fast one.
     for (stiff, end) in [(1e8, 100.0), (1e14, 100.0), (1e20, 50.0)] {
         let (soft, start) = (39.5, 0.04);
         let mut motion = motion(pair(soft, stiff, 0.0, (start, 0.0)));
@@ -68,14 +69,15 @@ fn closed_form_two_undamped_oscillators_far_apart_in_frequency() {
 /// What ties the pair of [`tied`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Tie {
-    /// A spring with this damping; both bodies start alike, or with this much of a speed against one another.
+    /// A spring with this damping; both bodies start alike, or with this much of a speed against
+    /// one another.
     Spring(f64, f64),
     /// A buffer on which loads press them.
     Buffer,
 }
 
-/// Two bodies of mass 1, each on 1 N/m, tied by 1e9 N/m; the middle between them moves as cos t. Beside them a body on a spring as stiff as the tie,
-/// one on a closed stop, and `idle` ones.
+/// Two bodies of mass 1, each on 1 N/m, tied by 1e9 N/m; the middle between them moves as cos t.
+/// Beside them a body on a spring as stiff as the tie, one on a closed stop, and `idle` ones.
 fn tied(tie: Tie, idle: usize) -> Description {
     let stiff = 1e9;
     let speed = if let Tie::Spring(_, speed) = tie { speed } else { 0.0 };
@@ -109,8 +111,9 @@ fn tied(tie: Tie, idle: usize) -> Description {
 
 #[test]
 fn closed_form_what_a_stiff_spring_ties_moves_as_a_whole() {
-    // Forces of 1e9 N/m times the coordinates, rounded for each body by itself, would move the middle by 1e-7. Where the tie's motion has decayed long
-    // sub-steps carry it, where it goes on some 2e4 short ones a second do, as the stop may be opened by any of them.
+    // Forces of 1e9 N/m times the coordinates, rounded for each body by itself, would move the
+    // middle by 1e-7. Where the tie's motion has decayed long sub-steps carry it, where it goes on
+    // some 2e4 short ones a second do, as the stop may be opened by any of them.
     for tie in [Tie::Spring(1e3, 0.0), Tie::Spring(0.0, 1e-3), Tie::Buffer] {
         for idle in [0, 10] {
             let mut motion = motion(tied(tie, idle));
@@ -127,8 +130,10 @@ fn closed_form_what_a_stiff_spring_ties_moves_as_a_whole() {
 
 #[test]
 fn closed_form_what_friction_or_a_stop_holds_across_a_stiff_spring_moves_as_one() {
-    // A light body is held to a heavy one, across a spring of 1e10 N/m; both swing on 100 N/m and on nothing else, as 0.1 m cos ωt. A load without force has
-    // knots, up to which parts of sub-steps go. The tie's rounding, 1e10 N/m / 0.01 kg in the light body's row, would be 1e-4/s2 of ω² = 100/s2.
+    // A light body is held to a heavy one, across a spring of 1e10 N/m; both swing on 100 N/m and
+    // on nothing else, as 0.1 m cos ωt. A load without force has knots, up to which parts of
+    // sub-steps go. The tie's rounding, 1e10 N/m / 0.01 kg in the light body's row, would be
+    // 1e-4/s2 of ω² = 100/s2.
     let stuck =
         Description { frictions: vec![friction(&[(0, -1.0), (1, 1.0)], 1e3)], ..Description::default() };
     let pressed = Description {
@@ -174,7 +179,8 @@ fn held() -> [(Description, EventKind, f64); 3] {
         loads: vec![ramp(0, 11.2, 10.0)],
         ..Description::default()
     };
-    // A spring of 1e8 N/m presses with 10 N, and a load of 20 N/s draws away: directly, or by a body that friction of 4 N holds.
+    // A spring of 1e8 N/m presses with 10 N, and a load of 20 N/s draws away: directly, or by a
+    // body that friction of 4 N holds.
     let mut pressed = Description {
         bodies: vec![body("pressed", 1.0, 1.0, 0.0)],
         springs: vec![Spring { preload: -1e8 - 10.0, ..spring(&[(0, 1.0)], 1e8, 1e3) }],
@@ -197,8 +203,8 @@ fn held() -> [(Description, EventKind, f64); 3] {
 
 #[test]
 fn closed_form_what_holds_a_body_on_a_stiff_spring_lets_go() {
-    // While it is held nothing moves, however great the forces are that the contact balances. Doubles know 1.4e8 N/m times 0.05 m to 1e-9 N, which at
-    // 10 N/s is 1e-10 s.
+    // While it is held nothing moves, however great the forces are that the contact balances.
+    // Doubles know 1.4e8 N/m times 0.05 m to 1e-9 N, which at 10 N/s is 1e-10 s.
     for (machine, kind, time) in held() {
         let mut motion = motion(machine);
         let start = motion.state().clone();
@@ -266,7 +272,8 @@ fn second_method_a_stiff_machine_in_parts_too_short_for_long_sub_steps() {
 
 #[test]
 fn closed_form_a_light_body_on_a_stiff_spring_follows_its_load() {
-    // A milligram on 1e12 N/m: 1e9 rad/s, damped a little. Beside it a body meets a stop. 1e11 sub-steps in 100 s.
+    // A milligram on 1e12 N/m: 1e9 rad/s, damped a little. Beside it a body meets a stop. 1e11
+    // sub-steps in 100 s.
     let mut d = Description {
         bodies: vec![body("light", 1e-6, 0.0, 0.0), body("slow", 1.0, 0.5, 0.0)],
         springs: vec![spring(&[(0, 1.0)], 1e12, 1e-3), spring(&[(1, 1.0)], 1.0, 0.0)],
@@ -282,8 +289,8 @@ fn closed_form_a_light_body_on_a_stiff_spring_follows_its_load() {
     // Its own motion has decayed by exp(-500 t).
     assert!((motion.body(0)[0] - 1e-9 * angle.sin()).abs() < 1e-9 * ROUNDING, "{:e}", motion.body(0)[0]);
     assert!((motion.body(1)[0] - 0.5 * end.cos()).abs() < ROUNDING, "{:e}", motion.body(1)[0]);
-    // What the light body had at the start beside the speed that follows the load is lost in the dashpot, and what this speed loses; the mean of its
-    // square is a half at such an end.
+    // What the light body had at the start beside the speed that follows the load is lost in the
+    // dashpot, and what this speed loses; the mean of its square is a half at such an end.
     let follows = 1e-9 * TAU * 0.25;
     let exact = 0.5 * 1e-6 * (1e-3 - follows).powi(2) + 1e-3 * follows.powi(2) * 0.5 * end;
     let lost = motion.energy().dashpots[0].value();
@@ -292,7 +299,8 @@ fn closed_form_a_light_body_on_a_stiff_spring_follows_its_load() {
 
 #[test]
 fn a_motion_too_fast_for_its_end_is_told_with_body_and_sub_step() {
-    // An undamped body on a stiff spring beside a stop at twice its amplitude: each of its turns must be looked at.
+    // An undamped body on a stiff spring beside a stop at twice its amplitude: each of its turns
+    // must be looked at.
     let d = Description {
         bodies: vec![body("light", 1e-6, 0.0, 1.0), body("slow", 1.0, 0.1, 0.0)],
         springs: vec![spring(&[(0, 1.0)], 1e12, 0.0), spring(&[(1, 1.0)], 1.0, 0.0)],
@@ -310,7 +318,8 @@ fn a_motion_too_fast_for_its_end_is_told_with_body_and_sub_step() {
 
 #[test]
 fn closed_form_a_slow_body_beside_a_fast_one_meets_its_stop() {
-    // In each sub-step, which the fast body's stop keeps short, the slow body moves by less than what counts as zero beside its place.
+    // In each sub-step, which the fast body's stop keeps short, the slow body moves by less than
+    // what counts as zero beside its place.
     const SPEED: f64 = 2e-8;
     const GAP: f64 = 1e-10;
     /// What counts as zero, a few times over: parts of the largest coordinate.
@@ -331,9 +340,11 @@ fn closed_form_a_slow_body_beside_a_fast_one_meets_its_stop() {
 
 #[test]
 fn closed_form_a_stop_lets_go_whose_force_begins_as_zero_beside_a_stiff_spring() {
-    // 1e-13 of the spring's 1e8 N, and of what it does to the other body, hides the load and its derivatives at the start, so that the stop's force counts
-    // as zero throughout the mode. A load of 1 N - 1 N cos draws at once, one of 1 N sin after half a period, when both bodies are held until then: without
-    // a fast motion a sub-step, and with one a long sub-step, may take a whole period of it.
+    // 1e-13 of the spring's 1e8 N, and of what it does to the other body, hides the load and its
+    // derivatives at the start, so that the stop's force counts as zero throughout the mode. A load
+    // of 1 N - 1 N cos draws at once, one of 1 N sin after half a period, when both bodies are held
+    // until then: without a fast motion a sub-step, and with one a long sub-step, may take a whole
+    // period of it.
     /// Until the load is beyond 16 times what counts as zero, s.
     const LATE: f64 = 0.03;
     let load =

@@ -1,4 +1,5 @@
-//! The tables of the modes that a motion meets stay within the memory that is given to them, whichever way leads to a mode.
+//! The tables of the modes that a motion meets stay within the memory that is given to them,
+//! whichever way leads to a mode.
 
 mod common;
 
@@ -7,7 +8,8 @@ use vibro_assembly::Motion;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::Outcome;
 
-/// Bodies on springs of their own, each between a buffer and friction: their modes are as many as all combinations.
+/// Bodies on springs of their own, each between a buffer and friction: their modes are as many as
+/// all combinations.
 fn independent(count: usize) -> Description {
     let mut d = Description::default();
     for i in 0..count {
@@ -34,7 +36,8 @@ fn invariant_tables_stay_within_their_memory_on_every_way() {
     let one = machine().table_memory();
     let (free, times) = follow(machine(), 2.0);
     assert!(free > 100 * one, "{free} {one}: too few modes for this test");
-    // The tables of one mode are larger by its powers and by its contacts; at an event there are those of two.
+    // The tables of one mode are larger by its powers and by its contacts; at an event there are
+    // those of two.
     let (given, event) = (20 * one, 4 * one);
     for general in [false, true] {
         let limited = machine().with_table_memory(given);

@@ -27,7 +27,8 @@ fn closed_form_a_ball_that_falls_on_a_floor() {
                 [load.push]\non = \"ball\"\ninput = true\n";
     let (h, v0, g, e, m, end) = (4.0_f64, 1.0_f64, 10.0_f64, 0.5, 2.0, 1.0);
     let variations = varied(&mut motion(text), end);
-    // It meets the floor with u after t; by s(0) sooner by 1/u, by v(0) sooner by t/u, and faster by energy.
+    // It meets the floor with u after t; by s(0) sooner by 1/u, by v(0) sooner by t/u, and faster
+    // by energy.
     let u = (v0 * v0 + 2.0 * g * h).sqrt();
     let t = (u - v0) / g;
     let left = end - t;
@@ -86,7 +87,8 @@ fn closed_form_what_a_closed_stop_holds_does_not_vary() {
     }
 }
 
-/// In parts of a column's largest entry: a difference of fourth order leaves the fourth power of its step, and rounding over the step.
+/// In parts of a column's largest entry: a difference of fourth order leaves the fourth power of
+/// its step, and rounding over the step.
 const DIFFERENCE: f64 = 2e-5;
 
 /// The examples, each up to a time by which it has passed events of its kinds and stands at none.
@@ -98,7 +100,8 @@ fn second_method_the_examples_against_differences_of_motions() {
         // Its friction comes to rest within micrometres of the buffer: changes must be smaller.
         ("damper_with_buffer", 0.5, 10, 5e-7),
         ("msl_elastogap", 3.0, 2, 2e-5),
-        // Its flanks make of a rounding of the angles 4e4/s times as much in the speeds: changes must be greater.
+        // Its flanks make of a rounding of the angles 4e4/s times as much in the speeds: changes
+        // must be greater.
         ("gear_backlash", 0.03, 4, 1e-4),
         ("msl_coupled_clutches", 1.3, 4, 2e-5),
         ("two_blocks", 0.1, 1, 2e-5),

@@ -1,5 +1,6 @@
-//! Writes what hosts need beside the library of the bouncing ball: `modelDescription.xml` of both versions, in folders laid out as
-//! the archives are. With the library in `binaries/` each folder, zipped, is an FMU.
+//! Writes what hosts need beside the library of the bouncing ball: `modelDescription.xml` of both
+//! versions, in folders laid out as the archives are. With the library in `binaries/` each folder,
+//! zipped, is an FMU.
 //!
 //! `cargo run --example describe FOLDER`
 

@@ -8,28 +8,34 @@ use crate::problem::{Problem, Refusal};
 use crate::values::{Bases, Dependency};
 use std::fmt::Debug;
 
-/// A component that a host can set, step or integrate, read, save and restore: what an FMU is an instance of.
+/// A component that a host can set, step or integrate, read, save and restore: what an FMU is an
+/// instance of.
 ///
-/// Which call is allowed in which state of which version is the doors' to say; they check arguments, keep saved states, and
-/// turn outcomes into statuses and messages. A component keeps a [`Life`]; each of its methods checks everything it was given
-/// and only then changes anything, so that a refused call leaves it as it was. What it does not offer it leaves out: the defaults
+/// Which call is allowed in which state of which version is the doors' to say; they check
+/// arguments, keep saved states, and turn outcomes into statuses and messages. A component keeps a
+/// [`Life`]; each of its methods checks everything it was given and only then changes anything, so
+/// that a refused call leaves it as it was. What it does not offer it leaves out: the defaults
 /// refuse by name.
 ///
 /// What is offered, and what to write for it:
 ///
-/// - anything: [`instantiate`](Self::instantiate), [`life`](Self::life), [`life_mut`](Self::life_mut), [`variable`](Self::variable),
-///   [`get`](Self::get), [`set`](Self::set), [`exit_initialization`](Self::exit_initialization), [`reset`](Self::reset),
-///   [`time`](Self::time);
+/// - anything: [`instantiate`](Self::instantiate), [`life`](Self::life),
+///   [`life_mut`](Self::life_mut), [`variable`](Self::variable), [`get`](Self::get),
+///   [`set`](Self::set), [`exit_initialization`](Self::exit_initialization),
+///   [`reset`](Self::reset), [`time`](Self::time);
 /// - Co-Simulation: [`advance`](Self::advance);
 /// - events: [`handle_events`](Self::handle_events), [`next_event_time`](Self::next_event_time);
-/// - Model Exchange: [`set_time`](Self::set_time), [`set_continuous_states`](Self::set_continuous_states) and the getters beside them;
-/// - saved states: [`save`](Self::save), [`restore`](Self::restore); as bytes [`serialize`](Self::serialize),
-///   [`deserialize`](Self::deserialize);
-/// - intermediate update: [`INTERMEDIATE_UPDATE`](Self::INTERMEDIATE_UPDATE), [`begin_pieces`](Self::begin_pieces) and what follows it.
+/// - Model Exchange: [`set_time`](Self::set_time),
+///   [`set_continuous_states`](Self::set_continuous_states) and the getters beside them;
+/// - saved states: [`save`](Self::save), [`restore`](Self::restore); as bytes
+///   [`serialize`](Self::serialize), [`deserialize`](Self::deserialize);
+/// - intermediate update: [`INTERMEDIATE_UPDATE`](Self::INTERMEDIATE_UPDATE),
+///   [`begin_pieces`](Self::begin_pieces) and what follows it.
 ///
-/// All values travel as `f64`: Integers and enumerations are exact in it, Booleans and clocks are 0 and 1. Which variables there
-/// are is asked of an instance, so that they may be known at instantiation only. There are no String, Binary and
-/// structural variables, no input clocks and no Scheduled Execution.
+/// All values travel as `f64`: Integers and enumerations are exact in it, Booleans and clocks are 0
+/// and 1. Which variables there are is asked of an instance, so that they may be known at
+/// instantiation only. There are no String, Binary and structural variables, no input clocks and no
+/// Scheduled Execution.
 #[allow(unused_variables)] // of the defaults
 pub trait Component: Sized + Debug + 'static {
     /// Why it refuses; [`Problem`] where it has nothing of its own to say.
@@ -39,21 +45,24 @@ pub trait Component: Sized + Debug + 'static {
     /// A step in progress that looks at its course; `()` without intermediate update.
     type Pieces: Debug;
 
-    /// More elements than this in one call are taken for a mistake, which keeps a wrong count from walking through the host's
-    /// memory: above the largest number of values of one call, and of the bytes of a saved state.
+    /// More elements than this in one call are taken for a mistake, which keeps a wrong count from
+    /// walking through the host's memory: above the largest number of values of one call, and of
+    /// the bytes of a saved state.
     const MAX_COUNT: usize = 1 << 24;
-    /// Whether steps ask the host's callback (`providesIntermediateUpdate`); otherwise it is never called.
+    /// Whether steps ask the host's callback (`providesIntermediateUpdate`); otherwise it is never
+    /// called.
     const INTERMEDIATE_UPDATE: bool = false;
     /// What messages say of a step of FMI 2.0 that ends early.
     const EARLY_END: EarlyEnd = EarlyEnd { event: "event", because: "" };
 
     // Making and life
 
-    /// `fmi2Instantiate`, `fmi3Instantiate…`: a new instance with all variables at their start values.
+    /// `fmi2Instantiate`, `fmi3Instantiate…`: a new instance with all variables at their start
+    /// values.
     ///
     /// # Errors
-    /// A token that is not this component's ([`Instantiation::check_token`]), resources that cannot be read, an interface type
-    /// that is not offered.
+    /// A token that is not this component's ([`Instantiation::check_token`]), resources that cannot
+    /// be read, an interface type that is not offered.
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, Self::Problem>;
 
     /// Its dealings with the host.
@@ -79,12 +88,14 @@ pub trait Component: Sized + Debug + 'static {
         Ok(())
     }
 
-    /// `fmi2EnterInitializationMode`, `fmi3EnterInitializationMode`: from now on outputs show the start.
+    /// `fmi2EnterInitializationMode`, `fmi3EnterInitializationMode`: from now on outputs show the
+    /// start.
     fn enter_initialization(&mut self) {
         self.life_mut().phase = Phase::Initialization;
     }
 
-    /// `fmi2ExitInitializationMode`, `fmi3ExitInitializationMode`: the motion begins, by [`Life::begin`].
+    /// `fmi2ExitInitializationMode`, `fmi3ExitInitializationMode`: the motion begins, by
+    /// [`Life::begin`].
     ///
     /// # Errors
     /// When start values or parameters are not possible; it stays in initialization.
@@ -95,7 +106,8 @@ pub trait Component: Sized + Debug + 'static {
         self.life_mut().phase = Phase::Terminated;
     }
 
-    /// An error has ended it (FMI 3.0.2, 2.3.1). Nothing else has changed, so that what was shown of an event that was not carried out is not shown any more.
+    /// An error has ended it (FMI 3.0.2, 2.3.1). Nothing else has changed, so that what was shown
+    /// of an event that was not carried out is not shown any more.
     fn fail(&mut self) {
         self.life_mut().phase = Phase::Terminated;
     }
@@ -119,8 +131,8 @@ pub trait Component: Sized + Debug + 'static {
     /// [`Problem::Reference`] when there is none.
     fn variable(&self, reference: u32) -> Result<Named<'_>, Self::Problem>;
 
-    /// `fmi2Get…`, `fmi3Get…`: hands value `i` to `write`, those of the variables in their order, of an array in row-major order.
-    /// No value is NaN or infinite.
+    /// `fmi2Get…`, `fmi3Get…`: hands value `i` to `write`, those of the variables in their order,
+    /// of an array in row-major order. No value is NaN or infinite.
     ///
     /// # Errors
     /// Before anything is written: a reference that is not of these types ([`Problem::Reference`]).
@@ -131,7 +143,8 @@ pub trait Component: Sized + Debug + 'static {
         write: impl FnMut(usize, f64),
     ) -> Result<(), Self::Problem>;
 
-    /// `fmi2Set…`, `fmi3Set…`: takes the value of variable `i` from `read`. All are checked before the first is set.
+    /// `fmi2Set…`, `fmi3Set…`: takes the value of variable `i` from `read`. All are checked before
+    /// the first is set.
     ///
     /// # Errors
     /// A wrong reference, a variable that cannot be set in this phase, a value outside its range.
@@ -155,7 +168,8 @@ pub trait Component: Sized + Debug + 'static {
         not_offered("derivatives of inputs")
     }
 
-    /// `fmi2GetRealOutputDerivatives`, `fmi3GetOutputDerivatives` (`maxOutputDerivativeOrder`): hands derivative `i` to `write`.
+    /// `fmi2GetRealOutputDerivatives`, `fmi3GetOutputDerivatives` (`maxOutputDerivativeOrder`):
+    /// hands derivative `i` to `write`.
     ///
     /// # Errors
     /// By default always.
@@ -168,8 +182,8 @@ pub trait Component: Sized + Debug + 'static {
         not_offered("derivatives of outputs")
     }
 
-    /// `fmi2GetDirectionalDerivative`, `fmi3GetDirectionalDerivative`: hands the derivative of unknown `i` along `seed` in the
-    /// space of knowns to `write`.
+    /// `fmi2GetDirectionalDerivative`, `fmi3GetDirectionalDerivative`: hands the derivative of
+    /// unknown `i` along `seed` in the space of knowns to `write`.
     ///
     /// # Errors
     /// By default always.
@@ -183,12 +197,12 @@ pub trait Component: Sized + Debug + 'static {
         not_offered("directional derivatives")
     }
 
-    /// `fmi3GetAdjointDerivative`: hands the sum over the unknowns of seed times derivative with respect to known `k` to `write`;
-    /// by default from directional derivatives.
+    /// `fmi3GetAdjointDerivative`: hands the sum over the unknowns of seed times derivative with
+    /// respect to known `k` to `write`; by default from directional derivatives.
     ///
     /// # Errors
-    /// As [`directional_derivative`](Self::directional_derivative); a seed or a sum that is not finite. By default nothing is written
-    /// then.
+    /// As [`directional_derivative`](Self::directional_derivative); a seed or a sum that is not
+    /// finite. By default nothing is written then.
     fn adjoint_derivative(
         &mut self,
         unknowns: &[u32],
@@ -225,7 +239,8 @@ pub trait Component: Sized + Debug + 'static {
 
     // Events
 
-    /// `fmi2EnterEventMode`, `fmi3EnterEventMode`: the host comes to handle an event; there need not be one.
+    /// `fmi2EnterEventMode`, `fmi3EnterEventMode`: the host comes to handle an event; there need
+    /// not be one.
     ///
     /// # Errors
     /// By default none.
@@ -234,8 +249,8 @@ pub trait Component: Sized + Debug + 'static {
         Ok(())
     }
 
-    /// `fmi2NewDiscreteStates`, `fmi3UpdateDiscreteStates`: carries out what is due at the present instant, all in one call, and
-    /// tells what has changed.
+    /// `fmi2NewDiscreteStates`, `fmi3UpdateDiscreteStates`: carries out what is due at the present
+    /// instant, all in one call, and tells what has changed.
     ///
     /// # Errors
     /// When what was set is not possible; nothing has changed then.
@@ -243,7 +258,8 @@ pub trait Component: Sized + Debug + 'static {
         Ok(Handled::default())
     }
 
-    /// The time of the next event, s, where it is known: a time event in Model Exchange, any event in Co-Simulation.
+    /// The time of the next event, s, where it is known: a time event in Model Exchange, any event
+    /// in Co-Simulation.
     fn next_event_time(&mut self) -> Option<f64> {
         None
     }
@@ -259,8 +275,9 @@ pub trait Component: Sized + Debug + 'static {
 
     // Co-Simulation
 
-    /// `fmi3DoStep`: from the present time towards `point + size`. Own time is the truth; `point` may be off by rounding
-    /// ([`Life::check_step`]). What happens at an event inside is agreed by [`EventHandling`](crate::EventHandling).
+    /// `fmi3DoStep`: from the present time towards `point + size`. Own time is the truth; `point`
+    /// may be off by rounding ([`Life::check_step`]). What happens at an event inside is agreed by
+    /// [`EventHandling`](crate::EventHandling).
     ///
     /// # Errors
     /// When the step was not carried out at all; it stands where it stood. By default always.
@@ -268,8 +285,8 @@ pub trait Component: Sized + Debug + 'static {
         not_offered("Co-Simulation")
     }
 
-    /// `fmi2DoStep`: the same for a host that knows nothing of events. Where it ends early, the phase is then
-    /// [`Phase::StoppedEarly`].
+    /// `fmi2DoStep`: the same for a host that knows nothing of events. Where it ends early, the
+    /// phase is then [`Phase::StoppedEarly`].
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
@@ -296,13 +313,15 @@ pub trait Component: Sized + Debug + 'static {
     /// `fmi2EnterContinuousTimeMode`: the host's solver goes on from here.
     ///
     /// # Errors
-    /// When what was set at the event is not possible; it stands at the event then. By default none.
+    /// When what was set at the event is not possible; it stands at the event then. By default
+    /// none.
     fn enter_continuous(&mut self) -> Result<(), Self::Problem> {
         self.life_mut().phase = Phase::Continuous;
         Ok(())
     }
 
-    /// `fmi2CompletedIntegratorStep`, `fmi3CompletedIntegratorStep`: whether the host must enter Event Mode.
+    /// `fmi2CompletedIntegratorStep`, `fmi3CompletedIntegratorStep`: whether the host must enter
+    /// Event Mode.
     ///
     /// # Errors
     /// By default none.
@@ -350,7 +369,8 @@ pub trait Component: Sized + Debug + 'static {
         Ok([])
     }
 
-    /// `fmi2GetNominalsOfContinuousStates`, `fmi3GetNominalsOfContinuousStates`: positive numbers, 1 by default.
+    /// `fmi2GetNominalsOfContinuousStates`, `fmi3GetNominalsOfContinuousStates`: positive numbers,
+    /// 1 by default.
     fn nominals(&self) -> impl AsRef<[f64]> {
         vec![1.0; self.number_of_continuous_states()]
     }
@@ -374,8 +394,9 @@ pub trait Component: Sized + Debug + 'static {
         Ok(())
     }
 
-    /// `fmi2SetFMUstate`, `fmi3SetFMUState`: goes back to a saved state of this instance or one that was read from bytes; also
-    /// where it was never initialized. Continuing gives the same bits as not having left.
+    /// `fmi2SetFMUstate`, `fmi3SetFMUState`: goes back to a saved state of this instance or one
+    /// that was read from bytes; also where it was never initialized. Continuing gives the same
+    /// bits as not having left.
     ///
     /// # Errors
     /// A state that does not fit, nothing having changed; by default always.
@@ -394,12 +415,14 @@ pub trait Component: Sized + Debug + 'static {
     /// `fmi2DeSerializeFMUstate`, `fmi3DeserializeFMUState`: any bytes may come.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] for bytes that are truncated, altered or of another build; by default always.
+    /// [`Problem::SavedState`] for bytes that are truncated, altered or of another build; by
+    /// default always.
     fn deserialize(&self, bytes: &[u8]) -> Result<Self::State, Self::Problem> {
         not_offered("saved states as bytes")
     }
 
-    // A step in pieces from event to event, for a host that looks into it, sets inputs for its course, or ends it early.
+    // A step in pieces from event to event, for a host that looks into it, sets inputs for its
+    // course, or ends it early.
 
     /// Begins a step as [`advance`](Self::advance) would make it.
     ///
@@ -420,7 +443,8 @@ pub trait Component: Sized + Debug + 'static {
     /// Lets an input hold a value from here on.
     fn hold_input(&mut self, reference: u32, value: f64) {}
 
-    /// Takes over what was set; where that is an event of its own, the step of a host that handles events ends here.
+    /// Takes over what was set; where that is an event of its own, the step of a host that handles
+    /// events ends here.
     ///
     /// # Errors
     /// For what is not possible; the step has been taken back then. By default always.
@@ -446,7 +470,8 @@ pub trait Component: Sized + Debug + 'static {
         false
     }
 
-    /// Applies the law of the event before which the last piece has ended; true where the step ends after it.
+    /// Applies the law of the event before which the last piece has ended; true where the step ends
+    /// after it.
     fn pass_event(&mut self, pieces: &mut Self::Pieces, log: &mut dyn Log) -> bool {
         true
     }

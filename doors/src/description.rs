@@ -1,8 +1,8 @@
-//! What `modelDescription.xml` says of a component, as plain data, and the text of it for both versions (FMI 2.0, 2.2; FMI 3.0.2,
-//! 2.4).
+//! What `modelDescription.xml` says of a component, as plain data, and the text of it for both
+//! versions (FMI 2.0, 2.2; FMI 3.0.2, 2.4).
 //!
-//! A component fills in a [`Description`]; [`xml`](Description::xml) writes it for a [`Version`]. Names and texts
-//! may be known at run time only.
+//! A component fills in a [`Description`]; [`xml`](Description::xml) writes it for a [`Version`].
+//! Names and texts may be known at run time only.
 
 mod element;
 mod fmi2;
@@ -18,14 +18,16 @@ use std::borrow::Cow;
 /// A text of a description.
 pub type Text = Cow<'static, str>;
 
-/// Everything that a model description says. What one version alone knows is left out of the text of the other.
+/// Everything that a model description says. What one version alone knows is left out of the text
+/// of the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
     /// `modelName`.
     pub model_name: Text,
     /// `modelIdentifier`: the name of the library's file, and of nothing else.
     pub model_identifier: Text,
-    /// `guid`, `instantiationToken`: what [`Instantiation::check_token`](crate::Instantiation::check_token) compares.
+    /// `guid`, `instantiationToken`: what
+    /// [`Instantiation::check_token`](crate::Instantiation::check_token) compares.
     pub token: Text,
     /// What the model is.
     pub description: Text,
@@ -41,7 +43,8 @@ pub struct Description {
     pub generation_tool: Text,
     /// `generationDateAndTime`, where it is to be said.
     pub generation_date_and_time: Option<Text>,
-    /// Whether the names of the variables have dots between their levels (`variableNamingConvention`).
+    /// Whether the names of the variables have dots between their levels
+    /// (`variableNamingConvention`).
     pub structured_names: bool,
     /// The interface type Model Exchange, where it is offered.
     pub model_exchange: Option<ModelExchange>,
@@ -80,8 +83,8 @@ impl Description {
     }
 }
 
-/// What both interface types can do (FMI 2.0, 3.3.1 and 4.3.1; FMI 3.0.2, 2.4.2). `Default` is what the defaults of
-/// [`Component`](crate::Component) do: nothing.
+/// What both interface types can do (FMI 2.0, 3.3.1 and 4.3.1; FMI 3.0.2, 2.4.2). `Default` is what
+/// the defaults of [`Component`](crate::Component) do: nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
     /// States can be saved and restored.
@@ -107,7 +110,8 @@ pub struct ModelExchange {
     pub number_of_event_indicators: usize,
 }
 
-/// The interface type Co-Simulation (FMI 2.0, 4.3.1; FMI 3.0.2, 4.4). `Default` takes steps of any size.
+/// The interface type Co-Simulation (FMI 2.0, 4.3.1; FMI 3.0.2, 4.4). `Default` takes steps of any
+/// size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CoSimulation {
     /// Any step size.
@@ -163,7 +167,8 @@ pub struct Unit {
     pub name: Text,
     /// Exponents of kg, m, s, A, K, mol, cd and rad.
     pub exponents: [i32; 8],
-    /// Display units a person may choose from: names, and what a value is multiplied with to be shown in them.
+    /// Display units a person may choose from: names, and what a value is multiplied with to be
+    /// shown in them.
     pub display: Vec<(Text, f64)>,
 }
 

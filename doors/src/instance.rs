@@ -1,4 +1,5 @@
-//! What an instance is by both versions: the component, its saved states, and the log categories that the host has enabled.
+//! What an instance is by both versions: the component, its saved states, and the log categories
+//! that the host has enabled.
 
 use crate::component::Component;
 use crate::ffi::Fault;
@@ -8,8 +9,9 @@ use crate::log::Categories;
 use crate::messages::{Logger, Sink, with_category};
 use crate::problem::Refused;
 
-/// An instance of the component `C`, as far as FMI 2.0 and 3.0 agree. What they agree on wholly is here or the component's own; the
-/// doors add which call is allowed when, and what it means where they differ.
+/// An instance of the component `C`, as far as FMI 2.0 and 3.0 agree. What they agree on wholly is
+/// here or the component's own; the doors add which call is allowed when, and what it means where
+/// they differ.
 #[derive(Debug)]
 pub struct Instance<C: Component> {
     /// What it is an instance of.
@@ -63,10 +65,12 @@ impl<C: Component> Instance<C> {
         Logger { sink, enabled: self.enabled, function }
     }
 
-    /// `fmi2SetDebugLogging` and `fmi3SetDebugLogging` (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1); no names means all categories.
+    /// `fmi2SetDebugLogging` and `fmi3SetDebugLogging` (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1); no names
+    /// means all categories.
     ///
     /// # Errors
-    /// [`Fault::Text`] for an unknown category, and what reading a name gives; nothing has changed then.
+    /// [`Fault::Text`] for an unknown category, and what reading a name gives; nothing has changed
+    /// then.
     pub fn set_debug_logging<S: AsRef<str>>(
         &mut self,
         on: bool,
@@ -82,8 +86,8 @@ impl<C: Component> Instance<C> {
         Ok(())
     }
 
-    /// `fmi2GetFMUstate` and `fmi3GetFMUState` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7.4): saves into the place of `handle`, or a new one
-    /// where that is zero.
+    /// `fmi2GetFMUstate` and `fmi3GetFMUState` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7.4): saves into the
+    /// place of `handle`, or a new one where that is zero.
     ///
     /// # Errors
     /// For a handle that is neither zero nor this instance's.
@@ -119,8 +123,8 @@ impl<C: Component> Instance<C> {
         Ok(self.component.serialize(self.states.get(handle)?)?)
     }
 
-    /// `fmi2DeSerializeFMUstate` and `fmi3DeserializeFMUState`: into the place of `handle` where that is this instance's, else a new
-    /// one.
+    /// `fmi2DeSerializeFMUstate` and `fmi3DeserializeFMUState`: into the place of `handle` where
+    /// that is this instance's, else a new one.
     ///
     /// # Errors
     /// As [`deserialize`](Component::deserialize).

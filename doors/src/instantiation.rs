@@ -29,8 +29,8 @@ pub struct Instantiation<'a> {
     pub name: &'a str,
     /// What tells descriptions apart: `fmuGUID`, `instantiationToken`.
     pub token: &'a str,
-    /// Where the files of the FMU's folder `resources` are, as the host says it: a URI in FMI 2.0, a path in FMI 3.0; none where
-    /// it says nothing.
+    /// Where the files of the FMU's folder `resources` are, as the host says it: a URI in FMI 2.0,
+    /// a path in FMI 3.0; none where it says nothing.
     pub resources: Option<&'a str>,
 }
 
@@ -53,9 +53,9 @@ impl Instantiation<'_> {
         Problem::Fault(Fault::Text { argument, value, allowed })
     }
 
-    /// The folder of the FMU's resources: in FMI 2.0 from a URI of a file, with or without a host, its characters by percent codes
-    /// or not, or from a path, which some hosts give; in FMI 3.0 from a path, with a separator at its end or not. Whether it is
-    /// there shows when it is read.
+    /// The folder of the FMU's resources: in FMI 2.0 from a URI of a file, with or without a host,
+    /// its characters by percent codes or not, or from a path, which some hosts give; in FMI 3.0
+    /// from a path, with a separator at its end or not. Whether it is there shows when it is read.
     ///
     /// # Errors
     /// [`Problem::Fault`] where the host says nothing, or names no file.
@@ -74,8 +74,8 @@ impl Instantiation<'_> {
         Ok(PathBuf::from(path))
     }
 
-    /// Where the FMU's resources may be, the likeliest first: the folder that the host names, and that which an unpacked FMU has
-    /// beside the library, for hosts that name none or a wrong one.
+    /// Where the FMU's resources may be, the likeliest first: the folder that the host names, and
+    /// that which an unpacked FMU has beside the library, for hosts that name none or a wrong one.
     pub fn resource_folders(&self) -> Vec<PathBuf> {
         // The library lies in binaries/PLATFORM/.
         let beside = own_path().and_then(|path| Some(path.ancestors().nth(3)?.join("resources")));
@@ -99,7 +99,8 @@ pub struct Named<'a> {
     pub intermediate_update: bool,
 }
 
-/// The path that a URI names (RFC 8089); none for another scheme than that of files, or codes that are no UTF-8.
+/// The path that a URI names (RFC 8089); none for another scheme than that of files, or codes that
+/// are no UTF-8.
 fn path_of_uri(uri: &str) -> Option<String> {
     let Some(scheme) = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("file:")) else {
         return (!uri.contains("://")).then(|| uri.to_owned());

@@ -14,23 +14,26 @@
 //!                  tabular        a component from a table of variables and what moves them
 //! ```
 //!
-//! The doors check handles, pointers, counts and states, keep saved states, turn panics into statuses and problems into log
-//! messages. They know nothing of what moves; [`ffi`] knows nothing of FMI; the doors [`fmi2`] and [`fmi3`] stand beside each other,
-//! and neither imports the other.
+//! The doors check handles, pointers, counts and states, keep saved states, turn panics into
+//! statuses and problems into log messages. They know nothing of what moves; [`ffi`] knows nothing
+//! of FMI; the doors [`fmi2`] and [`fmi3`] stand beside each other, and neither imports the other.
 //!
 //! # An FMU from your Rust type
 //!
 //! 1. A crate whose library is a `cdylib`, with this crate among its dependencies.
-//! 2. A type that implements [`Tabular`](tabular::Tabular): a table of variables and what moves them, as below and in
-//!    `examples/bouncing_ball/ball.rs`, which has events. What it offers follows: both interface types, event mode, saved states, ranges,
-//!    phases and messages. Where a table is too little (arrays, derivatives, what is known at run time only, intermediate
+//! 2. A type that implements [`Tabular`](tabular::Tabular): a table of variables and what moves
+//!    them, as below and in `examples/bouncing_ball/ball.rs`, which has events. What it offers
+//!    follows: both interface types, event mode, saved states, ranges, phases and messages. Where a
+//!    table is too little (arrays, derivatives, what is known at run time only, intermediate
 //!    update), a type implements [`Component`] itself; its defaults refuse the rest by name.
-//! 3. One line, [`export!`], makes all functions of FMI 2.0 and 3.0. It expands to `unsafe` functions by the C names; the crate may
-//!    deny `unsafe_code` elsewhere, but not forbid it.
+//! 3. One line, [`export!`], makes all functions of FMI 2.0 and 3.0. It expands to `unsafe`
+//!    functions by the C names; the crate may deny `unsafe_code` elsewhere, but not forbid it.
 //! 4. A program that writes `modelDescription.xml` for each version (`examples/describe.rs`), from
-//!    [`FromTable::description`](tabular::FromTable::description) or a [`Description`](description::Description) of your own.
-//! 5. A zip archive of the description and the library, in `binaries/linux64/` (FMI 2.0) or `binaries/x86_64-linux/` (FMI 3.0) and the
-//!    like of other platforms, under the name that the description has as `modelIdentifier`.
+//!    [`FromTable::description`](tabular::FromTable::description) or a
+//!    [`Description`](description::Description) of your own.
+//! 5. A zip archive of the description and the library, in `binaries/linux64/` (FMI 2.0) or
+//!    `binaries/x86_64-linux/` (FMI 3.0) and the like of other platforms, under the name that the
+//!    description has as `modelIdentifier`.
 //!
 //! ```
 //! use fmi_doors::tabular::{FromTable, Row, Tabular};
@@ -113,8 +116,9 @@ pub use life::{EventHandling, Experiment, Interface, Life, Phase};
 pub use problem::{Problem, Refusal};
 pub use values::{Base, Bases, Dependency, DependencyKind};
 
-/// Exports a [`Component`] by FMI 2.0 and 3.0: every function of both standards, each a public function by its C name. It stands
-/// once in the library that hosts load, in a module where the type is in scope. The library must be a `cdylib`.
+/// Exports a [`Component`] by FMI 2.0 and 3.0: every function of both standards, each a public
+/// function by its C name. It stands once in the library that hosts load, in a module where the
+/// type is in scope. The library must be a `cdylib`.
 #[macro_export]
 macro_rules! export {
     ($component:ty) => {

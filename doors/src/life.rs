@@ -1,4 +1,5 @@
-//! How a component is used, where it stands in its life, and what was agreed with its host when it was made.
+//! How a component is used, where it stands in its life, and what was agreed with its host when it
+//! was made.
 
 use crate::problem::Problem;
 use serde::{Deserialize, Serialize};
@@ -35,7 +36,8 @@ pub enum Phase {
     Continuous,
     /// At a communication point.
     Step,
-    /// At the event at which a step ended early: the next step may begin here, or the state saved before be put back.
+    /// At the event at which a step ended early: the next step may begin here, or the state saved
+    /// before be put back.
     StoppedEarly,
     /// The simulation is over; outputs can still be read.
     Terminated,
@@ -81,7 +83,8 @@ impl Experiment {
     /// What a host says of its experiment, checked.
     ///
     /// # Errors
-    /// [`Problem::Value`] for a tolerance that is negative, a start that is not finite, a stop before the start.
+    /// [`Problem::Value`] for a tolerance that is negative, a start that is not finite, a stop
+    /// before the start.
     pub fn new(tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Self, Problem> {
         match tolerance {
             Some(value) if !(value.is_finite() && value >= 0.0) => {
@@ -111,8 +114,9 @@ pub struct EventHandling {
     pub early_return: bool,
 }
 
-/// How far a master's time may be off a component's own, relative to max(1, |t|): masters add step sizes up and drift by about
-/// 1e-14 a step, which stays below this for 1e5 steps; anything larger is a mistake.
+/// How far a master's time may be off a component's own, relative to max(1, |t|): masters add step
+/// sizes up and drift by about 1e-14 a step, which stays below this for 1e5 steps; anything larger
+/// is a mistake.
 pub const TIME_TOLERANCE: f64 = 1e-9;
 
 /// What every component keeps of its dealings with a host.
@@ -139,7 +143,8 @@ impl Life {
         self.experiment.unwrap_or_default().start
     }
 
-    /// The phase in which a motion begins: that of an event where the host handles events, else that of a communication point.
+    /// The phase in which a motion begins: that of an event where the host handles events, else
+    /// that of a communication point.
     pub fn begin(&mut self) {
         let event = self.interface == Interface::ModelExchange || self.handling.event_mode;
         self.phase = if event { Phase::Event } else { Phase::Step };
@@ -153,12 +158,12 @@ impl Life {
         };
     }
 
-    /// Takes over phase and experiment of a saved state. Where that was saved by a host with another handling of events and this one
-    /// has no such phase, the motion goes on from there.
+    /// Takes over phase and experiment of a saved state. Where that was saved by a host with
+    /// another handling of events and this one has no such phase, the motion goes on from there.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] for one of the other interface type, or in a phase in which nothing is saved, as damaged bytes may say;
-    /// nothing has changed then.
+    /// [`Problem::SavedState`] for one of the other interface type, or in a phase in which nothing
+    /// is saved, as damaged bytes may say; nothing has changed then.
     pub fn take_over(&mut self, saved: &Self) -> Result<(), Problem> {
         if saved.interface != self.interface {
             let (its, own) = (saved.interface.name(), self.interface.name());
@@ -180,8 +185,8 @@ impl Life {
         Ok(())
     }
 
-    /// Refuses a step that does not begin at `own`, the component's time, but for rounding, has no length, or goes past the stop
-    /// time.
+    /// Refuses a step that does not begin at `own`, the component's time, but for rounding, has no
+    /// length, or goes past the stop time.
     ///
     /// # Errors
     /// [`Problem::Value`], [`Problem::Time`], [`Problem::StopTime`].
@@ -226,7 +231,8 @@ mod tests {
         assert_eq!(life.check_step(1.0 + 1e-10, 1.0, 1.0), Ok(()));
     }
 
-    /// Damaged bytes may say any phase. One that the interface type does not have would leave an instance that answers nothing.
+    /// Damaged bytes may say any phase. One that the interface type does not have would leave an
+    /// instance that answers nothing.
     #[test]
     fn saved_states_of_phases_that_there_are_not_are_refused() {
         for (interface, phases) in [

@@ -1,4 +1,5 @@
-//! What FMI 2.0 and 3.0 tell a host alike: statuses, log categories, and messages. Both doors stand on it.
+//! What FMI 2.0 and 3.0 tell a host alike: statuses, log categories, and messages. Both doors stand
+//! on it.
 
 use crate::ffi::Fault;
 use crate::ffi::panics::guarded;
@@ -6,7 +7,8 @@ use crate::log::{self, CATEGORIES, Categories, Log};
 use std::ffi::CString;
 use std::fmt::Display;
 
-/// The status of a call, with the numbers of `fmi2Status` (FMI 2.0, 2.1.3) and `fmi3Status` (FMI 3.0.2, 2.2.4).
+/// The status of a call, with the numbers of `fmi2Status` (FMI 2.0, 2.1.3) and `fmi3Status` (FMI
+/// 3.0.2, 2.2.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Status {
@@ -14,9 +16,11 @@ pub enum Status {
     Ok = 0,
     /// Worth knowing.
     Warning = 1,
-    /// FMI 2.0: not all of it could be done. FMI 3.0: not done; the instance is as it was, and the simulation may go on.
+    /// FMI 2.0: not all of it could be done. FMI 3.0: not done; the instance is as it was, and the
+    /// simulation may go on.
     Discard = 2,
-    /// Refused. FMI 2.0: the instance is as it was. FMI 3.0: it is [Terminated](crate::fmi3::states::Stage::Terminated).
+    /// Refused. FMI 2.0: the instance is as it was. FMI 3.0: it is
+    /// [Terminated](crate::fmi3::states::Stage::Terminated).
     Error = 3,
     /// The instance can no longer be used.
     Fatal = 4,
@@ -53,8 +57,9 @@ pub struct Category {
     pub description: &'static str,
 }
 
-/// The log categories, all of standard names: those of a component in its order, then the set of all. What is logged of events is
-/// the component's, and what `Discard` means differs between the versions.
+/// The log categories, all of standard names: those of a component in its order, then the set of
+/// all. What is logged of events is the component's, and what `Discard` means differs between the
+/// versions.
 pub const fn log_categories(events: &'static str, discard: &'static str) -> [Category; 6] {
     [
         Category { name: "logEvents", description: events },
@@ -77,7 +82,8 @@ pub fn name(category: log::Category) -> &'static str {
     log_categories("", "")[category as usize].name
 }
 
-/// `fmi2SetDebugLogging` and `fmi3SetDebugLogging` for one category (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1).
+/// `fmi2SetDebugLogging` and `fmi3SetDebugLogging` for one category (FMI 2.0, 2.1.5; FMI 3.0.2,
+/// 2.3.1).
 ///
 /// # Errors
 /// [`Fault::Text`] when there is none of that name.
@@ -100,7 +106,8 @@ pub trait Sink {
     fn send(&mut self, status: Status, category: log::Category, message: &str);
 }
 
-/// A log for one call of the component: messages that are enabled, with the function's name before warnings.
+/// A log for one call of the component: messages that are enabled, with the function's name before
+/// warnings.
 pub struct Logger<'a> {
     /// Where messages go.
     pub sink: &'a mut dyn Sink,

@@ -3,11 +3,11 @@
 use crate::ffi::Fault;
 use std::borrow::Cow;
 
-/// What a component's own type of refusals must tell a door. What the doors refuse in a component's name, such as what it does
-/// not offer, it takes up as a [`Problem`].
+/// What a component's own type of refusals must tell a door. What the doors refuse in a component's
+/// name, such as what it does not offer, it takes up as a [`Problem`].
 pub trait Refusal: std::error::Error + From<Problem> + 'static {
-    /// Whether it is a value that the model cannot take, with everything as it was before: the host may go on with another.
-    /// FMI 3.0 has the status Discard for it (FMI 3.0.2, 2.2.4).
+    /// Whether it is a value that the model cannot take, with everything as it was before: the host
+    /// may go on with another. FMI 3.0 has the status Discard for it (FMI 3.0.2, 2.2.4).
     fn is_of_a_value(&self) -> bool {
         false
     }
@@ -36,8 +36,9 @@ impl<P: Refusal> From<Fault> for Refused<P> {
     }
 }
 
-/// Why a call was refused; the component is then as it was. Each text names the thing, its value and what is allowed. A component
-/// that has nothing of its own to say can take this as its type of refusals.
+/// Why a call was refused; the component is then as it was. Each text names the thing, its value
+/// and what is allowed. A component that has nothing of its own to say can take this as its type of
+/// refusals.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {

@@ -1,7 +1,8 @@
 //! A component in a hundred lines: a table of variables, and what moves them.
 //!
-//! Everything that such a model knows is the values of its variables. What a host sets and reads, ranges, phases, saved states,
-//! events in both interface types and the model description follow from the table; the author writes the motion.
+//! Everything that such a model knows is the values of its variables. What a host sets and reads,
+//! ranges, phases, saved states, events in both interface types and the model description follow
+//! from the table; the author writes the motion.
 
 mod describe;
 mod row;
@@ -21,12 +22,13 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// The events that one step may have. A model whose events follow each other ever faster would keep the host waiting for ever; with
-/// more, the step is refused.
+/// The events that one step may have. A model whose events follow each other ever faster would keep
+/// the host waiting for ever; with more, the step is refused.
 pub const MOST_EVENTS: usize = 1_000_000;
 
-/// A model whose variables are the rows of a table. The value reference of a row is its place in the table, counted from 1; `values`
-/// are those of the rows, in their order and in the rows' units.
+/// A model whose variables are the rows of a table. The value reference of a row is its place in
+/// the table, counted from 1; `values` are those of the rows, in their order and in the rows'
+/// units.
 #[allow(unused_variables)] // of the defaults
 pub trait Tabular: 'static {
     /// `modelName`.
@@ -48,7 +50,8 @@ pub trait Tabular: 'static {
     /// Fills in what follows from the other values: derivatives and outputs.
     fn evaluate(values: &mut [f64]);
 
-    /// Moves the states on to a time, s, up to which there is no event. The value of the time is still the present one.
+    /// Moves the states on to a time, s, up to which there is no event. The value of the time is
+    /// still the present one.
     fn advance(values: &mut [f64], time: f64);
 
     /// The time of the next event, s: not before the present; infinite where there is none.
@@ -56,7 +59,8 @@ pub trait Tabular: 'static {
         f64::INFINITY
     }
 
-    /// Applies the law of the event that is due, and says in a few words what happened, for the log.
+    /// Applies the law of the event that is due, and says in a few words what happened, for the
+    /// log.
     fn event(values: &mut [f64]) -> String {
         String::new()
     }
@@ -116,7 +120,8 @@ impl<T: Tabular> FromTable<T> {
         states.filter_map(move |(state, _)| Some((state, of(state)?)))
     }
 
-    /// Changes values and fills in what follows from them; nothing has changed where one is no finite number then.
+    /// Changes values and fills in what follows from them; nothing has changed where one is no
+    /// finite number then.
     fn change<R>(&mut self, change: impl FnOnce(&mut [f64]) -> R) -> Result<R, Problem> {
         let mut values = self.state.values.clone();
         let result = change(&mut values);
@@ -155,10 +160,12 @@ impl<T: Tabular> FromTable<T> {
         Ok(())
     }
 
-    /// To the end, or before the next event where the host handles events and takes steps that end early.
+    /// To the end, or before the next event where the host handles events and takes steps that end
+    /// early.
     fn go_to(&mut self, end: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
         let handling = self.state.life.handling;
-        // The host has not handled the event at which the last step ended, so that its law is still to be applied.
+        // The host has not handled the event at which the last step ended, so that its law is still
+        // to be applied.
         if self.state.due {
             self.pass_due_event(log)?;
         }
@@ -263,7 +270,8 @@ impl<T: Tabular> Component for FromTable<T> {
         self.change(|values| taken.iter().for_each(|(place, value)| values[*place] = *value))
     }
 
-    /// In Model Exchange a host comes for an event that it found by the indicators: one is due where the next is not to come.
+    /// In Model Exchange a host comes for an event that it found by the indicators: one is due
+    /// where the next is not to come.
     fn handle_events(&mut self, log: &mut dyn Log) -> Result<Handled, Problem> {
         let come = T::next_event(&self.state.values) <= self.time();
         let states = self.state.due || come && self.state.life.interface == Interface::ModelExchange;

@@ -28,7 +28,8 @@ impl Base {
     }
 }
 
-/// The types that one kind of getter and setter serves; which these are is the matter of an interface standard.
+/// The types that one kind of getter and setter serves; which these are is the matter of an
+/// interface standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bases {
     /// Their name in messages.

@@ -1,4 +1,5 @@
-//! A component whose variables are known at instantiation only: a file in the FMU's resources names them.
+//! A component whose variables are known at instantiation only: a file in the FMU's resources names
+//! them.
 #![allow(unsafe_code)] // the C interface
 
 use fmi_doors::log::Log;

@@ -1,5 +1,5 @@
-//! The bouncing ball of the examples through the C interface, as a host would run it: both versions, both interface types, event
-//! mode, saved states, and what it does not offer.
+//! The bouncing ball of the examples through the C interface, as a host would run it: both
+//! versions, both interface types, event mode, saved states, and what it does not offer.
 #![allow(unsafe_code)] // the C interface
 
 #[path = "../examples/bouncing_ball/main.rs"]
@@ -26,7 +26,8 @@ const BOUNCES: u32 = 8;
 /// Rounding of some ten flights of about a metre.
 const ROUNDING: f64 = 1e-13;
 
-/// Height and number of bounces at a time by the geometric series of the flights, for the start values.
+/// Height and number of bounces at a time by the geometric series of the flights, for the start
+/// values.
 fn closed_form(time: f64) -> (f64, i32) {
     let (g, e, h) = (9.81_f64, 0.7_f64, 1.0_f64);
     let (mut begin, mut speed, mut bounces) = ((2.0 * h / g).sqrt(), (2.0 * g * h).sqrt(), 0);
@@ -191,7 +192,8 @@ fn closed_form_of_a_bounce_that_the_host_did_not_handle() {
     }
 }
 
-/// A host's solver of second order is exact on a parabola; it halves its step until it stands at the impact.
+/// A host's solver of second order is exact on a parabola; it halves its step until it stands at
+/// the impact.
 #[test]
 fn closed_form_of_the_bounces_in_model_exchange() {
     const FINE: f64 = 1e-12;
@@ -313,7 +315,8 @@ fn what_is_not_offered_and_what_cannot_be_is_refused_by_name() {
     }
 }
 
-/// What a solver sets need not be what a user may set: a ball a little below the floor is saved and read again.
+/// What a solver sets need not be what a user may set: a ball a little below the floor is saved and
+/// read again.
 #[test]
 fn every_state_that_is_reached_goes_through_bytes() {
     let (c, below) = (of_fmi2(0), [-1e-9, -4.0]);
@@ -335,7 +338,8 @@ fn every_state_that_is_reached_goes_through_bytes() {
     }
 }
 
-/// A ball that loses nothing bounces for ever: a step of more impacts than one may have is refused, and the ball stays where it was.
+/// A ball that loses nothing bounces for ever: a step of more impacts than one may have is refused,
+/// and the ball stays where it was.
 #[test]
 fn steps_without_end_are_refused_and_taken_back() {
     let mut messages = Vec::new();

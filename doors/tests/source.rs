@@ -43,8 +43,8 @@ fn neither_door_imports_the_other_and_ffi_imports_neither() {
     }
 }
 
-/// What can be exported by the doors is of any kind: no word of the machine for which they were made first, and no package of
-/// this repository.
+/// What can be exported by the doors is of any kind: no word of the machine for which they were
+/// made first, and no package of this repository.
 #[test]
 fn the_doors_know_no_machine() {
     for (name, text) in sources(PACKAGE, "") {

@@ -176,7 +176,8 @@ def to_events(machine: EventMachine, time: float, size: float) -> float:
     box, oscillator = machine.box, machine.oscillator
     s, v, f, rate, curvature = machine.flange()
     box.set("block.f", f)
-    # What the FMU asks for inside the step (intermediate update): a parabola comes back exactly as a cubic.
+    # What the FMU asks for inside the step (intermediate update): a parabola comes back exactly as
+    # a cubic.
     box.courses["block.f"] = lambda t: f + (t - time) * (rate + (t - time) * curvature / 2.0)
     if time < machine.next_event < time + size:
         size = machine.next_event - time

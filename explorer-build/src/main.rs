@@ -1,12 +1,13 @@
-//! Makes the live page: one HTML file around the library compiled to WebAssembly, which opens from disk and loads nothing.
+//! Makes the live page: one HTML file around the library compiled to WebAssembly, which opens from
+//! disk and loads nothing.
 //!
 //! ```text
 //! explorer/ (Rust) ─▶ cargo, wasm32-unknown-unknown ─▶ wasm-bindgen ─▶ core_bg.wasm, core.js ─┐
 //! explorer/page/ (JavaScript) ────────────────────────────────────────▶ esbuild (node) ──────┴─▶ explorer.html
 //! ```
 //!
-//! It needs the Rust target wasm32-unknown-unknown, node and npm. The npm packages are those of `explorer/page/package-lock.json`, put
-//! under the target folder.
+//! It needs the Rust target wasm32-unknown-unknown, node and npm. The npm packages are those of
+//! `explorer/page/package-lock.json`, put under the target folder.
 
 use clap::Parser;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,6 @@
-//! The live page: its numbers against the native library, its modules' types, and the page in Chromium. Asked for, since it needs
-//! the target wasm32-unknown-unknown, node with npm, and Chromium; what is missing is said.
+//! The live page: its numbers against the native library, its modules' types, and the page in
+//! Chromium. Asked for, since it needs the target wasm32-unknown-unknown, node with npm, and
+//! Chromium; what is missing is said.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,11 +9,12 @@ use std::sync::OnceLock;
 use vibro_analysis::{Name, ParameterSet};
 use vibro_impact::Simulator;
 
-/// Sine and cosine differ in the last digit between C libraries, and products are not fused in WebAssembly: some ten last digits in
-/// twenty periods, where nothing makes them grow.
+/// Sine and cosine differ in the last digit between C libraries, and products are not fused in
+/// WebAssembly: some ten last digits in twenty periods, where nothing makes them grow.
 const TOLERANCE: f64 = 1e-12;
-/// Chaos makes them grow, after an impact without much speed by orders of magnitude at once. By how much is seen in the native motion
-/// itself when its advances are split, which alters last digits too; the two kinds of difference are alike but for such a factor.
+/// Chaos makes them grow, after an impact without much speed by orders of magnitude at once. By how
+/// much is seen in the native motion itself when its advances are split, which alters last digits
+/// too; the two kinds of difference are alike but for such a factor.
 const ALIKE: f64 = 30.0;
 /// Pieces of a drive period, as in the page's histories.
 const PIECES: u32 = 120;
@@ -45,7 +47,8 @@ fn node(arguments: &[&Path], input: &str) -> (bool, String) {
 #[test]
 #[ignore = "needs the target wasm32-unknown-unknown and node"]
 fn second_method_the_native_library_over_twenty_periods() {
-    // One and three impacts a period, chaos, chatter with rest, plastic impacts, strong coupling, a machine in SI.
+    // One and three impacts a period, chaos, chatter with rest, plastic impacts, strong coupling, a
+    // machine in SI.
     let cases = [
         "f10=1.5",
         "f10=3.6",

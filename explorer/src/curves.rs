@@ -13,8 +13,9 @@ use wasm_bindgen::prelude::*;
 /// Between two curves.
 const GAP: f64 = f64::NAN;
 
-/// The response of a theory (`exact`, `scales` or `strong`) along a parameter: rows of value, amplitudes of x1, x2, x3 in units of
-/// L, and 1 where the motion is stable and admissible from here to the next row. A row of NaN lies between two curves.
+/// The response of a theory (`exact`, `scales` or `strong`) along a parameter: rows of value,
+/// amplitudes of x1, x2, x3 in units of L, and 1 where the motion is stable and admissible from
+/// here to the next row. A row of NaN lies between two curves.
 ///
 /// # Errors
 /// Names and ranges that are not allowed, and what the theory refuses.
@@ -43,9 +44,10 @@ pub fn response(
     Ok(rows)
 }
 
-/// The slow invariant manifold of multiple scales, docs/theory.md (35), with the fixed points of the slow flow on it: rows of C and B
-/// in units of L, 1 where a fixed point there passes all three tests of admissibility, and what the row is: 0 a point of the curve,
-/// 1 and 2 the fixed points P₁ and P₂ of the force that is set.
+/// The slow invariant manifold of multiple scales, docs/theory.md (35), with the fixed points of
+/// the slow flow on it: rows of C and B in units of L, 1 where a fixed point there passes all three
+/// tests of admissibility, and what the row is: 0 a point of the curve, 1 and 2 the fixed points P₁
+/// and P₂ of the force that is set.
 ///
 /// # Errors
 /// What multiple scales refuses.
@@ -75,13 +77,15 @@ pub fn manifold(set: &Set, nodes: u32) -> Result<Vec<f64>, JsError> {
 
 #[wasm_bindgen]
 extern "C" {
-    /// Hears of the branches that were traced and of those that are known, which may become more. The page's worker defines it.
+    /// Hears of the branches that were traced and of those that are known, which may become more.
+    /// The page's worker defines it.
     #[wasm_bindgen(js_name = orbitsProgress)]
     fn orbits_progress(traced: usize, known: usize);
 }
 
-/// The branches of exact periodic orbits along a parameter: rows of value, a local maximum of the displacement in units of L, and 1
-/// where the orbit is stable. A row of NaN lies between two curves.
+/// The branches of exact periodic orbits along a parameter: rows of value, a local maximum of the
+/// displacement in units of L, and 1 where the orbit is stable. A row of NaN lies between two
+/// curves.
 ///
 /// # Errors
 /// Names and ranges that are not allowed, and what the search refuses.

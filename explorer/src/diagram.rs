@@ -45,8 +45,8 @@ fn within(numbers: &[f64], length: f64) -> State {
 
 #[wasm_bindgen]
 impl Columns {
-    /// Over the parameter `name`. `shown` is `x1`, `x2`, `x3` or `w` (local maxima), `strobe` (x2 at whole drive periods) or
-    /// `speed` (approach speeds of impacts).
+    /// Over the parameter `name`. `shown` is `x1`, `x2`, `x3` or `w` (local maxima), `strobe` (x2
+    /// at whole drive periods) or `speed` (approach speeds of impacts).
     ///
     /// # Errors
     /// Names that are not known.
@@ -60,8 +60,9 @@ impl Columns {
         Ok(Self { set: set.0.clone(), name: Name::find(name)?, ordinate })
     }
 
-    /// The settled motion at a value, `settle` drive periods after the start (a state in units of L and L/s): its state at the end,
-    /// six numbers in the same units, and after them what is shown of `keep` drive periods.
+    /// The settled motion at a value, `settle` drive periods after the start (a state in units of L
+    /// and L/s): its state at the end, six numbers in the same units, and after them what is shown
+    /// of `keep` drive periods.
     ///
     /// # Errors
     /// A value out of range, and what stops the simulator.
@@ -80,8 +81,9 @@ impl Columns {
         Ok(shown)
     }
 
-    /// The two largest Lyapunov exponents of the settled motion that goes on from a state, over `periods` drive periods, per
-    /// unit of the dimensionless time. The largest is 0 for the drive's phase where the motion is periodic.
+    /// The two largest Lyapunov exponents of the settled motion that goes on from a state, over
+    /// `periods` drive periods, per unit of the dimensionless time. The largest is 0 for the
+    /// drive's phase where the motion is periodic.
     ///
     /// # Errors
     /// As [`column`](Self::column).

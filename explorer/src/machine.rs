@@ -8,7 +8,8 @@ use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator};
 use vibro_impact::{Parameters, Result, State};
 use wasm_bindgen::prelude::*;
 
-/// Numbers of a row of [`Machine::record`]: time, x1, x2, x3, v1, v2, v3, w, w', drive phase, and what the instant is.
+/// Numbers of a row of [`Machine::record`]: time, x1, x2, x3, v1, v2, v3, w, w', drive phase, and
+/// what the instant is.
 pub const ROW: usize = 11;
 
 /// A row's last number: an instant like any other, the last before an impact, the first after it.
@@ -21,7 +22,8 @@ const AFTER: f64 = 2.0;
 #[derive(Clone, Debug)]
 pub struct Machine {
     simulator: Simulator,
-    /// Events since they were last taken: kind (0 impact, 1 rest, 2 release), time, side, speed, impulse.
+    /// Events since they were last taken: kind (0 impact, 1 rest, 2 release), time, side, speed,
+    /// impulse.
     events: Vec<f64>,
 }
 
@@ -51,7 +53,8 @@ impl Machine {
         Ok(self.simulator.set_parameters(set.0.parameters())?)
     }
 
-    /// A copy that goes on by itself from here, `periods` drive periods later, without energy accounts.
+    /// A copy that goes on by itself from here, `periods` drive periods later, without energy
+    /// accounts.
     ///
     /// # Errors
     /// What stops the simulator.
@@ -61,8 +64,9 @@ impl Machine {
         Ok(Self { simulator, events: Vec::new() })
     }
 
-    /// Time, x1, x2, x3, v1, v2, v3, w, w', drive phase, 0; then the stop at which the block rests (0 in flight), the contact
-    /// force, the energy accounts (mechanical, input, damped, lost at impacts) and the impacts at the upper and lower stop.
+    /// Time, x1, x2, x3, v1, v2, v3, w, w', drive phase, 0; then the stop at which the block rests
+    /// (0 in flight), the contact force, the energy accounts (mechanical, input, damped, lost at
+    /// impacts) and the impacts at the upper and lower stop.
     pub fn now(&self) -> Vec<f64> {
         let (simulator, mut row) = (&self.simulator, Vec::with_capacity(ROW + 8));
         push(&mut row, simulator, PLAIN, None);
@@ -73,8 +77,8 @@ impl Machine {
         row
     }
 
-    /// Advances to `end` (s) and returns rows of [`ROW`] numbers: `count` instants at equal distances, the last at the end, and
-    /// two for each impact, just before and just after it.
+    /// Advances to `end` (s) and returns rows of [`ROW`] numbers: `count` instants at equal
+    /// distances, the last at the end, and two for each impact, just before and just after it.
     ///
     /// # Errors
     /// What stops the simulator; the motion then stands where it was stopped.
@@ -90,7 +94,8 @@ impl Machine {
         Ok(rows)
     }
 
-    /// Advances to just after the next impact, or to `end` (s) if there is none before; returns the rows of the impact.
+    /// Advances to just after the next impact, or to `end` (s) if there is none before; returns the
+    /// rows of the impact.
     ///
     /// # Errors
     /// What stops the simulator.
@@ -100,13 +105,14 @@ impl Machine {
         Ok(rows)
     }
 
-    /// The events since they were last taken, five numbers each: kind (0 impact, 1 rest, 2 release), time, side (1 or -1),
-    /// approach speed, impulse.
+    /// The events since they were last taken, five numbers each: kind (0 impact, 1 rest, 2
+    /// release), time, side (1 or -1), approach speed, impulse.
     pub fn take_events(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.events)
     }
 
-    /// Points of the Poincaré section, four numbers each. Stroboscopic, `count` points at the phase 0 of the drive: w, w', x1, v1.
+    /// Points of the Poincaré section, four numbers each. Stroboscopic, `count` points at the phase
+    /// 0 of the drive: w, w', x1, v1.
     ///
     /// # Errors
     /// What stops the simulator.
@@ -126,7 +132,8 @@ impl Machine {
         Ok(points)
     }
 
-    /// Points of the section at impacts over `periods` drive periods: drive phase, side times approach speed, x1, v1 after it.
+    /// Points of the section at impacts over `periods` drive periods: drive phase, side times
+    /// approach speed, x1, v1 after it.
     ///
     /// # Errors
     /// What stops the simulator.
@@ -150,11 +157,11 @@ impl Machine {
         }
     }
 
-    /// What this motion is, once settled: its period in drive periods (0 where it has none up to 32), impacts a period at the
-    /// upper and lower stop, 1 where it is its own mirror image, 1 where the block rests, 1 where it is still settling, 1 where it
-    /// is chaotic, the largest Lyapunov exponent per unit of the dimensionless time (NaN where it has a period), and 1 where nothing is
-    /// decided. The motion
-    /// itself stays where it is.
+    /// What this motion is, once settled: its period in drive periods (0 where it has none up to
+    /// 32), impacts a period at the upper and lower stop, 1 where it is its own mirror image, 1
+    /// where the block rests, 1 where it is still settling, 1 where it is chaotic, the largest
+    /// Lyapunov exponent per unit of the dimensionless time (NaN where it has a period), and 1
+    /// where nothing is decided. The motion itself stays where it is.
     ///
     /// # Errors
     /// What stops the simulator.
@@ -185,7 +192,8 @@ impl Machine {
 }
 
 impl Machine {
-    /// Advances to `end` or to just after the next impact, and records the events and both sides of the impact.
+    /// Advances to `end` or to just after the next impact, and records the events and both sides of
+    /// the impact.
     fn piece(&mut self, end: f64, rows: &mut Vec<f64>) -> Result<AdvanceOutcome> {
         let (events, mut push_back) = (&mut self.events, None);
         let outcome = self.simulator.advance_until(
@@ -208,7 +216,8 @@ impl Machine {
     }
 }
 
-/// Appends a row: the present, or the left limit at an impact at stop `side` with its impulse, docs/theory.md (11).
+/// Appends a row: the present, or the left limit at an impact at stop `side` with its impulse,
+/// docs/theory.md (11).
 fn push(rows: &mut Vec<f64>, simulator: &Simulator, what: f64, impact: Option<(f64, f64)>) {
     let (parameters, mut state) = (simulator.parameters(), simulator.state());
     let (w, mut rate) = simulator.relative_motion();

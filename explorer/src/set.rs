@@ -39,12 +39,13 @@ impl Set {
         Ok(Name::find(name)?.value(&self.0))
     }
 
-    /// The value that a text means for a parameter, in its SI unit: a number, with or without a unit as on the command line
-    /// (`50 mm`, `10.65Hz`). Without one it is in `unit`, a unit of the parameter as [`typed`](Self::typed) gives it, or in the
-    /// SI unit where that is empty.
+    /// The value that a text means for a parameter, in its SI unit: a number, with or without a
+    /// unit as on the command line (`50 mm`, `10.65Hz`). Without one it is in `unit`, a unit of the
+    /// parameter as [`typed`](Self::typed) gives it, or in the SI unit where that is empty.
     ///
     /// # Errors
-    /// An unknown name, a text that is no number, a unit of another dimension; each names what is allowed.
+    /// An unknown name, a text that is no number, a unit of another dimension; each names what is
+    /// allowed.
     pub fn read(&self, name: &str, text: &str, unit: &str) -> Result<f64, JsError> {
         let name = Name::find(name)?;
         let value = number(name, text)?;
@@ -57,8 +58,8 @@ impl Set {
         Err(Error::NotANumber { name: name.name(), text: text.trim().into(), allowed }.into())
     }
 
-    /// The unit that stands beside a number of a parameter, as files write it; empty where there is none, and where the text is no
-    /// number of the parameter.
+    /// The unit that stands beside a number of a parameter, as files write it; empty where there is
+    /// none, and where the text is no number of the parameter.
     pub fn typed(&self, name: &str, text: &str) -> String {
         let unit = Name::find(name).ok().and_then(|name| typed_unit(name, text));
         unit.map_or_else(String::new, |unit| unit.symbol().replace('·', ".").replace('µ', "u"))
@@ -76,8 +77,9 @@ impl Set {
     }
 }
 
-/// All parameters, a line each: name, symbol, unit, what is allowed, the range that sliders show, meaning; separated by tabs. The
-/// sliders of physical parameters run from nothing to three times the default.
+/// All parameters, a line each: name, symbol, unit, what is allowed, the range that sliders show,
+/// meaning; separated by tabs. The sliders of physical parameters run from nothing to three times
+/// the default.
 #[wasm_bindgen]
 pub fn catalogue() -> String {
     let basic = ParameterSet::basic();

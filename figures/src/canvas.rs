@@ -1,5 +1,5 @@
-//! What all pictures share: the palette, the embedded font, and a list of marks that is written as SVG and painted as PNG, so
-//! that both are the same picture on any machine.
+//! What all pictures share: the palette, the embedded font, and a list of marks that is written as
+//! SVG and painted as PNG, so that both are the same picture on any machine.
 
 mod bitmap;
 mod letters;
@@ -27,7 +27,8 @@ impl Colour {
         Self(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
     }
 
-    /// The relative luminance of WCAG 2.2, from 0, black, to 1, white: how light the colour is to the eye, and in grey.
+    /// The relative luminance of WCAG 2.2, from 0, black, to 1, white: how light the colour is to
+    /// the eye, and in grey.
     ///
     /// ```
     /// use vibro_figures::canvas::Colour;
@@ -166,8 +167,8 @@ impl Canvas {
         self.marks.push(Mark::Polygon { corners, colour, opacity });
     }
 
-    /// Filled rectangles of one colour, given by two opposite corners. Their edges are not smoothed: neighbours would show
-    /// seams where they share a pixel.
+    /// Filled rectangles of one colour, given by two opposite corners. Their edges are not
+    /// smoothed: neighbours would show seams where they share a pixel.
     pub fn rectangles(&mut self, corners: &[[Place; 2]], colour: Colour) {
         let rectangles: Vec<_> = corners.iter().map(|&corners| self.rectangle(corners)).collect();
         if !rectangles.is_empty() {

@@ -1,4 +1,5 @@
-//! What a figure consists of, as plain data: panels with axes and layers. How it looks is decided in `draw`.
+//! What a figure consists of, as plain data: panels with axes and layers. How it looks is decided
+//! in `draw`.
 
 pub use crate::canvas::Colour;
 use crate::canvas::palette::WHITE;
@@ -42,7 +43,8 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
     /// Whether it is logarithmic.
     pub log: bool,
-    /// How many units of the label one unit of the data is; 1 where `None`. The numbers at the ticks are in the label's unit.
+    /// How many units of the label one unit of the data is; 1 where `None`. The numbers at the
+    /// ticks are in the label's unit.
     pub factor: Option<f64>,
     /// Names at 1, 2, … in place of numbers.
     pub names: Vec<String>,
@@ -53,12 +55,13 @@ pub struct Axis {
 pub struct Layer {
     /// Its name in the legend; `None` where it has no entry there.
     pub name: Option<String>,
-    /// A short name to be written beside the curve in its colour; where there is no room for it, it is an entry of the
-    /// legend.
+    /// A short name to be written beside the curve in its colour; where there is no room for it, it
+    /// is an entry of the legend.
     pub label: Option<String>,
     /// Its colour.
     pub colour: Colour,
-    /// Whether it is drawn in a pale tint of its colour, as a ground for another curve of that colour.
+    /// Whether it is drawn in a pale tint of its colour, as a ground for another curve of that
+    /// colour.
     pub pale: bool,
     /// Its shape.
     pub shape: Shape,

@@ -33,7 +33,8 @@ impl<'f> Page<'f> {
         }
         let (mut own, mut shared) = (Vec::new(), Vec::new());
         if figure.shared_legend {
-            // A curve whose name stands beside it in one panel is known in the others by its colour.
+            // A curve whose name stands beside it in one panel is known in the others by its
+            // colour.
             let named = |layer: &Layer| panels.iter().any(|p: &Layout| p.names_like(layer));
             let entries = panels.iter().flat_map(|p| p.entries.iter().copied());
             shared = legend(entries.filter(|layer| !named(layer)), f64::from(figure.width() - 4 * GAP));
@@ -44,7 +45,8 @@ impl<'f> Page<'f> {
         Self { panels, own, shared }
     }
 
-    /// Height of the legends under the panels of one row: the same for all, so that panels are of one size.
+    /// Height of the legends under the panels of one row: the same for all, so that panels are of
+    /// one size.
     fn under(&self) -> u32 {
         self.own.iter().map(|l| l.len() as u32 * ENTRY as u32).max().unwrap_or(0)
     }

@@ -6,8 +6,8 @@ use crate::symbols::SMALL;
 
 /// Side of a square of the map, in units of the drawing.
 const SQUARE: f64 = 8.0;
-/// Room kept between a name and anything drawn, and between a name and a curve of another colour, at which a reader could
-/// take it for that curve's name.
+/// Room kept between a name and anything drawn, and between a name and a curve of another colour,
+/// at which a reader could take it for that curve's name.
 const AIR: f64 = 6.0;
 const APART: f64 = 26.0;
 /// Distance of the places along a curve at which a name is tried.
@@ -86,7 +86,8 @@ impl Room {
                 .all(|i| matches!(self.squares[i], Cover::Free) || self.squares[i] == Cover::One(colour))
     }
 
-    /// The middle of a name beside its curve, and the name's room marked as covered; `None` where there is none.
+    /// The middle of a name beside its curve, and the name's room marked as covered; `None` where
+    /// there is none.
     pub fn place(&mut self, words: &str, pieces: &[Vec<Place>], colour: Colour) -> Option<Place> {
         let mut longest: Vec<_> = pieces.iter().collect();
         longest.sort_by(|a, b| length(b).total_cmp(&length(a)));

@@ -1,4 +1,5 @@
-//! Pictures: what they consist of, and how they are drawn as SVG and PNG. Knows nothing of machines.
+//! Pictures: what they consist of, and how they are drawn as SVG and PNG. Knows nothing of
+//! machines.
 //!
 //! | module | what it does |
 //! |---|---|

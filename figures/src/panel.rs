@@ -43,7 +43,8 @@ impl<'p> Layout<'p> {
         layout
     }
 
-    /// Leaves all names to the legend where one of them is there: a legend of a part of the curves looks as if it were of all.
+    /// Leaves all names to the legend where one of them is there: a legend of a part of the curves
+    /// looks as if it were of all.
     pub fn name_all_or_none(&mut self) {
         if self.entries.iter().any(|layer| layer.label.is_some()) {
             self.names.clear();
@@ -186,7 +187,8 @@ impl<'p> Layout<'p> {
         }
     }
 
-    /// Draws cells: neighbours of one colour in a row become one rectangle, which spans all following rows that are equal.
+    /// Draws cells: neighbours of one colour in a row become one rectangle, which spans all
+    /// following rows that are equal.
     fn cells(&self, canvas: &mut Canvas, layer: &Layer) {
         let Shape::Cells { x, y, columns, cells, colours } = &layer.shape else { return };
         // No more cells than the bitmap has pixels.
@@ -221,8 +223,8 @@ impl<'p> Layout<'p> {
     }
 }
 
-/// Cells of which no more than `most` lie side by side and above one another: of those that share a place the commonest is
-/// kept, and the first of equally common ones. Also the number of columns.
+/// Cells of which no more than `most` lie side by side and above one another: of those that share a
+/// place the commonest is kept, and the first of equally common ones. Also the number of columns.
 fn merged(cells: &[u8], columns: usize, most: (usize, usize)) -> (usize, Cow<'_, [u8]>) {
     let rows = cells.len() / columns;
     let (across, up) = (columns.min(most.0), rows.min(most.1));

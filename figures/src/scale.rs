@@ -87,7 +87,8 @@ fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     (first..=last).map(|i| i as f64 * step).map(|v| (v, label(v).replace('-', "−"))).collect()
 }
 
-/// Decades from `low` to `high`, with their parts where there is room for them; round numbers where those are few.
+/// Decades from `low` to `high`, with their parts where there is room for them; round numbers where
+/// those are few.
 fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let decade = |e: i32, factors: &'static [f64]| {

@@ -1,4 +1,5 @@
-//! The component's table as the doors describe it: what the descriptions of all versions have in common.
+//! The component's table as the doors describe it: what the descriptions of all versions have in
+//! common.
 
 use crate::component::identity;
 use crate::component::settings::Settings;
@@ -18,7 +19,8 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// What the table and the identity say: interface types, capabilities, log categories and token are the version's.
+    /// What the table and the identity say: interface types, capabilities, log categories and token
+    /// are the version's.
     pub(crate) fn description(&self) -> Description {
         let unknowns =
             |list: Vec<structure::Unknown>| list.iter().filter_map(|row| self.unknown(row)).collect();

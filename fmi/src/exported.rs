@@ -1,4 +1,5 @@
-//! The component as the doors want it: which protocol each version of FMI has with it, and what is the component's own.
+//! The component as the doors want it: which protocol each version of FMI has with it, and what is
+//! the component's own.
 
 use crate::component::log::{Category, Log};
 use crate::component::saved_state::SavedState;
@@ -11,8 +12,8 @@ use crate::component::{
 use crate::{fmi2, fmi3};
 use fmi_doors::{Component, Dependency, EarlyEnd, Instantiation, Life, Named, Refusal, Version};
 
-/// How far beyond a stop a solver may look, in gaps from the middle, in descriptions later than the first: farther out it does
-/// not look for an impact, but has gone astray.
+/// How far beyond a stop a solver may look, in gaps from the middle, in descriptions later than the
+/// first: farther out it does not look for an impact, but has gone astray.
 const REACH: f64 = 10.0;
 
 impl Refusal for Problem {

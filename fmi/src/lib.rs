@@ -12,8 +12,9 @@
 //!                              vibro_impact
 //! ```
 //!
-//! [`component`] knows no version of FMI. What the versions differ in for this machine stands in `exported`, [`fmi2`] and
-//! [`fmi3`], of which neither imports the other; what their descriptions have in common in `description`.
+//! [`component`] knows no version of FMI. What the versions differ in for this machine stands in
+//! `exported`, [`fmi2`] and [`fmi3`], of which neither imports the other; what their descriptions
+//! have in common in `description`.
 
 pub mod component;
 mod description;

@@ -1,4 +1,5 @@
-//! Stepping, getting and setting allocate nothing, nor does a motion of a queue. Alone in its process, since it has an allocator of its own.
+//! Stepping, getting and setting allocate nothing, nor does a motion of a queue. Alone in its
+//! process, since it has an allocator of its own.
 #![allow(unsafe_code)] // an allocator is one, and so is the C interface
 
 #[path = "../../tests/common/allocations.rs"]
@@ -114,8 +115,8 @@ fn a_step_with_impacts_loads_and_rest_allocates_nothing() {
     }
 }
 
-/// FMI 3.0: steps with loads, ends at impacts, Event Mode with getters, an input set in it and the next event announced; without
-/// event mode the same without those.
+/// FMI 3.0: steps with loads, ends at impacts, Event Mode with getters, an input set in it and the
+/// next event announced; without event mode the same without those.
 #[test]
 fn a_step_of_fmi3_with_its_events_allocates_nothing() {
     let token = CString::new(description3::instantiation_token(description3::MAIN)).unwrap();

@@ -1,5 +1,6 @@
-//! Bits of the FMU's outputs in many runs through the C interface against a golden file (golden file:
-//! `tests/data/fmu_bits.<instruction set>.txt`), all modes; see `tests/state_bits.rs` for the library's.
+//! Bits of the FMU's outputs in many runs through the C interface against a golden file (golden
+//! file: `tests/data/fmu_bits.<instruction set>.txt`), all modes; see `tests/state_bits.rs` for the
+//! library's.
 #![allow(unsafe_code)] // the C interface
 
 #[path = "../../tests/common/bits.rs"]
@@ -18,7 +19,8 @@ use vibro_fmi::fmi2::abi::*;
 use vibro_fmi::fmi2::description;
 use vibro_fmi::fmi2::types::FmiEventInfo;
 
-/// Value references that the golden file covers: those of version 0.1, so that a new variable leaves it as it is.
+/// Value references that the golden file covers: those of version 0.1, so that a new variable
+/// leaves it as it is.
 const RECORDED: u32 = 72;
 /// Points at which each run is recorded.
 const POINTS: u32 = 10_000;

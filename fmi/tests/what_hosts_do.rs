@@ -1,4 +1,5 @@
-//! What hosts do to an FMU, through the C interface: each test is a habit of a host that was seen (named where known).
+//! What hosts do to an FMU, through the C interface: each test is a habit of a host that was seen
+//! (named where known).
 #![allow(unsafe_code)] // the C interface
 
 #[path = "common/fmi2.rs"]
@@ -9,7 +10,8 @@ use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::abi::*;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// The same motion cut into other steps; the default motion is stable, so rounding is not amplified.
+/// The same motion cut into other steps; the default motion is stable, so rounding is not
+/// amplified.
 const SAME: f64 = 1e-10;
 
 /// The native library's states at that time, from the default start.
@@ -39,7 +41,8 @@ fn the_last_step_is_2e_14_long() {
     assert_same(host.motion(), native(101.0));
 }
 
-/// Hosts that add step sizes up: the point drifts away from k h, and each end is another sum than the next point.
+/// Hosts that add step sizes up: the point drifts away from k h, and each end is another sum than
+/// the next point.
 #[test]
 fn the_communication_point_drifts_by_1e_14_a_step() {
     let host = Fmu2::logged().start(&[]);
@@ -126,13 +129,15 @@ fn the_logger_and_memory_callbacks_are_null() {
 
 #[test]
 fn neither_stop_time_nor_tolerance_is_defined() {
-    // `initialize` gives a tolerance that is no number and a stop before the start, neither defined.
+    // `initialize` gives a tolerance that is no number and a stop before the start, neither
+    // defined.
     let host = Fmu2::logged().start(&[]);
     host.step(0.0, 1e4);
     assert_eq!(host.time(), 1e4);
 }
 
-/// Hosts that print messages without expanding arguments show them as they are; those that expand them need %%.
+/// Hosts that print messages without expanding arguments show them as they are; those that expand
+/// them need %%.
 #[test]
 fn messages_are_finished_text_with_percent_signs_doubled() {
     let host = Fmu2::logged().start(&[]);
@@ -166,7 +171,8 @@ fn a_thousand_instances_in_eight_threads() {
     });
 }
 
-/// A host that meets the limit of work in one step: the step is refused as a whole, and shorter ones are carried out.
+/// A host that meets the limit of work in one step: the step is refused as a whole, and shorter
+/// ones are carried out.
 #[test]
 fn a_step_with_too_much_work_is_refused_and_can_be_taken_in_parts() {
     /// About a second, on a machine with other work to do.

@@ -1,5 +1,6 @@
-//! Archives of a machine of the user's own: the library that serves all machines, under the machine's name, and the machine's file
-//! in the resources. All but this is generated from the file, so that nothing is compiled for a machine.
+//! Archives of a machine of the user's own: the library that serves all machines, under the
+//! machine's name, and the machine's file in the resources. All but this is generated from the
+//! file, so that nothing is compiled for a machine.
 
 use crate::archive::{self, Content};
 use crate::error::Result;
@@ -9,7 +10,8 @@ use std::path::{Path, PathBuf};
 use vibro_assembly_fmi::Plan;
 use vibro_pack::Kit;
 
-/// Everything that the archive of a version holds, of the plan with arrays where it is that of the version with them.
+/// Everything that the archive of a version holds, of the plan with arrays where it is that of the
+/// version with them.
 ///
 /// # Errors
 /// [`Error::Pack`](crate::Error::Pack), which would be a mistake of ours.
@@ -17,12 +19,13 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     Ok(vibro_pack::content(version.fmi(), plan, kit)?)
 }
 
-/// Writes the archives of the machine in a file, that of FMI 2.0 [where `out` says](placed), and those of FMI 3.0 beside it, the one
-/// with arrays where it is asked for; returns their paths.
+/// Writes the archives of the machine in a file, that of FMI 2.0 [where `out` says](placed), and
+/// those of FMI 3.0 beside it, the one with arrays where it is asked for; returns their paths.
 ///
 /// # Errors
 /// [`Error::Refusal`](crate::Error::Refusal) with everything that is wrong with the file,
-/// [`Error::Machine`](crate::Error::Machine) for a machine that has no start, [`Error::File`](crate::Error::File).
+/// [`Error::Machine`](crate::Error::Machine) for a machine that has no start,
+/// [`Error::File`](crate::Error::File).
 pub fn write(file: &Path, out: Option<&Path>, arrays: bool, kit: &Kit) -> Result<Vec<PathBuf>> {
     let mut plan = Plan::of(&vibro_assembly::file::read(file)?)?;
     let output = placed(out, plan.name());

@@ -1,5 +1,6 @@
-//! Own checks of a model description of either version, on the text as written: what the XML schema cannot say, what importers rely
-//! on, and what hosts overlook (start values outside their range, for one).
+//! Own checks of a model description of either version, on the text as written: what the XML schema
+//! cannot say, what importers rely on, and what hosts overlook (start values outside their range,
+//! for one).
 
 mod model;
 
@@ -211,7 +212,8 @@ fn names(model: &Model, found: &mut Vec<String>) {
     unique("value reference", model.variables.iter().filter_map(|v| v.get("valueReference")), found);
 }
 
-/// FMI 2.0, 2.2.9; FMI 3.0.2, 2.4.7.5.1, as far as our names go: identifiers with dots between them, and their first derivatives.
+/// FMI 2.0, 2.2.9; FMI 3.0.2, 2.4.7.5.1, as far as our names go: identifiers with dots between
+/// them, and their first derivatives.
 fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
     inner.unwrap_or(name).split('.').all(|part| {
@@ -250,8 +252,8 @@ fn variable(v: &Variable, model: &Model, found: &mut Vec<String>) {
     }
 }
 
-/// FMI 2.0, 2.2.7; FMI 3.0.2, 2.4.7.4: what goes together. Inputs have no `initial` in FMI 3.0 either, since importers exist that refuse
-/// one.
+/// FMI 2.0, 2.2.7; FMI 3.0.2, 2.4.7.4: what goes together. Inputs have no `initial` in FMI 3.0
+/// either, since importers exist that refuse one.
 fn combination(v: &Variable, model: &Model, found: &mut Vec<String>) {
     let (name, initial) = (v.name, v.get("initial"));
     let allowed = match (v.causality, v.variability) {
@@ -425,7 +427,8 @@ fn key(row: &Element) -> u32 {
     key.and_then(|key| key.parse().ok()).unwrap_or_default()
 }
 
-/// One list: the expected keys, each once, with dependencies on `knowns` by the kinds that are allowed there.
+/// One list: the expected keys, each once, with dependencies on `knowns` by the kinds that are
+/// allowed there.
 fn list(
     model: &Model,
     what: &str,

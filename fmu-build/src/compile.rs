@@ -1,5 +1,5 @@
-//! The library that goes into the archive: the one that cargo compiled with this packager, or, to be handed on, one that a nested
-//! cargo compiles as a whole.
+//! The library that goes into the archive: the one that cargo compiled with this packager, or, to
+//! be handed on, one that a nested cargo compiles as a whole.
 
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -7,8 +7,8 @@ use std::process::{Command, Stdio};
 
 pub use vibro_pack::{PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 
-/// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load them all by name, whatever the
-/// capabilities say.
+/// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load them all by
+/// name, whatever the capabilities say.
 pub const FUNCTIONS: &str = "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment \
     EnterInitializationMode ExitInitializationMode Terminate Reset \
     GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString \
@@ -52,8 +52,9 @@ pub fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
 }
 
-/// A library that cargo compiled with this packager, which depends on its crate: it lies in the folder of what was
-/// compiled. No compiler runs, but the library may name folders of this machine, and it needs the unwinder of its compiler.
+/// A library that cargo compiled with this packager, which depends on its crate: it lies in the
+/// folder of what was compiled. No compiler runs, but the library may name folders of this machine,
+/// and it needs the unwinder of its compiler.
 ///
 /// # Errors
 /// [`Error::Cargo`] where it is not there, as when the packager was taken away from that folder.
@@ -127,7 +128,8 @@ impl Product {
     /// What cargo is to make.
     fn made_by(self) -> &'static [&'static str] {
         match self {
-            // `rustc` with the one crate type, since cargo leaves out link-time optimization where an rlib is made as well.
+            // `rustc` with the one crate type, since cargo leaves out link-time optimization where
+            // an rlib is made as well.
             Self::Vibro | Self::Machine => &["rustc", "--lib", "--crate-type", "cdylib"],
             Self::CommandLine => &["rustc", "--bin", PROGRAM],
         }
@@ -135,7 +137,8 @@ impl Product {
 }
 
 impl Default for Compiler {
-    /// The nested cargo has a target folder of its own, so that it never waits for the lock of a cargo that runs us.
+    /// The nested cargo has a target folder of its own, so that it never waits for the lock of a
+    /// cargo that runs us.
     fn default() -> Self {
         Self { workspace: workspace().into(), target: target().join("fmu"), product: Product::Vibro }
     }
@@ -149,13 +152,14 @@ impl From<Product> for Compiler {
 }
 
 impl Compiler {
-    /// Compiles the workspace in one folder into another one; what comes out must not depend on either.
+    /// Compiles the workspace in one folder into another one; what comes out must not depend on
+    /// either.
     pub fn in_folders(workspace: &Path, target: &Path) -> Self {
         Self { workspace: workspace.into(), target: target.into(), product: Product::Vibro }
     }
 
-    /// Compiles the product for this machine, to be handed on: as a whole, without names of its folders, needing the C library and its
-    /// mathematics alone.
+    /// Compiles the product for this machine, to be handed on: as a whole, without names of its
+    /// folders, needing the C library and its mathematics alone.
     ///
     /// # Errors
     /// [`Error::Cargo`] when cargo cannot be run or fails.
@@ -191,14 +195,15 @@ impl Compiler {
         cargo.args(["--package", self.product.package(), "--profile", "fmu", "--locked"]);
         cargo.args(["--message-format", "json-render-diagnostics", "--target-dir"]);
         cargo.arg(&self.target).env("CARGO_ENCODED_RUSTFLAGS", self.flags());
-        // Incremental builds of a cdylib have left undefined symbols, which show only when a host loads it.
+        // Incremental builds of a cdylib have left undefined symbols, which show only when a host
+        // loads it.
         cargo.env("CARGO_INCREMENTAL", "0");
         // Windows libraries carry a time.
         cargo.env("SOURCE_DATE_EPOCH", EPOCH);
     }
 
-    /// Compiler flags: no folder of this machine in the binary, so that builds in two folders are equal. They take the
-    /// place of the user's own, which must not change what is shipped.
+    /// Compiler flags: no folder of this machine in the binary, so that builds in two folders are
+    /// equal. They take the place of the user's own, which must not change what is shipped.
     fn flags(&self) -> String {
         let mut flags = vec![remap(&self.workspace, "/vibro-impact")];
         flags.extend(cargo_home().map(|home| remap(&home, "/cargo")));
@@ -207,7 +212,8 @@ impl Compiler {
         flags.join("\u{1f}")
     }
 
-    /// What a Windows library exports: cargo-zigbuild leaves out the compiler's own list, and then all would be exported.
+    /// What a Windows library exports: cargo-zigbuild leaves out the compiler's own list, and then
+    /// all would be exported.
     fn definitions(&self) -> Result<PathBuf> {
         let file = self.target.join("fmi.def");
         let names = exported().map(|name| format!("    {name}\n"));
@@ -216,8 +222,9 @@ impl Compiler {
         Ok(file)
     }
 
-    /// A folder for the linker with what it needs to know of Apple's frameworks: for tables' time stamps chrono asks one for the time zone. Zig has
-    /// lists of the system's libraries alone, and Apple's own kit is for Macs.
+    /// A folder for the linker with what it needs to know of Apple's frameworks: for tables' time
+    /// stamps chrono asks one for the time zone. Zig has lists of the system's libraries alone, and
+    /// Apple's own kit is for Macs.
     fn frameworks(&self) -> Result<PathBuf> {
         let folder = self.target.join("frameworks");
         crate::archive::write_file(
@@ -227,8 +234,9 @@ impl Compiler {
         Ok(folder)
     }
 
-    /// A folder for the linker in which the name of GCC's shared run-time library stands for the static one: unwinding
-    /// then needs no library that a host's machine may lack. `None` where GCC's libraries are not used.
+    /// A folder for the linker in which the name of GCC's shared run-time library stands for the
+    /// static one: unwinding then needs no library that a host's machine may lack. `None` where
+    /// GCC's libraries are not used.
     fn static_unwinder(&self) -> Result<Option<PathBuf>> {
         if !cfg!(all(target_os = "linux", target_env = "gnu")) {
             return Ok(None);
@@ -245,7 +253,8 @@ impl Compiler {
     }
 }
 
-/// The compiler's flag by which a folder of this machine is called by another name in what is compiled.
+/// The compiler's flag by which a folder of this machine is called by another name in what is
+/// compiled.
 pub(crate) fn remap(from: &Path, to: &str) -> String {
     format!("--remap-path-prefix={}={to}", from.to_string_lossy())
 }

@@ -1,5 +1,6 @@
-//! The live page of the archives, made by the program `explorer-build`. A nested cargo compiles and runs that, so that what it needs
-//! (the target wasm32-unknown-unknown, node, the generator of WebAssembly's doors) is not needed for an archive without the page.
+//! The live page of the archives, made by the program `explorer-build`. A nested cargo compiles and
+//! runs that, so that what it needs (the target wasm32-unknown-unknown, node, the generator of
+//! WebAssembly's doors) is not needed for an archive without the page.
 
 use crate::compile::{cargo, target};
 use crate::platforms::LeftOut;

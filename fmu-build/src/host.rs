@@ -1,7 +1,8 @@
-//! A small host of FMI 2.0, and of FMI 3.0 in [`fmi3`]: loads the packaged binary and calls it through its C ABI, as any
-//! importing tool does.
+//! A small host of FMI 2.0, and of FMI 3.0 in [`fmi3`]: loads the packaged binary and calls it
+//! through its C ABI, as any importing tool does.
 //!
-//! The only files of this crate with `unsafe`: a shared library's functions can be reached in no other way.
+//! The only files of this crate with `unsafe`: a shared library's functions can be reached in no
+//! other way.
 #![allow(unsafe_code)]
 
 pub mod fmi3;
@@ -17,8 +18,9 @@ type Component = *mut c_void;
 type Environment = *const Log;
 type Logger = unsafe extern "C" fn(Environment, *const c_char, c_int, *const c_char, *const c_char);
 
-/// `fmi2CallbackFunctions` (FMI 2.0, 2.1.5). The logger is variadic in C; a callee with the fixed arguments only is
-/// called the same way on every ABI we run on, and the arguments after them are not needed.
+/// `fmi2CallbackFunctions` (FMI 2.0, 2.1.5). The logger is variadic in C; a callee with the fixed
+/// arguments only is called the same way on every ABI we run on, and the arguments after them are
+/// not needed.
 #[repr(C)]
 struct Callbacks {
     logger: Option<Logger>,
@@ -55,7 +57,8 @@ struct Functions {
     get_version: unsafe extern "C" fn() -> *const c_char,
 }
 
-/// Loads a shared library with all its symbols: one that is missing is an error here, not a crash at its first call.
+/// Loads a shared library with all its symbols: one that is missing is an error here, not a crash
+/// at its first call.
 ///
 /// # Safety
 /// As [`Library::new`].
@@ -85,11 +88,13 @@ impl Binary {
     /// # Errors
     /// [`Error::Load`](crate::Error::Load) when it cannot be loaded or lacks a function.
     pub fn load(path: &Path) -> Result<Self> {
-        // SAFETY: loading runs the library's initializers; it is our own Rust cdylib, which has none of its own.
+        // SAFETY: loading runs the library's initializers; it is our own Rust cdylib, which has
+        // none of its own.
         let library = unsafe { open(path) }?;
         macro_rules! function {
             ($name:literal) => {
-                // SAFETY: the field's type is the C prototype of this function in FMI 2.0, which the library exports.
+                // SAFETY: the field's type is the C prototype of this function in FMI 2.0, which
+                // the library exports.
                 *unsafe { library.get(concat!($name, "\0")) }?
             };
         }
@@ -130,7 +135,8 @@ impl Binary {
         });
         let guid = CString::new(guid).unwrap_or_default();
         const CO_SIMULATION: c_int = 1;
-        // SAFETY: all pointers are valid for the call; callbacks and log live in boxes as long as the instance.
+        // SAFETY: all pointers are valid for the call; callbacks and log live in boxes as long as
+        // the instance.
         let component = unsafe {
             let (resources, name) = (c"".as_ptr(), c"fmu-build".as_ptr());
             (self.functions.instantiate)(
@@ -160,8 +166,8 @@ unsafe extern "C" fn logger(
     category: *const c_char,
     message: *const c_char,
 ) {
-    // SAFETY: the environment is the log we gave to fmi2Instantiate, which outlives the instance; the others are C strings
-    // (FMI 2.0, 2.1.5).
+    // SAFETY: the environment is the log we gave to fmi2Instantiate, which outlives the instance;
+    // the others are C strings (FMI 2.0, 2.1.5).
     unsafe { Log::take(log, category, message) }
 }
 

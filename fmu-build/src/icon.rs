@@ -1,4 +1,5 @@
-//! The icon `model.png`: the box on its spring, the block between the stops, the secondary oscillator.
+//! The icon `model.png`: the box on its spring, the block between the stops, the secondary
+//! oscillator.
 
 use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, SECONDARY};
 use vibro_figures::canvas::{Canvas, Drawing, Pen, Place};

@@ -50,7 +50,8 @@ pub fn slices(bytes: &[u8]) -> Result<Vec<&[u8]>> {
 pub fn exports(bytes: &[u8]) -> Result<BTreeSet<String>> {
     let binary = object::File::parse(bytes)?;
     if binary.format() == BinaryFormat::MachO {
-        // By the scope of symbols: the reader's own list has private ones too. C names begin with an underscore.
+        // By the scope of symbols: the reader's own list has private ones too. C names begin with
+        // an underscore.
         let shown = binary.symbols().filter(|s| s.is_definition() && s.scope() == SymbolScope::Dynamic);
         return shown.map(|s| Ok(s.name()?.trim_start_matches('_').to_owned())).collect();
     }
@@ -63,7 +64,8 @@ pub fn exports(bytes: &[u8]) -> Result<BTreeSet<String>> {
     Ok(names)
 }
 
-/// Shared libraries needed, as the binary names them; for ELF the versions of glibc's symbols as well.
+/// Shared libraries needed, as the binary names them; for ELF the versions of glibc's symbols as
+/// well.
 ///
 /// # Errors
 /// Where it is none.
@@ -103,7 +105,8 @@ fn elf_needs<Elf: FileHeader<Endian = Endianness>>(bytes: &[u8]) -> Result<BTree
     Ok(found)
 }
 
-/// Whether a library needed is the C library, its mathematics, or what the system brings along with them.
+/// Whether a library needed is the C library, its mathematics, or what the system brings along with
+/// them.
 pub fn is_system(library: &str) -> bool {
     const ELF: [&str; 6] = ["libc.so", "libm.so", "libpthread.so", "libdl.so", "ld-linux", "GLIBC_"];
     const WINDOWS: [&str; 4] = ["api-ms-win-", "kernel32.dll", "ntdll.dll", "msvcrt.dll"];

@@ -1,5 +1,6 @@
-//! What is the same in the archives of all machines: the library that serves them and its licences. To make it takes a compiler and
-//! minutes; it is kept under `target/`, and as long as nothing has changed that goes into it no compiler is called.
+//! What is the same in the archives of all machines: the library that serves them and its licences.
+//! To make it takes a compiler and minutes; it is kept under `target/`, and as long as nothing has
+//! changed that goes into it no compiler is called.
 
 use crate::archive;
 use crate::compile::{Product, target, workspace};
@@ -40,7 +41,8 @@ pub fn at_hand() -> Result<Kit> {
     around(platforms::at_hand_of(Product::Machine)?)
 }
 
-/// That of every platform that can be built here, and a list of the others. It is kept where none is missing.
+/// That of every platform that can be built here, and a list of the others. It is kept where none
+/// is missing.
 ///
 /// # Errors
 /// As [`own`].
@@ -107,8 +109,8 @@ impl Shelf {
         Some(Kit { date: date::of_sources(), ..Kit::from_entries(content)? })
     }
 
-    /// Of what a kit is made: the compiler, a digest of everything that is compiled or says how, and the folders of our packages in
-    /// it. Versions of all others are in `Cargo.lock`.
+    /// Of what a kit is made: the compiler, a digest of everything that is compiled or says how,
+    /// and the folders of our packages in it. Versions of all others are in `Cargo.lock`.
     fn origin(&self, packages: &[String]) -> io::Result<String> {
         let mut digest = MAKERS.iter().fold(EMPTY, |digest, text| extended(digest, text));
         let mut files = vec![self.workspace.join("Cargo.lock"), self.workspace.join("Cargo.toml")];

@@ -1,5 +1,5 @@
-//! Packs the vibro-impact library into `VibroImpact3DOF.fmu` (FMI 2.0) and `VibroImpact3DOF-FMI3.fmu`, runs them and draws what
-//! happened.
+//! Packs the vibro-impact library into `VibroImpact3DOF.fmu` (FMI 2.0) and
+//! `VibroImpact3DOF-FMI3.fmu`, runs them and draws what happened.
 //!
 //! ```text
 //!         table (vibro_fmi) ─▶ check (xml) ───────┐

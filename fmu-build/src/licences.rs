@@ -22,9 +22,9 @@ of mingw-w64 (public domain and Zope Public License 2.1).
     )
 }
 
-/// Texts that the Rust toolchain brings along, in its `share/doc/rust`, and their names in an archive. A licence and its exception
-/// are one text in one file: the exception is what makes the licence that of linked code, and whoever finds a licence by its text
-/// must find it too.
+/// Texts that the Rust toolchain brings along, in its `share/doc/rust`, and their names in an
+/// archive. A licence and its exception are one text in one file: the exception is what makes the
+/// licence that of linked code, and whoever finds a licence by its text must find it too.
 const TOOLCHAIN: [(&str, &[&str]); 3] = [
     ("COPYRIGHT-library.html", &["COPYRIGHT-library.html"]),
     ("LLVM-exception.txt", &["licenses/LLVM-exception.txt"]),
@@ -36,11 +36,12 @@ const TOOLCHAIN: [(&str, &[&str]); 3] = [
 
 pub use vibro_pack::LICENCE_LIST as LIST;
 
-/// The texts of an archive by their paths in its folder of licences: our own, those of every crate linked into the binaries and,
-/// where it is packed, into the live page, and a list of them.
+/// The texts of an archive by their paths in its folder of licences: our own, those of every crate
+/// linked into the binaries and, where it is packed, into the live page, and a list of them.
 ///
 /// # Errors
-/// [`Error::Cargo`] when cargo does not tell the dependencies, [`Error::File`] when a text cannot be read.
+/// [`Error::Cargo`] when cargo does not tell the dependencies, [`Error::File`] when a text cannot
+/// be read.
 pub fn texts(live: bool) -> Result<Content> {
     texts_of(Product::Vibro, live)
 }
@@ -69,14 +70,15 @@ pub fn texts_of(product: Product, live: bool) -> Result<Content> {
     Ok(content)
 }
 
-/// Files of licences that every wheel has beside our own: the list of what is linked, with all texts.
+/// Files of licences that every wheel has beside our own: the list of what is linked, with all
+/// texts.
 pub const OF_WHEEL: [&str; 1] = ["LICENSE-THIRD-PARTY.txt"];
 
 /// The page of the standard library's licences beside them.
 const STANDARD_LIBRARY: &str = "LICENSE-RUST-STANDARD-LIBRARY.html";
 
-/// The texts of the Python package's wheels, in files whose names `license-files` in its `pyproject.toml` covers. Of equal texts
-/// there is one.
+/// The texts of the Python package's wheels, in files whose names `license-files` in its
+/// `pyproject.toml` covers. Of equal texts there is one.
 ///
 /// # Errors
 /// As [`texts`].
@@ -163,8 +165,8 @@ fn packages(names: &BTreeSet<(String, String)>) -> Result<Vec<Value>> {
     Ok(packages)
 }
 
-/// Names and versions in the normal dependency tree of one of our packages on any platform that is packed, without what only runs
-/// while compiling.
+/// Names and versions in the normal dependency tree of one of our packages on any platform that is
+/// packed, without what only runs while compiling.
 fn tree(package: &str) -> Result<BTreeSet<(String, String)>> {
     let targets: Vec<&str> = PLATFORMS.iter().flat_map(|p| p.targets).copied().collect();
     tree_for(package, &targets)
@@ -184,7 +186,8 @@ fn tree_for(package: &str, targets: &[&str]) -> Result<BTreeSet<(String, String)
     Ok(output(&mut tree)?.lines().filter_map(entry).collect())
 }
 
-/// The folders of our own packages that a library is made of, in the workspace; of the package at its top the empty one.
+/// The folders of our own packages that a library is made of, in the workspace; of the package at
+/// its top the empty one.
 ///
 /// # Errors
 /// [`Error::Cargo`].

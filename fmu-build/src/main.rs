@@ -17,13 +17,14 @@ use vibro_figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Builds VibroImpact3DOF.fmu (FMI 2.0) and VibroImpact3DOF-FMI3.fmu, runs both beside the native library and draws what
-/// happened.
+/// Builds VibroImpact3DOF.fmu (FMI 2.0) and VibroImpact3DOF-FMI3.fmu, runs both beside the native
+/// library and draws what happened.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// File of the FMU of FMI 2.0, or a folder for it [default: VibroImpact3DOF.fmu here, in the repository in target/]. That of FMI 3.0
-    /// and the pictures go beside it
+    /// File of the FMU of FMI 2.0, or a folder for it
+    /// [default: VibroImpact3DOF.fmu here, in the repository in target/]. That of FMI 3.0 and the
+    /// pictures go beside it
     #[arg(long, short, alias = "output")]
     out: Option<PathBuf>,
     /// Drive periods to run
@@ -32,18 +33,21 @@ struct Arguments {
     /// Pack a binary for every platform that can be built here, and say what the others need
     #[arg(long)]
     all_platforms: bool,
-    /// Compile the library for this machine anew, as for a release: optimised as a whole, without names of this machine's folders,
-    /// needing nothing but the C library. Takes minutes; for FMUs that are handed on
+    /// Compile the library for this machine anew, as for a release: optimised as a whole, without
+    /// names of this machine's folders, needing nothing but the C library. Takes minutes; for FMUs
+    /// that are handed on
     #[arg(long, conflicts_with = "all_platforms")]
     portable: bool,
-    /// Make a further FMU of FMI 3.0 with arrays: displacements, velocities and accelerations as vectors, derivatives over a
-    /// step as matrices. Several importers cannot read arrays
+    /// Make a further FMU of FMI 3.0 with arrays: displacements, velocities and accelerations as
+    /// vectors, derivatives over a step as matrices. Several importers cannot read arrays
     #[arg(long)]
     arrays: bool,
-    /// Make a further FMU of FMI 3.0 with these arrays and a clock that ticks at impacts. Several importers fail on clocks
+    /// Make a further FMU of FMI 3.0 with these arrays and a clock that ticks at impacts. Several
+    /// importers fail on clocks
     #[arg(long)]
     clocked: bool,
-    /// Also pack the live page (documentation/explorer.html). If it cannot be made, say what it needs
+    /// Also pack the live page (documentation/explorer.html). If it cannot be made, say what it
+    /// needs
     #[arg(long)]
     explorer: bool,
     /// Build the FMUs without running them
@@ -55,25 +59,28 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Writes the generated files that are committed: modelDescription/, the pictures of README and documentation
+    /// Writes the generated files that are committed: modelDescription/, the pictures of README and
+    /// documentation
     Refresh {
-        /// Only those that follow from the table of variables: a second instead of minutes, since nothing is compiled for
-        /// the archive, run or drawn
+        /// Only those that follow from the table of variables: a second instead of minutes, since
+        /// nothing is compiled for the archive, run or drawn
         #[arg(long)]
         description: bool,
     },
-    /// Packs NAME.fmu (FMI 2.0) and NAME-FMI3.fmu of a machine of your own that a file describes (docs/assemblies.md). Nothing is
-    /// compiled but, once, the library that serves all machines
+    /// Packs NAME.fmu (FMI 2.0) and NAME-FMI3.fmu of a machine of your own that a file describes
+    /// (docs/assemblies.md). Nothing is compiled but, once, the library that serves all machines
     Assembly {
         /// The machine's file
         file: PathBuf,
-        /// File of the FMU of FMI 2.0, or a folder for it [default: NAME.fmu here]. That of FMI 3.0 goes beside it
+        /// File of the FMU of FMI 2.0, or a folder for it [default: NAME.fmu here]. That of FMI 3.0
+        /// goes beside it
         #[arg(long, short, alias = "output")]
         out: Option<PathBuf>,
         /// Pack a binary for every platform that can be built here, and say what the others need
         #[arg(long)]
         all_platforms: bool,
-        /// Make a further FMU of FMI 3.0 with derivatives over a step as matrices. Several importers cannot read arrays
+        /// Make a further FMU of FMI 3.0 with derivatives over a step as matrices. Several
+        /// importers cannot read arrays
         #[arg(long)]
         arrays: bool,
     },
@@ -94,7 +101,8 @@ enum Task {
         /// The tag that is released, e.g. v0.1.0; then nothing may be left out
         #[arg(long)]
         tag: Option<String>,
-        /// Show what a release would be, with the changes under "Unreleased"; the work tree need not be committed
+        /// Show what a release would be, with the changes under "Unreleased"; the work tree need
+        /// not be committed
         #[arg(long, conflicts_with = "tag")]
         preview: bool,
         /// Only this platform, by its name in FMI 3.0, e.g. x86_64-linux. May be repeated
@@ -167,7 +175,8 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     Ok(())
 }
 
-/// Writes beside the archives what makes those of other machines, from which the Python package takes both.
+/// Writes beside the archives what makes those of other machines, from which the Python package
+/// takes both.
 fn write_kit(output: &Path, arguments: &Arguments) -> fmu_build::Result<PathBuf> {
     let kit = match (arguments.all_platforms, arguments.portable) {
         (true, _) => kit::all()?.0,

@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 use vibro_figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
-/// Where an archive goes: to the file that is named, under its own name into a folder that is, and else here.
+/// Where an archive goes: to the file that is named, under its own name into a folder that is, and
+/// else here.
 pub fn placed(out: Option<&Path>, name: &str) -> PathBuf {
     let file = PathBuf::from(format!("{name}.fmu"));
     let is_folder = |out: &Path| out.is_dir() || out.to_string_lossy().ends_with(['/', '\\']);
@@ -42,7 +43,8 @@ pub fn icon() -> Result<Vec<u8>> {
     Ok(canvas::png(&icon::Icon)?)
 }
 
-/// Files that are generated and committed: path in the workspace → content. A test fails when one is stale.
+/// Files that are generated and committed: path in the workspace → content. A test fails when one
+/// is stale.
 ///
 /// # Errors
 /// As [`Version::description`] and [`icon()`].
@@ -53,7 +55,8 @@ pub fn committed() -> Result<Content> {
     Ok(files)
 }
 
-/// Those of them that follow from the table of variables. They bear no date: that of the sources is put into the archive.
+/// Those of them that follow from the table of variables. They bear no date: that of the sources is
+/// put into the archive.
 ///
 /// # Errors
 /// As [`Version::description`].
@@ -69,10 +72,12 @@ pub fn described() -> Result<Content> {
     files.into_iter().map(text).collect()
 }
 
-/// Everything the archive of a version holds, around binaries compiled before, with the live page where there is one.
+/// Everything the archive of a version holds, around binaries compiled before, with the live page
+/// where there is one.
 ///
 /// # Errors
-/// [`Error::File`](crate::Error::File) when a licence cannot be read, and as [`Version::description`] and [`icon()`].
+/// [`Error::File`](crate::Error::File) when a licence cannot be read, and as
+/// [`Version::description`] and [`icon()`].
 pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Result<Content> {
     let mut content = Content::from([
         (MODEL_DESCRIPTION.to_owned(), version.description(date::of_sources())?.into_bytes()),
@@ -87,7 +92,8 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
     };
     under(reference::FOLDER, reference::files()?);
     if version != Version::Fmi2 {
-        // Its file says version 3.0, which the FMI Library takes for a fatal error in an archive of FMI 2.0.
+        // Its file says version 3.0, which the FMI Library takes for a fatal error in an archive of
+        // FMI 2.0.
         under("terminalsAndIcons", terminals::files()?);
     }
     match version {
@@ -139,7 +145,8 @@ pub fn write(output: &Path, versions: &[Version], binaries: &Binaries, live: Opt
     Ok(())
 }
 
-/// Compiles the library for every platform that can be built here and writes the archives; returns the others.
+/// Compiles the library for every platform that can be built here and writes the archives; returns
+/// the others.
 ///
 /// # Errors
 /// As [`build`].

@@ -32,8 +32,8 @@ pub fn page(explorer: bool) -> String {
         .replace("{{response}}", &inline(RESPONSE, "response", "Amplitudes over the drive amplitude"))
 }
 
-/// An SVG file as an element with a name for those who cannot see it. What it cuts its curves with is named after the stem:
-/// names are unique in a page.
+/// An SVG file as an element with a name for those who cannot see it. What it cuts its curves with
+/// is named after the stem: names are unique in a page.
 fn inline(file: &str, stem: &str, name: &str) -> String {
     let picture = file.find("<svg").map_or("", |start| &file[start..]);
     let picture = picture.replace("id=\"clip-", &format!("id=\"{stem}-clip-"));

@@ -1,4 +1,5 @@
-//! The platforms of `--all-platforms`: what each is compiled for, and what to install where it cannot be.
+//! The platforms of `--all-platforms`: what each is compiled for, and what to install where it
+//! cannot be.
 
 use crate::compile::{self, Compiler, PLATFORM, Product};
 use crate::error::{Error, Result};
@@ -39,7 +40,8 @@ pub const PLATFORMS: [Platform; 7] = [
     platform(PLACES[6], &["i686-pc-windows-gnu"], None),
 ];
 
-/// A part of the archive, a platform or the live page, that could not be built as it should, and why.
+/// A part of the archive, a platform or the live page, that could not be built as it should, and
+/// why.
 #[derive(Debug)]
 pub struct LeftOut {
     /// Its folder, or its path.
@@ -94,8 +96,9 @@ pub fn own(product: Product) -> Result<Binaries> {
     Ok(Binaries::own(read(&Compiler::from(product).library()?)?))
 }
 
-/// The binaries of the platforms that can be built here, and a list of those that cannot. This machine's own is always among them; of the
-/// others those that are asked for, by their names in FMI 3.0, or all where none is.
+/// The binaries of the platforms that can be built here, and a list of those that cannot. This
+/// machine's own is always among them; of the others those that are asked for, by their names in
+/// FMI 3.0, or all where none is.
 ///
 /// # Errors
 /// Where not even this machine's own can be built.
@@ -172,8 +175,8 @@ pub(crate) fn has_standard_library(target: &str) -> bool {
 /// Pages of Apple's processors, as a power of two: where the slices of a universal file begin.
 const PAGE: u32 = 14;
 
-/// A universal Mach-O file: a table of (processor, its subtype, offset, size, alignment) in big-endian words, then the
-/// files themselves.
+/// A universal Mach-O file: a table of (processor, its subtype, offset, size, alignment) in
+/// big-endian words, then the files themselves.
 fn universal(slices: &[Vec<u8>]) -> Vec<u8> {
     const MAGIC: u32 = 0xcafe_babe;
     let aligned = |n: usize| n.next_multiple_of(1 << PAGE);

@@ -1,5 +1,6 @@
-//! The recipes of `docs/recipes.md` in the documentation page: what each is about, and its block for the FMU. The blocks for the command
-//! line and for Rust are left out, since who has the FMU may have neither.
+//! The recipes of `docs/recipes.md` in the documentation page: what each is about, and its block
+//! for the FMU. The blocks for the command line and for Rust are left out, since who has the FMU
+//! may have neither.
 
 use pulldown_cmark::{Event, HeadingLevel, Parser, Tag, TagEnd, html};
 

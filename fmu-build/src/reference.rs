@@ -1,6 +1,6 @@
-//! Reference results in the archives, by the layered standard FMI-LS-REF 1.0.0-alpha.1 (modelica/fmi-ls-ref): results of the
-//! default experiment and of its impacts, that experiment as a smoke test, sets of parameters with start values, and a saved
-//! state of the settled motion.
+//! Reference results in the archives, by the layered standard FMI-LS-REF 1.0.0-alpha.1
+//! (modelica/fmi-ls-ref): results of the default experiment and of its impacts, that experiment as
+//! a smoke test, sets of parameters with start values, and a saved state of the settled motion.
 
 use crate::archive::Content;
 use crate::error::Result;
@@ -22,8 +22,8 @@ pub use vibro_pack::reference::FOLDER;
 static DEFAULT: &str = include_str!("../../modelDescription/reference/default.csv");
 static IMPACTS: &str = include_str!("../../modelDescription/reference/impacts.csv");
 
-/// Displacements and velocities of the default motion after 1000 drive periods, m and m/s, to nine places: start values on the
-/// settled motion at drive phase zero.
+/// Displacements and velocities of the default motion after 1000 drive periods, m and m/s, to nine
+/// places: start values on the settled motion at drive phase zero.
 pub const SETTLED: [f64; 6] =
     [-0.213938687, -0.150042033, 0.942518231, -0.317291698, -0.865976145, 0.163384581];
 
@@ -94,8 +94,8 @@ fn parameters(p: &Parameters) -> Vec<(&'static str, f64)> {
     FIELDS.iter().map(|field| (field.name, (field.get)(p))).collect()
 }
 
-/// The set of a machine, which starts at rest in the middle but for the block, which moves towards the upper stop with the speed
-/// L ω10: the start of the studies.
+/// The set of a machine, which starts at rest in the middle but for the block, which moves towards
+/// the upper stop with the speed L ω10: the start of the studies.
 fn set(name: String, description: String, groups: &Groups) -> Result<Set> {
     let p = groups.to_parameters(Scales::default())?;
     let start = [0.0, 0.0, 0.0, 0.0, p.stop_gap * p.box_frequency(), 0.0];
@@ -184,7 +184,8 @@ impl Log for Silent {
     fn log(&mut self, _: Category, _: &str) {}
 }
 
-/// A serialized instance that was initialized with [`SETTLED`]. It holds no digit that a processor could have rounded otherwise.
+/// A serialized instance that was initialized with [`SETTLED`]. It holds no digit that a processor
+/// could have rounded otherwise.
 fn settled_state() -> Vec<u8> {
     let mut instance = Instance::new(Interface::CoSimulation);
     let references = structure::STATES.map(reference);
@@ -219,7 +220,8 @@ fn simulator() -> Result<Simulator> {
 /// Every which step of the default experiment has a row in its result.
 const REPORTED: u32 = 4;
 
-/// Displacements to nine places, which is what processors agree on, at every fourth step of the default experiment.
+/// Displacements to nine places, which is what processors agree on, at every fourth step of the
+/// default experiment.
 fn default_result() -> Result<String> {
     let Experiment { start_time, stop_time, step_size, .. } = default_experiment();
     let mut simulator = simulator()?;
@@ -271,8 +273,8 @@ mod tests {
         assert!(!settled_state().is_empty());
     }
 
-    /// As the figures are made: 400 periods from the start values of the set, and then motion with impacts, at both stops and
-    /// modulated where the figure says so.
+    /// As the figures are made: 400 periods from the start values of the set, and then motion with
+    /// impacts, at both stops and modulated where the figure says so.
     #[test]
     fn second_method_sets_reproduce_the_motions_they_name() {
         for set in sets().unwrap().iter().filter(|set| set.name != "settled") {

@@ -1,4 +1,5 @@
-//! One command assembles a release: archives, wheels, pages, sums, notes, in one folder that can be handed on as it is.
+//! One command assembles a release: archives, wheels, pages, sums, notes, in one folder that can be
+//! handed on as it is.
 //!
 //! ```text
 //! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line ─▶ sdist ─▶ wheels
@@ -49,12 +50,12 @@ struct Assembly<'a> {
     left_out: Vec<String>,
 }
 
-/// Assembles a release into a folder, which it replaces, and returns its files and what had to be left out. The platforms are those
-/// asked for, by their names in FMI 3.0, or all where none is.
+/// Assembles a release into a folder, which it replaces, and returns its files and what had to be
+/// left out. The platforms are those asked for, by their names in FMI 3.0, or all where none is.
 ///
 /// # Errors
-/// [`Error::Release`] where the sources disagree, where what was built does, and where a tag is released and a part is missing; before
-/// the end nothing is put into the folder.
+/// [`Error::Release`] where the sources disagree, where what was built does, and where a tag is
+/// released and a part is missing; before the end nothing is put into the folder.
 pub fn assemble(
     workspace: &Path,
     intent: &Intent,
@@ -125,7 +126,8 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// The archives of the example machines, and the command line for each platform; what makes archives of other machines.
+    /// The archives of the example machines, and the command line for each platform; what makes
+    /// archives of other machines.
     fn machines(&mut self) -> Result<Kit> {
         let (kit, left_out) = kit::of(self.only)?;
         self.left_out.extend(left_out.iter().map(|part| format!("machines of text files: {part}")));
@@ -211,7 +213,8 @@ fn check_replaceable(folder: &Path) -> Result<()> {
     })
 }
 
-/// Replaces a folder by the files of another, which may be on another disk. The sums come last: a folder with them is whole.
+/// Replaces a folder by the files of another, which may be on another disk. The sums come last: a
+/// folder with them is whole.
 fn copy(folder: &Path, into: &Path) -> Result<()> {
     clear(into)?;
     let reading = || Error::file("reading the folder", folder);

@@ -1,4 +1,5 @@
-//! Runs the packaged binaries, out of their archives, beside the native library and compares them bit for bit.
+//! Runs the packaged binaries, out of their archives, beside the native library and compares them
+//! bit for bit.
 
 use crate::archive;
 use crate::compile::SHARED_LIBRARY;
@@ -14,7 +15,8 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Communication steps per drive period: enough for a smooth picture, and for amplitudes to eight digits (`Run::amplitudes`).
+/// Communication steps per drive period: enough for a smooth picture, and for amplitudes to eight
+/// digits (`Run::amplitudes`).
 pub const STEPS_PER_PERIOD: u32 = 200;
 
 const NAMES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
@@ -59,12 +61,12 @@ pub struct Run {
     pub whole: Duration,
 }
 
-/// Runs an archive of FMI 2.0, and that of FMI 3.0 beside it, for that many drive periods from the start values, the native
-/// library beside both.
+/// Runs an archive of FMI 2.0, and that of FMI 3.0 beside it, for that many drive periods from the
+/// start values, the native library beside both.
 ///
 /// # Errors
-/// [`Error::Differs`] when they are not equal bit for bit; [`Error::Binaries`] when the archives hold different libraries;
-/// everything else that can go wrong on the way.
+/// [`Error::Differs`] when they are not equal bit for bit; [`Error::Binaries`] when the archives
+/// hold different libraries; everything else that can go wrong on the way.
 pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     let folder = tempfile::tempdir().map_err(Error::file("making a folder in", &std::env::temp_dir()))?;
     let beside = Version::Fmi3.beside(archive);
@@ -175,7 +177,8 @@ fn same(version: Version, name: &'static str, time: f64, packaged: f64, native: 
     Err(Error::Differs { version: version.name(), name, time, packaged, native })
 }
 
-/// The extreme of the cubic by the values and slopes at two times, where the slopes have opposite signs.
+/// The extreme of the cubic by the values and slopes at two times, where the slopes have opposite
+/// signs.
 fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64)) -> Option<f64> {
     if v0 * v1 >= 0.0 {
         return None;
@@ -185,8 +188,9 @@ fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64))
     // p(u) = x0 + a u + c u² + d u³; p'(u) = a + 2 c u + 3 d u² changes its sign once.
     let (c, d) = (3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise);
     let root = (c * c - 3.0 * a * d).max(0.0).sqrt();
-    // A slope that falls from a > 0 through zero has c < 0 or d < 0, one that rises from a < 0 the opposite: this is the root at
-    // which it does so, and no difference of like numbers where d is small.
+    // A slope that falls from a > 0 through zero has c < 0 or d < 0, one that rises from a < 0 the
+    // opposite: this is the root at which it does so, and no difference of like numbers where d is
+    // small.
     let u = a / (root.copysign(a) - c);
     (0.0..=1.0).contains(&u).then_some(x0 + u * (a + u * (c + u * d)))
 }
@@ -198,7 +202,8 @@ impl Run {
         &self.samples[self.samples.len() - 1 - count..]
     }
 
-    /// The path of the motion between two times, in s, cut at its impacts; each piece holds (time, state).
+    /// The path of the motion between two times, in s, cut at its impacts; each piece holds (time,
+    /// state).
     pub fn path(&self, from: f64, to: f64) -> Vec<Vec<(f64, State)>> {
         let mut impacts = self.impacts.iter().filter(|c| (from..=to).contains(&c.time)).peekable();
         let mut pieces = Vec::new();
@@ -215,9 +220,9 @@ impl Run {
         pieces
     }
 
-    /// Half the range of each displacement over the last periods, impacts included, m. Between two samples a displacement is the
-    /// cubic by their values and velocities, whose extremes are found: with 200 samples a period it is off by less than 1e-8 of
-    /// the amplitude.
+    /// Half the range of each displacement over the last periods, impacts included, m. Between two
+    /// samples a displacement is the cubic by their values and velocities, whose extremes are
+    /// found: with 200 samples a period it is off by less than 1e-8 of the amplitude.
     pub fn amplitudes(&self, periods: u32) -> [f64; 3] {
         let begin = self.tail(periods).first().map_or(0.0, |s| s.time);
         let pieces = self.path(begin, f64::INFINITY);

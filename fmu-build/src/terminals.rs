@@ -1,5 +1,5 @@
-//! `terminalsAndIcons/` (FMI 3.0.2, 2.4.9) of the archives of FMI 3.0: one mechanical terminal for each body, and the
-//! pictures of both.
+//! `terminalsAndIcons/` (FMI 3.0.2, 2.4.9) of the archives of FMI 3.0: one mechanical terminal for
+//! each body, and the pictures of both.
 
 use crate::archive::Content;
 use crate::error::Result;
@@ -9,15 +9,16 @@ use vibro_figures::canvas::palette::{BLOCK, BOX, SECONDARY};
 use vibro_figures::canvas::{self, Canvas, Drawing};
 use vibro_fmi::component::variables::{Causality, VARIABLES, Variable};
 
-/// Names of the terminals: the bodies, whose variables begin with them. The places are on the lower edge of the icon.
+/// Names of the terminals: the bodies, whose variables begin with them. The places are on the lower
+/// edge of the icon.
 const BODIES: [(&str, &str, i32); 3] = [
     ("box", "The box: its motion out, a force on it in", -70),
     ("block", "The block: its motion out, a force on it in", 0),
     ("secondary", "The secondary oscillator: its motion out, a force on it in", 70),
 ];
 
-/// Members of a terminal as in the flange of Modelica's translational mechanics, whose kind it does not claim, and the rate and
-/// acceleration beside. What flows in is the force on the body.
+/// Members of a terminal as in the flange of Modelica's translational mechanics, whose kind it does
+/// not claim, and the rate and acceleration beside. What flows in is the force on the body.
 const MEMBERS: [(&str, &str); 4] = [("s", "signal"), ("v", "signal"), ("a", "signal"), ("f", "inflow")];
 
 /// Kind of the terminals; kinds of tools begin with an underscore and the tool's name.
@@ -37,7 +38,8 @@ pub fn files() -> Result<Content> {
     ]))
 }
 
-/// `terminalsAndIcons.xml`. The rule is `bus`, since a partner may have displacement and force alone.
+/// `terminalsAndIcons.xml`. The rule is `bus`, since a partner may have displacement and force
+/// alone.
 pub fn xml() -> String {
     let mut text = String::from(concat!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n",

@@ -1,5 +1,5 @@
-//! The archives: one of FMI 2.0, one of FMI 3.0, and where asked for further ones of FMI 3.0 with what several importers cannot
-//! read: arrays, a clock. All hold one library.
+//! The archives: one of FMI 2.0, one of FMI 3.0, and where asked for further ones of FMI 3.0 with
+//! what several importers cannot read: arrays, a clock. All hold one library.
 
 use crate::check;
 use crate::error::{Error, Result};
@@ -81,7 +81,8 @@ impl Version {
         self.binary(Place::OWN)
     }
 
-    /// The text of [`MODEL_DESCRIPTION`], checked, with the date on which it was made, where there is one.
+    /// The text of [`MODEL_DESCRIPTION`], checked, with the date on which it was made, where there
+    /// is one.
     ///
     /// # Errors
     /// [`Error::Invalid`] with everything that is wrong.

@@ -1,4 +1,5 @@
-//! Archives of described machines: what is in them, and runs of them in FMPy against the engine's own motion.
+//! Archives of described machines: what is in them, and runs of them in FMPy against the engine's
+//! own motion.
 
 mod common;
 
@@ -17,8 +18,8 @@ use std::sync::Arc;
 use vibro_assembly::{Assembly, Motion, file};
 use vibro_assembly_fmi::Plan;
 
-/// Machines that are run in every way: with a closed form, with every kind of element, with rotation, with friction of a changing level.
-/// All others are stepped.
+/// Machines that are run in every way: with a closed form, with every kind of element, with
+/// rotation, with friction of a changing level. All others are stepped.
 const EXAMPLES: [&str; 5] =
     ["bouncing_ball", "paper_machine", "damper_with_buffer", "gear_backlash", "msl_coupled_clutches"];
 
@@ -26,14 +27,16 @@ fn example(name: &str) -> PathBuf {
     root().join("examples/assembly").join(name).with_extension("toml")
 }
 
-/// The library that cargo compiled for this test, without the optimisations of a release, on which no bit depends.
+/// The library that cargo compiled for this test, without the optimisations of a release, on which
+/// no bit depends.
 fn kit() -> Kit {
     let name = format!("{}vibro_machine{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX);
     let library = std::env::current_exe().expect("a test has a file").with_file_name(name);
     Kit { binaries: Binaries::own(fs::read(library).expect("it lies beside the test")), ..Kit::default() }
 }
 
-/// The engine's motion at the communication points of a machine's description, as the FMU's outputs have it.
+/// The engine's motion at the communication points of a machine's description, as the FMU's outputs
+/// have it.
 fn native(path: &Path, to: &Path) {
     let assembly = Arc::new(Assembly::new(file::read(path).expect("an example")).expect("it has matrices"));
     let experiment = Plan::of(&assembly.description).expect("an example").description().experiment;
@@ -104,7 +107,8 @@ fn invariant_an_archive_holds_the_machine_under_its_name() {
         assert!(
             text("documentation/index.html").contains("<code>stop.buffer.stiffness</code></td><td>N/m</td>")
         );
-        // On a narrow page the sketch keeps a width at which its names can be read: seven tenths of its own.
+        // On a narrow page the sketch keeps a width at which its names can be read: seven tenths of
+        // its own.
         let sketch = text("documentation/index.html").split("<svg style=\"min-width:").nth(1).unwrap();
         let number =
             |text: &str| text.split(|c: char| !c.is_ascii_digit()).next().unwrap().parse::<f64>().unwrap();

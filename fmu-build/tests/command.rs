@@ -17,7 +17,8 @@ fn builds_runs_and_draws() {
         (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{errors}");
     assert!(printed.contains("bit for bit, at all 40000 communication points"), "{printed}");
-    // BASIC settles on one impact per side and period; amplitudes of its exact orbit by the independent prototype.
+    // BASIC settles on one impact per side and period; amplitudes of its exact orbit by the
+    // independent prototype.
     assert!(printed.contains("1.00 upper + 1.00 lower"), "{printed}");
     let simulated = printed.lines().find(|line| line.contains("simulated")).unwrap();
     let amplitudes: Vec<f64> =

@@ -1,4 +1,5 @@
-//! The model descriptions: committed files up to date, valid, and every own check notices what it is there for.
+//! The model descriptions: committed files up to date, valid, and every own check notices what it
+//! is there for.
 
 use fmi_doors::Version::{self, Fmi2, Fmi3};
 use fmu_build::check::{problems, problems_of};
@@ -70,7 +71,8 @@ fn set(model: &mut Element, name: &str, attribute: &str, value: &str) {
     place.attributes.insert(attribute.into(), value.into());
 }
 
-/// The value reference of a variable in this description: it may change with every row of the table.
+/// The value reference of a variable in this description: it may change with every row of the
+/// table.
 fn reference(model: &mut Element, name: &str) -> String {
     variable(model, name).attribute("valueReference").unwrap().to_owned()
 }
@@ -258,8 +260,8 @@ fn every_check_notices_its_damage() {
     }
 }
 
-/// The order of ContinuousStateDerivative (FMI 3.0.2, 2.4.8) is that of the states in `fmi3GetContinuousStates`, and the
-/// indicators' that of `fmi3GetEventIndicators`.
+/// The order of ContinuousStateDerivative (FMI 3.0.2, 2.4.8) is that of the states in
+/// `fmi3GetContinuousStates`, and the indicators' that of `fmi3GetEventIndicators`.
 #[test]
 fn states_and_indicators_are_listed_in_the_order_of_their_functions() {
     let model = model(Archive::Fmi3);
@@ -276,8 +278,8 @@ fn states_and_indicators_are_listed_in_the_order_of_their_functions() {
     assert_eq!(indicators, INDICATORS);
 }
 
-/// What the main description has not, and another one has: several importers take every local variable for a scalar, and
-/// break on clocks.
+/// What the main description has not, and another one has: several importers take every local
+/// variable for a scalar, and break on clocks.
 #[test]
 fn arrays_and_the_clock_are_in_descriptions_of_their_own() {
     let models = [Archive::Fmi3, Archive::Arrays, Archive::Clocked].map(model);
@@ -302,7 +304,8 @@ fn arrays_and_the_clock_are_in_descriptions_of_their_own() {
     assert!(!has_side(&models[0]) && has_side(&models[2]));
 }
 
-/// Three bodies with displacement, velocity, acceleration and force, all of them variables that can be connected.
+/// Three bodies with displacement, velocity, acceleration and force, all of them variables that can
+/// be connected.
 #[test]
 fn every_member_of_a_terminal_exists() {
     let xml = terminals::xml();
@@ -336,7 +339,8 @@ fn licences_of_what_is_linked_are_packed() {
     // Runs while compiling only.
     assert!(!content.keys().any(|name| name.contains("syn-")));
     assert!(list.contains("The Rust standard library"));
-    // No text of the GPL without the exception that makes it the licence of linked code, in the same file and before it.
+    // No text of the GPL without the exception that makes it the licence of linked code, in the
+    // same file and before it.
     for (name, text) in &content {
         let text = String::from_utf8_lossy(text);
         if let Some(gpl) = text.find("GNU GENERAL PUBLIC LICENSE") {

@@ -1,4 +1,5 @@
-//! Runs `tests/examples/`: the scripts of `examples/`, with what they draw, distribute and are checked with.
+//! Runs `tests/examples/`: the scripts of `examples/`, with what they draw, distribute and are
+//! checked with.
 
 mod common;
 
@@ -8,7 +9,8 @@ use std::sync::OnceLock;
 use vibro_analysis::ParameterSet;
 use vibro_orbits::{Orbit, OrbitWord, System};
 
-/// A folder with what `vibro orbit --word U- --set f10=2.3` writes: the symmetric motion past its loss of stability.
+/// A folder with what `vibro orbit --word U- --set f10=2.3` writes: the symmetric motion past its
+/// loss of stability.
 fn orbit() -> PathBuf {
     let mut set = ParameterSet::basic();
     set.apply(&["f10=2.3"]).expect("an allowed value");

@@ -1,4 +1,5 @@
-//! Drives the packaged FMU from Python: builds it, writes native trajectories to compare with, runs `tests/fmpy/`.
+//! Drives the packaged FMU from Python: builds it, writes native trajectories to compare with, runs
+//! `tests/fmpy/`.
 
 mod common;
 
@@ -17,7 +18,8 @@ const STEPS: [(&str, f64); 3] = [("tenth", 1.0 / 10.0), ("odd", 1.0 / 7.3), ("lo
 /// Communication step (s) and end (s) of the run in libcosim, which counts in whole nanoseconds.
 const LIBCOSIM: (f64, f64) = (0.5, 600.0);
 
-/// Writes the native states at the communication points of one step size as CSV, numbers with all their digits.
+/// Writes the native states at the communication points of one step size as CSV, numbers with all
+/// their digits.
 fn native_trajectory(file: &Path, step: f64, end: f64) {
     let parameters = Parameters::default();
     // Steps before the last; the end may be a whole number of steps but for rounding.
@@ -35,7 +37,8 @@ fn native_trajectory(file: &Path, step: f64, end: f64) {
     fs::write(file, csv).expect("target can be written");
 }
 
-/// Writes a period of the library's closed forms in SI units, from the drive phase zero at time zero.
+/// Writes a period of the library's closed forms in SI units, from the drive phase zero at time
+/// zero.
 fn closed_form(file: &Path, state: impl Fn(f64) -> State) {
     let parameters = Parameters::default();
     let mut csv = String::from("time,box.s,block.s,secondary.s,box.v,block.v,secondary.v\n");
@@ -47,7 +50,8 @@ fn closed_form(file: &Path, state: impl Fn(f64) -> State) {
     fs::write(file, csv).expect("target can be written");
 }
 
-/// The library's multiple scales and exact orbit of the default set; its scales are 1, so velocities need ω1 only.
+/// The library's multiple scales and exact orbit of the default set; its scales are 1, so
+/// velocities need ω1 only.
 fn closed_forms(folder: &Path) {
     let parameters = Parameters::default();
     let omega = parameters.drive_frequency;

@@ -1,5 +1,5 @@
-//! The Python blocks of docs/recipes.md and docs/design-a-damper.md run beside the packaged FMU, and find what the library and closed
-//! forms say.
+//! The Python blocks of docs/recipes.md and docs/design-a-damper.md run beside the packaged FMU,
+//! and find what the library and closed forms say.
 
 mod common;
 
@@ -9,7 +9,8 @@ use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::Pause;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// The FMU and the library carry the same arithmetic; what differs is where steps end (rounding, m).
+/// The FMU and the library carry the same arithmetic; what differs is where steps end (rounding,
+/// m).
 const ROUNDING: f64 = 1e-12;
 
 /// Runs the blocks of a page one after the other in one interpreter, each with names of its own.
@@ -20,7 +21,8 @@ for name in sys.argv[1:]:
     print('---')
 ";
 
-/// What the Python blocks of a page print, block by block, in a folder with the page's files and the FMU.
+/// What the Python blocks of a page print, block by block, in a folder with the page's files and
+/// the FMU.
 fn printed(page: &str) -> Vec<String> {
     let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join(page);
     fs::create_dir_all(folder.join("target")).expect("target can be written");

@@ -1,5 +1,6 @@
-//! `fmu-build --explorer` from end to end: the archives, unpacked, and the live page in them as Chromium plays it. Asked for, since
-//! it compiles the core for wasm32-unknown-unknown and needs node with npm, and Chromium; what is missing is said.
+//! `fmu-build --explorer` from end to end: the archives, unpacked, and the live page in them as
+//! Chromium plays it. Asked for, since it compiles the core for wasm32-unknown-unknown and needs
+//! node with npm, and Chromium; what is missing is said.
 
 use fmu_build::version::Version;
 use fmu_build::{compile, explorer};
@@ -44,7 +45,8 @@ fn chromium_plays_the_live_page_of_an_unpacked_archive() {
     }
 }
 
-/// With a node that does not run, the archives are complete but for the page, and it is said what to install.
+/// With a node that does not run, the archives are complete but for the page, and it is said what
+/// to install.
 #[cfg(unix)]
 #[test]
 #[ignore = "compiles the tool that makes the page"]

@@ -1,4 +1,5 @@
-//! Hosts load and unload the library many times: its memory comes back, and it is not pinned by what it leaves behind.
+//! Hosts load and unload the library many times: its memory comes back, and it is not pinned by
+//! what it leaves behind.
 #![cfg(target_os = "linux")] // looks into /proc
 #![allow(unsafe_code)] // calls one function by name
 
@@ -15,8 +16,8 @@ use vibro_fmi::fmi2::description;
 const CYCLES: u32 = 200;
 const WARM_UP: u32 = 20;
 
-/// Pages that a long-lived process may still take on its own; std's hook with backtraces takes tens of MB, a leaked
-/// instance 200 times 2 KiB.
+/// Pages that a long-lived process may still take on its own; std's hook with backtraces takes tens
+/// of MB, a leaked instance 200 times 2 KiB.
 const GROWTH: u64 = 256 << 10;
 
 /// Names the library to the process that loads it, and what to do with it.
@@ -78,7 +79,8 @@ fn cycles() {
     println!("{growth} bytes more after {CYCLES} cycles");
 }
 
-/// Loads it over and over with a component's token and the reference of its time; without one, it panics.
+/// Loads it over and over with a component's token and the reference of its time; without one, it
+/// panics.
 fn in_its_own_process(library: &Path, component: Option<(&str, u32)>) {
     let mut child = Command::new(std::env::current_exe().unwrap());
     child.args(["--exact", "cycles", "--nocapture"]).env(LIBRARY, library).env("RUST_BACKTRACE", "1");

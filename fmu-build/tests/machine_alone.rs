@@ -1,5 +1,5 @@
-//! Who takes `vibro-impact` alone gets the machine and nothing of FMI: its dependencies are those of the plan, and a program
-//! linked against it has no symbol of a door.
+//! Who takes `vibro-impact` alone gets the machine and nothing of FMI: its dependencies are those
+//! of the plan, and a program linked against it has no symbol of a door.
 
 use fmu_build::compile::workspace;
 use object::{Object, ObjectSymbol};
@@ -9,7 +9,8 @@ use std::process::Command;
 
 /// What the machine stands on.
 const DEPENDENCIES: [&str; 4] = ["nalgebra", "pulp", "serde", "thiserror"];
-/// What it must never need: C types, threads, command lines, pictures, and the packages that stand on it.
+/// What it must never need: C types, threads, command lines, pictures, and the packages that stand
+/// on it.
 const NEVER: [&str; 7] = ["libc", "rayon", "clap", "tiny-skia", "postcard", "vibro-analysis", "vibro-fmi"];
 
 fn cargo(arguments: &[&str]) -> String {

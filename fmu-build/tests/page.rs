@@ -1,4 +1,5 @@
-//! The documentation page: complete, self-contained, well-formed; and, where asked for, as Chromium shows it.
+//! The documentation page: complete, self-contained, well-formed; and, where asked for, as Chromium
+//! shows it.
 
 use fmu_build::page;
 use quick_xml::events::Event;
@@ -65,7 +66,8 @@ fn the_recipes_are_those_of_the_documentation() {
     }
 }
 
-/// Element by element: every tag closed, no address to load anything from, no script, every inner link leading somewhere.
+/// Element by element: every tag closed, no address to load anything from, no script, every inner
+/// link leading somewhere.
 #[test]
 fn the_page_needs_nothing_from_outside() {
     let page = page();

@@ -1,5 +1,6 @@
-//! The archive of all platforms. Building it takes minutes and tools that not everybody has, so this is asked for:
-//! `cargo test -p fmu-build --test platforms -- --ignored --nocapture`. What cannot be done here is printed.
+//! The archive of all platforms. Building it takes minutes and tools that not everybody has, so
+//! this is asked for: `cargo test -p fmu-build --test platforms -- --ignored --nocapture`. What
+//! cannot be done here is printed.
 
 mod common;
 
@@ -16,7 +17,8 @@ use vibro_impact::{Parameters, Simulator, State};
 
 const NAMES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 
-/// The default motion is stable: other roundings (another libm's sine, fused operations) are not amplified.
+/// The default motion is stable: other roundings (another libm's sine, fused operations) are not
+/// amplified.
 const SAME: f64 = 1e-10;
 
 const PERIODS: u32 = 50;
@@ -104,7 +106,8 @@ fn difference(a: &Path6, b: &Path6) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Compiles tests/host.c for the platform, runs it with the library and reads what it prints. By FMI 3.0 it stops at every event.
+/// Compiles tests/host.c for the platform, runs it with the library and reads what it prints. By
+/// FMI 3.0 it stops at every event.
 fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, String> {
     let (runner, target): (&[&str], &str) = match platform.place.folder {
         folder if folder == PLATFORM && cfg!(target_arch = "x86_64") => (&[], platform.targets[0]),

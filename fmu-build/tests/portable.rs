@@ -1,4 +1,5 @@
-//! The library that is handed on: two builds in two folders give the same bytes, which name neither and need the C library alone.
+//! The library that is handed on: two builds in two folders give the same bytes, which name neither
+//! and need the C library alone.
 
 mod common;
 
@@ -13,8 +14,9 @@ use std::process::Command;
 /// What stands in a work tree and is no source of it.
 const MADE: [&str; 4] = ["target", "dist", "vibro-out", "__pycache__"];
 
-/// Copies what differs, so that a second run of this test finds everything compiled. Cargo wants to see every package of the
-/// workspace, so all of it is copied, but for what was made there and for hidden folders.
+/// Copies what differs, so that a second run of this test finds everything compiled. Cargo wants to
+/// see every package of the workspace, so all of it is copied, but for what was made there and for
+/// hidden folders.
 fn copy(from: &Path, to: &Path) {
     if from.is_dir() {
         fs::create_dir_all(to).unwrap();
@@ -34,7 +36,8 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The second folder is elsewhere and its path has another length; everything in it is compiled anew, dependencies too.
+/// The second folder is elsewhere and its path has another length; everything in it is compiled
+/// anew, dependencies too.
 #[test]
 #[ignore = "compiles the library twice: cargo test -p fmu-build --test portable -- --ignored"]
 fn another_folder_gives_the_same_bytes() {

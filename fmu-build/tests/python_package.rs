@@ -1,4 +1,5 @@
-//! The Python package: puts it into a virtual environment, writes what the library finds to compare with, runs `tests/python/`.
+//! The Python package: puts it into a virtual environment, writes what the library finds to compare
+//! with, runs `tests/python/`.
 
 mod common;
 
@@ -114,7 +115,8 @@ fn exponents() -> Value {
     json!(spectrum(&mut simulator, &options).expect("it runs").exponents)
 }
 
-/// Machines of files of which motion, sketch and archives are compared, and how long each is followed, s.
+/// Machines of files of which motion, sketch and archives are compared, and how long each is
+/// followed, s.
 const ASSEMBLIES: [(&str, f64); 4] = [
     ("damper_with_buffer", 0.5),
     ("gear_backlash", 0.1),

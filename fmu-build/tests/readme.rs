@@ -1,4 +1,5 @@
-//! Every code block of README.md and of the pages in docs/ works: Python blocks are run, shell commands are known to be tested.
+//! Every code block of README.md and of the pages in docs/ works: Python blocks are run, shell
+//! commands are known to be tested.
 
 mod common;
 
@@ -7,7 +8,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`, and that test.
+/// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`,
+/// and that test.
 const RUN_ELSEWHERE: [(&str, &str); 4] = [
     ("recipes.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
@@ -98,7 +100,8 @@ fn packages() -> Vec<(String, PathBuf)> {
     children.chain([root.to_owned()]).filter_map(named).collect()
 }
 
-/// What is wrong with a call of `cargo test`: a package or a test that is not there, or `--ignored` for a test without such cases.
+/// What is wrong with a call of `cargo test`: a package or a test that is not there, or `--ignored`
+/// for a test without such cases.
 fn wrong_in(call: &str) -> Option<String> {
     let words: Vec<&str> = call.split_whitespace().collect();
     let after =

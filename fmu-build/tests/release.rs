@@ -1,5 +1,5 @@
-//! The release command: what disagrees is refused, in the sources and in what was built; the notes; and, asked for, the whole
-//! (`cargo test -p fmu-build --test release -- --ignored --nocapture`).
+//! The release command: what disagrees is refused, in the sources and in what was built; the notes;
+//! and, asked for, the whole (`cargo test -p fmu-build --test release -- --ignored --nocapture`).
 
 mod common;
 
@@ -167,7 +167,8 @@ fn module(folder: &Path, function: &str) -> Vec<u8> {
 /// 1980-01-01 in seconds since 1970, as the source distribution has it.
 const DATE: u64 = 315_532_800;
 
-/// A folder of both archives, a wheel for this machine and a source distribution, each with what is compared.
+/// A folder of both archives, a wheel for this machine and a source distribution, each with what is
+/// compared.
 struct Dist {
     folder: tempfile::TempDir,
     platform: WheelPlatform,
@@ -238,7 +239,8 @@ fn files_that_agree_are_released() {
     assert_eq!(Dist::new().disagreements(), [""; 0]);
 }
 
-/// Cargo goes by dates: by those in the source distribution it would take what was built from other sources for these.
+/// Cargo goes by dates: by those in the source distribution it would take what was built from other
+/// sources for these.
 #[test]
 fn unpacked_sources_are_newer_than_what_was_built_before() {
     let before = SystemTime::now() - Duration::from_secs(60); // disks have coarser clocks
@@ -415,8 +417,8 @@ fn a_folder_with_anything_else_in_it_is_not_replaced() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("--platform = vax: allowed is x86_64-linux"));
 }
 
-/// The whole for this machine, without the optimisations of a release; then what users do: sums, and the source distribution built
-/// and imported in a clean environment.
+/// The whole for this machine, without the optimisations of a release; then what users do: sums,
+/// and the source distribution built and imported in a clean environment.
 #[test]
 #[ignore = "builds archives, wheels and pages: needs minutes, fmu-build/requirements.txt on the PATH and a package index"]
 fn the_whole_for_this_machine_has_the_same_bytes_in_two_folders_and_builds_from_its_sources() {
@@ -436,7 +438,8 @@ fn the_whole_for_this_machine_has_the_same_bytes_in_two_folders_and_builds_from_
         release
     };
     println!("{}", common::python::run("the release", &mut release(&dist)));
-    // Everything is compiled again in another folder, and the wheel from sources that are unpacked there.
+    // Everything is compiled again in another folder, and the wheel from sources that are unpacked
+    // there.
     let (again, elsewhere) = (folder.path().join("again"), folder.path().join("elsewhere"));
     common::python::run("the release again", release(&again).env("CARGO_TARGET_DIR", &elsewhere));
     let [first, second] = [&dist, &again].map(|dist| fs::read_to_string(dist.join(SUMS)).unwrap());

@@ -1,4 +1,5 @@
-//! The equations of docs/theory.md, derived again or verified by computer algebra (`tests/theory/`).
+//! The equations of docs/theory.md, derived again or verified by computer algebra
+//! (`tests/theory/`).
 
 mod common;
 

@@ -81,7 +81,8 @@ fn archives_keep_the_rules_of_the_standard() {
             assert_eq!(entry.flags & ENCRYPTED, 0, "{name}");
             assert!(entry.flags & DESCRIPTOR == 0 || entry.method == DEFLATE, "{name}");
             assert_eq!(entry.disk, 0, "{name}");
-            // Made on Unix: the kind of file is in the upper half of its attributes; links are of another kind.
+            // Made on Unix: the kind of file is in the upper half of its attributes; links are of
+            // another kind.
             assert_eq!(entry.made_by >> 8, 3, "{name}");
             let kind = (entry.external >> 16) & KIND;
             assert!(kind == REGULAR || kind == 0, "{name}: {kind:o}");

@@ -1,17 +1,20 @@
-//! The places of the three bodies to which the states of an orbit refer: where springs hold constant loads, docs/theory.md (99), unless
-//! that is far beyond the stops, and then places near each other, at which the loads push.
+//! The places of the three bodies to which the states of an orbit refer: where springs hold
+//! constant loads, docs/theory.md (99), unless that is far beyond the stops, and then places near
+//! each other, at which the loads push.
 
 use vibro_analysis::Result;
 use vibro_impact::parameters::{LOADS, Parameters};
 use vibro_impact::simulator::Loads;
 use vibro_impact::steady::exact_orbit::Vector6;
 
-/// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the machine, a gap off its centre.
+/// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the
+/// machine, a gap off its centre.
 ///
-/// They act on impacts through one number, the displacement w_s of the block in the box that they cause without impacts
-/// (docs/theory.md (100)). A gap whose middle lies b above the centre is the machine under the loads (0, -k23 b, k23 b),
-/// docs/theory.md (97). A block without a spring has no displacement under its load: it falls, and the load's acceleration acts on
-/// its flights instead (docs/theory.md (111)).
+/// They act on impacts through one number, the displacement w_s of the block in the box that they
+/// cause without impacts (docs/theory.md (100)). A gap whose middle lies b above the centre is the
+/// machine under the loads (0, -k23 b, k23 b), docs/theory.md (97). A block without a spring has no
+/// displacement under its load: it falls, and the load's acceleration acts on its flights instead
+/// (docs/theory.md (111)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConstantLoads {
     /// On the box, the block and the secondary oscillator.
@@ -25,8 +28,8 @@ impl ConstantLoads {
     }
 }
 
-/// Stiffness in parts of mass times ω1² up to which a spring hardly holds a body: beside it the equations of an orbit without an anchor
-/// lose three digits and more.
+/// Stiffness in parts of mass times ω1² up to which a spring hardly holds a body: beside it the
+/// equations of an orbit without an anchor lose three digits and more.
 const SOFT: f64 = 1e-2;
 
 /// What moves along without a force where a spring is missing.
@@ -46,7 +49,8 @@ impl Anchor {
         usize::from(self != Self::Box)
     }
 
-    /// The place of a displacement that moves along with it, whose return is then asked for beside that one.
+    /// The place of a displacement that moves along with it, whose return is then asked for beside
+    /// that one.
     pub(super) fn follower(self) -> Option<usize> {
         (self == Self::Pair).then_some(2)
     }
@@ -68,11 +72,12 @@ impl Anchor {
     }
 }
 
-/// Displacement of the block in the box, units of L, beyond which states refer to places near each other. Two digits are lost by then,
-/// and no motion without impacts keeps within the stops.
+/// Displacement of the block in the box, units of L, beyond which states refer to places near each
+/// other. Two digits are lost by then, and no motion without impacts keeps within the stops.
 const FAR: f64 = 100.0;
 
-/// The farthest place, units of L: differences of places and their products with rates of a machine remain numbers.
+/// The farthest place, units of L: differences of places and their products with rates of a machine
+/// remain numbers.
 const FARTHEST: f64 = 1e100;
 
 /// Places of the bodies, units of L, and what pushes them there.
@@ -105,7 +110,8 @@ impl Balance {
 /// The places for a machine under loads.
 ///
 /// # Errors
-/// A load that is not finite, on what no spring holds, or on what a spring holds farther away than numbers tell.
+/// A load that is not finite, on what no spring holds, or on what a spring holds farther away than
+/// numbers tell.
 pub(super) fn balance(p: &Parameters, loads: ConstantLoads) -> Result<Balance> {
     let held = rest(p, loads)?;
     let anchor = Anchor::of(std::iter::once(p)).filter(|_| (held[1] - held[0]).abs() > FAR);

@@ -71,7 +71,8 @@ pub struct Special {
     pub label: Label,
     /// At a touch the word that lists it.
     pub longer: Option<OrbitWord>,
-    /// At a touch whether the orbits with and without the impact exist on the same side of it, so that the family turns round.
+    /// At a touch whether the orbits with and without the impact exist on the same side of it, so
+    /// that the family turns round.
     pub fold: Option<bool>,
 }
 
@@ -91,7 +92,8 @@ pub struct Point {
     /// The multipliers, largest first; at a touch those of the orbit without it.
     #[serde(with = "super::stored::multipliers")]
     pub multipliers: [Complex<f64>; 6],
-    /// Whether the piece of the branch from here to the next point is stable; at the last point the piece before it.
+    /// Whether the piece of the branch from here to the next point is stable; at the last point the
+    /// piece before it.
     pub stable: bool,
     /// What is special here.
     pub special: Option<Special>,
@@ -109,7 +111,8 @@ impl Point {
 pub struct Branch {
     /// Its number in the tree.
     pub id: usize,
-    /// The branch and the point of it at which this one begins; `None` for one from a settled motion.
+    /// The branch and the point of it at which this one begins; `None` for one from a settled
+    /// motion.
     pub parent: Option<(usize, usize)>,
     /// Switches of branches since a settled motion.
     pub depth: u32,
@@ -131,8 +134,8 @@ impl Branch {
         Orbit::at(&system, &self.word, &point.phases).map_err(|obstacle| obstacle.error(&system, &self.word))
     }
 
-    /// The local maxima of a displacement with weights of x1, x2, x3 at each point, units of L, the largest first; none where the
-    /// orbit cannot be computed.
+    /// The local maxima of a displacement with weights of x1, x2, x3 at each point, units of L, the
+    /// largest first; none where the orbit cannot be computed.
     pub fn maxima(&self, family: &Family, weights: [f64; 3]) -> Vec<Vec<f64>> {
         let at = |point: &Point| {
             let mut found = self.orbit(family, point).map_or(Vec::new(), |orbit| orbit.maxima(weights));
@@ -142,7 +145,8 @@ impl Branch {
         self.points.iter().map(at).collect()
     }
 
-    /// Whether the piece before a point and the one after it are stable; at an end the piece that is there.
+    /// Whether the piece before a point and the one after it are stable; at an end the piece that
+    /// is there.
     pub fn stability_around(&self, point: usize) -> (bool, bool) {
         let after = self.points[point].stable;
         let before = point.checked_sub(1).map_or(after, |last| self.points[last].stable);

@@ -1,4 +1,5 @@
-//! Which orbits a tree holds: whether a branch passes an orbit, and on which branch a settled motion lies.
+//! Which orbits a tree holds: whether a branch passes an orbit, and on which branch a settled
+//! motion lies.
 
 use super::branch::{Branch, Point};
 use super::family::Family;
@@ -35,14 +36,15 @@ pub struct Covering {
     pub branch: usize,
     /// The stable orbit of the branch at the motion's value of the parameter.
     pub orbit: Orbit,
-    /// The largest difference of a coordinate of their states at whole drive periods, units of L and L ω10: what is left of the
-    /// motion's transient.
+    /// The largest difference of a coordinate of their states at whole drive periods, units of L
+    /// and L ω10: what is left of the motion's transient.
     pub distance: f64,
 }
 
 impl Tree {
-    /// The largest [`distance`](Covering::distance) at which a motion counts as one that has settled on an orbit: that to which
-    /// states of one attractor agree that was reached in different ways. Orbits that can be told apart differ by more.
+    /// The largest [`distance`](Covering::distance) at which a motion counts as one that has
+    /// settled on an orbit: that to which states of one attractor agree that was reached in
+    /// different ways. Orbits that can be told apart differ by more.
     pub const SETTLED_DISTANCE: f64 = 1e-3;
 
     /// The branch that passes an orbit, if one does.
@@ -80,14 +82,17 @@ impl Tree {
         Ok(self.branches.iter().flat_map(of).collect())
     }
 
-    /// The stable orbit of the tree on which a motion has settled that a simulation found at a value of the parameter: the nearest
-    /// one, if the motion is within [`SETTLED_DISTANCE`](Self::SETTLED_DISTANCE) of it. The orbit's mirror image counts as the
+    /// The stable orbit of the tree on which a motion has settled that a simulation found at a
+    /// value of the parameter: the nearest one, if the motion is within
+    /// [`SETTLED_DISTANCE`](Self::SETTLED_DISTANCE) of it. The orbit's mirror image counts as the
     /// orbit where the machine is symmetric.
     ///
-    /// A motion is compared by its states at whole drive periods, one for each drive period of its own period, which must be a
-    /// multiple of the orbit's. `None` says that no continued stable branch accounts for the motion: it is not periodic, rests at
-    /// a stop, its transient has not ended, or the branch is missing in the tree. The rows of a simulated diagram that are
-    /// covered, over all its periodic rows without rest, are the share of it that the tree explains.
+    /// A motion is compared by its states at whole drive periods, one for each drive period of its
+    /// own period, which must be a multiple of the orbit's. `None` says that no continued stable
+    /// branch accounts for the motion: it is not periodic, rests at a stop, its transient has not
+    /// ended, or the branch is missing in the tree. The rows of a simulated diagram that are
+    /// covered, over all its periodic rows without rest, are the share of it that the tree
+    /// explains.
     ///
     /// ```
     /// use vibro_analysis::attractor::observe;
@@ -129,9 +134,9 @@ impl Tree {
     }
 }
 
-/// The largest difference of a coordinate between an orbit at whole drive periods and the states of a motion, for the period of
-/// the orbit in which the motion begins, or that of its mirror image, at which it is least; `None` unless the motion's period is a
-/// multiple of the orbit's.
+/// The largest difference of a coordinate between an orbit at whole drive periods and the states of
+/// a motion, for the period of the orbit in which the motion begins, or that of its mirror image,
+/// at which it is least; `None` unless the motion's period is a multiple of the orbit's.
 fn distance(orbit: &Orbit, states: &[StroboscopicState]) -> Option<f64> {
     let p = orbit.system().parameters();
     let period = orbit.word().period() as usize;
@@ -170,8 +175,8 @@ impl Branch {
         self.points.windows(2).map(|pair| [&pair[0], &pair[1]]).filter(inside)
     }
 
-    /// Guesses of the phases of an orbit between two points: those in between and, since next to a fold or a birth the
-    /// interpolation is poor, those of the points.
+    /// Guesses of the phases of an orbit between two points: those in between and, since next to a
+    /// fold or a birth the interpolation is poor, those of the points.
     fn guesses(value: f64, [a, b]: [&Point; 2]) -> [Vec<f64>; 3] {
         let way = b.value - a.value;
         let part = if way == 0.0 { 0.5 } else { ((value - a.value) / way).clamp(0.0, 1.0) };
@@ -197,7 +202,8 @@ impl Branch {
         })
     }
 
-    /// Its certified orbits in the machine at a value of the parameter, on the pieces that begin at points of a kind.
+    /// Its certified orbits in the machine at a value of the parameter, on the pieces that begin at
+    /// points of a kind.
     fn orbits_in(&self, system: &System, value: f64, begins: impl Fn(&Point) -> bool) -> Vec<Orbit> {
         let mut found: Vec<Orbit> = Vec::new();
         for pair in self.pieces_around(value).filter(|pair| begins(pair[0])) {

@@ -1,5 +1,6 @@
-//! Curves of solutions of n equations in n + 1 unknowns: corrector and tangent of pseudo-arclength continuation (E. L. Allgower
-//! and K. Georg, Introduction to Numerical Continuation Methods, 2003), and Newton's method with one more condition.
+//! Curves of solutions of n equations in n + 1 unknowns: corrector and tangent of pseudo-arclength
+//! continuation (E. L. Allgower and K. Georg, Introduction to Numerical Continuation Methods,
+//! 2003), and Newton's method with one more condition.
 
 use super::obstacle::Obstacle;
 use super::orbit::{STEP_ROUNDING, STEP_STALLED};
@@ -8,7 +9,8 @@ use nalgebra::{ComplexField, DMatrix, DVector};
 /// Most Newton steps of a correction.
 const STEPS: usize = 8;
 
-/// Most Newton steps towards a point that a further condition determines, which starts farther away.
+/// Most Newton steps towards a point that a further condition determines, which starts farther
+/// away.
 const CONDITION_STEPS: usize = 20;
 
 /// A step of the latter that is longer than this is shortened.
@@ -22,7 +24,8 @@ pub(super) struct Linearization {
 
 /// n equations in n + 1 unknowns.
 pub(super) trait Equations {
-    /// Value and derivatives; columns that hardly change may be taken from `known`, the derivatives at a neighbouring point.
+    /// Value and derivatives; columns that hardly change may be taken from `known`, the derivatives
+    /// at a neighbouring point.
     ///
     /// # Errors
     /// Where the equations are not defined.
@@ -45,7 +48,8 @@ fn bordered(matrix: &DMatrix<f64>, row: &DVector<f64>) -> DMatrix<f64> {
     whole
 }
 
-/// The point of the curve in the plane through `predicted` across `direction`, with the tangent on the side of `direction`.
+/// The point of the curve in the plane through `predicted` across `direction`, with the tangent on
+/// the side of `direction`.
 pub(super) fn correct(
     equations: &impl Equations,
     predicted: &DVector<f64>,
@@ -53,7 +57,8 @@ pub(super) fn correct(
 ) -> Result<CurvePoint, Obstacle> {
     let mut u = predicted.clone();
     let mut known: Option<DMatrix<f64>> = None;
-    // The first of the steps that are rounding, as newton's, by which an easy correction counts as one.
+    // The first of the steps that are rounding, as newton's, by which an easy correction counts as
+    // one.
     let (mut stalled, mut before) = (None, f64::INFINITY);
     for steps in 1..=STEPS {
         let Linearization { value, matrix } = equations.linearize(&u, known.as_ref())?;
@@ -79,7 +84,8 @@ pub(super) fn correct(
             stalled.get_or_insert(steps);
         }
         before = size;
-        // Under a load that a soft spring holds far away, and next to where branches cross, rounding is a longer step.
+        // Under a load that a soft spring holds far away, and next to where branches cross,
+        // rounding is a longer step.
         let last = if steps == STEPS { stalled } else { None };
         if size < STEP_ROUNDING * (1.0 + u.norm()) || last.is_some() {
             let tangent = right.column(1).normalize();
@@ -89,8 +95,8 @@ pub(super) fn correct(
     Err(Obstacle::NoConvergence)
 }
 
-/// The tangent at a point of the curve, on the side of `towards`: the null vector of the derivatives. Where `towards` is at a right
-/// angle to it, any side.
+/// The tangent at a point of the curve, on the side of `towards`: the null vector of the
+/// derivatives. Where `towards` is at a right angle to it, any side.
 pub(super) fn tangent(
     equations: &impl Equations,
     u: &DVector<f64>,
@@ -102,7 +108,8 @@ pub(super) fn tangent(
     Ok(if null.dot(towards) < 0.0 { -null } else { null })
 }
 
-/// The solution of as many equations as unknowns, by Newton's method from a guess, with steps of bounded length.
+/// The solution of as many equations as unknowns, by Newton's method from a guess, with steps of
+/// bounded length.
 pub(super) fn solve(
     guess: &DVector<f64>,
     linearize: impl Fn(&DVector<f64>) -> Result<Linearization, Obstacle>,
@@ -123,7 +130,8 @@ pub(super) fn solve(
     Err(Obstacle::NoConvergence)
 }
 
-/// The point at which one more condition holds, from a guess. `condition` gives its value and its gradient.
+/// The point at which one more condition holds, from a guess. `condition` gives its value and its
+/// gradient.
 pub(super) fn meet(
     equations: &impl Equations,
     guess: &DVector<f64>,
@@ -143,8 +151,9 @@ pub(super) fn meet(
 /// Most sweeps of a decomposition by singular values: some for each of them suffice.
 const SWEEPS: usize = 100_000;
 
-/// The left and the right singular vector of the least singular value of a square matrix: the null vectors where it is singular.
-/// `None` where numbers are not finite, on which the sweeps would not end.
+/// The left and the right singular vector of the least singular value of a square matrix: the null
+/// vectors where it is singular. `None` where numbers are not finite, on which the sweeps would not
+/// end.
 pub(super) fn least_vectors<T: ComplexField<RealField = f64>>(
     matrix: DMatrix<T>,
 ) -> Option<(DVector<T>, DVector<T>)> {
@@ -162,7 +171,8 @@ pub(super) fn axis(length: usize, index: usize) -> DVector<f64> {
     DVector::from_fn(length, |i, _| if i == index { 1.0 } else { 0.0 })
 }
 
-/// The derivative at 0 by differences: central where the function is defined on both sides, and else to the side where it is.
+/// The derivative at 0 by differences: central where the function is defined on both sides, and
+/// else to the side where it is.
 ///
 /// # Errors
 /// Where it is defined on neither.

@@ -1,6 +1,7 @@
-//! The linear part of an orbit: for given impact phases the state follows from one system of six equations, and the conditions of
-//! contact are left as residual (docs/theory.md (101) to (105)); for a body that a spring hardly holds the first contact is among the
-//! six, and the body's return is left instead (docs/theory.md (112)).
+//! The linear part of an orbit: for given impact phases the state follows from one system of six
+//! equations, and the conditions of contact are left as residual (docs/theory.md (101) to (105));
+//! for a body that a spring hardly holds the first contact is among the six, and the body's return
+//! is left instead (docs/theory.md (112)).
 
 use super::obstacle::Obstacle;
 use super::system::{Anchor, System};
@@ -8,8 +9,8 @@ use super::word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix6, SMatrix};
 use vibro_impact::steady::exact_orbit::{Transition, Vector6};
 
-/// Least ratio of the diagonal entries of an LU decomposition of σI - M that still counts as regular: beyond it the state keeps
-/// fewer than six digits.
+/// Least ratio of the diagonal entries of an LU decomposition of σI - M that still counts as
+/// regular: beyond it the state keeps fewer than six digits.
 const REGULAR: f64 = 1e-10;
 
 /// w as a row of a state.
@@ -34,7 +35,8 @@ impl Functional {
     }
 }
 
-/// A word passed once at given impact phases, closed by docs/theory.md (103). Flight i leads from impact i to impact i + 1.
+/// A word passed once at given impact phases, closed by docs/theory.md (103). Flight i leads from
+/// impact i to impact i + 1.
 pub(super) struct Cycle<'a> {
     pub system: &'a System,
     pub word: &'a OrbitWord,
@@ -42,14 +44,16 @@ pub(super) struct Cycle<'a> {
     transitions: Vec<Transition>,
     /// M of docs/theory.md (102).
     map: Matrix6<f64>,
-    /// The derivatives of w and of w' at the end of each flight with respect to the state at the start.
+    /// The derivatives of w and of w' at the end of each flight with respect to the state at the
+    /// start.
     rows: Vec<[Vector6; 2]>,
-    /// z: the state less the motion without impacts, just after the first impact, and before and after the impact at the end of
-    /// each flight.
+    /// z: the state less the motion without impacts, just after the first impact, and before and
+    /// after the impact at the end of each flight.
     pub start: Vector6,
     pub before: Vec<Vector6>,
     pub after: Vec<Vector6>,
-    /// w - s at the end of each flight; of an anchored system the last is how far what is anchored misses its return.
+    /// w - s at the end of each flight; of an anchored system the last is how far what is anchored
+    /// misses its return.
     pub residual: Vec<f64>,
     /// w'⁻ at the end of each flight.
     pub rates: Vec<f64>,
@@ -60,8 +64,8 @@ fn arrival(word: &OrbitWord, phases: &[f64], flight: usize) -> f64 {
     phases.get(flight + 1).copied().unwrap_or(phases[0] + word.span())
 }
 
-/// Puts the first contact in place of the return of what a spring hardly holds, in the matrix of the equations for a state; what moves
-/// along with that is to return beside it.
+/// Puts the first contact in place of the return of what a spring hardly holds, in the matrix of
+/// the equations for a state; what moves along with that is to return beside it.
 fn anchor_rows<T: ComplexField<RealField = f64>>(closed: &mut SMatrix<T, 6, 6>, anchor: Anchor) {
     let place = anchor.place();
     if let Some(follower) = anchor.follower() {
@@ -93,7 +97,8 @@ impl<'a> Cycle<'a> {
         Self::with_transitions(system, word, phases, transitions)
     }
 
-    /// The same with the maps of the flights, which do not depend on the drive's amplitude nor on loads.
+    /// The same with the maps of the flights, which do not depend on the drive's amplitude nor on
+    /// loads.
     pub fn with_transitions(
         system: &'a System,
         word: &'a OrbitWord,
@@ -164,7 +169,8 @@ impl<'a> Cycle<'a> {
         f64::from(self.word.closing())
     }
 
-    /// The matrix of the equations for the state, or for its variations that close with `factor` times the word's sign.
+    /// The matrix of the equations for the state, or for its variations that close with `factor`
+    /// times the word's sign.
     fn closed<T: ComplexField<RealField = f64>>(&self, factor: &T) -> SMatrix<T, 6, 6> {
         let factor = factor.clone() * T::from_real(self.sigma());
         let mut closed = SMatrix::<T, 6, 6>::identity() * factor - self.map.map(T::from_real);
@@ -174,8 +180,9 @@ impl<'a> Cycle<'a> {
         closed
     }
 
-    /// The determinant by which that of the residual's derivative is multiplied so that it does not depend on which of the equations
-    /// are solved for the state (docs/theory.md (112)): 1 unless the system is anchored.
+    /// The determinant by which that of the residual's derivative is multiplied so that it does not
+    /// depend on which of the equations are solved for the state (docs/theory.md (112)): 1 unless
+    /// the system is anchored.
     pub fn anchor(&self, factor: f64) -> f64 {
         if self.system.anchor().is_some() {
             factor * self.sigma() * self.closed(&factor).determinant()
@@ -199,7 +206,8 @@ impl<'a> Cycle<'a> {
         if flight == 0 { &self.start } else { &self.after[flight - 1] }
     }
 
-    /// How far the block is from the stops at the start and at the end of a flight, where it is to touch them: rounding, of an orbit.
+    /// How far the block is from the stops at the start and at the end of a flight, where it is to
+    /// touch them: rounding, of an orbit.
     pub fn contact_errors(&self, flight: usize) -> [f64; 2] {
         let off = |z: &Vector6, phase: f64, impact: usize| {
             (Functional::Gap.of(z) + self.system.forced_gap(phase)[0] - self.word.side(impact)).abs()
@@ -220,8 +228,8 @@ impl<'a> Cycle<'a> {
         free + self.system.forced_gap(self.arrival(flight))[2]
     }
 
-    /// Whether the block stays on its stop after the impact from which a flight starts: without restitution it leaves without a speed, and
-    /// its acceleration points at the stop.
+    /// Whether the block stays on its stop after the impact from which a flight starts: without
+    /// restitution it leaves without a speed, and its acceleration points at the stop.
     pub fn stays(&self, flight: usize) -> bool {
         self.system.flight.kappa == 0.0 && {
             let free = Functional::Rate.of(&self.system.rate(self.departure(flight)));
@@ -230,16 +238,17 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺ (docs/theory.md (104)).
+    /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺
+    /// (docs/theory.md (104)).
     fn delay(&self, flight: usize) -> Vector6 {
         let forced = self.system.forced_gap(self.arrival(flight))[2];
         let approach = self.system.rate(&self.before[flight]);
         self.system.flight.delay(&approach, forced, &self.system.rate(&self.after[flight]))
     }
 
-    /// The derivative of a functional at the ends of the flights with respect to the phases, docs/theory.md (105), for variations
-    /// that close with `factor` times the word's sign: 1 for those of the orbit itself, -1 for those that double the period or
-    /// break the symmetry.
+    /// The derivative of a functional at the ends of the flights with respect to the phases,
+    /// docs/theory.md (105), for variations that close with `factor` times the word's sign: 1 for
+    /// those of the orbit itself, -1 for those that double the period or break the symmetry.
     pub fn derivative(&self, functional: Functional, factor: f64) -> Option<DMatrix<f64>> {
         self.derivative_for(functional, factor)
     }
@@ -298,8 +307,8 @@ impl<'a> Cycle<'a> {
         Functional::Rate.of(&self.start) + self.system.forced_gap(self.phases[0])[1]
     }
 
-    /// For each impact what its delay changes directly: a functional at the ends of the later flights, and the state at the end of
-    /// the word.
+    /// For each impact what its delay changes directly: a functional at the ends of the later
+    /// flights, and the state at the end of the word.
     fn delays(&self, functional: Functional) -> (DMatrix<f64>, Vec<Vector6>) {
         let n = self.len();
         let mut direct = DMatrix::zeros(n, n);
@@ -321,8 +330,9 @@ impl<'a> Cycle<'a> {
         (direct, ends)
     }
 
-    /// The map of variations from just after the first impact to just after the one that closes the word, with the closing sign:
-    /// docs/theory.md (106). Its eigenvalues are the multipliers. Each impact must have a speed.
+    /// The map of variations from just after the first impact to just after the one that closes the
+    /// word, with the closing sign: docs/theory.md (106). Its eigenvalues are the multipliers. Each
+    /// impact must have a speed.
     pub fn monodromy(&self) -> Matrix6<f64> {
         let mut map = Matrix6::identity();
         for (i, transition) in self.transitions.iter().enumerate() {

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use vibro_analysis::Error;
 use vibro_analysis::{Name, ParameterSet};
 
-/// Step of the differences with respect to the parameter, in its unit of the curve: it sets the speed of convergence and never the
-/// result.
+/// Step of the differences with respect to the parameter, in its unit of the curve: it sets the
+/// speed of convergence and never the result.
 const DIFFERENCE: f64 = 1e-5;
 
 /// The unit in which a parameter enters a curve's length: its range over this. Phases enter in rad.
@@ -128,7 +128,8 @@ impl Family {
         self.set.parameters().constant_loads == [0.0; 3] && !self.spans.iter().any(|span| span.name.is_load())
     }
 
-    /// An orbit's shortest word in the family, with its phases: half of a symmetric orbit is one only where no machine has loads.
+    /// An orbit's shortest word in the family, with its phases: half of a symmetric orbit is one
+    /// only where no machine has loads.
     pub(super) fn shortest(&self, orbit: &Orbit) -> (OrbitWord, Vec<f64>) {
         let (word, phases) = (orbit.word(), orbit.phases());
         let mirror = self.is_symmetric();
@@ -139,7 +140,8 @@ impl Family {
         }
     }
 
-    /// The parameters' values at a point of a curve, which holds the phases and then the parameters in their units.
+    /// The parameters' values at a point of a curve, which holds the phases and then the parameters
+    /// in their units.
     pub(super) fn values(&self, u: &DVector<f64>) -> Vec<f64> {
         let first = u.len() - self.spans.len();
         self.spans.iter().enumerate().map(|(i, span)| u[first + i] * span.unit()).collect()
@@ -156,7 +158,8 @@ impl Family {
         Ok(self.system(&self.values(u))?)
     }
 
-    /// The change of a quantity of the cycle with each parameter, by differences between machines whose equations have its form.
+    /// The change of a quantity of the cycle with each parameter, by differences between machines
+    /// whose equations have its form.
     pub(super) fn by_parameters(
         &self,
         u: &DVector<f64>,
@@ -183,7 +186,8 @@ pub(super) struct Contacts<'a> {
 }
 
 impl Contacts<'_> {
-    /// Value and derivative of the residual. The columns of the parameters are taken from `known` where they are there.
+    /// Value and derivative of the residual. The columns of the parameters are taken from `known`
+    /// where they are there.
     pub fn linearize(
         &self,
         cycle: &Cycle,

@@ -1,4 +1,5 @@
-//! The motion without impacts along a parameter, in closed form: it ends where the block touches a stop.
+//! The motion without impacts along a parameter, in closed form: it ends where the block touches a
+//! stop.
 
 use super::branch::{Branch, Label, Point, Special};
 use super::family::Family;
@@ -15,7 +16,8 @@ const NODES: usize = 200;
 /// Accuracy of a touch's place in parts of the range.
 const LOCATION: f64 = 1e-14;
 
-/// Step of the difference that tells on which side of a touch the block keeps clear, in parts of the range.
+/// Step of the difference that tells on which side of a touch the block keeps clear, in parts of
+/// the range.
 const SIDE: f64 = 1e-6;
 
 /// How far the block keeps from the nearer stop, units of L; NaN without such a motion.
@@ -36,7 +38,8 @@ pub(super) fn towards_clear(family: &Family, u: &DVector<f64>) -> Option<f64> {
 /// A branch with the touches at its points.
 pub(super) type FreeBranch = (Branch, Vec<(usize, Contact)>);
 
-/// The branches without impacts over the range, with the touches at which they end; points at the values `marks` are labelled UZ.
+/// The branches without impacts over the range, with the touches at which they end; points at the
+/// values `marks` are labelled UZ.
 pub(super) fn branches(family: &Family, marks: &[f64]) -> Result<Vec<FreeBranch>> {
     let span = *family.span();
     let value = |i: usize| span.from + (span.to - span.from) * i as f64 / NODES as f64;

@@ -1,5 +1,5 @@
-//! Grazing: an orbit that touches a stop with speed zero belongs to two words, with and without that impact (docs/theory.md,
-//! section 14).
+//! Grazing: an orbit that touches a stop with speed zero belongs to two words, with and without
+//! that impact (docs/theory.md, section 14).
 
 use super::curve::{Equations, Linearization, solve};
 use super::cycle::{Cycle, Functional};
@@ -20,7 +20,8 @@ pub(super) struct Touch {
     /// Phases and parameters as a point of a curve of the longer word.
     #[serde(with = "super::stored::vector")]
     pub u: DVector<f64>,
-    /// Other impacts of the word that have no speed there: where a repeated orbit touches a stop in each round.
+    /// Other impacts of the word that have no speed there: where a repeated orbit touches a stop in
+    /// each round.
     pub also: Vec<usize>,
     /// Whether the branch that was followed lists it.
     pub from_longer: bool,
@@ -43,8 +44,8 @@ impl Touch {
     }
 }
 
-/// The touches that a cycle that is no orbit of the machine announces, at the phases of that cycle: impacts that have lost their
-/// approach speed, and extrema past a stop.
+/// The touches that a cycle that is no orbit of the machine announces, at the phases of that cycle:
+/// impacts that have lost their approach speed, and extrema past a stop.
 pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     let mut found = Vec::new();
     let word = cycle.word;
@@ -56,7 +57,8 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
         let span = cycle.arrival(flight) - phase;
         for side in [1i8, -1] {
             let s = f64::from(side);
-            // The flight of a block that would stay on its stop leads past it at once, which is no touch.
+            // The flight of a block that would stay on its stop leads past it at once, which is no
+            // touch.
             if cycle.stays(flight) && s * word.side(flight) > 0.0 {
                 continue;
             }
@@ -77,7 +79,8 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     found
 }
 
-/// The equations (109) of docs/theory.md: those of contact of a word, and no approach speed of one of its impacts.
+/// The equations (109) of docs/theory.md: those of contact of a word, and no approach speed of one
+/// of its impacts.
 pub(super) struct Touching<'a> {
     pub contacts: Contacts<'a>,
     pub index: usize,
@@ -111,14 +114,16 @@ pub(super) fn speed_gradient(touching: &Touching, u: &DVector<f64>) -> Result<DV
     Ok(matrix.row(matrix.nrows() - 1).transpose())
 }
 
-/// The point at which the touch has no speed: regular equations on the longer word, whichever branch led there.
+/// The point at which the touch has no speed: regular equations on the longer word, whichever
+/// branch led there.
 pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> {
     let touching = Touching { contacts: Contacts { family, word: &touch.longer }, index: touch.index };
     let u = solve(&touch.u, |u| touching.linearize(u, None))?;
     Ok(Touch { u, ..touch.clone() })
 }
 
-/// Approach speeds under this, units of ω1 L, are none next to another touch: its own is zero but for rounding.
+/// Approach speeds under this, units of ω1 L, are none next to another touch: its own is zero but
+/// for rounding.
 const NO_SPEED: f64 = 1e-6;
 
 /// What a cycle of the longer word at a touch says.

@@ -1,4 +1,5 @@
-//! The growth of a tree: which starts wait, which places are known, and what begins on a branch that was traced.
+//! The growth of a tree: which starts wait, which places are known, and what begins on a branch
+//! that was traced.
 
 use super::branch::{Branch, Label, Special};
 use super::family::Family;
@@ -11,10 +12,12 @@ use super::tree::{Traced, Tree};
 use super::tree_options::TreeOptions;
 use super::word::OrbitWord;
 
-/// Starts that are traced together. It is fixed, so that the results do not depend on the number of threads.
+/// Starts that are traced together. It is fixed, so that the results do not depend on the number of
+/// threads.
 const TOGETHER: usize = 16;
 
-/// Values of the parameter, in units of a fifth of its range, that count as one place of the same kind of point.
+/// Values of the parameter, in units of a fifth of its range, that count as one place of the same
+/// kind of point.
 pub(super) const SAME_PLACE: f64 = 1e-7;
 
 /// A place from which a branch may be traced.
@@ -24,7 +27,8 @@ pub(super) struct Start {
     pub parent: Option<(usize, usize)>,
     pub word: OrbitWord,
     pub departures: Vec<Departure>,
-    /// Whether its branch is taken only if it is stable somewhere: of an orbit near which a motion passed.
+    /// Whether its branch is taken only if it is stable somewhere: of an orbit near which a motion
+    /// passed.
     pub island: bool,
 }
 
@@ -40,7 +44,8 @@ pub(super) struct Grower<'a> {
     pub queue: Vec<Start>,
     /// Branches that were traced and are stable nowhere, so that they are no islands.
     left_out: Tree,
-    /// Places from which branches were traced or at which they end: kind, canonical word, parameter.
+    /// Places from which branches were traced or at which they end: kind, canonical word,
+    /// parameter.
     known: Vec<(Label, OrbitWord, f64)>,
 }
 
@@ -51,7 +56,8 @@ impl<'a> Grower<'a> {
         Self { family, options, path, tree, left_out, queue: Vec::new(), known: Vec::new() }
     }
 
-    /// Queues the orbits that were found by simulation: those on which motions settled first, those near which others passed last.
+    /// Queues the orbits that were found by simulation: those on which motions settled first, those
+    /// near which others passed last.
     pub fn plant(&mut self, seeds: Seeds) {
         let Seeds { settled, passed, searched } = seeds;
         self.tree.searched = searched;
@@ -67,8 +73,8 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// The next starts of the queue, which is in order of depth and in each depth in order of discovery: of those of one word the
-    /// first alone, since others may lie on its branch.
+    /// The next starts of the queue, which is in order of depth and in each depth in order of
+    /// discovery: of those of one word the first alone, since others may lie on its branch.
     pub fn next_batch(&mut self) -> Vec<Start> {
         let (mut batch, mut rest): (Vec<Start>, Vec<Start>) = (Vec::new(), Vec::new());
         for start in self.queue.drain(..) {

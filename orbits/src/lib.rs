@@ -1,7 +1,8 @@
-//! Periodic orbits with any impact word, stable or not, followed along a parameter with their bifurcations
-//! (docs/theory.md, section 14).
+//! Periodic orbits with any impact word, stable or not, followed along a parameter with their
+//! bifurcations (docs/theory.md, section 14).
 //!
-//! For given impact phases the motion is linear, so that an orbit of n impacts has n unknowns, whatever it does in between.
+//! For given impact phases the motion is linear, so that an orbit of n impacts has n unknowns,
+//! whatever it does in between.
 
 mod balance;
 mod branch;

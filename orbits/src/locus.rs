@@ -21,12 +21,14 @@ const MOST_POINTS: usize = 600;
 /// A step's correction is at most this part of it, and the cosine of its turn at least this.
 const CORRECTION: f64 = 0.3;
 const COSINE: f64 = 0.9;
-/// Points after which a curve can have closed, and the distance from its first point, in steps, at which it has.
+/// Points after which a curve can have closed, and the distance from its first point, in steps, at
+/// which it has.
 const SHORTEST_LOOP: usize = 10;
 const CLOSED: f64 = 0.1;
 
-/// The angle, rad, of multipliers so near 1 or -1 that a curve which cannot be followed on ends there: at the angle itself one of its
-/// equations says nothing, so that it is met only by a step across.
+/// The angle, rad, of multipliers so near 1 or -1 that a curve which cannot be followed on ends
+/// there: at the angle itself one of its equations says nothing, so that it is met only by a step
+/// across.
 const RESONANT: f64 = 1e-2;
 
 /// A point of a curve in two parameters.
@@ -74,7 +76,8 @@ impl LocusEnd {
     }
 }
 
-/// The curve in the two parameters of a family on which the orbit has the bifurcation of a start, in both directions from it.
+/// The curve in the two parameters of a family on which the orbit has the bifurcation of a start,
+/// in both directions from it.
 ///
 /// ```
 /// use vibro_orbits::{Family, Label, LocusStart, OrbitWord, Span, locus};
@@ -93,8 +96,8 @@ impl LocusEnd {
 /// ```
 ///
 /// # Errors
-/// [`Error::Form`] for a label that defines no curve and for a start outside the ranges; [`Error::NoOrbit`] when no such point is
-/// near the start.
+/// [`Error::Form`] for a label that defines no curve and for a start outside the ranges;
+/// [`Error::NoOrbit`] when no such point is near the start.
 pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
     let [first, second] = family.spans() else {
         let text = format!("{} parameters", family.spans().len());

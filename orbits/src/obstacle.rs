@@ -33,8 +33,8 @@ impl Obstacle {
     /// Refuses a word that no orbit of a machine has, whatever its phases are.
     ///
     /// # Errors
-    /// [`Asymmetric`](Self::Asymmetric) for half a symmetric orbit under loads, [`Unbalanced`](Self::Unbalanced) for impulses that cannot
-    /// balance.
+    /// [`Asymmetric`](Self::Asymmetric) for half a symmetric orbit under loads,
+    /// [`Unbalanced`](Self::Unbalanced) for impulses that cannot balance.
     pub fn check(system: &System, word: &OrbitWord) -> Result<(), Self> {
         if word.closing() < 0 && !system.is_symmetric() {
             return Err(Self::Asymmetric);

@@ -1,4 +1,5 @@
-//! One periodic orbit: found by Newton's method from a guess of its impact phases, certified, with its multipliers.
+//! One periodic orbit: found by Newton's method from a guess of its impact phases, certified, with
+//! its multipliers.
 
 use super::cycle::{Cycle, Functional};
 use super::flights;
@@ -12,14 +13,15 @@ use vibro_impact::State;
 use vibro_impact::steady::exact_orbit::Vector6;
 pub(super) use vibro_impact::steady::exact_orbit::eigenvalues;
 
-/// Most Newton steps. From a fair guess four or five suffice; a step that would change the order of impacts is cut.
+/// Most Newton steps. From a fair guess four or five suffice; a step that would change the order of
+/// impacts is cut.
 const STEPS: usize = 40;
 
 /// Newton's method ends when a step is smaller than this, relatively: the next would be rounding.
 pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
-/// A step of so many rad and less is rounding where it is not half of the last one: the equations of many fast impacts leave phases
-/// fewer digits.
+/// A step of so many rad and less is rounding where it is not half of the last one: the equations
+/// of many fast impacts leave phases fewer digits.
 pub(super) const STEP_STALLED: f64 = 1e-9;
 
 /// Longest step, rad: next to a fold Newton's steps are much longer, and would lead anywhere.
@@ -58,14 +60,15 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// The orbit with a word near a guess of its impact phases (rad, in order, as many as the word has letters). What it finds
-    /// solves the equations of contact and restitution; whether it is an orbit of the machine says
-    /// [`is_certified`](Self::is_certified).
+    /// The orbit with a word near a guess of its impact phases (rad, in order, as many as the word
+    /// has letters). What it finds solves the equations of contact and restitution; whether it is
+    /// an orbit of the machine says [`is_certified`](Self::is_certified).
     ///
     /// # Errors
-    /// [`Error::NoOrbit`] when Newton's method does not converge, for a guess of another length than the word's, and for a symmetric
-    /// orbit of a machine under loads; an error with the parameter's name where
-    /// phases do not determine the orbit: a block without a spring, an undamped mode in resonance.
+    /// [`Error::NoOrbit`] when Newton's method does not converge, for a guess of another length
+    /// than the word's, and for a symmetric orbit of a machine under loads; an error with the
+    /// parameter's name where phases do not determine the orbit: a block without a spring, an
+    /// undamped mode in resonance.
     pub fn find(system: &System, word: &OrbitWord, guess: &[f64]) -> Result<Self, Error> {
         let found = || {
             if guess.len() != word.len() {
@@ -131,13 +134,14 @@ impl Orbit {
         &self.phases
     }
 
-    /// Approach speeds |w'⁻| of the impacts in units of ω1 L; one that is not positive is no impact.
+    /// Approach speeds |w'⁻| of the impacts in units of ω1 L; one that is not positive is no
+    /// impact.
     pub fn speeds(&self) -> &[f64] {
         &self.speeds
     }
 
-    /// The six multipliers, docs/theory.md (106), largest modulus first: those of half a period for a symmetric orbit (closing
-    /// -1), whose squares are those of the period.
+    /// The six multipliers, docs/theory.md (106), largest modulus first: those of half a period for
+    /// a symmetric orbit (closing -1), whose squares are those of the period.
     pub fn multipliers(&self) -> [Complex<f64>; 6] {
         self.multipliers
     }
@@ -147,16 +151,17 @@ impl Orbit {
         self.multipliers[0].norm()
     }
 
-    /// Whether it is proved that each impact approaches its stop, that without restitution the block does not stay there, and that it keeps
-    /// within the stops in between, so that there is no impact that the word does not list: to 1e-12 L, to what the impacts themselves are
-    /// off their stops by, at most 1e-9 L, and to the rounding of the flights, which is more where a mode is thousands of times faster than
-    /// the drive or the box without damper near resonance.
+    /// Whether it is proved that each impact approaches its stop, that without restitution the
+    /// block does not stay there, and that it keeps within the stops in between, so that there is
+    /// no impact that the word does not list: to 1e-12 L, to what the impacts themselves are off
+    /// their stops by, at most 1e-9 L, and to the rounding of the flights, which is more where a
+    /// mode is thousands of times faster than the drive or the box without damper near resonance.
     pub fn is_certified(&self) -> bool {
         self.clear && self.speeds.iter().all(|speed| *speed > 0.0)
     }
 
-    /// Whether it attracts its neighbourhood. Without impacts the machine decides, since the multipliers of what no spring holds or nothing
-    /// damps have the modulus 1 but for rounding.
+    /// Whether it attracts its neighbourhood. Without impacts the machine decides, since the
+    /// multipliers of what no spring holds or nothing damps have the modulus 1 but for rounding.
     pub fn is_stable(&self) -> bool {
         if self.word.is_empty() { self.system.holds_and_damps() } else { self.spectral_radius() < 1.0 }
     }
@@ -171,9 +176,10 @@ impl Orbit {
         Self::at(&self.system, &word, &phases).map_err(|obstacle| obstacle.error(&self.system, &word))
     }
 
-    /// The same orbit in its shortest word, and how often the word of this one passes it: a motion of two drive periods may be one of
-    /// a single period that is passed twice, and one whose second half is the mirror image of its first is a symmetric orbit, which
-    /// closes with -1. The multipliers are those of the shortest word.
+    /// The same orbit in its shortest word, and how often the word of this one passes it: a motion
+    /// of two drive periods may be one of a single period that is passed twice, and one whose
+    /// second half is the mirror image of its first is a symmetric orbit, which closes with -1. The
+    /// multipliers are those of the shortest word.
     ///
     /// ```
     /// use vibro_orbits::{Orbit, OrbitWord, System};
@@ -202,13 +208,15 @@ impl Orbit {
         self.word.reduced(&self.phases, self.system.is_symmetric(), REPETITION).0 == self.word
     }
 
-    /// Drive periods over which the [`multipliers`](Self::multipliers) are: the orbit's period, or half of it for a symmetric orbit.
+    /// Drive periods over which the [`multipliers`](Self::multipliers) are: the orbit's period, or
+    /// half of it for a symmetric orbit.
     pub fn multiplier_periods(&self) -> f64 {
         0.5 * f64::from(self.word.half_periods())
     }
 
-    /// The state at phase θ (rad) of the drive; just after the impact at an impact. A motion of several drive periods has as many
-    /// states at one phase of the drive: θ, which must be finite, counts from the first period of its [`phases`](Self::phases).
+    /// The state at phase θ (rad) of the drive; just after the impact at an impact. A motion of
+    /// several drive periods has as many states at one phase of the drive: θ, which must be finite,
+    /// counts from the first period of its [`phases`](Self::phases).
     pub fn state(&self, theta: f64) -> State {
         self.system.si(&self.dimensionless_state(theta))
     }
@@ -229,21 +237,23 @@ impl Orbit {
         sign * (free + self.system.forced(first + since))
     }
 
-    /// The state at time 0, where the phase of the drive is [`drive_phase`](vibro_impact::Parameters::drive_phase): start values
-    /// for the simulator and the FMU.
+    /// The state at time 0, where the phase of the drive is
+    /// [`drive_phase`](vibro_impact::Parameters::drive_phase): start values for the simulator and
+    /// the FMU.
     pub fn start_state(&self) -> State {
         self.state(self.system.parameters().drive_phase)
     }
 
-    /// The flights from each impact: the free part of the state after it, its phase and the span to the next.
+    /// The flights from each impact: the free part of the state after it, its phase and the span to
+    /// the next.
     fn flights(&self) -> impl Iterator<Item = (&Vector6, f64, f64)> {
         let end = self.phases.first().map(|first| first + self.word.span());
         let ends = self.phases.iter().skip(1).copied().chain(end);
         self.departures.iter().zip(&self.phases).zip(ends).map(|((z, phase), end)| (z, *phase, end - phase))
     }
 
-    /// Local maxima of a displacement with weights of x1, x2, x3 over the orbit's period, units of L: extrema of the flights, and
-    /// corners where an impact reverses the rate.
+    /// Local maxima of a displacement with weights of x1, x2, x3 over the orbit's period, units of
+    /// L: extrema of the flights, and corners where an impact reverses the rate.
     pub fn maxima(&self, weights: [f64; 3]) -> Vec<f64> {
         let mut found = self.half_maxima(weights);
         if self.word.closing() < 0 {
@@ -276,8 +286,9 @@ impl Orbit {
         found
     }
 
-    /// Whether another orbit of the same machine is this one: the same word, and the same phases to `tolerance` (rad), but for
-    /// where the word begins and, without an offset, for the mirror image.
+    /// Whether another orbit of the same machine is this one: the same word, and the same phases to
+    /// `tolerance` (rad), but for where the word begins and, without an offset, for the mirror
+    /// image.
     pub fn is_same(&self, other: &Self, tolerance: f64) -> bool {
         let mirror = self.system.is_symmetric();
         let [own, their] = [self, other].map(|o| canonical(&o.word, &o.phases, mirror));
@@ -313,7 +324,8 @@ pub(super) fn repeated_phases(word: &OrbitWord, phases: &[f64], k: usize) -> Vec
     (0..k).flat_map(|round| phases.iter().map(move |phase| phase + round as f64 * word.span())).collect()
 }
 
-/// The same phase within some drive periods, rad, where it has so many turns that its difference from another would have few digits.
+/// The same phase within some drive periods, rad, where it has so many turns that its difference
+/// from another would have few digits.
 fn within(theta: f64, periods: u32) -> f64 {
     const MANY: f64 = 1e3;
     if theta.abs() <= MANY {
@@ -323,8 +335,8 @@ fn within(theta: f64, periods: u32) -> f64 {
     turn + TAU * ((theta - turn) / TAU).round().rem_euclid(f64::from(periods))
 }
 
-/// Whether it is proved that the block leaves its stop after all impacts and keeps within the stops in all flights, but for what contact is
-/// off by at their ends.
+/// Whether it is proved that the block leaves its stop after all impacts and keeps within the stops
+/// in all flights, but for what contact is off by at their ends.
 pub(super) fn is_clear(cycle: &Cycle) -> bool {
     (0..cycle.phases.len()).all(|i| {
         let span = cycle.arrival(i) - cycle.phases[i];
@@ -342,8 +354,8 @@ fn free_map(system: &System, word: &OrbitWord) -> Matrix6<f64> {
     Matrix6::from_columns(&columns)
 }
 
-/// The phases at which the residual is zero, by Newton's method from a guess. A step that would take more than half of a flight
-/// is shortened, so that the impacts keep their order.
+/// The phases at which the residual is zero, by Newton's method from a guess. A step that would
+/// take more than half of a flight is shortened, so that the impacts keep their order.
 pub(super) fn newton(system: &System, word: &OrbitWord, guess: &[f64]) -> Result<Vec<f64>, Obstacle> {
     let mut phases = guess.to_vec();
     let n = phases.len();

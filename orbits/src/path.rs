@@ -42,9 +42,10 @@ pub struct PathOptions {
 }
 
 impl PathOptions {
-    /// The longest steps that are allowed: shorter ones are those at which a path counts as stuck. In a step of any length two special
-    /// points of one kind may hide each other, and so may a pair of multipliers that crosses the unit circle right beside a fold: the more of
-    /// them the longer the steps are.
+    /// The longest steps that are allowed: shorter ones are those at which a path counts as stuck.
+    /// In a step of any length two special points of one kind may hide each other, and so may a
+    /// pair of multipliers that crosses the unit circle right beside a fold: the more of them the
+    /// longer the steps are.
     pub const STEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.2;
 
     /// Refuses a step that is not allowed.
@@ -199,7 +200,8 @@ impl Follower<'_> {
         }
     }
 
-    /// What is known of the first point: a birth or a touch has no tests but those that remain regular there.
+    /// What is known of the first point: a birth or a touch has no tests but those that remain
+    /// regular there.
     fn first(&self, departure: &Departure) -> Result<Position, Obstacle> {
         let Departure { u, tangent, .. } = departure;
         let system = self.family.system_at(u)?;
@@ -225,7 +227,8 @@ impl Follower<'_> {
         Ok(Position { u: u.clone(), tangent: tangent.clone(), steps: 3, multipliers, stable: false, tests })
     }
 
-    /// Looks at a point; `Err` with the touches that it announces is left to the caller, who finds it not certified.
+    /// Looks at a point; `Err` with the touches that it announces is left to the caller, who finds
+    /// it not certified.
     fn look(&self, curve: CurvePoint) -> Result<(Position, Option<Vec<Touch>>), Obstacle> {
         let system = self.family.system_at(&curve.u)?;
         let cycle = Cycle::new(&system, self.word, &curve.u.as_slice()[..self.word.len()])?;
@@ -236,8 +239,8 @@ impl Follower<'_> {
         Ok((Position { u, tangent, steps, multipliers, stable, tests }, touches))
     }
 
-    /// Looks at a point within a step between two certified points: where it is not certified itself, stops are touched twice in the
-    /// step, which is too long.
+    /// Looks at a point within a step between two certified points: where it is not certified
+    /// itself, stops are touched twice in the step, which is too long.
     fn look_certified(&self, curve: CurvePoint) -> Result<Position, Obstacle> {
         let (position, touches) = self.look(curve)?;
         if touches.is_some() { Err(Obstacle::NoConvergence) } else { Ok(position) }

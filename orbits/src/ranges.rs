@@ -1,10 +1,11 @@
-//! Ranges of the parameter in which branches are stable, between located bifurcations, and sequences of period doublings.
+//! Ranges of the parameter in which branches are stable, between located bifurcations, and
+//! sequences of period doublings.
 
 use super::branch::{Branch, Label, Point};
 use super::orbit::Orbit;
 
-/// Values of the parameter, relative to their size, that count as one place: a branch and the one born on it have located their
-/// common point each for itself, to rounding.
+/// Values of the parameter, relative to their size, that count as one place: a branch and the one
+/// born on it have located their common point each for itself, to rounding.
 const SAME_PLACE: f64 = 1e-9;
 
 /// An end of a stable range.
@@ -14,13 +15,13 @@ pub struct RangeEnd {
     pub value: f64,
     /// What happens there; `None` only where the branch could not be followed on.
     pub label: Option<Label>,
-    /// Whether the branch itself ends here: a PD or BP is then where it is born from another branch, otherwise where another one is
-    /// born from it.
+    /// Whether the branch itself ends here: a PD or BP is then where it is born from another
+    /// branch, otherwise where another one is born from it.
     pub is_branch_end: bool,
 }
 
-/// A piece of a branch that is stable throughout, and no longer past its ends. The parameter grows or falls along it, since it
-/// turns only at folds, where stability changes.
+/// A piece of a branch that is stable throughout, and no longer past its ends. The parameter grows
+/// or falls along it, since it turns only at folds, where stability changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StableRange {
     /// The number of the branch.
@@ -37,8 +38,8 @@ pub struct StableRange {
     pub to: RangeEnd,
 }
 
-/// A bifurcation at which a stable orbit is replaced by one with a word of twice as many impacts: a period doubling, or the
-/// breaking of a symmetric orbit's symmetry, which keeps the period.
+/// A bifurcation at which a stable orbit is replaced by one with a word of twice as many impacts: a
+/// period doubling, or the breaking of a symmetric orbit's symmetry, which keeps the period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Doubling {
     /// The parameter.
@@ -80,9 +81,10 @@ impl Branch {
         StableRange { branch: self.id, points: (first, last), letters, period, from, to }
     }
 
-    /// The stable range on which a stable orbit of the branch lies at a value of the parameter. Where two of its ranges have the
-    /// value, it is the one with the nearest flight times, put in order of length, on which neither the begin of the word nor
-    /// the mirror image has an influence.
+    /// The stable range on which a stable orbit of the branch lies at a value of the parameter.
+    /// Where two of its ranges have the value, it is the one with the nearest flight times, put in
+    /// order of length, on which neither the begin of the word nor the mirror image has an
+    /// influence.
     pub fn stable_range_of(&self, orbit: &Orbit, value: f64) -> Option<StableRange> {
         let room = SAME_PLACE * value.abs().max(1.0);
         let inside = |r: &StableRange| (r.from.value - room..=r.to.value + room).contains(&value);
@@ -106,10 +108,10 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
     times
 }
 
-/// The sequences of doublings: each begins with a stable range that is not born at a doubling, and goes on from branch to branch as
-/// long as the branch born at a doubling is stable from there on; folds may lie between its birth and its own doubling. Those
-/// with the shortest period come first, then those with
-/// the least value.
+/// The sequences of doublings: each begins with a stable range that is not born at a doubling, and
+/// goes on from branch to branch as long as the branch born at a doubling is stable from there on;
+/// folds may lie between its birth and its own doubling. Those with the shortest period come first,
+/// then those with the least value.
 ///
 /// ```
 /// use vibro_orbits::{Family, Span, TreeOptions, doubling_sequences, tree};
@@ -165,8 +167,9 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
     found
 }
 
-/// From the range that is born at a doubling the range with the next doubling: itself if it ends so, else the first one further along
-/// its branch, with folds in between. Without one, the other end of the range.
+/// From the range that is born at a doubling the range with the next doubling: itself if it ends
+/// so, else the first one further along its branch, with folds in between. Without one, the other
+/// end of the range.
 fn next_doubling(ranges: &[StableRange], born: usize, at: RangeEnd) -> (usize, RangeEnd) {
     let own = &ranges[born];
     let doubles = |r: &StableRange| [r.to, r.from].into_iter().find(|end| is_doubling(*end));
@@ -186,8 +189,8 @@ fn next_doubling(ranges: &[StableRange], born: usize, at: RangeEnd) -> (usize, R
     next.and_then(|(r, end)| Some((place(r)?, end))).unwrap_or((born, other))
 }
 
-/// The ratios (λ2 - λ1)/(λ3 - λ2), … of the distances of successive period doublings, which tend to Feigenbaum's 4.669… in a
-/// sequence of a smooth map with one extremum.
+/// The ratios (λ2 - λ1)/(λ3 - λ2), … of the distances of successive period doublings, which tend to
+/// Feigenbaum's 4.669… in a sequence of a smooth map with one extremum.
 pub fn doubling_ratios(sequence: &[Doubling]) -> Vec<f64> {
     let values: Vec<f64> =
         sequence.iter().filter(|d| d.label == Label::PeriodDoubling).map(|d| d.value).collect();

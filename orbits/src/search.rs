@@ -9,12 +9,14 @@ use vibro_analysis::{Error, Result};
 /// Phases (rad) that count as those of one orbit.
 const SAME: f64 = 1e-6;
 
-/// The certified orbits of a word that Newton's method reaches from `tries` guesses, which fill the space of phases evenly
-/// (the additive recurrence of the generalized golden ratio). There may be others. Those that a shorter word has too come last: they
-/// are that one's orbit passed several times, or a symmetric orbit ([`Orbit::shortest`]).
+/// The certified orbits of a word that Newton's method reaches from `tries` guesses, which fill the
+/// space of phases evenly (the additive recurrence of the generalized golden ratio). There may be
+/// others. Those that a shorter word has too come last: they are that one's orbit passed several
+/// times, or a symmetric orbit ([`Orbit::shortest`]).
 ///
 /// # Errors
-/// [`Error::NoOrbit`] when none is found; what [`Orbit::find`] says of a machine whose orbits phases do not determine.
+/// [`Error::NoOrbit`] when none is found; what [`Orbit::find`] says of a machine whose orbits
+/// phases do not determine.
 pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit>> {
     let none = || {
         word.no_orbit(format!(

@@ -1,5 +1,6 @@
-//! The orbits from which a tree grows: those on which motions settle with the parameter rising and falling, and those near which
-//! motions pass from starts all over the states that are visited (docs/theory.md, section 14).
+//! The orbits from which a tree grows: those on which motions settle with the parameter rising and
+//! falling, and those near which motions pass from starts all over the states that are visited
+//! (docs/theory.md, section 14).
 
 use super::family::Family;
 use super::orbit::{Orbit, canonical};
@@ -18,7 +19,8 @@ use vibro_impact::simulator::{Event, Simulator, State};
 
 /// Drive periods over which the states of a settled motion are looked at.
 const VISITED: u32 = 64;
-/// Neighbouring values, in each direction, whose states make up the box of starts of a value, and the box's growth.
+/// Neighbouring values, in each direction, whose states make up the box of starts of a value, and
+/// the box's growth.
 const NEIGHBOURS: usize = 2;
 const WIDER: f64 = 1.5;
 /// Part of the gap within which a block starts.
@@ -29,9 +31,11 @@ pub(super) const PERIODS: u32 = 300;
 pub(super) const LONGEST: usize = 4;
 /// Largest change of a coordinate (units of L and L ω1) in a near return.
 const RETURN: f64 = 0.04;
-/// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
+/// Largest change of a phase, rad, by which Newton's method may come from a near return to an
+/// orbit.
 const MOVE: f64 = 0.4;
-/// Parts of the range in each of which one unstable orbit of a word is kept: others mostly lie on its branch.
+/// Parts of the range in each of which one unstable orbit of a word is kept: others mostly lie on
+/// its branch.
 const PLACES: f64 = 30.0;
 
 /// An orbit's word, phases and parameter.
@@ -48,8 +52,8 @@ pub(super) struct Place {
 pub struct SearchedValue {
     /// The parameter.
     pub value: f64,
-    /// The period, in drive periods, of the orbit on which the motion settled with the parameter rising; `None` where it settled on
-    /// none that was found stable within the tree's limits.
+    /// The period, in drive periods, of the orbit on which the motion settled with the parameter
+    /// rising; `None` where it settled on none that was found stable within the tree's limits.
     pub rising: Option<u32>,
     /// The same with the parameter falling.
     pub falling: Option<u32>,
@@ -66,7 +70,8 @@ pub struct Searched {
     pub values: Vec<SearchedValue>,
     /// Drive periods of each motion from a start.
     pub periods: u32,
-    /// Branches that were followed from orbits near which such motions passed, and those of them that are stable somewhere.
+    /// Branches that were followed from orbits near which such motions passed, and those of them
+    /// that are stable somewhere.
     pub followed: usize,
     /// The latter, which were kept.
     pub islands: usize,
@@ -125,7 +130,8 @@ struct Link {
     visited: Hull,
 }
 
-/// The orbits on which motions settle from value to value, the end of one being the start of the next, in the order of rising values.
+/// The orbits on which motions settle from value to value, the end of one being the start of the
+/// next, in the order of rising values.
 fn chain(
     family: &Family,
     options: &TreeOptions,
@@ -159,7 +165,8 @@ fn chain(
     Ok(links)
 }
 
-/// The box of the states of a motion at whole drive periods, without loads with their mirror images.
+/// The box of the states of a motion at whole drive periods, without loads with their mirror
+/// images.
 fn visited(system: &System, state: &State) -> Result<Hull, Error> {
     let p = system.parameters();
     let mut simulator = settled::simulator(system, state)?;
@@ -175,8 +182,9 @@ fn visited(system: &System, state: &State) -> Result<Hull, Error> {
     Ok(found)
 }
 
-/// The starts: half of them over the whole range, half over those parts of it at whose ends a motion did not settle on a stable
-/// orbit, where a diagram has few rows. Each is a value with a state in the box that is visited at neighbouring values, widened.
+/// The starts: half of them over the whole range, half over those parts of it at whose ends a
+/// motion did not settle on a stable orbit, where a diagram has few rows. Each is a value with a
+/// state in the box that is visited at neighbouring values, widened.
 fn wide(
     family: &Family,
     options: &TreeOptions,
@@ -242,8 +250,9 @@ fn wide(
     Ok(kept)
 }
 
-/// The orbits near which a motion passes, in their shortest canonical words, one of each: those to which Newton's method leads from
-/// near returns on its way, and the one on which it has settled in the end.
+/// The orbits near which a motion passes, in their shortest canonical words, one of each: those to
+/// which Newton's method leads from near returns on its way, and the one on which it has settled in
+/// the end.
 fn passes(family: &Family, value: f64, start: &State, options: &TreeOptions) -> Result<Vec<Place>, Error> {
     let (system, limits) = (family.system(&[value])?, options.limits());
     let mut found: Vec<Place> = Vec::new();

@@ -14,16 +14,20 @@ use vibro_impact::simulator::{Contact, Event, Simulator, State};
 /// The longest period that is looked for, in drive periods.
 pub(super) const LONGEST: u32 = 32;
 
-/// A motion counts as near a return when no coordinate (units of L and L ω1) differs by more: Newton's method does the rest.
+/// A motion counts as near a return when no coordinate (units of L and L ω1) differs by more:
+/// Newton's method does the rest.
 const RETURN: f64 = 2e-3;
 
-/// Largest change of a phase, rad, by which Newton's method may come from a near return to an orbit.
+/// Largest change of a phase, rad, by which Newton's method may come from a near return to an
+/// orbit.
 const MOVE: f64 = 0.05;
 
-/// Differences of the phases of two passages, rad, that may be what Newton's method has left of them next to a period doubling.
+/// Differences of the phases of two passages, rad, that may be what Newton's method has left of
+/// them next to a period doubling.
 const ALIKE: f64 = 1e-5;
 
-/// Most impacts of a word that is tried after a shorter one: the work grows with their cube, to a second for so many.
+/// Most impacts of a word that is tried after a shorter one: the work grows with their cube, to a
+/// second for so many.
 const MANY: usize = 512;
 
 /// How far a motion is followed to its return.
@@ -39,13 +43,15 @@ impl Limits {
     const WIDEST: Self = Self { periods: LONGEST, impacts: MOST_LETTERS };
 }
 
-/// The phase of the drive at time 0, rad, without the turns by which a large one would leave the phases of impacts few digits.
+/// The phase of the drive at time 0, rad, without the turns by which a large one would leave the
+/// phases of impacts few digits.
 pub(super) fn first_phase(p: &Parameters) -> f64 {
     let phase = p.drive_phase;
     if phase.abs() <= TAU { phase } else { phase.sin().atan2(phase.cos()) }
 }
 
-/// A state in units of L and L ω1, in which speeds are of the size of displacements also where hardly any spring holds the box.
+/// A state in units of L and L ω1, in which speeds are of the size of displacements also where
+/// hardly any spring holds the box.
 pub(super) fn in_drive_units(p: &Parameters, state: &State) -> StroboscopicState {
     let speed = p.stop_gap * p.drive_frequency;
     let (x, v) = (state.x.map(|x| x / p.stop_gap), state.v.map(|v| v / speed));
@@ -77,13 +83,15 @@ pub fn settle(system: &System, start: &State, periods: u32) -> Result<State> {
 
 /// The periodic orbit on which a motion has settled that passes a state at time 0.
 ///
-/// Chaos comes near its unstable orbits too, so that what is found need not be stable: its multipliers say. A stable orbit comes first,
-/// since next to a period doubling a settled motion nearly returns in half of its period, by the orbit that has just become unstable.
-/// Words of more than 1024 impacts are not tried, and after the first near return none of more than 512.
+/// Chaos comes near its unstable orbits too, so that what is found need not be stable: its
+/// multipliers say. A stable orbit comes first, since next to a period doubling a settled motion
+/// nearly returns in half of its period, by the orbit that has just become unstable. Words of more
+/// than 1024 impacts are not tried, and after the first near return none of more than 512.
 ///
 /// # Errors
-/// [`Error::NoPeriodicMotion`] when the block comes to rest at a stop in its course, when the motion does not return in up to 32 drive
-/// periods and 1024 impacts, and when it does but no orbit is found there; an error with the parameter's name where phases do not determine the orbit, as
+/// [`Error::NoPeriodicMotion`] when the block comes to rest at a stop in its course, when the
+/// motion does not return in up to 32 drive periods and 1024 impacts, and when it does but no orbit
+/// is found there; an error with the parameter's name where phases do not determine the orbit, as
 /// where springs are missing; what the simulator refuses.
 pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
     orbit_within(system, state, Limits::WIDEST)
@@ -134,7 +142,8 @@ fn at_rest() -> Error {
     Error::NoPeriodicMotion { reason: reason.into() }
 }
 
-/// Why no orbit was found, with the first near return that led to none, if there was one, and whether there were too `many` impacts.
+/// Why no orbit was found, with the first near return that led to none, if there was one, and
+/// whether there were too `many` impacts.
 fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, many: bool) -> Error {
     let Limits { periods, impacts } = limits;
     let within =
@@ -155,11 +164,13 @@ fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, m
     Error::NoPeriodicMotion { reason }
 }
 
-/// The certified orbit near the impacts of q drive periods, in its shortest word, whose phases differ from theirs by so much at most.
+/// The certified orbit near the impacts of q drive periods, in its shortest word, whose phases
+/// differ from theirs by so much at most.
 ///
-/// Next to a period doubling the equations of the word passed twice are nearly singular, and Newton's method comes so slowly to the orbit
-/// that is passed twice that it leaves the passages apart, or does not arrive: those of the word passed once tell. Where the passages are
-/// apart, it is meant if it is stable.
+/// Next to a period doubling the equations of the word passed twice are nearly singular, and
+/// Newton's method comes so slowly to the orbit that is passed twice that it leaves the passages
+/// apart, or does not arrive: those of the word passed once tell. Where the passages are apart, it
+/// is meant if it is stable.
 pub(super) fn near(
     system: &System,
     letters: &[i8],

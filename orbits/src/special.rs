@@ -14,10 +14,12 @@ use vibro_impact::numerics::roots::brent;
 /// The difference of the halves of an orbit (rad) that counts as rounding.
 const BIRTH: f64 = 1e-9;
 
-/// Step of the differences of a test function, whose gradient sets the speed of convergence and never the result.
+/// Step of the differences of a test function, whose gradient sets the speed of convergence and
+/// never the result.
 const DIFFERENCE: f64 = 1e-6;
 
-/// The arc in (0, length) at which a test function is zero, to `tolerance`; its values at the ends are known.
+/// The arc in (0, length) at which a test function is zero, to `tolerance`; its values at the ends
+/// are known.
 pub(super) fn zero(
     value: &impl Fn(f64) -> Result<f64, Obstacle>,
     length: f64,
@@ -66,8 +68,8 @@ fn halves(word: &OrbitWord, u: &DVector<f64>) -> DVector<f64> {
     DVector::from_fn(h, |i, _| u[h + i] - u[i] - 0.5 * word.span())
 }
 
-/// A point beyond the one at which the halves of a doubled orbit would be the same, by the tangent at a point of its branch: as far
-/// again from there, if that is within a distance.
+/// A point beyond the one at which the halves of a doubled orbit would be the same, by the tangent
+/// at a point of its branch: as far again from there, if that is within a distance.
 pub(super) fn beyond_birth(
     word: &OrbitWord,
     u: &DVector<f64>,
@@ -81,8 +83,8 @@ pub(super) fn beyond_birth(
     (own.norm() > BIRTH && (0.0..within).contains(&arc)).then(|| u + tangent * (2.0 * arc))
 }
 
-/// The branch from which a branch of a doubled word is born, where a step passes it: there both halves of the orbit are the same,
-/// and past it the path would go back along its own mirror image.
+/// The branch from which a branch of a doubled word is born, where a step passes it: there both
+/// halves of the orbit are the same, and past it the path would go back along its own mirror image.
 pub(super) fn primary(
     family: &Family,
     word: &OrbitWord,
@@ -93,8 +95,8 @@ pub(super) fn primary(
         return Ok(None);
     };
     let [a, b] = [last, next].map(|u| halves(word, u));
-    // The first point of a branch born here has halves that are the same but for rounding. So has a point past the birth if the
-    // corrector ended on the other branch.
+    // The first point of a branch born here has halves that are the same but for rounding. So has a
+    // point past the birth if the corrector ended on the other branch.
     let passes = a.dot(&b) < 0.0 || b.norm() < BIRTH;
     if !passes || a.norm() < BIRTH {
         return Ok(None);

@@ -1,4 +1,5 @@
-//! Vectors and multipliers as they are written down in the parts of a long study: plain lists of numbers, bit for bit.
+//! Vectors and multipliers as they are written down in the parts of a long study: plain lists of
+//! numbers, bit for bit.
 
 /// A vector.
 pub(super) mod vector {

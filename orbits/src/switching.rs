@@ -78,8 +78,9 @@ impl Contact {
         }
     }
 
-    /// The words that list the touch: once in a passage, and for a symmetric orbit, which touches both stops, at one of them alone.
-    /// With `repetitions` above 1 also up to so many passages with the touch in one of them, which are orbits of a longer period.
+    /// The words that list the touch: once in a passage, and for a symmetric orbit, which touches
+    /// both stops, at one of them alone. With `repetitions` above 1 also up to so many passages
+    /// with the touch in one of them, which are orbits of a longer period.
     pub fn longer(&self, family: &Family, repetitions: u32) -> Vec<Touch> {
         let phases = &self.u.as_slice()[..self.shorter.len()];
         let index = if phases.is_empty() { 0 } else { self.flight + 1 };
@@ -100,7 +101,8 @@ impl Contact {
         std::iter::once(own).chain(unfolded).flat_map(passages).collect()
     }
 
-    /// Where the branch without the touch leaves: on the side on which the block keeps clear of the stop.
+    /// Where the branch without the touch leaves: on the side on which the block keeps clear of the
+    /// stop.
     pub fn departure(&self, family: &Family) -> Result<Departure, Obstacle> {
         let n = self.shorter.len();
         let contacts = Contacts { family, word: &self.shorter };
@@ -152,8 +154,9 @@ pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Ob
     })
 }
 
-/// Where the branch born by doubling leaves a point with a multiplier -1: along the variation that closes with the opposite sign.
-/// On one side only; the other holds the same orbits half a span later.
+/// Where the branch born by doubling leaves a point with a multiplier -1: along the variation that
+/// closes with the opposite sign. On one side only; the other holds the same orbits half a span
+/// later.
 pub(super) fn doubled(
     family: &Family,
     word: &OrbitWord,
@@ -183,7 +186,8 @@ pub(super) fn doubled(
     Ok((word.unfolded(), departure))
 }
 
-/// Where a branch leaves an orbit in both directions, the parameter rising and falling, in its canonical word.
+/// Where a branch leaves an orbit in both directions, the parameter rising and falling, in its
+/// canonical word.
 pub(super) fn both_ways(
     family: &Family,
     word: &OrbitWord,
@@ -198,8 +202,8 @@ pub(super) fn both_ways(
     Ok((word.clone(), [departure(along.clone()), departure(-along)]))
 }
 
-/// A departure in the shortest word of its orbit: where an orbit that is passed several times touches a stop in each round, the
-/// branch that lists all touches is passed several times too.
+/// A departure in the shortest word of its orbit: where an orbit that is passed several times
+/// touches a stop in each round, the branch that lists all touches is passed several times too.
 pub(super) fn reduced_departure(
     family: &Family,
     word: &OrbitWord,

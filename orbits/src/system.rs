@@ -1,4 +1,5 @@
-//! The machine in the units of an orbit: lengths in L, the drive's phase as time (docs/theory.md, sections 9 and 14).
+//! The machine in the units of an orbit: lengths in L, the drive's phase as time (docs/theory.md,
+//! sections 9 and 14).
 
 pub(super) use super::balance::Anchor;
 pub use super::balance::ConstantLoads;
@@ -11,8 +12,8 @@ use vibro_impact::numerics::bernstein::Polynomial;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
 
-/// A machine with its constant loads, prepared for orbits. Lengths are in L and a prime is a derivative with respect to the
-/// drive's phase, so that its period is 2π.
+/// A machine with its constant loads, prepared for orbits. Lengths are in L and a prime is a
+/// derivative with respect to the drive's phase, so that its period is 2π.
 #[derive(Clone, Copy, Debug)]
 pub struct System {
     parameters: Parameters,
@@ -22,26 +23,28 @@ pub struct System {
     response: Complex<f64>,
     /// The places to which states refer, and what pushes the bodies there.
     balance: Balance,
-    /// The acceleration of a block without a spring under its load, docs/theory.md (111); 0 where a spring holds it.
+    /// The acceleration of a block without a spring under its load, docs/theory.md (111); 0 where a
+    /// spring holds it.
     pull: f64,
-    /// What a spring hardly holds, so that the state is found with the first contact in place of its return, docs/theory.md (112).
+    /// What a spring hardly holds, so that the state is found with the first contact in place of
+    /// its return, docs/theory.md (112).
     anchor: Option<Anchor>,
 }
 
-/// Stiffness of a second spring in parts of mass times ω1², beside which states keep so few digits that their equations may count as
-/// singular.
+/// Stiffness of a second spring in parts of mass times ω1², beside which states keep so few digits
+/// that their equations may count as singular.
 const NEUTRAL: f64 = 1e-8;
 
-/// Determinant of what a free flight over a word leaves, under which a mode is next to a resonance: its frequency is off by about the root
-/// of that, in parts of the word's.
+/// Determinant of what a free flight over a word leaves, under which a mode is next to a resonance:
+/// its frequency is off by about the root of that, in parts of the word's.
 const RESONANT: f64 = 1e-4;
 
 impl System {
     /// A machine under its drive and its constant loads.
     ///
     /// # Errors
-    /// As [`Flight::new`], and for an undamped box at resonance; a load on box or secondary oscillator that no spring holds; one that
-    /// is not finite.
+    /// As [`Flight::new`], and for an undamped box at resonance; a load on box or secondary
+    /// oscillator that no spring holds; one that is not finite.
     pub fn new(parameters: &Parameters) -> Result<Self> {
         let loads = ConstantLoads { forces: parameters.constant_loads };
         let parameters = &Parameters { constant_loads: [0.0; 3], ..*parameters };
@@ -55,7 +58,8 @@ impl System {
         Ok(Self { parameters: *parameters, loads, flight, response, balance, pull, anchor })
     }
 
-    /// The same machine with its state found as that of another one, whose equations those of this one are then compared with.
+    /// The same machine with its state found as that of another one, whose equations those of this
+    /// one are then compared with.
     #[must_use]
     pub(super) fn anchored(self, anchor: Option<Anchor>) -> Self {
         Self { anchor, ..self }
@@ -66,8 +70,9 @@ impl System {
         self.anchor
     }
 
-    /// What the first contact may hold next to a resonance of a mode that hardly anything damps: of a word of such a length the free flight
-    /// takes box, or block and secondary oscillator, nearly back to where they were, and impacts move what is left by its square.
+    /// What the first contact may hold next to a resonance of a mode that hardly anything damps: of
+    /// a word of such a length the free flight takes box, or block and secondary oscillator, nearly
+    /// back to where they were, and impacts move what is left by its square.
     pub(super) fn resonant_anchors(&self, word: &OrbitWord) -> [Option<Anchor>; 2] {
         let Transition { one, pair } = self.flight.transition(word.span());
         let sigma = f64::from(word.closing());
@@ -88,8 +93,9 @@ impl System {
         self.pull
     }
 
-    /// Whether the impulses of a word can balance the load on what no spring holds over a round, docs/theory.md (113): without
-    /// a load they need both stops, with one the stop towards which it pulls.
+    /// Whether the impulses of a word can balance the load on what no spring holds over a round,
+    /// docs/theory.md (113): without a load they need both stops, with one the stop towards which
+    /// it pulls.
     pub(super) fn balances(&self, word: &OrbitWord) -> bool {
         let p = &self.parameters;
         let has = |side: i8| word.letters().contains(&side);
@@ -103,7 +109,8 @@ impl System {
         }
     }
 
-    /// Whether the motion without impacts attracts its neighbourhood: springs hold all bodies, and dampers reach them.
+    /// Whether the motion without impacts attracts its neighbourhood: springs hold all bodies, and
+    /// dampers reach them.
     pub(super) fn holds_and_damps(&self) -> bool {
         let p = &self.parameters;
         let needed = [
@@ -126,13 +133,14 @@ impl System {
         self.loads
     }
 
-    /// w_s, the displacement of the block in the box that the loads cause without impacts, units of L.
+    /// w_s, the displacement of the block in the box that the loads cause without impacts, units of
+    /// L.
     pub fn offset(&self) -> f64 {
         self.balance.offset()
     }
 
-    /// The same machine with states that refer to where the springs hold the loads, however far that is: a motion without impacts is
-    /// about there.
+    /// The same machine with states that refer to where the springs hold the loads, however far
+    /// that is: a motion without impacts is about there.
     pub(super) fn at_rest(self) -> Self {
         Self { balance: self.balance.at_rest(), ..self }
     }
@@ -147,7 +155,8 @@ impl System {
         self.response.norm()
     }
 
-    /// Amplitude and angle of the gap's motion without impacts, `offset + amplitude sin(φ + angle)`.
+    /// Amplitude and angle of the gap's motion without impacts,
+    /// `offset + amplitude sin(φ + angle)`.
     pub(super) fn wave(&self) -> (f64, f64) {
         (self.response.norm(), (-self.response).arg())
     }
@@ -166,18 +175,20 @@ impl System {
         Vector6::new(x1 + turned.im, x2, x3, turned.re, 0.0, 0.0)
     }
 
-    /// The places to which states refer: the rest positions under the loads, where these are not far beyond the stops.
+    /// The places to which states refer: the rest positions under the loads, where these are not
+    /// far beyond the stops.
     pub(super) fn rest_positions(&self) -> [f64; 3] {
         self.balance.places
     }
 
-    /// How far the block keeps from the nearer stop without impacts, units of L; `None` where there is no such motion, since a
-    /// block without a spring falls.
+    /// How far the block keeps from the nearer stop without impacts, units of L; `None` where there
+    /// is no such motion, since a block without a spring falls.
     pub(super) fn clearance(&self) -> Option<f64> {
         (self.pull == 0.0).then(|| 1.0 - self.amplitude() - self.offset().abs())
     }
 
-    /// The rate of the free part of a state in flight: A z, and the accelerations of what falls under its load.
+    /// The rate of the free part of a state in flight: A z, and the accelerations of what falls
+    /// under its load.
     pub(super) fn rate(&self, z: &Vector6) -> Vector6 {
         self.flight.rate_of(z, 0.0) + self.balance.push
     }
@@ -188,7 +199,8 @@ impl System {
         if self.balance.push == Vector6::zeros() || span == 0.0 { after } else { after + self.fall(span) }
     }
 
-    /// What the loads move the bodies by over a flight from rest at the places to which states refer.
+    /// What the loads move the bodies by over a flight from rest at the places to which states
+    /// refer.
     fn fall(&self, span: f64) -> Vector6 {
         let pieces = self.flight.least_pieces(span);
         let length = span / f64::from(pieces);
@@ -197,8 +209,8 @@ impl System {
         (0..pieces).fold(Vector6::zeros(), |fallen, _| transition.apply(&fallen) + step)
     }
 
-    /// The same as polynomials over a Taylor piece. Under a constant d in z' = A z + d the state from rest is the integral of that which
-    /// flies freely from d.
+    /// The same as polynomials over a Taylor piece. Under a constant d in z' = A z + d the state
+    /// from rest is the integral of that which flies freely from d.
     pub(super) fn fall_piece(&self, length: f64) -> [Polynomial; 3] {
         let free = self.flight.piece(&self.balance.push, 0.0, length, 0.0);
         free.map(|x| {
@@ -221,7 +233,8 @@ impl System {
         State { x: [0, 1, 2].map(|i| length * y[i]), v: [3, 4, 5].map(|i| speed * y[i]) }
     }
 
-    /// Says which parameter makes the periodic response to impulses singular: the motion without impacts then has a neutral direction.
+    /// Says which parameter makes the periodic response to impulses singular: the motion without
+    /// impacts then has a neutral direction.
     pub(super) fn singular(&self) -> vibro_impact::Error {
         let p = &self.parameters;
         let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";

@@ -38,7 +38,8 @@ pub(super) fn determinant(matrix: DMatrix<f64>) -> SignedLog {
 pub(super) const TESTS: usize = 3;
 /// Index of the test for a multiplier 1: a fold, or a branch point.
 pub(super) const UNIT: usize = 0;
-/// Index of the test for a multiplier -1: a period doubling, or the symmetry breaking of a symmetric orbit.
+/// Index of the test for a multiplier -1: a period doubling, or the symmetry breaking of a
+/// symmetric orbit.
 pub(super) const DOUBLING: usize = 1;
 /// Index of the test for a pair of multipliers with the product 1: a Neimark-Sacker point.
 pub(super) const PAIR: usize = 2;
@@ -73,11 +74,12 @@ pub(super) fn pair_test(multipliers: &[Complex<f64>; 6]) -> SignedLog {
     SignedLog { sign: product.re.signum(), log }
 }
 
-/// Distance from the unit circle within which a complex pair counts as on it, as for the exact orbit.
+/// Distance from the unit circle within which a complex pair counts as on it, as for the exact
+/// orbit.
 const ON_CIRCLE: f64 = 1e-5;
 
-/// Whether a complex multiplier is on the unit circle. A zero of the pair's test without one is a neutral saddle, which is no
-/// bifurcation.
+/// Whether a complex multiplier is on the unit circle. A zero of the pair's test without one is a
+/// neutral saddle, which is no bifurcation.
 pub(super) fn is_on_circle(multipliers: &[Complex<f64>; 6]) -> bool {
     multipliers.iter().any(|m| m.im != 0.0 && (m.norm() - 1.0).abs() < ON_CIRCLE)
 }

@@ -1,5 +1,6 @@
-//! All branches that can be reached: from settled motions over the whole range, from orbits near which other motions pass, from the
-//! motion without impacts, and from every special point of every branch; or one branch alone.
+//! All branches that can be reached: from settled motions over the whole range, from orbits near
+//! which other motions pass, from the motion without impacts, and from every special point of every
+//! branch; or one branch alone.
 
 use super::branch::{Branch, Point};
 use super::family::Family;
@@ -17,12 +18,12 @@ use rayon::prelude::*;
 use vibro_analysis::Error;
 use vibro_analysis::parts::{NoStore, PartStore, Task};
 
-/// Traces the tree of a family with one parameter; `done` hears of the starts that were traced and those that are known to wait,
-/// which may become more.
+/// Traces the tree of a family with one parameter; `done` hears of the starts that were traced and
+/// those that are known to wait, which may become more.
 ///
 /// # Errors
-/// [`Error::Form`] for a step outside [`PathOptions::STEPS`], repetitions outside 1 to 64, more than 1024 letters, and periods above 4096
-/// drive periods; what the machines of the family refuse.
+/// [`Error::Form`] for a step outside [`PathOptions::STEPS`], repetitions outside 1 to 64, more
+/// than 1024 letters, and periods above 4096 drive periods; what the machines of the family refuse.
 pub fn tree(
     family: &Family,
     options: &TreeOptions,
@@ -31,9 +32,10 @@ pub fn tree(
     tree_in_parts(family, options, &NoStore, done)
 }
 
-/// The same with finished parts kept: the orbits from which branches start, then the branches of each round of starts. How many rounds there are
-/// shows in their course. A tree that was interrupted goes on from the parts in the store, which must be of the same family and
-/// options, and becomes the same to the bit.
+/// The same with finished parts kept: the orbits from which branches start, then the branches of
+/// each round of starts. How many rounds there are shows in their course. A tree that was
+/// interrupted goes on from the parts in the store, which must be of the same family and options,
+/// and becomes the same to the bit.
 ///
 /// # Errors
 /// As [`tree`]; what the store refuses.
@@ -81,9 +83,10 @@ pub fn tree_in_parts(
     Ok(grower.tree)
 }
 
-/// The branch of one orbit, followed in both directions without switching to others; points at the values `marks` of the parameter
-/// are labelled UZ. Its word is the orbit's shortest: of UL closing with + on a symmetric orbit that is U closing with -, whose
-/// symmetry may break, and which is followed beyond. Along a load it is UL, since under a load no orbit is symmetric.
+/// The branch of one orbit, followed in both directions without switching to others; points at the
+/// values `marks` of the parameter are labelled UZ. Its word is the orbit's shortest: of UL closing
+/// with + on a symmetric orbit that is U closing with -, whose symmetry may break, and which is
+/// followed beyond. Along a load it is UL, since under a load no orbit is symmetric.
 ///
 /// ```
 /// use vibro_orbits::{Family, Label, OrbitWord, PathOptions, Span, branch};
@@ -98,8 +101,9 @@ pub fn tree_in_parts(
 /// ```
 ///
 /// # Errors
-/// [`Error::Form`] for a step that is not allowed and a value outside the family's range; [`Error::NoOrbit`] when there is no orbit
-/// near `phases` at the value, or none of the machine; what the machine refuses.
+/// [`Error::Form`] for a step that is not allowed and a value outside the family's range;
+/// [`Error::NoOrbit`] when there is no orbit near `phases` at the value, or none of the machine;
+/// what the machine refuses.
 pub fn branch(
     family: &Family,
     word: &OrbitWord,

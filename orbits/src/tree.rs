@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 /// All branches that were found.
 #[derive(Clone, Debug, Default)]
 pub struct Tree {
-    /// In the order in which they were found, which depends on nothing but the family and the options.
+    /// In the order in which they were found, which depends on nothing but the family and the
+    /// options.
     pub branches: Vec<Branch>,
     /// Starts that led nowhere: no branch could be followed from them.
     pub failures: usize,

@@ -13,8 +13,9 @@ pub struct TreeOptions {
     pub seeds: usize,
     /// Drive periods in which transients die out.
     pub settle: u32,
-    /// Motions from starts that are spread over the states that settled motions visit and over the range. Branches of orbits near
-    /// which they pass are kept where they are stable somewhere: islands that motions followed along the range miss.
+    /// Motions from starts that are spread over the states that settled motions visit and over the
+    /// range. Branches of orbits near which they pass are kept where they are stable somewhere:
+    /// islands that motions followed along the range miss.
     #[serde(default)]
     pub starts: usize,
     /// Switches of branches that are followed one after another from a settled motion.
@@ -27,8 +28,8 @@ pub struct TreeOptions {
     pub longest_step: f64,
     /// Most points of a branch in one direction.
     pub most_points: usize,
-    /// At a touch the words that list it once in up to so many passages of the orbit without it are followed too: with 1 in every
-    /// passage alone.
+    /// At a touch the words that list it once in up to so many passages of the orbit without it are
+    /// followed too: with 1 in every passage alone.
     pub repetitions: u32,
     /// Values of the parameter at which each branch has a point, labelled UZ.
     pub marks: Vec<f64>,

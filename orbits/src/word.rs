@@ -1,4 +1,5 @@
-//! The impact word: which stops an orbit meets in which order, how it closes, and how long it takes.
+//! The impact word: which stops an orbit meets in which order, how it closes, and how long it
+//! takes.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -7,7 +8,8 @@ use vibro_analysis::{Error, Result};
 /// Phases that repeat to this are those of a repeated or symmetric orbit.
 pub(super) const REPETITION: f64 = 1e-8;
 
-/// Most letters and half periods of a word that is read: equations of more impacts need a memory of their square.
+/// Most letters and half periods of a word that is read: equations of more impacts need a memory of
+/// their square.
 pub(super) const MOST_LETTERS: usize = 1024;
 const MOST_HALF_PERIODS: u32 = 1 << 16;
 
@@ -16,9 +18,9 @@ const EMPTY: &str = "-";
 
 /// The order of impacts of a periodic orbit with the way it closes (docs/theory.md, section 14).
 ///
-/// The orbit repeats itself after [`half_periods`](Self::half_periods) half drive periods: unchanged where
-/// [`closing`](Self::closing) is +1, with the opposite sign where it is -1. The second kind is a symmetric orbit, of which the word
-/// holds half.
+/// The orbit repeats itself after [`half_periods`](Self::half_periods) half drive periods:
+/// unchanged where [`closing`](Self::closing) is +1, with the opposite sign where it is -1. The
+/// second kind is a symmetric orbit, of which the word holds half.
 ///
 /// ```
 /// use vibro_orbits::OrbitWord;
@@ -37,7 +39,8 @@ pub struct OrbitWord {
     half_periods: u32,
 }
 
-/// An operation that takes a word to one of its equivalents: the start moved by a number of letters, then the mirror image.
+/// An operation that takes a word to one of its equivalents: the start moved by a number of
+/// letters, then the mirror image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
     /// Letters by which the start moves, counted in the unfolded word.
@@ -47,12 +50,13 @@ pub(super) struct Turn {
 }
 
 impl OrbitWord {
-    /// A word of the letters U (upper stop) and L (lower stop), or `-` for the empty one, as it is shown.
+    /// A word of the letters U (upper stop) and L (lower stop), or `-` for the empty one, as it is
+    /// shown.
     ///
     /// # Errors
-    /// [`Error::Form`] for other letters, more than 1024 letters or 65,536 half periods, a closing sign that is not ±1, and a
-    /// length that does not go with it: a multiple of two
-    /// half periods for +1, an odd number of half periods for -1.
+    /// [`Error::Form`] for other letters, more than 1024 letters or 65,536 half periods, a closing
+    /// sign that is not ±1, and a length that does not go with it: a multiple of two half periods
+    /// for +1, an odd number of half periods for -1.
     pub fn new(text: &str, closing: i8, half_periods: u32) -> Result<Self> {
         let letter = |c| match c {
             'U' | 'u' => Some(1),
@@ -145,8 +149,8 @@ impl OrbitWord {
         sign * f64::from(self.letters[index])
     }
 
-    /// The word passed twice, which closes with +1: W becomes W W, and the half word W of a symmetric orbit W followed by its
-    /// opposite.
+    /// The word passed twice, which closes with +1: W becomes W W, and the half word W of a
+    /// symmetric orbit W followed by its opposite.
     #[must_use]
     pub fn unfolded(&self) -> Self {
         let again = self.letters.iter().map(|s| s * self.closing);
@@ -160,14 +164,16 @@ impl OrbitWord {
         Self::of(sides.collect(), self.closing, self.half_periods * k as u32)
     }
 
-    /// The half word of which this one is the [unfolded](Self::unfolded) one; `None` where it is none.
+    /// The half word of which this one is the [unfolded](Self::unfolded) one; `None` where it is
+    /// none.
     #[must_use]
     pub fn folded(&self) -> Option<Self> {
         let (n, half) = (self.len(), self.half_periods / 2);
         if self.closing != 1 || n % 2 == 1 {
             return None;
         }
-        // Over an odd number of half periods only the opposite can follow, over an even one only the same.
+        // Over an odd number of half periods only the opposite can follow, over an even one only
+        // the same.
         let closing = if half % 2 == 1 { -1 } else { 1 };
         let (first, second) = self.letters.split_at(n / 2);
         let fits = first.iter().zip(second).all(|(a, b)| *b == closing * a);
@@ -216,7 +222,8 @@ impl OrbitWord {
         Self::of(letters, self.closing, self.half_periods)
     }
 
-    /// All turns; the mirror image is one only without loads, and of a symmetric orbit it is among the others.
+    /// All turns; the mirror image is one only without loads, and of a symmetric orbit it is among
+    /// the others.
     fn all_turns(&self, mirror: bool) -> impl Iterator<Item = Turn> {
         let mirrored = mirror && self.closing == 1;
         let both = [false, true].into_iter().filter(move |m| !m || mirrored);
@@ -224,8 +231,8 @@ impl OrbitWord {
         both.flat_map(move |mirrored| (0..turns).map(move |by| Turn { by, mirrored }))
     }
 
-    /// The first of all equivalent words in the order U < L, with a turn that leads to it. Rotations are equivalent, and without
-    /// loads (`mirror`) mirror images too.
+    /// The first of all equivalent words in the order U < L, with a turn that leads to it.
+    /// Rotations are equivalent, and without loads (`mirror`) mirror images too.
     pub(super) fn canonical_turn(&self, mirror: bool) -> (Self, Turn) {
         let own = (self.clone(), Turn { by: 0, mirrored: false });
         self.all_turns(mirror).fold(own, |best, turn| {
@@ -235,14 +242,15 @@ impl OrbitWord {
         })
     }
 
-    /// The first of all equivalent words in the order U < L: one orbit has as many words as it has impacts to begin with, and the
-    /// mirror images of these.
+    /// The first of all equivalent words in the order U < L: one orbit has as many words as it has
+    /// impacts to begin with, and the mirror images of these.
     #[must_use]
     pub fn canonical(&self) -> Self {
         self.canonical_turn(true).0
     }
 
-    /// The turns that leave the word as it is: orbits whose phases differ by one of these are the same.
+    /// The turns that leave the word as it is: orbits whose phases differ by one of these are the
+    /// same.
     pub(super) fn symmetries(&self, mirror: bool) -> Vec<Turn> {
         self.all_turns(mirror).filter(|turn| self.turned(*turn).letters == self.letters).collect()
     }
@@ -259,8 +267,9 @@ impl OrbitWord {
         (0..n).map(|i| at(i + turn.by) - whole).collect()
     }
 
-    /// The shortest word and phases of the same orbit: repetitions and symmetry taken out where phases repeat to `tolerance`.
-    /// Symmetric orbits close with -1 then, for which there must be no loads (`mirror`).
+    /// The shortest word and phases of the same orbit: repetitions and symmetry taken out where
+    /// phases repeat to `tolerance`. Symmetric orbits close with -1 then, for which there must be
+    /// no loads (`mirror`).
     pub(super) fn reduced(&self, phases: &[f64], mirror: bool, tolerance: f64) -> (Self, Vec<f64>) {
         let repeats = |part: &Self| {
             let n = part.len();

@@ -293,7 +293,8 @@ fn direction<'py>(
     }
 }
 
-/// Maxima of a quantity, or its values at the section, over a parameter, with what motions settle on.
+/// Maxima of a quantity, or its values at the section, over a parameter, with what motions settle
+/// on.
 #[pyfunction]
 #[pyo3(signature = (machine, name, ends, count, of, at_section, periods, exponents, section, anew, progress = None))]
 #[allow(clippy::too_many_arguments)]

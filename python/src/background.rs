@@ -1,4 +1,5 @@
-//! Computations in a thread of their own, while the calling thread hears signals and shows progress.
+//! Computations in a thread of their own, while the calling thread hears signals and shows
+//! progress.
 
 use crate::failure::Failure;
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -47,10 +48,10 @@ impl Control {
     }
 }
 
-/// Computes in another thread without Python's lock and waits for the result. A signal's exception, and one of `progress`, which is
-/// called with the numbers of parts done and in all (0 where it knows), ends the wait at once; the thread ends where it next
-/// looks at its [`Control`], and what it
-/// computes is dropped.
+/// Computes in another thread without Python's lock and waits for the result. A signal's exception,
+/// and one of `progress`, which is called with the numbers of parts done and in all (0 where it
+/// knows), ends the wait at once; the thread ends where it next looks at its [`Control`], and what
+/// it computes is dropped.
 pub fn compute<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -137,8 +138,8 @@ pub fn with_partial<T: for<'py> IntoPyObject<'py>>(
     }
 }
 
-/// The threads of this process for work in parallel. A process made by fork has none of its parent's threads, and would wait for
-/// them without end: it gets its own.
+/// The threads of this process for work in parallel. A process made by fork has none of its
+/// parent's threads, and would wait for them without end: it gets its own.
 pub fn pool() -> Result<Arc<ThreadPool>, Failure> {
     static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);

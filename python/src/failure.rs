@@ -1,4 +1,5 @@
-//! What can go wrong, as Python's exceptions: ValueError for what was asked for, RuntimeError for what has no answer.
+//! What can go wrong, as Python's exceptions: ValueError for what was asked for, RuntimeError for
+//! what has no answer.
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
@@ -140,7 +141,8 @@ fn exception(no_answer: bool, message: &str) -> PyErr {
     }
 }
 
-/// The same words with the names of parameters, coordinates and loads as Python's arguments have them: `box_m` for `box.m`.
+/// The same words with the names of parameters, coordinates and loads as Python's arguments have
+/// them: `box_m` for `box.m`.
 pub fn in_python(message: &str) -> String {
     const OTHERS: [&str; 9] = [
         "box.s",
@@ -153,7 +155,8 @@ pub fn in_python(message: &str) -> String {
         "block.f",
         "secondary.f",
     ];
-    // The longest first: `box.c` begins no other name, but `stop.restitution` must not become that of a shorter one.
+    // The longest first: `box.c` begins no other name, but `stop.restitution` must not become that
+    // of a shorter one.
     let mut names: Vec<&str> = physical_parameters().map(|f| f.name).chain(OTHERS).collect();
     names.sort_by_key(|name| std::cmp::Reverse(name.len()));
     names.iter().fold(message.to_owned(), |text, name| text.replace(name, &name.replace('.', "_")))

@@ -1,8 +1,9 @@
-//! The native part of the Python package `vibro_impact`: the library's entry points on NumPy arrays.
+//! The native part of the Python package `vibro_impact`: the library's entry points on NumPy
+//! arrays.
 //!
-//! The Python modules beside it check arguments, make arrays of what they are given and results of what comes back; here
-//! computations run. Each runs in a thread of its own, so that Python's other threads go on and Ctrl-C is heard
-//! (`background.rs`).
+//! The Python modules beside it check arguments, make arrays of what they are given and results of
+//! what comes back; here computations run. Each runs in a thread of its own, so that Python's other
+//! threads go on and Ctrl-C is heard (`background.rs`).
 //!
 //! | file | what it holds |
 //! |---|---|

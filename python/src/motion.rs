@@ -12,8 +12,9 @@ use vibro_analysis::trajectories::{Start, propagate};
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause};
 use vibro_impact::{Parameters, Simulator, State, load};
 
-/// Drive periods of one call to the library, for each thread: half a second's work, after which it is asked whether anyone still waits.
-/// Each call ends with some lanes of the vectors empty, so that many short ones cost more.
+/// Drive periods of one call to the library, for each thread: half a second's work, after which it
+/// is asked whether anyone still waits. Each call ends with some lanes of the vectors empty, so
+/// that many short ones cost more.
 const PERIODS_A_THREAD: usize = 400_000;
 /// Motions of such a call: enough to fill the vectors, however many periods each has.
 const MOTIONS_A_THREAD: std::ops::RangeInclusive<usize> = 64..=4096;
@@ -109,7 +110,8 @@ pub fn simulate<'py>(
     })
 }
 
-/// The same as plain data: an advance to each time in turn, so that it has the bits of a host that steps so.
+/// The same as plain data: an advance to each time in turn, so that it has the bits of a host that
+/// steps so.
 fn sampled(
     control: &Control,
     p: &Parameters,
@@ -199,8 +201,8 @@ pub struct Section<'py> {
 /// One point of a section: time, state, phase of the drive, speed of the impact.
 type Point = (f64, State, f64, f64);
 
-/// States at a phase of the drive (`stop` = 0), or just after the impacts at a stop (+1 or -1), over `periods` drive periods
-/// after `discard`, from a state at time 0.
+/// States at a phase of the drive (`stop` = 0), or just after the impacts at a stop (+1 or -1),
+/// over `periods` drive periods after `discard`, from a state at time 0.
 #[pyfunction]
 #[pyo3(signature = (system, start, stop, phase, discard, periods, progress = None))]
 #[allow(clippy::too_many_arguments)]
@@ -228,7 +230,8 @@ pub fn poincare<'py>(
     Ok(Section { t: part(|point| point.0), s, v, phase: part(|point| point.2), speed: part(|point| point.3) })
 }
 
-/// States at a phase of the drive, rad. The drive's phase is reached a part of a period after each whole one.
+/// States at a phase of the drive, rad. The drive's phase is reached a part of a period after each
+/// whole one.
 fn at_phase(
     control: &Control,
     mut simulator: Simulator,

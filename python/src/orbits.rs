@@ -126,7 +126,8 @@ impl Orbit {
     }
 }
 
-/// The certified orbits with a word that a search finds, each in its shortest word; those that have no shorter one come first.
+/// The certified orbits with a word that a search finds, each in its shortest word; those that have
+/// no shorter one come first.
 #[pyfunction]
 #[pyo3(signature = (system, word, closing, half_periods, tries, progress = None))]
 pub fn orbit(
@@ -180,7 +181,8 @@ pub struct Branch<'py> {
     maxima: Vec<Column<'py, f64>>,
 }
 
-/// The branch of an orbit over a range of a parameter, in both directions, with local maxima of a displacement in m.
+/// The branch of an orbit over a range of a parameter, in both directions, with local maxima of a
+/// displacement in m.
 #[pyfunction]
 #[pyo3(signature = (orbit, name, ends, weights, progress = None))]
 pub fn follow<'py>(

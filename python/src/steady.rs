@@ -1,4 +1,5 @@
-//! Steady states in closed form: the symmetric motion with two impacts a drive period by three theories.
+//! Steady states in closed form: the symmetric motion with two impacts a drive period by three
+//! theories.
 
 use crate::arrays::{Column, Table, column, numbers, states};
 use crate::failure::{Failure, in_python};
@@ -133,7 +134,8 @@ pub fn steady<'py>(
     }
 }
 
-/// Displacements (m) and velocities (m/s) of the steady state of a theory at phases of the drive, rad.
+/// Displacements (m) and velocities (m/s) of the steady state of a theory at phases of the drive,
+/// rad.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn steady_motion<'py>(

@@ -1,4 +1,5 @@
-//! Studies: bifurcation diagrams, Lyapunov exponents, basins of attraction, measures of settled motions.
+//! Studies: bifurcation diagrams, Lyapunov exponents, basins of attraction, measures of settled
+//! motions.
 
 use crate::arrays::{Column, Table, column, plane, rows_of_states, state, table};
 use crate::background::{Control, compute, each_of, pool};
@@ -245,8 +246,9 @@ pub struct Basins<'py> {
     mirror: Table<'py, bool>,
 }
 
-/// Where motions from a plane of two initial values end: the numbers of attractors, -1 outside the stops, -2 where it has not settled, -3 where
-/// the attractor is undecided, with whether it is the mirror image; rows of constant y.
+/// Where motions from a plane of two initial values end: the numbers of attractors, -1 outside the
+/// stops, -2 where it has not settled, -3 where the attractor is undecided, with whether it is the
+/// mirror image; rows of constant y.
 #[pyfunction]
 #[pyo3(signature = (system, x, y, discard, progress = None))]
 pub fn basins<'py>(
@@ -282,7 +284,8 @@ pub fn measures() -> Vec<(String, &'static str, String)> {
     Measure::all().map(|m| (m.name(), m.unit(), in_python(&m.description()))).collect()
 }
 
-/// Measures of the motion after `discard` drive periods from a state, over the next `periods`: a number or, for the class, a text.
+/// Measures of the motion after `discard` drive periods from a state, over the next `periods`: a
+/// number or, for the class, a text.
 #[pyfunction]
 #[pyo3(signature = (system, start, names, discard, periods, progress = None))]
 pub fn measure(

@@ -1,5 +1,5 @@
-//! A machine's parameters and loads as Python objects. They are plain values: the Python classes around them add equality, text
-//! and pickling.
+//! A machine's parameters and loads as Python objects. They are plain values: the Python classes
+//! around them add equality, text and pickling.
 
 use crate::arrays::{Column, column, numbers};
 use crate::failure::{Failure, in_python};
@@ -65,7 +65,8 @@ fn physical(values: &[(Name, f64)]) -> vibro_impact::Result<Parameters> {
 
 #[pymethods]
 impl System {
-    /// The default set with these values: first those in SI, then the groups, as in a parameter file.
+    /// The default set with these values: first those in SI, then the groups, as in a parameter
+    /// file.
     #[new]
     fn new(si: Vec<(String, f64)>, groups: Vec<(String, f64)>) -> PyResult<Self> {
         let named = |part: &[(String, f64)]| {
@@ -88,14 +89,16 @@ impl System {
         Ok(Self { parameters: *set.parameters(), set: Some(set), missing })
     }
 
-    /// The values of all parameters in the order of `parameters()`; of those in SI alone where the machine has no groups.
+    /// The values of all parameters in the order of `parameters()`; of those in SI alone where the
+    /// machine has no groups.
     fn values(&self) -> Vec<f64> {
         let physical = physical_parameters().map(|field| (field.get)(&self.parameters));
         let groups = self.set.iter().flat_map(|set| GROUPS.iter().map(|group| (group.get)(set.groups())));
         physical.chain(groups).collect()
     }
 
-    /// The physical parameters that were not given although others were, with the values that they have from the default set.
+    /// The physical parameters that were not given although others were, with the values that they
+    /// have from the default set.
     fn not_given(&self) -> Vec<(String, f64)> {
         let told = |name: &Name| match name {
             Name::Si(field) => Some((in_python(field.name), (field.get)(&self.parameters))),
@@ -138,8 +141,8 @@ pub fn find_name(name: &str) -> PyResult<String> {
     Ok(in_python(find(name)?.name()))
 }
 
-/// How many parameters are in SI, and every parameter, those first, as (name in Python, label of an axis, unit, what it is, what is
-/// allowed).
+/// How many parameters are in SI, and every parameter, those first, as (name in Python, label of an
+/// axis, unit, what it is, what is allowed).
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn parameters() -> (usize, Vec<(String, String, &'static str, &'static str, String)>) {

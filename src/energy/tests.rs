@@ -49,9 +49,10 @@ fn tables(p: &Parameters, mode: SmoothMode) -> (Model, f64, Table<CORE>, Gramian
     (model, h, core, energy)
 }
 
-/// A rule's error on [0, 1] is e/n! times the n-th derivative of the power, with e its error for uⁿ, n the first degree that it does not
-/// integrate. Along a motion of size 1 the k-th derivative of a rate is at most max(1, k) rᵏ⁺¹, hence that of its square at most
-/// Σ C(n, k) max(1, k) max(1, n-k) rⁿ⁺², and that of the drive's power at most Σ C(n, k) max(1, k) rⁿ⁺¹.
+/// A rule's error on [0, 1] is e/n! times the n-th derivative of the power, with e its error for
+/// uⁿ, n the first degree that it does not integrate. Along a motion of size 1 the k-th derivative
+/// of a rate is at most max(1, k) rᵏ⁺¹, hence that of its square at most Σ C(n, k) max(1, k) max(1,
+/// n-k) rⁿ⁺², and that of the drive's power at most Σ C(n, k) max(1, k) rⁿ⁺¹.
 #[test]
 fn closed_form_errors_of_the_rules() {
     const LOBATTO: f64 = 0.276_393_202_250_021;
@@ -134,7 +135,8 @@ fn second_method_gramians_and_a_plain_quadrature() {
                         energy.input_up_to(pulp::Scalar, index, &z),
                         energy.damped_up_to(pulp::Scalar, index, &z),
                     );
-                    /// Sums of large entries of either sign, in systems as far apart as 300 times the natural frequency.
+                    /// Sums of large entries of either sign, in systems as far apart as 300 times
+                    /// the natural frequency.
                     const CANCELLATION: f64 = 1e-13;
                     let size = passed + damped;
                     assert!((i - input).abs() <= CANCELLATION * size, "input {i:e} {input:e} {mode:?} {p:?}");

@@ -34,7 +34,8 @@ fn closed_form_first_of_several_crossings() {
     assert_eq!(first_crossing(&p, -0.4, 0.24, &mut n), None);
 }
 
-/// A rate that rounding has turned at its start, as that of w is at a release: it turns once, and not again where it is still rounding.
+/// A rate that rounding has turned at its start, as that of w is at a release: it turns once, and
+/// not again where it is still rounding.
 #[test]
 fn closed_form_turns_of_a_rate_that_begins_with_rounding() {
     /// By how much a zero is off whose slope is 1e-15 at most.
@@ -83,8 +84,8 @@ fn closed_form_grazing_is_found_only_when_it_crosses() {
     }
 }
 
-/// The case by which the grazing set showed that a bisection must not end the search as a Newton step would: the last
-/// Newton step, of zero length, falls on the bracket's end.
+/// The case by which the grazing set showed that a bisection must not end the search as a Newton
+/// step would: the last Newton step, of zero length, falls on the bracket's end.
 #[test]
 fn closed_form_shallow_crossing_to_the_last_digit() {
     let p = [
@@ -112,7 +113,8 @@ fn closed_form_triple_root_without_certain_shape() {
     assert!((u - 0.1).abs() < 1e-5, "{u}");
 }
 
-/// u (1+u)⁴ (1-u) is nothing but rounding near -1, where no halving makes its shape certain. The passage at 0 lies behind.
+/// u (1+u)⁴ (1-u) is nothing but rounding near -1, where no halving makes its shape certain. The
+/// passage at 0 lies behind.
 #[test]
 fn closed_form_a_passage_behind_a_start_that_is_rounding() {
     let p = [0.0, 1.0, 3.0, 2.0, -2.0, -3.0, -1.0, 0.0, 0.0, 0.0];
@@ -121,7 +123,8 @@ fn closed_form_a_passage_behind_a_start_that_is_rounding() {
     assert!(u.is_some_and(|u| u.abs() < ROOT), "{u:?} after {n} pieces");
 }
 
-/// Products of roots of any multiplicity, on the axis and close to it: far fewer pieces than are allowed, and no passage missed.
+/// Products of roots of any multiplicity, on the axis and close to it: far fewer pieces than are
+/// allowed, and no passage missed.
 #[test]
 fn second_method_roots_of_any_multiplicity() {
     /// A third more than the most of three million such products.
@@ -170,8 +173,9 @@ fn second_method_roots_of_any_multiplicity() {
     assert!(subdivided > 1000, "{subdivided}");
 }
 
-/// No polynomial needs as many pieces as are allowed. Where the curvature of degree d is not certain, one of its roots is within 1/(2^(1/d) - 1) half
-/// lengths of the piece's centre, and the centres are two half lengths apart.
+/// No polynomial needs as many pieces as are allowed. Where the curvature of degree d is not
+/// certain, one of its roots is within 1/(2^(1/d) - 1) half lengths of the piece's centre, and the
+/// centres are two half lengths apart.
 #[test]
 fn closed_form_the_allowed_pieces_are_more_than_any_polynomial_needs() {
     for degree in 1..=MAX_COEFFICIENTS - 3 {
@@ -225,7 +229,8 @@ fn second_method_agrees_with_dense_sampling_on_random_polynomials() {
     assert!(found > 1000);
 }
 
-/// [`flight_crossing`] from a start to an end, and the iterations it takes, in the machine's best instructions.
+/// [`flight_crossing`] from a start to an end, and the iterations it takes, in the machine's best
+/// instructions.
 struct Flight<'a>(&'a [f64; PADDED], f64, f64);
 
 impl pulp::WithSimd for Flight<'_> {
@@ -268,7 +273,8 @@ fn second_method_nearly_straight_passages() {
                     assert!((a - b).abs() < ROOT / slope.abs().min(1.0), "{a} {b} {c:?}");
                 }
                 (None, None) => {}
-                // A root at the end but for rounding: Newton's iterate lies inside, the computed p(hi) is not positive.
+                // A root at the end but for rounding: Newton's iterate lies inside, the computed
+                // p(hi) is not positive.
                 (Some(u), None) => assert!(u < hi && hi - u < ROOT, "{u} {hi} {c:?}"),
                 (None, Some(u)) => panic!("missed the passage at {u} before {hi}: {c:?}"),
             }
@@ -296,8 +302,8 @@ fn closed_form_roots_at_the_ends() {
     assert!((u - 0.25).abs() < ROOT, "{u}");
 }
 
-/// The criterion by which Newton's method ends early, against the exact root of p = (u - r)(1 + b (u - r)), for which the
-/// factor K is known.
+/// The criterion by which Newton's method ends early, against the exact root of p = (u - r)(1 + b
+/// (u - r)), for which the factor K is known.
 #[test]
 fn closed_form_the_newton_criterion_holds_up_to_its_largest_factor() {
     let mut random = random(5);
@@ -315,8 +321,9 @@ fn closed_form_the_newton_criterion_holds_up_to_its_largest_factor() {
     assert!(ended > 10_000);
 }
 
-/// The estimate that ends Newton's method early, against the same method in 60 digits where the estimate is tight, up to 7 % under
-/// and over the resolution: the same number of iterations, and the root to a few roundings.
+/// The estimate that ends Newton's method early, against the same method in 60 digits where the
+/// estimate is tight, up to 7 % under and over the resolution: the same number of iterations, and
+/// the root to a few roundings.
 #[test]
 fn golden_newton_ends_where_its_estimate_says() {
     /// The estimate allows ε |u|, and rounding of p, of the step and of u take as much again each.
@@ -350,9 +357,10 @@ fn closed_form_newton_ends_where_the_estimate_equals_the_resolution() {
     }
 }
 
-/// The estimates by which a flight ends, against the coefficients c at which they equal the resolution in 60 digits. The flight
-/// p = u - 1/2 + c u⁸ starts from u = 1/2, where its step is m = (c/256)/(1 + c/16), and it has K = 28 c/(1 - 8 c). The first
-/// estimate is 4 K m² and the second 8 K² m² (m + 4 K m²); the resolution is ε (1/2 - m).
+/// The estimates by which a flight ends, against the coefficients c at which they equal the
+/// resolution in 60 digits. The flight p = u - 1/2 + c u⁸ starts from u = 1/2, where its step is m
+/// = (c/256)/(1 + c/16), and it has K = 28 c/(1 - 8 c). The first estimate is 4 K m² and the second
+/// 8 K² m² (m + 4 K m²); the resolution is ε (1/2 - m).
 #[test]
 fn golden_flights_end_where_their_estimates_say() {
     const FIRST: f64 = 4.019_556_791_509_709e-5;
@@ -393,7 +401,8 @@ fn closed_form_flights_with_roots_at_the_ends() {
             for (root, _) in flights(&c, -1.0, r) {
                 assert!(root.is_none_or(|u| u < r && r - u < ROOT), "{s} {r} {b}: {root:?}");
             }
-            // At the start, or just before it by rounding, it is one at the start, and none before it.
+            // At the start, or just before it by rounding, it is one at the start, and none before
+            // it.
             for lo in [r, r.next_up()] {
                 for (root, _) in flights(&c, lo, 1.0) {
                     assert!(root.is_some_and(|u| u >= lo && u - lo < ROOT), "{s} {r} {b}: {root:?}");
@@ -403,8 +412,9 @@ fn closed_form_flights_with_roots_at_the_ends() {
     }
 }
 
-/// Of all rising p with p' ≥ σ and |p''| ≤ 2 K σ that have a root a distance e from where p' = P, the one whose slope falls as fast
-/// as it may makes the shortest Newton step m; e is at most m + K m² for each P, and equal to it for P = σ sqrt(1 + 4 K e).
+/// Of all rising p with p' ≥ σ and |p''| ≤ 2 K σ that have a root a distance e from where p' = P,
+/// the one whose slope falls as fast as it may makes the shortest Newton step m; e is at most m + K
+/// m² for each P, and equal to it for P = σ sqrt(1 + 4 K e).
 #[test]
 fn closed_form_the_error_before_a_newton_step() {
     const ROUNDING: f64 = 1e-12;

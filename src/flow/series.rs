@@ -1,5 +1,6 @@
-//! Taylor series of the augmented state about a point, by the recurrence docs/theory.md (8). How many coefficients a series has
-//! follows from its radius: the sub-step of 2.4/rate, which [`super`] divides into 16 intervals, or a part of it.
+//! Taylor series of the augmented state about a point, by the recurrence docs/theory.md (8). How
+//! many coefficients a series has follows from its radius: the sub-step of 2.4/rate, which
+//! [`super`] divides into 16 intervals, or a part of it.
 
 use super::polynomial;
 use crate::model::{
@@ -7,9 +8,10 @@ use crate::model::{
     RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
 };
 
-/// A bound on what a series of seven coefficients or more leaves out up to a time of `reach`/rate from its point, in parts of the
-/// motion's size S (docs/numerics.md, section 1): rate bounds the bodies alone, and at resonance the drive adds up from order to order,
-/// so that it is reach^n/(n-1)! and not reach^n/n!.
+/// A bound on what a series of seven coefficients or more leaves out up to a time of `reach`/rate
+/// from its point, in parts of the motion's size S (docs/numerics.md, section 1): rate bounds the
+/// bodies alone, and at resonance the drive adds up from order to order, so that it is
+/// reach^n/(n-1)! and not reach^n/n!.
 pub const fn remainder(coefficients: usize, reach: f64) -> f64 {
     assert!(coefficients >= 7, "the bound on a coefficient holds from order seven on");
     assert!(reach < coefficients as f64, "the terms left out fall from the first on");
@@ -22,12 +24,14 @@ pub const fn remainder(coefficients: usize, reach: f64) -> f64 {
     term / (1.0 - reach / coefficients as f64)
 }
 
-/// Coefficients of a series about an interval's centre, of radius 0.075/rate: the remainder is under 0.075¹⁰/9! < 1.6e-17 of the
-/// motion's size S (docs/numerics.md, section 1).
+/// Coefficients of a series about an interval's centre, of radius 0.075/rate: the remainder is
+/// under 0.075¹⁰/9! < 1.6e-17 of the motion's size S (docs/numerics.md, section 1).
 pub const CENTRED: usize = 10;
-/// Coefficients of a series about the start, of radius 0.15/rate: the remainder is under 4e-18 of the size.
+/// Coefficients of a series about the start, of radius 0.15/rate: the remainder is under 4e-18 of
+/// the size.
 pub const ANCHORED: usize = 12;
-/// Coefficients of a series over a whole sub-step of 2.4/rate, for the tables: the remainder is under 4e-20 of the size.
+/// Coefficients of a series over a whole sub-step of 2.4/rate, for the tables: the remainder is
+/// under 4e-20 of the size.
 pub const WHOLE: usize = 30;
 
 /// Coefficients of each series of [`expand_along`]: the remainder is under 3.4e-16 of the size.
@@ -47,8 +51,8 @@ const RECIPROCALS: [f64; WHOLE] = {
     r
 };
 
-/// Taylor coefficients about a point, scaled by the radius: `z(t0 + u r) = Σ_k states[k] u^k`; `free` likewise is the
-/// free relative acceleration.
+/// Taylor coefficients about a point, scaled by the radius: `z(t0 + u r) = Σ_k states[k] u^k`;
+/// `free` likewise is the free relative acceleration.
 #[derive(Clone, Copy)]
 pub struct Series<const N: usize> {
     /// Coefficients of the augmented state, by order.
@@ -58,7 +62,8 @@ pub struct Series<const N: usize> {
 }
 
 impl<const N: usize> Series<N> {
-    /// The recurrence docs/theory.md (8): each order follows from the one before through the equations of motion.
+    /// The recurrence docs/theory.md (8): each order follows from the one before through the
+    /// equations of motion.
     #[inline(always)]
     pub fn expand(
         model: &Model,
@@ -101,8 +106,9 @@ impl<const N: usize> Series<N> {
         polynomial(&self.states, u)
     }
 
-    /// The augmented state at u, the way from the centre added in one sum. In [`at`](Self::at) the terms of even order are added to the
-    /// constant one first; in the shortest steps they would be lost there, or rounded in one and the same direction again and again.
+    /// The augmented state at u, the way from the centre added in one sum. In [`at`](Self::at) the
+    /// terms of even order are added to the constant one first; in the shortest steps they would be
+    /// lost there, or rounded in one and the same direction again and again.
     #[inline(always)]
     pub fn after_way(&self, u: f64) -> Augmented {
         let mut terms = self.states;
@@ -122,8 +128,8 @@ impl<const N: usize> Series<N> {
         p
     }
 
-    /// Time derivatives of the three bodies' displacements at the centre, `[body][order]` for the orders below M ≤ N, m/s^order:
-    /// the coefficients times k!/r^k, with `rate` = 1/r in 1/s.
+    /// Time derivatives of the three bodies' displacements at the centre, `[body][order]` for the
+    /// orders below M ≤ N, m/s^order: the coefficients times k!/r^k, with `rate` = 1/r in 1/s.
     pub fn derivatives<const M: usize>(&self, rate: f64) -> [[f64; M]; 3] {
         let mut derivatives = [[0.0; M]; 3];
         let mut scale = 1.0; // k!/r^k
@@ -139,7 +145,8 @@ impl<const N: usize> Series<N> {
         derivatives
     }
 
-    /// The coefficients of the event functional: w in flight, the free relative acceleration in rest.
+    /// The coefficients of the event functional: w in flight, the free relative acceleration in
+    /// rest.
     #[inline(always)]
     pub fn functional(&self, mode: SmoothMode) -> [f64; N] {
         match mode {
@@ -149,8 +156,9 @@ impl<const N: usize> Series<N> {
     }
 }
 
-/// The flow from `start` over `span` s, under forces that do not change, as consecutive series: `visit` gets each with its length in s,
-/// its variable running over [0, 1]. Returns the state at the end.
+/// The flow from `start` over `span` s, under forces that do not change, as consecutive series:
+/// `visit` gets each with its length in s, its variable running over [0, 1]. Returns the state at
+/// the end.
 #[inline(always)]
 pub fn expand_along(
     model: &Model,

@@ -2,9 +2,9 @@
 
 use super::{Augmented, BOX_RATE, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
 
-/// The jump of variations at an impact, the saltation matrix of docs/theory.md (78) in the coordinates (83): the places of x1 and
-/// x1' hold the variations of the centre of mass of box and block and of its rate. w' before the impact has its sign, so the law is
-/// one for both stops.
+/// The jump of variations at an impact, the saltation matrix of docs/theory.md (78) in the
+/// coordinates (83): the places of x1 and x1' hold the variations of the centre of mass of box and
+/// block and of its rate. w' before the impact has its sign, so the law is one for both stops.
 ///
 /// ```
 /// use vibro_impact::model::{Model, RELATIVE, RELATIVE_RATE, Saltation};
@@ -24,22 +24,24 @@ pub struct Saltation {
     restitution: f64,
     /// δw' after the impact per δw before it.
     kick: f64,
-    /// The change of the centre's rate per change of δw: the damper's force on the box is the only other one that jumps.
+    /// The change of the centre's rate per change of δw: the damper's force on the box is the only
+    /// other one that jumps.
     push: f64,
 }
 
 impl Saltation {
-    /// The jump at an impact with w' = `rate` before it, m/s, and the state `after` it, and after the merge where one follows,
-    /// under `loads`, N. Rates of variations are counted in the unit of their displacements times `unit`, 1/s. A contact without speed
-    /// changes no state; its jump does not exist, and variations are left as they are.
+    /// The jump at an impact with w' = `rate` before it, m/s, and the state `after` it, and after
+    /// the merge where one follows, under `loads`, N. Rates of variations are counted in the unit
+    /// of their displacements times `unit`, 1/s. A contact without speed changes no state; its jump
+    /// does not exist, and variations are left as they are.
     #[inline]
     pub fn new(model: &Model, rate: f64, after: &Augmented, loads: [f64; 3], unit: f64) -> Self {
         if rate == 0.0 {
             return Self { restitution: -1.0, kick: 0.0, push: 0.0 };
         }
-        // a_w⁺ + κ a_w⁻. With the centre of mass held, docs/theory.md (83), the free acceleration (6) is affine in w', whose parts
-        // cancel: what is left is 1 + κ times that of a block that moves with the box, as fast as their centre of mass, also where a
-        // merge followed.
+        // a_w⁺ + κ a_w⁻. With the centre of mass held, docs/theory.md (83), the free acceleration
+        // (6) is affine in w', whose parts cancel: what is left is 1 + κ times that of a block that
+        // moves with the box, as fast as their centre of mass, also where a merge followed.
         let mut together = *after;
         together[BOX_RATE] += model.block_share * after[RELATIVE_RATE];
         together[RELATIVE_RATE] = 0.0;
@@ -57,8 +59,9 @@ impl Saltation {
         v[BOX_RATE] += self.push * (v[RELATIVE] - w);
     }
 
-    /// A variation through the merge into rest: what is left of its relative motion ends, and in the bounces that the merge stands for
-    /// the damper acts on the centre of mass by as much as w changes.
+    /// A variation through the merge into rest: what is left of its relative motion ends, and in
+    /// the bounces that the merge stands for the damper acts on the centre of mass by as much as w
+    /// changes.
     #[inline(always)]
     pub fn merge(model: &Model, v: &mut Augmented, unit: f64) {
         v[BOX_RATE] -= push(model, unit) * v[RELATIVE];
@@ -79,7 +82,8 @@ mod tests {
     use crate::model::BOX;
     use crate::parameters::Parameters;
 
-    /// From the coordinates (83) to those of the model and back, with the block's share and its negative.
+    /// From the coordinates (83) to those of the model and back, with the block's share and its
+    /// negative.
     fn turned(v: &Augmented, share: f64) -> Augmented {
         let mut z = *v;
         z[BOX] -= share * z[RELATIVE];
@@ -87,11 +91,12 @@ mod tests {
         z
     }
 
-    /// The bounces of a chatter run one by one, with a variation, against the merge in their place: the damper acts on the centre of
-    /// mass meanwhile.
+    /// The bounces of a chatter run one by one, with a variation, against the merge in their place:
+    /// the damper acts on the centre of mass meanwhile.
     #[test]
     fn second_method_a_merge_is_what_the_bounces_come_to() {
-        /// The run takes 4e-5 of the unit of time, in which nothing else changes by more than that part.
+        /// The run takes 4e-5 of the unit of time, in which nothing else changes by more than that
+        /// part.
         const SHORT: f64 = 1e-3;
         let p = Parameters {
             box_stiffness: 0.0,

@@ -1,12 +1,14 @@
-//! Polynomials on [0, 1] in Bernstein form: bounds that prove a sign, and extrema exact to round-off.
+//! Polynomials on [0, 1] in Bernstein form: bounds that prove a sign, and extrema exact to
+//! round-off.
 //!
-//! A polynomial lies within the range of its Bernstein coefficients, and with each halving of its interval (de Casteljau's
-//! subdivision) the distance between the two shrinks by a factor of four. So a sign is proved without sampling. The number of
-//! sign changes of the coefficients' differences bounds the number of turning points (Descartes' rule), so every extremum is isolated
+//! A polynomial lies within the range of its Bernstein coefficients, and with each halving of its
+//! interval (de Casteljau's subdivision) the distance between the two shrinks by a factor of four.
+//! So a sign is proved without sampling. The number of sign changes of the coefficients'
+//! differences bounds the number of turning points (Descartes' rule), so every extremum is isolated
 //! before it is computed. See G. Farin, Curves and Surfaces for CAGD.
 
-/// Degree of the Taylor polynomials of a flight piece. With rate × step ≤ [`RATE_STEP`] the first neglected term of
-/// displacement and of velocity is under 5e-16 of the amplitude.
+/// Degree of the Taylor polynomials of a flight piece. With rate × step ≤ [`RATE_STEP`] the first
+/// neglected term of displacement and of velocity is under 5e-16 of the amplitude.
 pub const DEGREE: usize = 16;
 
 /// Largest product of the rate of the fastest mode and the length of one Taylor piece.
@@ -15,10 +17,12 @@ pub const RATE_STEP: f64 = 0.75;
 /// A polynomial in t ∈ [0, 1] by its monomial coefficients, lowest power first.
 pub type Polynomial = [f64; DEGREE + 1];
 
-/// Halvings after which a bound is as narrow as round-off: its distance from the polynomial shrinks by four with each.
+/// Halvings after which a bound is as narrow as round-off: its distance from the polynomial shrinks
+/// by four with each.
 const DEPTH: u32 = 30;
 
-/// Most subdivisions of one proof. A tangency needs some 50: two intervals for each of about 25 halvings.
+/// Most subdivisions of one proof. A tangency needs some 50: two intervals for each of about 25
+/// halvings.
 const SUBDIVISIONS: u32 = 512;
 
 /// A bound that exceeds the best value by no more than this, relatively, exceeds it by round-off.
@@ -27,11 +31,12 @@ const BOUND_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Most Newton steps; each is safeguarded by bisection, which alone would need 52.
 const NEWTON_STEPS: usize = 80;
 
-/// Accuracy of a turning point's place. Half the digits suffice, since the value there depends on the place only in second
-/// order.
+/// Accuracy of a turning point's place. Half the digits suffice, since the value there depends on
+/// the place only in second order.
 const TURNING_POINT: f64 = 1e-9;
 
-/// `C(i, k) / C(DEGREE, k)`: Bernstein coefficient i is the sum over k ≤ i of this times monomial coefficient k.
+/// `C(i, k) / C(DEGREE, k)`: Bernstein coefficient i is the sum over k ≤ i of this times monomial
+/// coefficient k.
 const TO_BERNSTEIN: [[f64; DEGREE + 1]; DEGREE + 1] = {
     let mut table = [[0.0; DEGREE + 1]; DEGREE + 1];
     let mut i = 0;
@@ -57,7 +62,8 @@ pub fn evaluate(polynomial: &Polynomial, t: f64) -> (f64, f64) {
     (value, slope)
 }
 
-/// Adds the Taylor polynomial of amplitude·sin(angle + rate t); |rate| ≤ [`RATE_STEP`] keeps its truncation under round-off.
+/// Adds the Taylor polynomial of amplitude·sin(angle + rate t); |rate| ≤ [`RATE_STEP`] keeps its
+/// truncation under round-off.
 pub fn add_sine(polynomial: &mut Polynomial, amplitude: f64, rate: f64, angle: f64) {
     let (sin, cos) = angle.sin_cos();
     let (mut now, mut next) = (amplitude * sin, amplitude * cos * rate);
@@ -80,14 +86,16 @@ fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
         for i in 0..=DEGREE - level {
             right[i] = 0.5 * (right[i] + right[i + 1]);
         }
-        // `right[..=DEGREE - level]` now holds this level; the rest already holds coefficients of the right half.
+        // `right[..=DEGREE - level]` now holds this level; the rest already holds coefficients of
+        // the right half.
     }
     left[DEGREE] = right[0];
     (left, right)
 }
 
-/// Whether it is proved that the polynomial stays within `low`..=`high` on [0, 1]. False when it leaves them, when a coefficient
-/// is NaN, and when it runs along a limit so closely that the proof would need more than 512 subdivisions.
+/// Whether it is proved that the polynomial stays within `low`..=`high` on [0, 1]. False when it
+/// leaves them, when a coefficient is NaN, and when it runs along a limit so closely that the proof
+/// would need more than 512 subdivisions.
 ///
 /// ```
 /// use vibro_impact::numerics::bernstein::{DEGREE, stays_within};
@@ -119,12 +127,13 @@ pub fn raise_to_maximum(polynomial: &Polynomial, best: &mut f64) {
     raise(polynomial, &b, 0.0, 1.0, best, DEPTH);
 }
 
-/// [`raise_to_maximum`] on [from, to], where the polynomial has the Bernstein coefficients `b`. It is halved until the
-/// coefficients rise and fall at most once, or cannot exceed `best`.
+/// [`raise_to_maximum`] on [from, to], where the polynomial has the Bernstein coefficients `b`. It
+/// is halved until the coefficients rise and fall at most once, or cannot exceed `best`.
 fn raise(polynomial: &Polynomial, b: &Polynomial, from: f64, to: f64, best: &mut f64, depth: u32) {
     *best = best.max(b[0].abs()).max(b[DEGREE].abs());
     let bound = b.iter().fold(0.0_f64, |bound, x| bound.max(x.abs()));
-    // Coefficients must not be NaN, which no comparison would show; those of a flight have been checked.
+    // Coefficients must not be NaN, which no comparison would show; those of a flight have been
+    // checked.
     if bound <= *best * (1.0 + BOUND_ROUNDING) || depth == 0 {
         return;
     }

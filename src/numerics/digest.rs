@@ -1,5 +1,6 @@
-//! The digest FNV-1a: the same on every machine and for every version, unlike the hashes of the standard library. It tells texts and
-//! saved bytes apart and notices accidental change; it is no signature.
+//! The digest FNV-1a: the same on every machine and for every version, unlike the hashes of the
+//! standard library. It tells texts and saved bytes apart and notices accidental change; it is no
+//! signature.
 
 /// The digest of nothing, with which every other one begins.
 pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;

@@ -1,6 +1,6 @@
-//! Double-double arithmetic: an unevaluated sum of two doubles (about 32 digits), so that neither the
-//! clock nor the drive's phase ([`drive_phase`](super::drive_phase)) drifts however many sub-steps are added (T. J. Dekker, Numer.
-//! Math. 18, 1971).
+//! Double-double arithmetic: an unevaluated sum of two doubles (about 32 digits), so that neither
+//! the clock nor the drive's phase ([`drive_phase`](super::drive_phase)) drifts however many
+//! sub-steps are added (T. J. Dekker, Numer. Math. 18, 1971).
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,8 @@ fn quick_two_sum(a: f64, b: f64) -> DoubleDouble {
     DoubleDouble { hi, lo: b - (hi - a) }
 }
 
-/// Exact product by Dekker's splitting: the same bits on machines with and without fused multiply-add.
+/// Exact product by Dekker's splitting: the same bits on machines with and without fused
+/// multiply-add.
 #[inline(always)]
 fn two_product(a: f64, b: f64) -> DoubleDouble {
     let split = |x: f64| {

@@ -12,14 +12,16 @@ const INVERSE_TAU: DoubleDouble =
 /// Later than any time of a motion, s: 1e15 time constants of a slow one.
 const LATEST: f64 = 1e30;
 
-/// The drive's phase in turns: `turns(t) = turns0 + ω (t - t0)/2π`, re-based when ω changes so that it stays continuous.
+/// The drive's phase in turns: `turns(t) = turns0 + ω (t - t0)/2π`, re-based when ω changes so that
+/// it stays continuous.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivePhase {
     base: DoubleDouble,
     from: DoubleDouble,
 }
 
-/// Turns of a phase given in rad. 32 digits of π are too few for the largest doubles: the library's own reduction knows more.
+/// Turns of a phase given in rad. 32 digits of π are too few for the largest doubles: the library's
+/// own reduction knows more.
 fn turns_of(phase: f64) -> DoubleDouble {
     const PLAIN: f64 = 1e9;
     let phase = if phase.abs() <= PLAIN { phase } else { phase.sin().atan2(phase.cos()) };
@@ -44,13 +46,15 @@ impl DrivePhase {
         self.turns(omega, time).times(TAU).value()
     }
 
-    /// Whether it is less than a turn from a time that a motion can reach, as every phase that was not damaged.
+    /// Whether it is less than a turn from a time that a motion can reach, as every phase that was
+    /// not damaged.
     pub fn is_sound(&self) -> bool {
         let within = |e: &DoubleDouble, most: f64| e.hi.abs() <= most && e.lo.abs() <= e.hi.abs();
         within(&self.base, 1.0) && within(&self.from, LATEST)
     }
 
-    /// Goes on from `time` with another frequency (set by the caller) and a jump from one phase to another, rad.
+    /// Goes on from `time` with another frequency (set by the caller) and a jump from one phase to
+    /// another, rad.
     pub fn rebase(&mut self, omega: f64, time: DoubleDouble, (from, to): (f64, f64)) {
         let shift = turns_of(to).minus(turns_of(from));
         self.base = (self.turns(omega, time) + shift).fraction();
@@ -67,7 +71,8 @@ mod tests {
 
     #[test]
     fn closed_form_phase_after_a_million_periods() {
-        // After n periods of a frequency that is a power of two, ω t / 2π is n exactly where t = n 2π/ω in extended precision.
+        // After n periods of a frequency that is a power of two, ω t / 2π is n exactly where t = n
+        // 2π/ω in extended precision.
         let omega = 0.5;
         let time = TAU.times(DoubleDouble::new(2.0 * 1_000_000.0)).plus(0.25);
         let angle = DrivePhase::new(1.0).angle(omega, time);

@@ -1,7 +1,8 @@
-//! Numerical tools without mechanics: extended precision, polynomials, roots, digests, vectors chosen at run time.
+//! Numerical tools without mechanics: extended precision, polynomials, roots, digests, vectors
+//! chosen at run time.
 //!
-//! A polynomial is evaluated in several ways, each where its arithmetic pays; their last digits differ, and the state bits with
-//! them, so they are not exchanged for one another:
+//! A polynomial is evaluated in several ways, each where its arithmetic pays; their last digits
+//! differ, and the state bits with them, so they are not exchanged for one another:
 //!
 //! | function | of | why it is apart |
 //! |---|---|---|

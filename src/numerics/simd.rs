@@ -1,5 +1,6 @@
-//! Small products and polynomials in the machine's vectors, chosen at run time by `pulp`; sums of products are fused where
-//! the machine can, so the last digits may differ between machines with and without the instruction.
+//! Small products and polynomials in the machine's vectors, chosen at run time by `pulp`; sums of
+//! products are fused where the machine can, so the last digits may differ between machines with
+//! and without the instruction.
 
 use pulp::Simd;
 
@@ -21,15 +22,15 @@ pub fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     even + u * odd
 }
 
-/// a b + c, with one rounding where the machine has the instruction. WebAssembly has none, and there `f64::mul_add` would be
-/// a call of a function of some hundred operations.
+/// a b + c, with one rounding where the machine has the instruction. WebAssembly has none, and
+/// there `f64::mul_add` would be a call of a function of some hundred operations.
 #[inline(always)]
 pub fn multiply_add<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
     if S::IS_SCALAR || cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
 }
 
-/// `Σ_j columns[j] x_j` in vectors, of which only the first `W/F64_LANES` of V count; as two sums side by side, which takes
-/// half as long to wait for.
+/// `Σ_j columns[j] x_j` in vectors, of which only the first `W/F64_LANES` of V count; as two sums
+/// side by side, which takes half as long to wait for.
 #[inline(always)]
 fn combine<S: Simd, const W: usize, const V: usize>(
     simd: S,
@@ -40,7 +41,8 @@ fn combine<S: Simd, const W: usize, const V: usize>(
     let zero = simd.splat_f64s(0.0);
     let (mut first, mut second) = ([zero; V], [zero; V]);
     if cfg!(target_family = "wasm") {
-        // Vectors of two numbers and few registers: both sums of one vector at a time stay in registers, those of all do not.
+        // Vectors of two numbers and few registers: both sums of one vector at a time stay in
+        // registers, those of all do not.
         let x = x.map(|x| simd.splat_f64s(x));
         for (v, sum) in first.iter_mut().enumerate().take(vectors) {
             let at = |j: usize| S::as_simd_f64s(&columns[j]).0[v];
@@ -85,7 +87,8 @@ pub fn product<S: Simd, const W: usize>(simd: S, columns: &[[f64; W]; 8], x: &[f
     out
 }
 
-/// Coefficients of 8 polynomials, a row for each order; of a row's places only the first `8/F64_LANES` are used.
+/// Coefficients of 8 polynomials, a row for each order; of a row's places only the first
+/// `8/F64_LANES` are used.
 pub type Rows<S, const N: usize> = [[<S as Simd>::f64s; 8]; N];
 
 /// The row `Σ_j columns[j] x_j`.
@@ -136,8 +139,9 @@ pub fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f64 {
     simd.reduce_sum_f64s(sum)
 }
 
-/// Adds, lane by lane, the parts of a form, if there is one, and of the integral of `Σ_lane weights · p²` for the polynomials p
-/// in `rows` from 0 to u by the Lobatto rule of four nodes, where `end` is p(u); `length` is that of the way there.
+/// Adds, lane by lane, the parts of a form, if there is one, and of the integral of
+/// `Σ_lane weights · p²` for the polynomials p in `rows` from 0 to u by the Lobatto rule of four
+/// nodes, where `end` is p(u); `length` is that of the way there.
 #[inline(always)]
 pub fn form_and_squares<S: Simd, const N: usize>(
     simd: S,

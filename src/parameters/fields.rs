@@ -32,7 +32,8 @@ macro_rules! field {
 const RESTITUTION: Range =
     Range { min: 0.0, max: 1.0, open_min: false, allowed: "0 <= stop.restitution <= 1" };
 
-/// All physical parameters, in the order of the fields of [`Parameters`]. The FMU's value references follow this order.
+/// All physical parameters, in the order of the fields of [`Parameters`]. The FMU's value
+/// references follow this order.
 #[rustfmt::skip]
 pub const FIELDS: [Field; 13] = [
     field!("box.m", box_mass, "kg", Range::POSITIVE, "Mass of the box (m1)"),
@@ -64,8 +65,8 @@ macro_rules! load {
     };
 }
 
-/// The constant loads on the three bodies, which are no variables of the FMU: its inputs `box.f`, `block.f`, `secondary.f` are
-/// held by the host.
+/// The constant loads on the three bodies, which are no variables of the FMU: its inputs `box.f`,
+/// `block.f`, `secondary.f` are held by the host.
 pub const LOADS: [Field; 3] = [
     load!("load.box", 0, "Constant force on the box"),
     load!("load.block", 1, "Constant force on the block"),
@@ -76,7 +77,8 @@ impl Field {
     /// Checks a value against the range.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) naming this field, for NaN and infinities too.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) naming this field, for NaN and infinities
+    /// too.
     pub fn check(&self, value: f64) -> Result<()> {
         self.range.check(self.name, value)
     }

@@ -4,7 +4,8 @@ use super::{Parameters, Range, Scales, entry};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// The dimensionless groups of the paper, docs/theory.md (21) and (22), all of unit 1; hats are dropped from the names.
+/// The dimensionless groups of the paper, docs/theory.md (21) and (22), all of unit 1; hats are
+/// dropped from the names.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Groups {
     /// ε = m2/m1.
@@ -30,7 +31,8 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// The weak-coupling set of the paper's sections 2–4: m3 = m2 (μ13 = 1/ε) and β² = ε α̂23, docs/theory.md (25).
+    /// The weak-coupling set of the paper's sections 2–4: m3 = m2 (μ13 = 1/ε) and β² = ε α̂23,
+    /// docs/theory.md (25).
     #[allow(clippy::too_many_arguments)]
     pub fn weak(
         epsilon: f64,
@@ -46,13 +48,15 @@ impl Groups {
         Self { epsilon, kappa, f10, sigma1, gamma1, alpha23, beta2, sigma30, gamma3, mu13 }
     }
 
-    /// The default data set (docs/theory.md, end of section 4). ε, κ and f̂10 are the paper's; the others are a
-    /// reconstruction, since the copy of the paper this work was built from lacks the displayed numbers.
+    /// The default data set (docs/theory.md, end of section 4). ε, κ and f̂10 are the paper's; the
+    /// others are a reconstruction, since the copy of the paper this work was built from lacks the
+    /// displayed numbers.
     pub fn basic() -> Self {
         Self::weak(0.1, 0.75, 1.5, 0.4, 1.0, 0.6, 0.0, 0.6)
     }
 
-    /// The physical parameters with these groups in the given scales, docs/theory.md (23), drive phase zero, without constant loads.
+    /// The physical parameters with these groups in the given scales, docs/theory.md (23), drive
+    /// phase zero, without constant loads.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when a resulting field is outside its range.
@@ -138,7 +142,8 @@ const SIGMA30: Group = group!(
     "detuning of the secondary oscillator, k3/(m3 omega10^2) = 1 + epsilon sigma30"
 );
 
-/// All groups, in the order of the fields of [`Groups`] but for `alpha23` and `beta2`, which say the same.
+/// All groups, in the order of the fields of [`Groups`] but for `alpha23` and `beta2`, which say
+/// the same.
 #[rustfmt::skip]
 pub const GROUPS: [Group; 10] = [
     group!(epsilon, "ε", MASS_RATIO, (0.01, 0.3), "mass ratio m2/m1"),
@@ -159,7 +164,8 @@ impl Group {
         GROUPS.iter().find(|g| g.name == name)
     }
 
-    /// Checks a value against the range; what depends on other groups is checked by [`check_together`].
+    /// Checks a value against the range; what depends on other groups is checked by
+    /// [`check_together`].
     ///
     /// # Errors
     /// [`Error::OutOfRange`] naming this group, for NaN and infinities too.
@@ -173,8 +179,9 @@ impl Group {
     }
 }
 
-/// Checks the bounds that tie two groups: the drive's frequency ω1 = (1 + ε σ̂1) ω10 is positive and the secondary oscillator's
-/// stiffness (1 + ε σ̂30) m3 ω10² is not negative, docs/theory.md (23).
+/// Checks the bounds that tie two groups: the drive's frequency ω1 = (1 + ε σ̂1) ω10 is positive
+/// and the secondary oscillator's stiffness (1 + ε σ̂30) m3 ω10² is not negative, docs/theory.md
+/// (23).
 ///
 /// # Errors
 /// [`Error::OutOfRange`] naming `sigma1` or `sigma30`.

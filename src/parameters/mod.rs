@@ -1,7 +1,9 @@
-//! SI parameters, the dimensionless groups of the paper (section 2) and the way between them (docs/theory.md, sections 1 and 4).
+//! SI parameters, the dimensionless groups of the paper (section 2) and the way between them
+//! (docs/theory.md, sections 1 and 4).
 //!
-//! [`FIELDS`] and [`GROUPS`] list both sets by name, with ranges and accessors; input, tables and documentation are made from
-//! these lists. [`LOADS`] lists the constant loads in the same way; they are zero unless set, and the FMU has inputs instead.
+//! [`FIELDS`] and [`GROUPS`] list both sets by name, with ranges and accessors; input, tables and
+//! documentation are made from these lists. [`LOADS`] lists the constant loads in the same way;
+//! they are zero unless set, and the FMU has inputs instead.
 
 mod fields;
 mod groups;
@@ -15,8 +17,8 @@ pub use range::Range;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// An entry of [`FIELDS`] or [`GROUPS`]: the accessors of a struct's field with its name, range, meaning and what else the
-/// entry's type has.
+/// An entry of [`FIELDS`] or [`GROUPS`]: the accessors of a struct's field with its name, range,
+/// meaning and what else the entry's type has.
 macro_rules! entry {
     ($type:ident, $name:expr, $field:ident, $range:expr, $text:literal, $($other:ident: $value:expr),+) => {
         $type {
@@ -31,9 +33,10 @@ macro_rules! entry {
 }
 use entry;
 
-/// The physical parameters, SI units. `Default` is the default data set (docs/theory.md, end of section 4: partly a
-/// reconstruction) in unit scales: m1 = 1 kg, k1 = 1 N/m, L = 1 m, so that SI and dimensionless numbers coincide. A machine of one's own
-/// in SI needs all of them: [`left_at_default`](Self::left_at_default) names those that were forgotten.
+/// The physical parameters, SI units. `Default` is the default data set (docs/theory.md, end of
+/// section 4: partly a reconstruction) in unit scales: m1 = 1 kg, k1 = 1 N/m, L = 1 m, so that SI
+/// and dimensionless numbers coincide. A machine of one's own in SI needs all of them:
+/// [`left_at_default`](Self::left_at_default) names those that were forgotten.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
@@ -63,9 +66,9 @@ pub struct Parameters {
     pub drive_frequency: f64,
     /// Phase of that force at time 0, rad: F10 sin(ω1 t + phase).
     pub drive_phase: f64,
-    /// Forces on box, block and secondary oscillator that do not change, N: gravity, the tilt of the machine, a gap off its
-    /// centre (docs/theory.md (97)). Other loads add to them. They take the machine its symmetry, so that closed forms of
-    /// symmetric motions refuse them.
+    /// Forces on box, block and secondary oscillator that do not change, N: gravity, the tilt of
+    /// the machine, a gap off its centre (docs/theory.md (97)). Other loads add to them. They take
+    /// the machine its symmetry, so that closed forms of symmetric motions refuse them.
     pub constant_loads: [f64; 3],
 }
 
@@ -99,10 +102,12 @@ impl Parameters {
         FIELDS.iter().chain(&LOADS).try_for_each(|field| field.check((field.get)(self)))
     }
 
-    /// The parameters that have the default machine's values although others have not: those that were forgotten where a machine is
-    /// written as `Parameters { box_mass: 12.0, ..Parameters::default() }`. Their values belong to a machine of 1 kg, 1 N/m and a gap of
-    /// 1 m. The drive's phase and constant loads, whose default is none, are not among them. Empty for the default machine itself. A
-    /// parameter that was meant to have the default's value, such as a restitution of 0.75, is named too.
+    /// The parameters that have the default machine's values although others have not: those that
+    /// were forgotten where a machine is written as
+    /// `Parameters { box_mass: 12.0, ..Parameters::default() }`. Their values belong to a machine
+    /// of 1 kg, 1 N/m and a gap of 1 m. The drive's phase and constant loads, whose default is
+    /// none, are not among them. Empty for the default machine itself. A parameter that was meant
+    /// to have the default's value, such as a restitution of 0.75, is named too.
     ///
     /// ```
     /// use vibro_impact::Parameters;
@@ -119,7 +124,8 @@ impl Parameters {
         if of_machine().all(|field| same(&field)) { Vec::new() } else { of_machine().filter(same).collect() }
     }
 
-    /// Whether the mirror image of a motion, half a drive period later, is a motion too: without constant loads.
+    /// Whether the mirror image of a motion, half a drive period later, is a motion too: without
+    /// constant loads.
     pub fn is_symmetric(&self) -> bool {
         self.constant_loads == [0.0; 3]
     }
@@ -157,7 +163,8 @@ impl Parameters {
     /// The dimensionless groups, docs/theory.md (20) to (22).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] as [`validate`](Self::validate); [`Error::Undefined`] when k1 = 0, since ω10 scales time.
+    /// [`Error::OutOfRange`] as [`validate`](Self::validate); [`Error::Undefined`] when k1 = 0,
+    /// since ω10 scales time.
     pub fn groups(&self) -> Result<Groups> {
         self.validate()?;
         if self.box_stiffness == 0.0 {

@@ -14,7 +14,8 @@ use crate::error::{Error, Result};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Smallest allowed value; itself refused where [`open_min`](Self::open_min) holds. Minus infinity where there is none.
+    /// Smallest allowed value; itself refused where [`open_min`](Self::open_min) holds. Minus
+    /// infinity where there is none.
     pub min: f64,
     /// Largest allowed value; infinity where there is none.
     pub max: f64,
@@ -34,7 +35,8 @@ impl Range {
     pub const POSITIVE: Self =
         Self { min: 0.0, max: f64::INFINITY, open_min: true, allowed: "a finite number > 0" };
 
-    /// Every finite number, with words of its own for a bound that depends on other quantities and is checked elsewhere.
+    /// Every finite number, with words of its own for a bound that depends on other quantities and
+    /// is checked elsewhere.
     pub const fn any(allowed: &'static str) -> Self {
         Self { min: f64::NEG_INFINITY, max: f64::INFINITY, open_min: false, allowed }
     }

@@ -1,7 +1,8 @@
-//! The equations of motion as the reference method integrates them (paper, section 2; docs/theory.md (3), (13) and (14)).
+//! The equations of motion as the reference method integrates them (paper, section 2;
+//! docs/theory.md (3), (13) and (14)).
 //!
-//! They stand in `model.rs` too, in other coordinates. Here they are written anew on purpose: a mistake in one of the two makes
-//! the tests that compare the methods fail.
+//! They stand in `model.rs` too, in other coordinates. Here they are written anew on purpose: a
+//! mistake in one of the two makes the tests that compare the methods fail.
 
 use crate::parameters::Parameters;
 use crate::simulator::Loads;
@@ -9,7 +10,8 @@ use crate::simulator::Loads;
 /// x1, x2, x3 (m) and x1', x2', x3' (m/s).
 pub(super) type Vector = [f64; 6];
 
-/// Slack of the constraint relative to the coordinates: a block that was set on the stop is not outside it by rounding.
+/// Slack of the constraint relative to the coordinates: a block that was set on the stop is not
+/// outside it by rounding.
 const SLACK: f64 = 8.0 * f64::EPSILON;
 
 /// The equations of motion, docs/theory.md (3), divided by the masses.
@@ -34,7 +36,8 @@ pub(super) struct Law {
     amplitude: f64,
     frequency: f64,
     phase: f64,
-    /// Polynomial coefficients of the loads over the masses, m/s² per s^order, in the time from `since`.
+    /// Polynomial coefficients of the loads over the masses, m/s² per s^order, in the time from
+    /// `since`.
     loads: Option<[[f64; 4]; 3]>,
     /// Loads that never change, N.
     constant: [f64; 3],
@@ -121,7 +124,8 @@ impl Law {
         a
     }
 
-    /// Right-hand side of the mode: flight for `side` 0, else rest on that stop, docs/theory.md (13).
+    /// Right-hand side of the mode: flight for `side` 0, else rest on that stop, docs/theory.md
+    /// (13).
     #[inline]
     pub(super) fn slope(&self, y: &Vector, drive: f64, time: f64, side: f64) -> Vector {
         let mut a = self.accelerations(y, drive, time);
@@ -132,7 +136,8 @@ impl Law {
         [y[3], y[4], y[5], a[0], a[1], a[2]]
     }
 
-    /// Contact force of rest on stop `side`, docs/theory.md (14), N; negative where the block would leave.
+    /// Contact force of rest on stop `side`, docs/theory.md (14), N; negative where the block would
+    /// leave.
     pub(super) fn force(&self, y: &Vector, drive: f64, time: f64, side: f64) -> f64 {
         let a = self.accelerations(y, drive, time);
         self.reduced * side * (a[1] - a[0])

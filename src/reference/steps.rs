@@ -4,7 +4,8 @@ use super::Reference;
 use super::law::Vector;
 
 impl Reference {
-    /// One RKF45 step: the state after it, the drive there, and the local error in units of the tolerance.
+    /// One RKF45 step: the state after it, the drive there, and the local error in units of the
+    /// tolerance.
     #[inline]
     #[rustfmt::skip]
     pub(super) fn fehlberg(&self, h: f64) -> (Vector, f64, f64) {

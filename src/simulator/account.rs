@@ -10,7 +10,8 @@ use pulp::Simd;
 use std::sync::Arc;
 
 impl Simulator {
-    /// In a flight without loads the drive's work is the difference of a function's values: its value here is taken off.
+    /// In a flight without loads the drive's work is the difference of a function's values: its
+    /// value here is taken off.
     #[inline(always)]
     pub(super) fn open_account(&mut self, advance: &mut AdvanceState) {
         if self.hybrid.contact == Contact::Flight
@@ -46,8 +47,8 @@ impl Simulator {
         }
     }
 
-    /// A flight's last piece: from the sub-step's start to the centre of interval `index`, if it passes one, and on along the
-    /// `rows` up to u, where they have the values `end`.
+    /// A flight's last piece: from the sub-step's start to the centre of interval `index`, if it
+    /// passes one, and on along the `rows` up to u, where they have the values `end`.
     #[inline(always)]
     pub(super) fn account_flight<S: Simd>(
         &mut self,
@@ -68,7 +69,8 @@ impl Simulator {
         }
     }
 
-    /// A piece that ends at a point of a series. Stands once, as it is called where every sub-step of any kind may end.
+    /// A piece that ends at a point of a series. Stands once, as it is called where every sub-step
+    /// of any kind may end.
     #[inline(never)]
     pub(super) fn account<const LOADS: usize, const N: usize>(
         &mut self,
@@ -122,7 +124,8 @@ impl Simulator {
         self.hybrid.sums.damped = self.hybrid.sums.damped.plus(damped);
     }
 
-    /// Under loads the powers are integrated interval by interval, up to the beginning of interval `count`.
+    /// Under loads the powers are integrated interval by interval, up to the beginning of interval
+    /// `count`.
     #[inline(always)]
     fn account_loaded<const LOADS: usize>(
         &mut self,

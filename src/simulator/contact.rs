@@ -5,16 +5,18 @@ use super::{Contact, DueEvent, Event, Simulator};
 use crate::flow::{CENTRED, Series};
 use crate::model::{Augmented, Impact, RELATIVE, RELATIVE_RATE, SmoothMode};
 
-/// e_c of docs/theory.md (18): what is left of a chatter run when it is closed moves nothing by more than this many gaps, at most
-/// a unit in the last place.
+/// e_c of docs/theory.md (18): what is left of a chatter run when it is closed moves nothing by
+/// more than this many gaps, at most a unit in the last place.
 const CHATTER: f64 = 0.5 * f64::EPSILON;
-/// With κ nearer to 1 than this runs are closed by the height of their bounces instead (docs/numerics.md, "Chatter").
+/// With κ nearer to 1 than this runs are closed by the height of their bounces instead
+/// (docs/numerics.md, "Chatter").
 const LEAST_LOSS: f64 = 1e-3;
-/// e_h of docs/theory.md (18), that height in gaps. It is under what any host resolves, and leaves 10⁵ bounces a second to compute,
-/// where round-off would leave 10⁹.
+/// e_h of docs/theory.md (18), that height in gaps. It is under what any host resolves, and leaves
+/// 10⁵ bounces a second to compute, where round-off would leave 10⁹.
 const LEAST_BOUNCE: f64 = 1e-12;
-/// A run is closed only if the free acceleration of the merged motion changes by at most this part of itself within t_c, at a rate
-/// that is bounded over 2 t_c (docs/theory.md (19); docs/numerics.md, "Chatter").
+/// A run is closed only if the free acceleration of the merged motion changes by at most this part
+/// of itself within t_c, at a rate that is bounded over 2 t_c (docs/theory.md (19);
+/// docs/numerics.md, "Chatter").
 const STEADY: f64 = 0.125;
 
 #[inline(always)]
@@ -38,7 +40,8 @@ impl Simulator {
         if self.hybrid.contact != Contact::Flight {
             z[RELATIVE_RATE] = 0.0;
             self.hybrid.contact = Contact::Flight;
-            // w' and w'' are zero and the jerk leads away, or, where it is rounding, what follows it.
+            // w' and w'' are zero and the jerk leads away, or, where it is rounding, what follows
+            // it.
             let (_, certain) = self.flight_from_stop(z);
             self.hybrid.departing = certain.map_or(3, |order| order.max(3)) as u8;
             self.hybrid.doubtful = certain.is_none();
@@ -63,17 +66,18 @@ impl Simulator {
             let lost = self.model.merge(z);
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
             (self.hybrid.contact, self.hybrid.departing) = (Contact::at(side), 0);
-            // The impacts accumulate this much later; the state rests from now on, which differs by round-off.
+            // The impacts accumulate this much later; the state rests from now on, which differs by
+            // round-off.
             report(observer, Event::Rest { time: time + left, side: stop });
         }
         true
     }
 
-    /// Whether the chatter run that starts with rebound speed `u` is to be closed now: the time until its impacts accumulate, s
-    /// (0 for nearly elastic runs), or `None`.
+    /// Whether the chatter run that starts with rebound speed `u` is to be closed now: the time
+    /// until its impacts accumulate, s (0 for nearly elastic runs), or `None`.
     ///
-    /// The run lasts t_c = 2u/(a(1-κ)) at constant acceleration a (docs/theory.md (16)). The conditions and why they are enough:
-    /// docs/numerics.md, "Chatter".
+    /// The run lasts t_c = 2u/(a(1-κ)) at constant acceleration a (docs/theory.md (16)). The
+    /// conditions and why they are enough: docs/numerics.md, "Chatter".
     #[inline(always)]
     fn chatter_to_be_closed<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());
@@ -89,7 +93,8 @@ impl Simulator {
         if longest > 0.5 * self.interval() {
             return None; // the series below would not reach so far
         }
-        // The motion of box and block as one body, about which that of the run deviates by less than its bounces.
+        // The motion of box and block as one body, about which that of the run deviates by less
+        // than its bounces.
         let mut merged = *z;
         self.model.merge(&mut merged);
         let series =
@@ -107,8 +112,8 @@ impl Simulator {
         part * self.model.gap
     }
 
-    /// Sets contact, departure and the due event anew from state, parameters and loads; called whenever one of these is set
-    /// from outside.
+    /// Sets contact, departure and the due event anew from state, parameters and loads; called
+    /// whenever one of these is set from outside.
     pub(super) fn classify_contact(&mut self) {
         let (gap, y) = (self.model.gap, &mut self.hybrid.y);
         let due = self.hybrid.due.take();

@@ -1,7 +1,8 @@
 //! The first moments of a departure from a stop, in which w still rounds to the stop.
 //!
-//! A state at such a moment tells only to rounding, or not at all, that the block is on its way out. So a sub-step that would begin there
-//! begins at the departure itself, where w and the derivatives that are zero are exactly so (docs/numerics.md, section 2).
+//! A state at such a moment tells only to rounding, or not at all, that the block is on its way
+//! out. So a sub-step that would begin there begins at the departure itself, where w and the
+//! derivatives that are zero are exactly so (docs/numerics.md, section 2).
 
 use super::{HybridState, Simulator};
 use crate::energy::{Pending, Sums};
@@ -12,8 +13,9 @@ use crate::model::{
 use crate::numerics::double_double::DoubleDouble;
 use serde::{Deserialize, Serialize};
 
-/// A derivative of w of order k larger than this times k², in ε rᵏ S with the size S of docs/numerics.md, section 1, is no rounding: a w''
-/// is a sum of some eight products, with the rounding of the state's coordinates in them, and off by less than half of it.
+/// A derivative of w of order k larger than this times k², in ε rᵏ S with the size S of
+/// docs/numerics.md, section 1, is no rounding: a w'' is a sum of some eight products, with the
+/// rounding of the state's coordinates in them, and off by less than half of it.
 const CERTAIN: f64 = 4.0;
 
 /// Where the block has left the stop that w still rounds to, less than a sub-step ago.
@@ -44,8 +46,8 @@ struct Present {
 }
 
 impl Simulator {
-    /// Whether the next sub-step, of at most `remaining` s, begins at a departure that has to be known at its end: its end may be so near
-    /// that w still rounds to the stop.
+    /// Whether the next sub-step, of at most `remaining` s, begins at a departure that has to be
+    /// known at its end: its end may be so near that w still rounds to the stop.
     #[inline(always)]
     pub(super) fn is_departing(&self, remaining: f64) -> bool {
         match self.hybrid.departing {
@@ -61,7 +63,8 @@ impl Simulator {
         self.hybrid.departing > 1 && self.hybrid.doubtful
     }
 
-    /// Goes back to the departure, if the block has left a stop that w still rounds to; `z` becomes the state there.
+    /// Goes back to the departure, if the block has left a stop that w still rounds to; `z` becomes
+    /// the state there.
     #[cold]
     #[inline(never)]
     pub(super) fn return_to_departure(&mut self, z: &mut Augmented) -> Departing {
@@ -75,7 +78,8 @@ impl Simulator {
             let sums = &mut self.hybrid.sums;
             (sums.input, sums.damped) = (sums.input.plus(-from.gained[0]), sums.damped.plus(-from.gained[1]));
         }
-        // What nothing but rounding moved may have got a derivative beyond it by now, of another order.
+        // What nothing but rounding moved may have got a derivative beyond it by now, of another
+        // order.
         if self.is_doubtful()
             && let (_, Some(order)) = self.flight_from_stop(z)
         {
@@ -84,8 +88,9 @@ impl Simulator {
         Departing { from, order: self.hybrid.departing, accounts: self.accounts(), present }
     }
 
-    /// Ends a sub-step that began at a departure. If it has come to `end`, and w still rounds to the stop there, the next one
-    /// begins at the same departure, unless that is a whole sub-step ago.
+    /// Ends a sub-step that began at a departure. If it has come to `end`, and w still rounds to
+    /// the stop there, the next one begins at the same departure, unless that is a whole sub-step
+    /// ago.
     #[cold]
     #[inline(never)]
     pub(super) fn keep_departure(
@@ -97,7 +102,8 @@ impl Simulator {
     ) {
         let Departing { from, order, accounts, present } = begun;
         if passage.is_some() {
-            // Another way of rounding may find an event where none was found before: it takes place at the present, and not in its past.
+            // Another way of rounding may find an event where none was found before: it takes place
+            // at the present, and not in its past.
             if self.hybrid.time.minus(present.time).value() < 0.0 {
                 *z = present.z;
                 (self.hybrid.time, self.hybrid.sums, self.pending) =
@@ -116,8 +122,8 @@ impl Simulator {
         }
     }
 
-    /// The flight from a stop at which the block has no speed: its series over 1/r, and the order of the first derivative of w, from the
-    /// second to the eighth, that is no rounding.
+    /// The flight from a stop at which the block has no speed: its series over 1/r, and the order
+    /// of the first derivative of w, from the second to the eighth, that is no rounding.
     pub(super) fn flight_from_stop(&self, z: &Augmented) -> (Series<9>, Option<usize>) {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;
@@ -131,7 +137,8 @@ impl Simulator {
         (series, certain)
     }
 
-    /// r² S, which the terms of an acceleration are of (docs/numerics.md, section 1); they may cancel.
+    /// r² S, which the terms of an acceleration are of (docs/numerics.md, section 1); they may
+    /// cancel.
     fn largest_acceleration(&self, z: &Augmented, forces: &Forces) -> f64 {
         let model = &self.model;
         let place = model.gap + z[BOX].abs().max(z[SECONDARY].abs());
@@ -140,7 +147,8 @@ impl Simulator {
         if !self.loaded() {
             return own;
         }
-        // Of loads that were set some time ago the terms of their polynomials, and of all of them the derivatives over r.
+        // Of loads that were set some time ago the terms of their polynomials, and of all of them
+        // the derivatives over r.
         let since = self.hybrid.time.minus(self.hybrid.loads_from).value().abs();
         let terms = shifted(&self.hybrid.loads.map(|f| f.map(f64::abs)), since);
         let load = |now: &[f64; 4], terms: &[f64; 4]| {

@@ -29,8 +29,9 @@ pub(super) struct LocatedImpact {
 }
 
 impl Simulator {
-    /// A sub-step of free flight: 16 samples of w and the `bound` on |w''| tell in which intervals the block
-    /// may reach a stop; only these are searched. Moves to the first impact and returns its stop, or passes over the sub-step.
+    /// A sub-step of free flight: 16 samples of w and the `bound` on |w''| tell in which intervals
+    /// the block may reach a stop; only these are searched. Moves to the first impact and returns
+    /// its stop, or passes over the sub-step.
     #[inline(always)]
     pub(super) fn flight_substep<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -73,9 +74,10 @@ impl Simulator {
         None
     }
 
-    /// A step within one interval, if at both its ends the block is farther from the stops than its acceleration, at most
-    /// `bound`, can bend its path in between. Returns false, and has done nothing, where it is not: then the interval has to be
-    /// searched. It is a function of its own, not inlined, because the long sub-steps use all registers.
+    /// A step within one interval, if at both its ends the block is farther from the stops than its
+    /// acceleration, at most `bound`, can bend its path in between. Returns false, and has done
+    /// nothing, where it is not: then the interval has to be searched. It is a function of its own,
+    /// not inlined, because the long sub-steps use all registers.
     #[inline(never)]
     pub(super) fn short_flight_substep<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -118,7 +120,8 @@ impl Simulator {
             return false;
         }
         self.work.expansions += 1;
-        // About the start itself where that series reaches to the end: the shortest steps then have the least rounding.
+        // About the start itself where that series reaches to the end: the shortest steps then have
+        // the least rounding.
         let radius = 0.5 * self.interval();
         let centred = remaining > radius;
         let centre = if centred { product(simd, &self.flight.core.centre[0], z) } else { *z };
@@ -175,7 +178,8 @@ impl Simulator {
         }
         let ends = [samples.w[index - 1], samples.w[index]];
         let (most, least) = (ends[0].max(ends[1]), ends[0].min(ends[1]));
-        // No branch where only one stop is near: in chaotic motion the processor cannot predict which one.
+        // No branch where only one stop is near: in chaotic motion the processor cannot predict
+        // which one.
         let mut side = if most >= -least { 1.0 } else { -1.0 };
         let mut found = None;
         loop {
@@ -207,7 +211,8 @@ impl Simulator {
         arrived
     }
 
-    /// The state at `u` of interval `index`, with the energy accounts up to there; the time is the caller's.
+    /// The state at `u` of interval `index`, with the energy accounts up to there; the time is the
+    /// caller's.
     #[inline(always)]
     fn state_in_interval<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -227,8 +232,8 @@ impl Simulator {
         arrived
     }
 
-    /// Searches the first interval, in which the block may just be leaving a stop, and moves to its first event if it has one:
-    /// the state there and the stop.
+    /// Searches the first interval, in which the block may just be leaving a stop, and moves to its
+    /// first event if it has one: the state there and the stop.
     #[cold]
     fn first_interval(&mut self, mut z: Augmented, bound: f64, span: f64) -> Option<(Augmented, f64)> {
         self.work.expansions += 1;

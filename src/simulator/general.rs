@@ -1,5 +1,6 @@
-//! Sub-steps of any kind (short ones, rest, motion under loads): prove that no event falls in one and pass over it, or go
-//! to the first event. The sub-step of plain flight has its own faster way in `flight`.
+//! Sub-steps of any kind (short ones, rest, motion under loads): prove that no event falls in one
+//! and pass over it, or go to the first event. The sub-step of plain flight has its own faster way
+//! in `flight`.
 
 use super::{Contact, Simulator};
 use crate::events::first_crossing;
@@ -9,16 +10,16 @@ use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd::value;
 use std::sync::Arc;
 
-/// What rounding may leave of a gap that is closed beyond zero at a search's start, in parts of the path and the gap; checked in
-/// debug builds only.
+/// What rounding may leave of a gap that is closed beyond zero at a search's start, in parts of the
+/// path and the gap; checked in debug builds only.
 const START_ROUNDING: f64 = 1e-9;
 
-/// A step shorter than this part of an interval moves the state by a sum of its own, so that the roundings of many of them do not add up
-/// (docs/numerics.md, section 1).
+/// A step shorter than this part of an interval moves the state by a sum of its own, so that the
+/// roundings of many of them do not add up (docs/numerics.md, section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
-/// A sub-step's intervals are searched one by one only while the block's path in one stays under this many gaps; beyond,
-/// steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
+/// A sub-step's intervals are searched one by one only while the block's path in one stays under
+/// this many gaps; beyond, steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
 
 /// A point on a series at which an event or the step's end lies.
@@ -32,7 +33,8 @@ pub(super) struct SeriesPoint<'a, const N: usize> {
     pub(super) interval: Option<usize>,
 }
 
-/// The sub-step's start: state, loads (one or none, so that a motion without loads is compiled without them) and bound.
+/// The sub-step's start: state, loads (one or none, so that a motion without loads is compiled
+/// without them) and bound.
 pub(super) struct SubstepStart<const LOADS: usize> {
     pub(super) z: Augmented,
     pub(super) forces: [Forces; LOADS],
@@ -57,7 +59,8 @@ impl<const LOADS: usize> SubstepStart<LOADS> {
     }
 }
 impl Simulator {
-    /// A sub-step of any kind: short ones, rest, motion under loads. Compiled once, for all machines.
+    /// A sub-step of any kind: short ones, rest, motion under loads. Compiled once, for all
+    /// machines.
     #[inline(never)]
     pub(super) fn general_substep<const LOADS: usize>(
         &mut self,
@@ -81,7 +84,8 @@ impl Simulator {
         let wild = self.hybrid.contact == Contact::Flight && self.exceeds_reach(&z, start.bound);
         let doubtful = self.is_doubtful();
         let side = if remaining <= interval || wild || doubtful {
-            // In a quarter of an interval the ninth and higher derivatives, which doubt does not ask for, do next to nothing.
+            // In a quarter of an interval the ninth and higher derivatives, which doubt does not
+            // ask for, do next to nothing.
             let longest = if doubtful { 0.25 * interval } else { interval };
             self.substep_within_interval(&mut z, &start, remaining.min(longest), remaining, end)
         } else {
@@ -105,7 +109,8 @@ impl Simulator {
         self.work.expansions += 1;
         let mut series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
         if self.hybrid.contact == Contact::Flight {
-            // The coefficients bound the block's path; where it is longer than MAX_REACH gaps the step is shortened.
+            // The coefficients bound the block's path; where it is longer than MAX_REACH gaps the
+            // step is shortened.
             let reach =
                 |u: f64| series.states[1..].iter().rev().fold(0.0, |sum, c| (sum + c[RELATIVE].abs()) * u);
             let mut part = 1.0;
@@ -120,13 +125,15 @@ impl Simulator {
                 series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
             }
         }
-        // What is zero at a departure is so but for rounding, which would lead the block here or there.
+        // What is zero at a departure is so but for rounding, which would lead the block here or
+        // there.
         let order = self.hybrid.departing;
         let zero = usize::from(order);
         series.states.iter_mut().take(zero).skip(1).for_each(|state| state[RELATIVE] = 0.0);
         series.states.iter_mut().take(zero.saturating_sub(1)).for_each(|state| state[RELATIVE_RATE] = 0.0);
         let passage = self.first_event_from_start(&series, start, near, span);
-        // What brings the block back where nothing but rounding had moved it is rounding, too: it stays.
+        // What brings the block back where nothing but rounding had moved it is rounding, too: it
+        // stays.
         let stays = self.is_doubtful() && passage.is_some();
         let (u, side) = passage.filter(|_| !stays).map_or((1.0, None), |(u, side)| (u, Some(side)));
         let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
@@ -160,7 +167,8 @@ impl Simulator {
         }
         let margin = start.bound * interval * interval * 0.125;
         let whole = remaining >= self.substep;
-        // A function that stays `margin` away from its limit at both ends of an interval does not reach it in between.
+        // A function that stays `margin` away from its limit at both ends of an interval does not
+        // reach it in between.
         let (first, clear) = if flight {
             let limit = gap - margin;
             let most = g.iter().fold(0.0f64, |most, x| most.max(x.abs()));
@@ -190,7 +198,8 @@ impl Simulator {
         None
     }
 
-    /// Searches the intervals that the samples do not clear; arrives at the first event, if there is one.
+    /// Searches the intervals that the samples do not clear; arrives at the first event, if there
+    /// is one.
     #[inline(always)]
     fn search_intervals<const LOADS: usize>(
         &mut self,
@@ -259,7 +268,8 @@ impl Simulator {
         (Series::expand(&self.model, self.mode(), &z, forces.as_ref(), 0.5 * interval), base)
     }
 
-    /// The first event between two points, with its stop, from the coefficients of the event functional.
+    /// The first event between two points, with its stop, from the coefficients of the event
+    /// functional.
     #[inline(never)]
     fn first_event<const N: usize>(
         &mut self,
@@ -279,13 +289,15 @@ impl Simulator {
             if near {
                 let mut p = functional.map(|w| side * w);
                 p[0] -= self.model.gap;
-                // In rest there is no such check: forces may cancel, and what is left of them has no scale of its own.
+                // In rest there is no such check: forces may cancel, and what is left of them has
+                // no scale of its own.
                 debug_assert!(
                     value(&p, lo)
                         <= START_ROUNDING * (self.model.gap + p.iter().map(|x| x.abs()).sum::<f64>()),
                     "the block is beyond a stop where a search begins: {p:?}"
                 );
-                // Over the whole way, also behind a passage of the other stop, so that a motion and its mirror image have the same bits.
+                // Over the whole way, also behind a passage of the other stop, so that a motion and
+                // its mirror image have the same bits.
                 if let Some(u) = first_crossing(&p, lo, hi, iterations)
                     && found.is_none_or(|(first, _)| u < first)
                 {
@@ -296,8 +308,9 @@ impl Simulator {
         found
     }
 
-    /// The same on a series anchored at the sub-step's start, where the block may just be leaving a stop: the roots at the
-    /// start are divided out, so that a return is found however soon it comes.
+    /// The same on a series anchored at the sub-step's start, where the block may just be leaving a
+    /// stop: the roots at the start are divided out, so that a return is found however soon it
+    /// comes.
     #[inline(never)]
     pub(super) fn first_event_from_start<const LOADS: usize>(
         &mut self,
@@ -332,8 +345,9 @@ impl Simulator {
         found
     }
 
-    /// A contact force that is rounding at the start, and whose first derivative beyond rounding presses, is divided by that power of u: it
-    /// does not fall there, whatever round-off says. What is beyond rounding is asked as for a departure, so that both answers agree.
+    /// A contact force that is rounding at the start, and whose first derivative beyond rounding
+    /// presses, is divided by that power of u: it does not fall there, whatever round-off says.
+    /// What is beyond rounding is asked as for a departure, so that both answers agree.
     fn divide_where_pressed(&self, functional: &mut [f64; ANCHORED], z: &Augmented) {
         let side = self.hybrid.contact.side();
         if side * functional[0] > functional[1..].iter().map(|a| a.abs()).sum() {

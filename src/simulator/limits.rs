@@ -7,10 +7,11 @@ use crate::parameters::Parameters;
 
 /// A start this close to a stop, in units of the rounding of the displacements, is on the stop.
 const ON_STOP_ULPS: f64 = 4.0;
-/// The gap is the difference of displacements: with these this many times larger than it, fewer than 6 digits are left.
+/// The gap is the difference of displacements: with these this many times larger than it, fewer
+/// than 6 digits are left.
 const MAX_DRIFT: f64 = 1e10;
-/// Speeds, and accelerations by drive and loads, in gaps and the system's fastest rate: beyond this the block's flights are
-/// shorter than the resolution of the motion that they are part of.
+/// Speeds, and accelerations by drive and loads, in gaps and the system's fastest rate: beyond this
+/// the block's flights are shorter than the resolution of the motion that they are part of.
 const MAX_VIOLENCE: f64 = 1e12;
 
 /// What is said of a load that is too large for the system.
@@ -19,7 +20,8 @@ const VIOLENT_LOAD: &str = "load over its body's mass, stop.gap and the square o
 /// The highest order of the first derivative that leads away from a stop.
 const MAX_DEPARTING: u8 = 8;
 
-/// Time in units of the fastest rate: beyond this a double does not tell two moments of the motion apart.
+/// Time in units of the fastest rate: beyond this a double does not tell two moments of the motion
+/// apart.
 const MAX_TIME: f64 = 1e15;
 
 /// A time against what a double resolves at the fastest `rate` (1/s).

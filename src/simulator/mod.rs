@@ -1,23 +1,29 @@
-//! The event-driven simulator: exact flow between events, events found with proof, the event's law at each.
+//! The event-driven simulator: exact flow between events, events found with proof, the event's law
+//! at each.
 //!
-//! A communication step is a reporting interval, not an integration step: ten steps of h and one of 10 h agree to round-off.
-//! Nothing is allocated while advancing, except where a table that is shared with another simulator is first filled: it is then
-//! copied.
+//! A communication step is a reporting interval, not an integration step: ten steps of h and one of
+//! 10 h agree to round-off. Nothing is allocated while advancing, except where a table that is
+//! shared with another simulator is first filled: it is then copied.
 //!
 //! The kernels, when they run, and what proves that no event is missed:
 //!
-//! - `flight_substep` (`flight.rs`): flight without loads, more than an interval to go. Samples and the bound on w''; dominance in the
-//!   intervals that these do not clear. Its bits depend on the instruction set.
-//! - `short_flight_substep` (`flight.rs`): the same with at most one interval to go, both ends clear of the stops. The bound on w'' over
-//!   the interval. Its bits depend on the instruction set.
-//! - `general_substep` (`general.rs`): rest, loads, fast blocks, and what the two above leave. The same samples and bound, for w or the
-//!   contact force; dominance on series from the start. Its bits are equal on all instruction sets.
-//! - `batch/`: many flights without loads or energy accounts side by side. The same bound; dominance in vectors. Its bits do not depend on
-//!   the other motions, and are not those of one by one.
+//! - `flight_substep` (`flight.rs`): flight without loads, more than an interval to go. Samples and
+//!   the bound on w''; dominance in the intervals that these do not clear. Its bits depend on the
+//!   instruction set.
+//! - `short_flight_substep` (`flight.rs`): the same with at most one interval to go, both ends
+//!   clear of the stops. The bound on w'' over the interval. Its bits depend on the instruction
+//!   set.
+//! - `general_substep` (`general.rs`): rest, loads, fast blocks, and what the two above leave. The
+//!   same samples and bound, for w or the contact force; dominance on series from the start. Its
+//!   bits are equal on all instruction sets.
+//! - `batch/`: many flights without loads or energy accounts side by side. The same bound;
+//!   dominance in vectors. Its bits do not depend on the other motions, and are not those of one by
+//!   one.
 //!
-//! The first three end in `finish_substep` (`step.rs`), which applies the event's law (`contact.rs`) and limits the work; `batch/`
-//! applies the law to plain impacts in its lanes and leaves rest, chatter and release to `finish_substep`. The statements and their
-//! error bounds are in `docs/numerics.md`.
+//! The first three end in `finish_substep` (`step.rs`), which applies the event's law
+//! (`contact.rs`) and limits the work; `batch/` applies the law to plain impacts in its lanes and
+//! leaves rest, chatter and release to `finish_substep`. The statements and their error bounds are
+//! in `docs/numerics.md`.
 
 mod account;
 mod advance;
@@ -65,7 +71,8 @@ struct HybridState {
     /// x1, w, x3 and their rates.
     y: [f64; 6],
     contact: Contact,
-    /// In flight from a stop: the order of the first derivative of w that leads away from it; else 0.
+    /// In flight from a stop: the order of the first derivative of w that leads away from it; else
+    /// 0.
     departing: u8,
     /// Whether that order may be rounding: no derivative was beyond it.
     doubtful: bool,
@@ -123,11 +130,12 @@ pub struct Simulator {
 }
 
 impl Simulator {
-    /// Starts at `time` (s) from `state`, without loads. The drive's phase is `ω1 time + drive.phase`.
+    /// Starts at `time` (s) from `state`, without loads. The drive's phase is
+    /// `ω1 time + drive.phase`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for parameters, state or time; [`Error::Penetration`] outside the stops;
-    /// [`Error::PrecisionLost`] where double precision cannot carry the motion.
+    /// [`Error::OutOfRange`] for parameters, state or time; [`Error::Penetration`] outside the
+    /// stops; [`Error::PrecisionLost`] where double precision cannot carry the motion.
     pub fn new(parameters: &Parameters, state: &State, time: f64) -> Result<Self> {
         let model = Model::new(parameters)?;
         let hybrid = HybridState::new(parameters, &model, state, time)?;
@@ -147,8 +155,8 @@ impl Simulator {
         Ok(simulator)
     }
 
-    /// Another simulator of the same system from `time` (s) and `state` on, without loads; it shares this one's tables, so
-    /// that it costs next to nothing.
+    /// Another simulator of the same system from `time` (s) and `state` on, without loads; it
+    /// shares this one's tables, so that it costs next to nothing.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -159,9 +167,9 @@ impl Simulator {
         Ok(simulator)
     }
 
-    /// Starts anew, with the bits of [`new`](Self::new), in the memory of this simulator: nothing is allocated unless another
-    /// simulator shares its tables, and with the parameters in force the tables are kept. Whether energy accounts are kept stays
-    /// as it is.
+    /// Starts anew, with the bits of [`new`](Self::new), in the memory of this simulator: nothing
+    /// is allocated unless another simulator shares its tables, and with the parameters in force
+    /// the tables are kept. Whether energy accounts are kept stays as it is.
     ///
     /// ```
     /// use vibro_impact::{Parameters, Simulator, State};
@@ -189,7 +197,8 @@ impl Simulator {
         Ok(())
     }
 
-    /// The same without the accounts of input and damped energy, for sweeps that do not ask for them.
+    /// The same without the accounts of input and damped energy, for sweeps that do not ask for
+    /// them.
     #[must_use]
     pub fn without_energy_accounts(mut self) -> Self {
         self.keeps_energy_accounts = false;
@@ -201,13 +210,14 @@ impl Simulator {
         &self.parameters
     }
 
-    /// Sets the parameters, which hold at once; a change of drive frequency keeps the drive's phase continuous, a change of drive
-    /// phase shifts it. Energy that the change itself adds to springs and masses counts as input.
+    /// Sets the parameters, which hold at once; a change of drive frequency keeps the drive's phase
+    /// continuous, a change of drive phase shifts it. Energy that the change itself adds to springs
+    /// and masses counts as input.
     ///
-    /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop, and its law takes the new
-    /// values; a release that is due is decided anew, as contact is after every change. The same holds for
-    /// [`set_loads`](Self::set_loads). Loads in force stay, also where they are such that `set_loads` would refuse them for the new
-    /// machine.
+    /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop,
+    /// and its law takes the new values; a release that is due is decided anew, as contact is after
+    /// every change. The same holds for [`set_loads`](Self::set_loads). Loads in force stay, also
+    /// where they are such that `set_loads` would refuse them for the new machine.
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing has changed then.
@@ -234,7 +244,8 @@ impl Simulator {
         Ok(())
     }
 
-    /// Puts parameters in force, with their model, which the caller has made and checked, and its tables.
+    /// Puts parameters in force, with their model, which the caller has made and checked, and its
+    /// tables.
     fn install(&mut self, parameters: &Parameters, model: Model) {
         self.parameters = *parameters;
         self.substep = flow::substep(&model);
@@ -242,12 +253,12 @@ impl Simulator {
         self.renew_tables();
     }
 
-    /// Sets the loads from now on, as polynomials in the time from now; they hold until set again. The constant loads of the
-    /// [parameters](Parameters::constant_loads) add to them.
+    /// Sets the loads from now on, as polynomials in the time from now; they hold until set again.
+    /// The constant loads of the [parameters](Parameters::constant_loads) add to them.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] when one is not finite, [`Error::PrecisionLost`] when it is out of all proportion; nothing
-    /// has changed then.
+    /// [`Error::OutOfRange`] when one is not finite, [`Error::PrecisionLost`] when it is out of all
+    /// proportion; nothing has changed then.
     pub fn set_loads(&mut self, loads: &Loads) -> Result<()> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(&loads.derivatives) {
@@ -308,9 +319,10 @@ impl Simulator {
         (self.hybrid.y[1], self.hybrid.y[4])
     }
 
-    /// Contact force λ in N (docs/theory.md (14)): positive in resting contact at either stop, where it pushes block and box
-    /// apart, and exactly 0 in flight. It acts on the box in the direction of the stop, `contact().side() * λ`, and on the block
-    /// against it; impacts are not forces and do not show.
+    /// Contact force λ in N (docs/theory.md (14)): positive in resting contact at either stop,
+    /// where it pushes block and box apart, and exactly 0 in flight. It acts on the box in the
+    /// direction of the stop, `contact().side() * λ`, and on the block against it; impacts are not
+    /// forces and do not show.
     pub fn contact_force(&self) -> f64 {
         let side = self.hybrid.contact.side();
         let force = self.model.reduced_mass * side * self.accelerations().free;
@@ -328,7 +340,8 @@ impl Simulator {
         Loads { derivatives: self.forces_now() }
     }
 
-    /// Energy accounts (zero for input and damped [`without_energy_accounts`](Self::without_energy_accounts)).
+    /// Energy accounts (zero for input and damped
+    /// [`without_energy_accounts`](Self::without_energy_accounts)).
     pub fn energy_accounts(&self) -> EnergyAccounts {
         let Sums { input, damped, impact } = self.hybrid.sums;
         EnergyAccounts {

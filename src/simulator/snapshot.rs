@@ -10,16 +10,17 @@ use crate::numerics::double_double::DoubleDouble;
 use crate::parameters::Parameters;
 use serde::{Deserialize, Serialize};
 
-/// Everything that changes as the simulator advances, with its parameters, as plain data: restore then continue is
-/// bit-identical.
+/// Everything that changes as the simulator advances, with its parameters, as plain data: restore
+/// then continue is bit-identical.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     parameters: Parameters,
     hybrid: HybridState,
 }
 
-/// Above this the squares in energies overflow. No motion of a start that is allowed comes to such displacements and speeds, unless loads
-/// drive it there for 1e8 of its time constants and longer, or stay in force for a machine for which they would be refused.
+/// Above this the squares in energies overflow. No motion of a start that is allowed comes to such
+/// displacements and speeds, unless loads drive it there for 1e8 of its time constants and longer,
+/// or stay in force for a machine for which they would be refused.
 const MAX_NUMBER: f64 = 1e150;
 
 impl Simulator {
@@ -36,10 +37,12 @@ impl Simulator {
         snapshot.hybrid = self.hybrid;
     }
 
-    /// Puts back a snapshot, its parameters included; continuing gives the same bits as not having left.
+    /// Puts back a snapshot, its parameters included; continuing gives the same bits as not having
+    /// left.
     ///
     /// # Errors
-    /// As [`new`](Self::new) when the snapshot's parameters or state are no valid ones (a foreign or damaged snapshot).
+    /// As [`new`](Self::new) when the snapshot's parameters or state are no valid ones (a foreign
+    /// or damaged snapshot).
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let hybrid = snapshot.hybrid;
         let finite = |e: &DoubleDouble| e.hi.is_finite() && e.lo.is_finite();

@@ -1,4 +1,5 @@
-//! An advance: sub-step after sub-step, each to its end or to its first event, whose law is applied.
+//! An advance: sub-step after sub-step, each to its end or to its first event, whose law is
+//! applied.
 
 use super::general::{MAX_REACH, SHORT};
 use super::{AdvanceOutcome, Contact, DueEvent, Event, ModeTables, Pause, Simulator};
@@ -10,16 +11,18 @@ use crate::numerics::simd;
 use pulp::Simd;
 use std::ops::ControlFlow;
 
-/// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about ten drive periods); the
-/// rotations in between add a few units in the last place.
+/// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about ten
+/// drive periods); the rotations in between add a few units in the last place.
 pub(super) const RENEW: u32 = 32;
-/// The sub-steps that one advance may take however little its motion progresses. Each ends at an event, or is cut short because
-/// the block is fast; it takes 0.4 µs (bounces on a stop) to 0.9 µs (a fast block under loads), so that the advance ends
-/// within about a second.
+/// The sub-steps that one advance may take however little its motion progresses. Each ends at an
+/// event, or is cut short because the block is fast; it takes 0.4 µs (bounces on a stop) to 0.9 µs
+/// (a fast block under loads), so that the advance ends within about a second.
 const WORK_BASE: u64 = 1_000_000;
-/// The further sub-steps that it may take for each sub-step length by which the motion progresses. An ordinary motion, with an impact
-/// or two in that time, takes 1 to 3, so that it never comes near the limit however long the advance is. Alone a bounce takes one, in
-/// lanes two where it is longer than 0.6 intervals, of which there are 27 in that time: with 64 both come to the same end.
+/// The further sub-steps that it may take for each sub-step length by which the motion progresses.
+/// An ordinary motion, with an impact or two in that time, takes 1 to 3, so that it never comes
+/// near the limit however long the advance is. Alone a bounce takes one, in lanes two where it is
+/// longer than 0.6 intervals, of which there are 27 in that time: with 64 both come to the same
+/// end.
 const WORK_PER_SUBSTEP: f64 = 64.0;
 
 /// What an advance carries from sub-step to sub-step; the state in one cache line.
@@ -28,7 +31,8 @@ pub(super) struct AdvanceState {
     pub(super) z: Augmented,
     /// Sub-steps since cos θ and sin θ were taken anew.
     pub(super) since_renewal: u32,
-    /// Where the flight began whose drive work is kept as a difference (see [`Simulator::open_account`]).
+    /// Where the flight began whose drive work is kept as a difference (see
+    /// [`Simulator::open_account`]).
     pub(super) flown_from: DoubleDouble,
     /// Time and counts of sub-steps and events at the beginning of the advance.
     begin: DoubleDouble,
@@ -70,7 +74,8 @@ impl Simulator {
         match (self.loaded(), self.keeps_energy_accounts) {
             (false, false) => self.dispatch::<false>(end, pause, observer),
             (false, true) => self.dispatch::<true>(end, pause, observer),
-            // Under loads every sub-step is a general one, which asks itself whether accounts are kept.
+            // Under loads every sub-step is a general one, which asks itself whether accounts are
+            // kept.
             (true, _) => self.run_as::<_, 1, false>(pulp::Scalar, end, pause, observer),
         }
     }
@@ -169,7 +174,8 @@ impl Simulator {
         going
     }
 
-    /// Every [`RENEW`] sub-steps computes cos θ and sin θ from the phase and adds the pending energies to the sums.
+    /// Every [`RENEW`] sub-steps computes cos θ and sin θ from the phase and adds the pending
+    /// energies to the sums.
     #[inline(always)]
     pub(super) fn renew(&mut self, advance: &mut AdvanceState) {
         if advance.since_renewal == RENEW {
@@ -180,14 +186,16 @@ impl Simulator {
         advance.since_renewal += 1;
     }
 
-    /// sin θ and cos θ from the drive's phase; a function of its own, so that the frequent path stays short.
+    /// sin θ and cos θ from the drive's phase; a function of its own, so that the frequent path
+    /// stays short.
     #[cold]
     #[inline(never)]
     fn sine_and_cosine(&self) -> (f64, f64) {
         self.drive_phase().sin_cos()
     }
 
-    /// The end of a sub-step: the law of its event, if it reached one, and the check of the work done.
+    /// The end of a sub-step: the law of its event, if it reached one, and the check of the work
+    /// done.
     #[inline(always)]
     pub(super) fn finish_substep<const LOADS: usize>(
         &mut self,
@@ -237,9 +245,10 @@ impl Simulator {
         })
     }
 
-    /// Keeps the state at which an advance ends. The block may be past a stop there by the rounding of w, just before an impact or
-    /// after passing close by: it is put on the stop, so that the state is one in which a motion may begin. An impact that lies
-    /// ahead is then the first event of the next advance.
+    /// Keeps the state at which an advance ends. The block may be past a stop there by the rounding
+    /// of w, just before an impact or after passing close by: it is put on the stop, so that the
+    /// state is one in which a motion may begin. An impact that lies ahead is then the first event
+    /// of the next advance.
     #[inline(always)]
     fn keep_state(&mut self, z: &Augmented) {
         self.hybrid.y.copy_from_slice(&z[..6]);
@@ -247,7 +256,8 @@ impl Simulator {
         self.hybrid.y[RELATIVE] = z[RELATIVE].clamp(-gap, gap);
     }
 
-    /// Ends an advance at an event with its law not yet applied: w and w' are the exact left limits that the law takes.
+    /// Ends an advance at an event with its law not yet applied: w and w' are the exact left limits
+    /// that the law takes.
     #[cold]
     fn pause_before_event(&mut self, advance: &mut AdvanceState, side: f64) -> AdvanceOutcome {
         let z = &mut advance.z;
@@ -289,7 +299,8 @@ impl Simulator {
                 if remaining > interval {
                     return self.flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end);
                 }
-                // The shortest steps are taken by `general_substep`, which sums them with more care.
+                // The shortest steps are taken by `general_substep`, which sums them with more
+                // care.
                 if remaining >= SHORT * interval
                     && self.short_flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end)
                 {
@@ -308,9 +319,10 @@ impl Simulator {
         self.substep * (1.0 / INTERVALS as f64)
     }
 
-    /// Whether the block in flight meets no stop between the sub-step's start and its first sample, provided that this sample is
-    /// within the `limit`: it starts within the limit too, or it leaves a stop so fast that its acceleration, at most `bound`,
-    /// cannot turn it back within the interval.
+    /// Whether the block in flight meets no stop between the sub-step's start and its first sample,
+    /// provided that this sample is within the `limit`: it starts within the limit too, or it
+    /// leaves a stop so fast that its acceleration, at most `bound`, cannot turn it back within the
+    /// interval.
     #[inline(always)]
     pub(super) fn clears_first_interval(&self, z: &Augmented, bound: f64, limit: f64) -> bool {
         match self.hybrid.departing {

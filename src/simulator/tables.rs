@@ -1,4 +1,5 @@
-//! The precomputed tables of a simulator: filled when parameters change, each part when it is first needed.
+//! The precomputed tables of a simulator: filled when parameters change, each part when it is first
+//! needed.
 
 use super::Simulator;
 use crate::energy::Gramians;
@@ -32,7 +33,8 @@ impl ModeTables {
         }
     }
 
-    /// Fills what flight needs by the best instruction set at hand. No operation is fused, so that all give the same bits.
+    /// Fills what flight needs by the best instruction set at hand. No operation is fused, so that
+    /// all give the same bits.
     fn fill_flight(&mut self, model: &Model, substep: f64) {
         struct Fill<'a>(&'a mut ModeTables, &'a Model, f64);
         impl pulp::WithSimd for Fill<'_> {

@@ -15,8 +15,8 @@ pub enum Contact {
     RestLower,
 }
 
-/// External forces on box, block and secondary oscillator: value and time derivatives 1…3 at the moment they are
-/// set, `f_b(t) = Σ_k derivatives[b][k] (t - t0)^k / k!`; N, N/s, N/s², N/s³.
+/// External forces on box, block and secondary oscillator: value and time derivatives 1…3 at the
+/// moment they are set, `f_b(t) = Σ_k derivatives[b][k] (t - t0)^k / k!`; N, N/s, N/s², N/s³.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Loads {
     /// `[body][order]`.
@@ -39,10 +39,11 @@ pub enum Event {
     },
     /// A chatter run (or κ = 0) ended in resting contact.
     Rest {
-        /// The instant at which the impacts accumulate, s. The run is closed, and the state rests, at the last impact reported,
-        /// earlier by the t_c of docs/theory.md (16): at most 1.5e-8 sqrt(L/(a (1 - κ))) with the acceleration a that presses
-        /// the block to the stop. The end of the advance, and later events, may lie in between. Where κ = 0 or 1 - κ < 10⁻³
-        /// it is the time of that impact itself.
+        /// The instant at which the impacts accumulate, s. The run is closed, and the state rests,
+        /// at the last impact reported, earlier by the t_c of docs/theory.md (16): at most 1.5e-8
+        /// sqrt(L/(a (1 - κ))) with the acceleration a that presses the block to the stop. The end
+        /// of the advance, and later events, may lie in between. Where κ = 0 or 1 - κ < 10⁻³ it is
+        /// the time of that impact itself.
         time: f64,
         /// +1 upper, -1 lower.
         side: i8,
@@ -71,8 +72,8 @@ pub struct ImpactRecord {
     pub last_speed: f64,
     /// Sum of all impulses (absolute), N·s.
     pub total_impulse: f64,
-    /// Impulse of the stops on the box, N·s: with sign, of all impacts and of the merges into rest; the block has the opposite.
-    /// The contact force in rest is not in it (docs/theory.md (114)).
+    /// Impulse of the stops on the box, N·s: with sign, of all impacts and of the merges into rest;
+    /// the block has the opposite. The contact force in rest is not in it (docs/theory.md (114)).
     pub box_impulse: f64,
 }
 
@@ -112,8 +113,8 @@ pub enum AdvanceOutcome {
     EventDue,
 }
 
-/// An event at which a motion stands and whose law has yet to be applied. (Capture into rest is no event of its own: the
-/// impact law decides on it.)
+/// An event at which a motion stands and whose law has yet to be applied. (Capture into rest is no
+/// event of its own: the impact law decides on it.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DueEvent {
     /// The block touches stop `side` from inside.

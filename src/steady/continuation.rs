@@ -1,10 +1,11 @@
 //! Branches of steady states in one parameter, with their special points.
 //!
-//! Every steady state of [`steady`](super) is a root of a quadratic, so a branch needs no predictor and no corrector: it is two
-//! sheets over the parameter, joined where the discriminant is zero. Each interval with real roots is sampled at nodes spaced
-//! as a cosine, in which both sheets pass smoothly through their folds. Between neighbouring nodes every change of a
-//! test function's sign (docs/theory.md (81)) is then located to [`LOCATION`]. Two changes between the same two nodes are
-//! noticed in the discriminant and missed in the other tests; more nodes resolve them.
+//! Every steady state of [`steady`](super) is a root of a quadratic, so a branch needs no predictor
+//! and no corrector: it is two sheets over the parameter, joined where the discriminant is zero.
+//! Each interval with real roots is sampled at nodes spaced as a cosine, in which both sheets pass
+//! smoothly through their folds. Between neighbouring nodes every change of a test function's sign
+//! (docs/theory.md (81)) is then located to [`LOCATION`]. Two changes between the same two nodes
+//! are noticed in the discriminant and missed in the other tests; more nodes resolve them.
 //!
 //! ```
 //! use vibro_impact::steady::{Bifurcation, continuation::{self, Special}};
@@ -26,7 +27,8 @@ use crate::error::{Error, Result};
 use crate::parameters::{Field, Groups, Parameters};
 use scan::Scan;
 
-/// Special points are located to this much in the parameter: absolutely for values below 1, relatively above.
+/// Special points are located to this much in the parameter: absolutely for values below 1,
+/// relatively above.
 pub const LOCATION: f64 = 1e-11;
 
 /// Fewest nodes of a scan.
@@ -38,10 +40,12 @@ const FEWEST_NODES: usize = 3;
 pub enum Special {
     /// The discriminant is zero: the two sheets join (a saddle-node of orbits).
     Fold,
-    /// A multiplier crosses the unit circle, or a pair of eigenvalues of the slow flow the imaginary axis. The latter
-    /// counts as [`Bifurcation::NeimarkSacker`], which it is for the motion.
+    /// A multiplier crosses the unit circle, or a pair of eigenvalues of the slow flow the
+    /// imaginary axis. The latter counts as [`Bifurcation::NeimarkSacker`], which it is for the
+    /// motion.
     Bifurcation(Bifurcation),
-    /// The block touches a stop between its impacts. Beyond this point the motion is not of this kind.
+    /// The block touches a stop between its impacts. Beyond this point the motion is not of this
+    /// kind.
     Grazing,
     /// The impact vanishes: p = 0 (or C = 0). The branch ends.
     Vanishing,
@@ -74,14 +78,15 @@ pub struct BranchPoint<P> {
     pub sheet: Sheet,
     /// The steady state.
     pub solution: P,
-    /// Whether the piece of the branch from here to the next point is stable and admissible; at a curve's last point, the
-    /// piece before it.
+    /// Whether the piece of the branch from here to the next point is stable and admissible; at a
+    /// curve's last point, the piece before it.
     pub stable: bool,
     /// What is special here.
     pub special: Option<Special>,
 }
 
-/// One connected curve, its points in order along it. A curve that turns round at folds runs over both sheets.
+/// One connected curve, its points in order along it. A curve that turns round at folds runs over
+/// both sheets.
 #[derive(Clone, Debug)]
 pub struct Curve<P> {
     /// The points.
@@ -113,7 +118,8 @@ pub trait Family: Sized {
     /// Negative without solutions, zero at a fold.
     fn discriminant(&self) -> f64;
 
-    /// The root, signed so that a steady state exists where it is positive. `None` without a real root.
+    /// The root, signed so that a steady state exists where it is positive. `None` without a real
+    /// root.
     fn root(&self, sheet: Sheet) -> Option<f64>;
 
     /// The steady state of a sheet with a positive root.
@@ -131,8 +137,8 @@ pub trait Family: Sized {
     /// Functions that are zero at bifurcations and smooth along a sheet, docs/theory.md (81).
     fn tests(solution: &Self::Solution) -> [f64; 3];
 
-    /// Names the bifurcation at a zero of test `index`; `None` when the sign changes without one, as at a pole or where two
-    /// real multipliers have the product 1.
+    /// Names the bifurcation at a zero of test `index`; `None` when the sign changes without one,
+    /// as at a pole or where two real multipliers have the product 1.
     fn confirm(solution: &Self::Solution, index: usize) -> Option<Bifurcation>;
 }
 
@@ -146,8 +152,8 @@ pub fn along_field(base: Parameters, field: &'static Field) -> impl Fn(f64) -> R
     }
 }
 
-/// The branch of exact orbits along a path of parameters, e.g. [`along_field`], over `range` with `nodes` per sheet
-/// and interval (200 show a curve).
+/// The branch of exact orbits along a path of parameters, e.g. [`along_field`], over `range` with
+/// `nodes` per sheet and interval (200 show a curve).
 ///
 /// # Errors
 /// [`Error::Range`] for an empty or unbounded range; whatever the path or
@@ -172,7 +178,8 @@ pub fn multiple_scales(
     branch(|value| super::multiple_scales::MultipleScales::new(&path(value)?), range, nodes)
 }
 
-/// The branch of strongly coupled steady states (νC > 0) along a path of groups; see [`exact_orbit`].
+/// The branch of strongly coupled steady states (νC > 0) along a path of groups; see
+/// [`exact_orbit`].
 ///
 /// # Errors
 /// As [`exact_orbit`], with [`StrongCoupling::new`](super::strong_coupling::StrongCoupling::new).

@@ -7,7 +7,8 @@
 //! | [`exact_orbit`] | the exact orbit of the full system; docs/theory.md, sections 9 and 10 | any parameters |
 //! | [`continuation`] | branches of any of these in one parameter | – |
 //!
-//! Nothing here calls the simulator and the simulator calls nothing here, so the tests hold each against the other.
+//! Nothing here calls the simulator and the simulator calls nothing here, so the tests hold each
+//! against the other.
 //!
 //! ```
 //! use vibro_impact::{Groups, Parameters, steady};
@@ -35,11 +36,13 @@ use crate::parameters::{GROUPS, Groups, Range};
 use nalgebra::Complex;
 use quadratic::Quadratic;
 
-/// Half-width of the angle around ±π/2 within which a complex pair on the unit circle is called a period
-/// doubling, rad. Such a crossing has codimension two, so only a pair this near is told from its neighbours.
+/// Half-width of the angle around ±π/2 within which a complex pair on the unit circle is called a
+/// period doubling, rad. Such a crossing has codimension two, so only a pair this near is told from
+/// its neighbours.
 pub const QUARTER_TURN_TOLERANCE: f64 = 1e-6;
 
-/// Penetration of a stop, in units of L, that counts as round-off: a flight is known to a few 1e-15 per Taylor piece.
+/// Penetration of a stop, in units of L, that counts as round-off: a flight is known to a few 1e-15
+/// per Taylor piece.
 pub const PENETRATION_ROUNDING: f64 = 1e-12;
 
 /// An impedance this much smaller than its terms is zero but for rounding.
@@ -48,15 +51,18 @@ const IMPEDANCE_ROUNDING: f64 = 1e-14;
 /// Most QR sweeps for the eigenvalues of a matrix; a handful suffice, and NaN would never end.
 const EIGENVALUE_SWEEPS: usize = 300;
 
-/// The three independent tests of an approximate steady state (paper, section 3.2; docs/theory.md, section 7).
+/// The three independent tests of an approximate steady state (paper, section 3.2; docs/theory.md,
+/// section 7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Admissibility {
-    /// The block leaves the stop it meets and never passes either: |W| ≤ 1 over the cycle, docs/theory.md (48) and (68).
+    /// The block leaves the stop it meets and never passes either: |W| ≤ 1 over the cycle,
+    /// docs/theory.md (48) and (68).
     pub geometric: bool,
-    /// Stable fixed point: all eigenvalues of the slow flow's Jacobian have negative real parts, docs/theory.md (51) and (66).
+    /// Stable fixed point: all eigenvalues of the slow flow's Jacobian have negative real parts,
+    /// docs/theory.md (51) and (66).
     pub fixed_point: bool,
-    /// Stable periodic motion: all half-cycle multipliers of impact phase and block speed lie inside the unit circle,
-    /// docs/theory.md (55) and (67).
+    /// Stable periodic motion: all half-cycle multipliers of impact phase and block speed lie
+    /// inside the unit circle, docs/theory.md (55) and (67).
     pub periodic_motion: bool,
 }
 
@@ -67,7 +73,8 @@ impl Admissibility {
     }
 }
 
-/// What happens when a multiplier μ of the half-cycle map crosses the unit circle (docs/theory.md, table in section 10).
+/// What happens when a multiplier μ of the half-cycle map crosses the unit circle (docs/theory.md,
+/// table in section 10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Bifurcation {
@@ -75,15 +82,17 @@ pub enum Bifurcation {
     SaddleNode,
     /// μ = -1: the orbit keeps its period, but its two impacts become unequal.
     SymmetryBreaking,
-    /// μ = ±i: the full cycle has the double multiplier -1. A symmetric orbit meets it only where two conditions
-    /// hold at once; it usually breaks its symmetry first ([`Self::SymmetryBreaking`]).
+    /// μ = ±i: the full cycle has the double multiplier -1. A symmetric orbit meets it only where
+    /// two conditions hold at once; it usually breaks its symmetry first
+    /// ([`Self::SymmetryBreaking`]).
     PeriodDoubling,
     /// Another complex pair of modulus one.
     NeimarkSacker,
 }
 
 impl Bifurcation {
-    /// The bifurcation that a multiplier of the half-cycle map announces, by its direction in the complex plane.
+    /// The bifurcation that a multiplier of the half-cycle map announces, by its direction in the
+    /// complex plane.
     pub fn of(multiplier: Complex<f64>) -> Self {
         let angle = multiplier.im.abs().atan2(multiplier.re);
         if multiplier.im == 0.0 {
@@ -96,8 +105,8 @@ impl Bifurcation {
     }
 }
 
-/// An approximate steady motion at one phase: dimensionless displacements (unit L) and their derivatives with
-/// respect to the phase; multiply these by Ω1 for d/dτ, by ω1 L for m/s.
+/// An approximate steady motion at one phase: dimensionless displacements (unit L) and their
+/// derivatives with respect to the phase; multiply these by Ω1 for d/dτ, by ω1 L for m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyMotion {
     /// U = X1 + ε X2.
@@ -134,9 +143,9 @@ fn inverse_mass_factors(epsilon: f64) -> (f64, f64) {
     (1.0 - epsilon + epsilon * epsilon, epsilon - epsilon * epsilon)
 }
 
-/// Refuses groups outside the range in which the approximations mean anything. These are the ranges of [`GROUPS`] with two
-/// exceptions: ε may be zero, which is the limit that the approximations are about, and `alpha23` is not read, since
-/// `beta2` says the same.
+/// Refuses groups outside the range in which the approximations mean anything. These are the ranges
+/// of [`GROUPS`] with two exceptions: ε may be zero, which is the limit that the approximations are
+/// about, and `alpha23` is not read, since `beta2` says the same.
 fn check_groups(groups: &Groups) -> Result<()> {
     for group in GROUPS.iter().filter(|group| group.name != "alpha23") {
         let range = match group.name {
@@ -158,8 +167,9 @@ fn largest([first, second]: [Complex<f64>; 2]) -> Complex<f64> {
     if first.norm_sqr() >= second.norm_sqr() { first } else { second }
 }
 
-/// Eigenvalues of a real 2 × 2 matrix from its trace and determinant, the larger real part first. Of two real ones that of
-/// larger modulus is found first, without cancellation, and the other from the determinant.
+/// Eigenvalues of a real 2 × 2 matrix from its trace and determinant, the larger real part first.
+/// Of two real ones that of larger modulus is found first, without cancellation, and the other from
+/// the determinant.
 fn eigenvalue_pair(trace: f64, determinant: f64) -> [Complex<f64>; 2] {
     let half = 0.5 * trace;
     let discriminant = half * half - determinant;

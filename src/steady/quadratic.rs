@@ -35,9 +35,9 @@ pub enum Sheet {
     Upper,
 }
 
-/// The quadratic `|αC + α₀|² = f²` in the real amplitude C: docs/theory.md (43) and (44) for multiple scales, (64) for strong
-/// coupling, and with the impulse p for C (73) and (74) for the exact orbit. `αC + α₀ = f e^{iδ}` gives the phase δ of the drive
-/// at the upper impact besides.
+/// The quadratic `|αC + α₀|² = f²` in the real amplitude C: docs/theory.md (43) and (44) for
+/// multiple scales, (64) for strong coupling, and with the impulse p for C (73) and (74) for the
+/// exact orbit. `αC + α₀ = f e^{iδ}` gives the phase δ of the drive at the upper impact besides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Quadratic {
     /// α, the force per amplitude.
@@ -66,7 +66,8 @@ impl Quadratic {
         (self.alpha.norm_sqr(), 2.0 * self.product().re, self.constant)
     }
 
-    /// b² - 4ac as the product of docs/theory.md (44), which keeps its digits near the fold, where it is zero.
+    /// b² - 4ac as the product of docs/theory.md (44), which keeps its digits near the fold, where
+    /// it is zero.
     pub fn discriminant(&self) -> f64 {
         let reach = self.alpha.norm() * self.force.abs();
         let turn = self.product().im.abs();
@@ -75,8 +76,8 @@ impl Quadratic {
 
     /// Both roots; `None` when none is real, or when α is zero.
     ///
-    /// The root of larger modulus is found without cancellation and the other one from their product. The discriminant is
-    /// formed as a product as in [`discriminant`](Self::discriminant).
+    /// The root of larger modulus is found without cancellation and the other one from their
+    /// product. The discriminant is formed as a product as in [`discriminant`](Self::discriminant).
     pub fn roots(&self) -> Option<Roots<f64>> {
         let (square, Complex { re: cross, im: turn }) = (self.alpha.norm_sqr(), self.product());
         let reach = square.sqrt() * self.force.abs();
@@ -100,7 +101,8 @@ mod tests {
 
     #[test]
     fn closed_form_roots_of_very_different_size() {
-        // With α = 1 the quadratic is (C - 1)(C - 1e-9), of which the small root needs the large one first.
+        // With α = 1 the quadratic is (C - 1)(C - 1e-9), of which the small root needs the large
+        // one first.
         let (x, y) = (1.0_f64, 1e-9_f64);
         let (cross, constant) = (-0.5 * (x + y), x * y);
         let quadratic = Quadratic {

@@ -1,12 +1,15 @@
-//! Strong coupling and comparable masses (paper, section 5) in closed form (docs/theory.md, section 8; past the paper).
+//! Strong coupling and comparable masses (paper, section 5) in closed form (docs/theory.md, section
+//! 8; past the paper).
 //!
-//! With β² = k23/(m2 ω10²) and μ13 = m1/m3 of order one, the block swings on its spring between the stops: the modified
-//! sawtooth Z*, docs/theory.md (59), takes the place of the sawtooth, and X3 moves the block. In phasors (a quantity is
-//! Im(z e^{is}) with the phase s since the impact at the upper stop) the impact law and the balance of harmonics leave a quadratic in
-//! C, (63) and (64). At β = 0 this is [`multiple_scales`](super::multiple_scales).
+//! With β² = k23/(m2 ω10²) and μ13 = m1/m3 of order one, the block swings on its spring between the
+//! stops: the modified sawtooth Z*, docs/theory.md (59), takes the place of the sawtooth, and X3
+//! moves the block. In phasors (a quantity is Im(z e^{is}) with the phase s since the impact at the
+//! upper stop) the impact law and the balance of harmonics leave a quadratic in C, (63) and (64).
+//! At β = 0 this is [`multiple_scales`](super::multiple_scales).
 //!
 //! All three tests have a closed form or a small matrix:
-//! - geometric: |W| ≤ 1 by (68), and νC > 0, so that the block moves *into* the stop. For 1 < β < 2 that means C < 0.
+//! - geometric: |W| ≤ 1 by (68), and νC > 0, so that the block moves *into* the stop. For 1 < β < 2
+//!   that means C < 0.
 //! - fixed point: the eigenvalues of the slow flow of the phasors, (65) and (66).
 //! - periodic motion: the half-cycle map of the block with U and X3 held, (67).
 
@@ -21,17 +24,19 @@ use crate::parameters::Groups;
 use nalgebra::{Complex, Matrix2, Matrix4};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Distance of β from a positive integer below which a set is refused: closer than this, C loses more than half its digits.
+/// Distance of β from a positive integer below which a set is refused: closer than this, C loses
+/// more than half its digits.
 const INTEGER_DISTANCE: f64 = 1e-7;
 
-/// Below this β the sawtooth Z and the modified one Z* differ by less than round-off, which is of order β².
+/// Below this β the sawtooth Z and the modified one Z* differ by less than round-off, which is of
+/// order β².
 const SAWTOOTH_BETA: f64 = 1e-8;
 
 /// Largest β: the approximation takes it as of order one.
 const LARGEST_BETA: f64 = 1e3;
 
-/// The modified sawtooth Z*(s) = sin(β (π/2) Z(s))/sin(β π/2) of period 2π, docs/theory.md (59), and its derivative (at a
-/// kink that after it); the sawtooth Z for β = 0. Singular at even β > 0.
+/// The modified sawtooth Z*(s) = sin(β (π/2) Z(s))/sin(β π/2) of period 2π, docs/theory.md (59),
+/// and its derivative (at a kink that after it); the sawtooth Z for β = 0. Singular at even β > 0.
 pub fn modified_sawtooth(beta: f64, s: f64) -> (f64, f64) {
     let (z, slope) = (sawtooth(s), sawtooth_slope(s));
     if beta < SAWTOOTH_BETA {
@@ -58,8 +63,8 @@ pub struct StrongCoupling {
     quadratic: Quadratic,
 }
 
-/// One steady state with its three tests. Amplitudes in units of L, phases in rad, eigenvalues per unit of the slow time
-/// τ1 = ετ.
+/// One steady state with its three tests. Amplitudes in units of L, phases in rad, eigenvalues per
+/// unit of the slow time τ1 = ετ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrongPoint {
     /// C, the factor of Z*; negative where ν is.
@@ -95,8 +100,9 @@ impl StrongCoupling {
     /// Prepares the closed form.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] within 1e-7 of β = 1, 2, 3, …
-    /// (the block resonates with a harmonic of its impacts), above β = 1000, and for an undamped X3 at resonance.
+    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] within
+    /// 1e-7 of β = 1, 2, 3, … (the block resonates with a harmonic of its impacts), above β = 1000,
+    /// and for an undamped X3 at resonance.
     pub fn new(groups: &Groups) -> Result<Self> {
         check_groups(groups)?;
         let g = *groups;
@@ -138,7 +144,8 @@ impl StrongCoupling {
         self.beta
     }
 
-    /// ν = β cot(βπ/2), docs/theory.md (60): half the jump of Z*' at a kink, negative for 1 < β < 2.
+    /// ν = β cot(βπ/2), docs/theory.md (60): half the jump of Z*' at a kink, negative for 1 < β <
+    /// 2.
     pub fn nu(&self) -> f64 {
         self.nu
     }
@@ -148,7 +155,8 @@ impl StrongCoupling {
         self.rho
     }
 
-    /// The slow invariant manifold, docs/theory.md (63): |u - q x3| as a function of C, √((C-1)² + ρ*²C²).
+    /// The slow invariant manifold, docs/theory.md (63): |u - q x3| as a function of C, √((C-1)² +
+    /// ρ*²C²).
     pub fn manifold(&self, c: f64) -> f64 {
         (c - 1.0).hypot(self.rho * c)
     }
@@ -199,7 +207,8 @@ impl StrongCoupling {
         Ok(point)
     }
 
-    /// Jacobian of the slow flow of (Re u, Im u, Re x3, Im x3) in the frame of the impact's phase, docs/theory.md (65) and (66).
+    /// Jacobian of the slow flow of (Re u, Im u, Re x3, Im x3) in the frame of the impact's phase,
+    /// docs/theory.md (65) and (66).
     fn jacobian(&self, c: f64) -> Matrix4<f64> {
         let (g, rho, q) = (&self.groups, self.rho, self.q);
         let coupling = g.mu13 * g.beta2;
@@ -225,7 +234,8 @@ impl StrongCoupling {
         if jacobian.iter().any(|x| !x.is_finite()) {
             return Err(lost);
         }
-        // Sweeps compare with the diagonal. Where that is zero, without dampers and losses, they do not end unless it is moved away.
+        // Sweeps compare with the diagonal. Where that is zero, without dampers and losses, they do
+        // not end unless it is moved away.
         let found = [0.0, jacobian.norm()].into_iter().find_map(|by| {
             let moved = jacobian + Matrix4::identity() * by;
             let values = moved.try_schur(f64::EPSILON, EIGENVALUE_SWEEPS)?.complex_eigenvalues();
@@ -247,7 +257,8 @@ impl StrongCoupling {
     }
 }
 
-/// ν = β cot(βπ/2) and c₁ = (4/π) ν/(1-β²), docs/theory.md (60), without cancellation at β = 0 and β = 1.
+/// ν = β cot(βπ/2) and c₁ = (4/π) ν/(1-β²), docs/theory.md (60), without cancellation at β = 0 and
+/// β = 1.
 fn slopes(beta: f64) -> (f64, f64) {
     let x = beta * FRAC_PI_2;
     if beta == 0.0 {
@@ -263,7 +274,8 @@ fn slopes(beta: f64) -> (f64, f64) {
 }
 
 impl StrongPoint {
-    /// U, W, X1, X2, X3 and their derivatives at the phase s (rad) since the impact at the upper stop.
+    /// U, W, X1, X2, X3 and their derivatives at the phase s (rad) since the impact at the upper
+    /// stop.
     pub fn motion(&self, s: f64) -> SteadyMotion {
         let (z, dz) = modified_sawtooth(self.model.beta, s);
         let turn = Complex::cis(s);
@@ -300,7 +312,8 @@ impl StrongPoint {
         })
     }
 
-    /// Whether |W| ≤ 1 over the cycle but for round-off, proved by Bernstein bounds: docs/theory.md (68).
+    /// Whether |W| ≤ 1 over the cycle but for round-off, proved by Bernstein bounds: docs/theory.md
+    /// (68).
     fn is_clear(&self) -> bool {
         let limit = 1.0 + PENETRATION_ROUNDING;
         self.pieces(self.c, self.model.q * self.x3 - self.u).all(|w| stays_within(&w, -limit, limit))

@@ -44,18 +44,20 @@ FILES = {
     "vibro-assembly-fmi": ["assembly-fmi/src"],
 }
 
-# A test binary may take this many times its time without a change, and this many seconds more, before it counts as hanging.
+# A test binary may take this many times its time without a change, and this many seconds more,
+# before it counts as hanging.
 SLOWER, MORE = 10.0, 60.0
 
 # Only what a change touches is compiled anew: a third of the time, and the arithmetic is the same.
 PARTS = 64
 
-# Integers up to this one are indices, exponents and factors; larger ones are limits of loops and the like, of which one more or
-# less is no change that a result shows. Floats beyond this limit, or below its inverse, are tolerances; so are constants.
+# Integers up to this one are indices, exponents and factors; larger ones are limits of loops and
+# the like, of which one more or less is no change that a result shows. Floats beyond this limit, or
+# below its inverse, are tolerances; so are constants.
 MEANT, LIMIT = 2, 1e4
 
-# Pairs that are swapped, each in both ways. Blanks stand around operators, as rustfmt writes them. `<` for `<=` is left out: on
-# floats, which are most of what is compared, it changes a null set.
+# Pairs that are swapped, each in both ways. Blanks stand around operators, as rustfmt writes them.
+# `<` for `<=` is left out: on floats, which are most of what is compared, it changes a null set.
 SWAPS = [
     (" + ", " - "),
     (" * ", " / "),

@@ -1,4 +1,5 @@
-//! Digests of state bits and their golden files, one for each instruction set on which the arithmetic differs.
+//! Digests of state bits and their golden files, one for each instruction set on which the
+//! arithmetic differs.
 
 use std::fmt::Write;
 use std::{env, fs};
@@ -7,7 +8,8 @@ use vibro_impact::numerics::digest;
 /// Folder of the golden files: the tests of two packages come here.
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
 
-/// FNV-1a over the bits of what was recorded: any bit that differs gives another digest, but for one chance in 2⁶⁴.
+/// FNV-1a over the bits of what was recorded: any bit that differs gives another digest, but for
+/// one chance in 2⁶⁴.
 #[derive(Clone, Copy, Debug)]
 pub struct Digest(u64);
 
@@ -53,8 +55,9 @@ fn instruction_set() -> &'static str {
     env::consts::ARCH
 }
 
-/// Compares with the golden file of this machine's instruction set. `UPDATE=1` in the environment writes it instead. On an
-/// instruction set without a file the comparison cannot be made: that is printed.
+/// Compares with the golden file of this machine's instruction set. `UPDATE=1` in the environment
+/// writes it instead. On an instruction set without a file the comparison cannot be made: that is
+/// printed.
 pub fn compare(name: &str, found: &[(String, String)]) {
     let folder = DATA;
     let path = format!("{folder}/{name}.{}.txt", instruction_set());

@@ -153,7 +153,8 @@ def first_root(p, lo, hi):
     if abs(p[0]) > rest:
         return None
     c, r = (lo + hi) / 2, (hi - lo) / 2
-    # The same about the centre, in doubles with a margin far over their rounding: it settles most intervals.
+    # The same about the centre, in doubles with a margin far over their rounding: it settles most
+    # intervals.
     b, scale = [float(a) for a in p], sum(abs(float(a)) * float(hi) ** k for k, a in enumerate(p))
     b = shift(b, float(c))
     if abs(b[0]) > sum(abs(a) * float(r) ** k for k, a in enumerate(b) if k) + 1e-9 * scale:

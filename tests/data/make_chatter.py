@@ -137,7 +137,8 @@ def solve(rng, parameters, kind, side, want_release):
         if let_go is None:
             return None
         t_go, y_go = let_go
-        # The root of the third-order departure is not divided out: a little flight first, then a search.
+        # The root of the third-order departure is not divided out: a little flight first, then a
+        # search.
         leave = t_go + period / 1000
         y_leave = s.flow(FLIGHT, y_go, t_go, leave)
         hit = s.first_contact(y_leave, leave, t_go + period / 4)

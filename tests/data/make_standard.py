@@ -24,7 +24,8 @@ from exact import FIELDS, FLIGHT, STATE, System, check_against_expm, write
 
 mp.dps = 60
 PERIODS = 20
-# By an interval-arithmetic certificate: from period 500 on the state at whole periods is the same to 15 digits.
+# By an interval-arithmetic certificate: from period 500 on the state at whole periods is the same
+# to 15 digits.
 SETTLED = 500
 CERTIFIED = """-0.4253110842429075 0.2872634800253607 0.4900836440556809
                -0.7166788315354791 -1.2876764920670574 -0.3927812190837065""".split()
@@ -58,7 +59,8 @@ def follow(s, times, start):
             impulse = (1 + s.kappa) * s.m1 * s.m2 / (s.m1 + s.m2) * speed
             t, touching = at, side
             impacts.append([t, side, speed, impulse, *y])
-            # A pressed block would end in rest; this work has none in these periods, and says so if it had.
+            # A pressed block would end in rest; this work has none in these periods, and says so if
+            # it had.
             assert speed > mpf(10) ** -12
         y, t, touching = s.flow(FLIGHT, y, t, end), end, 0
         states.append((y, len(impacts)))

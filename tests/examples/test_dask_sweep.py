@@ -58,7 +58,8 @@ def measure(request, fmu, tmp_path_factory):
 
 # Of the largest of 64 samples a period, which may miss a corner at an impact.
 SAMPLES = 0.02
-# Of what the FMU counts and adds up between its own communication points, which are whole periods but for rounding.
+# Of what the FMU counts and adds up between its own communication points, which are whole periods
+# but for rounding.
 COUNTED = 1e-6
 
 

@@ -14,7 +14,8 @@ from fmpy.validation import validate_fmu
 
 GRAVITY, RESTITUTION, HEIGHT = 9.81, 0.7, 1.0
 END = 2.0
-# Co-Simulation is exact but for rounding; CVode's tolerance is 1e-9 a step, for some two hundred steps.
+# Co-Simulation is exact but for rounding; CVode's tolerance is 1e-9 a step, for some two hundred
+# steps.
 ROUNDING, SOLVER = 1e-13, 1e-6
 
 flights = 2.0 * np.sqrt(2.0 * HEIGHT / GRAVITY) * RESTITUTION ** np.arange(1, 40)

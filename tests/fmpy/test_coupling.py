@@ -28,7 +28,8 @@ pythonfmu_runs = pytest.mark.skipif(
 # Of the closed form in the oscillator: a few roundings.
 ROUND_OFF = 1e-13
 
-# Sums of 4000 steps of 0.01 s that one host takes in nanoseconds: times differ by 1e-12 s, and impacts by as much.
+# Sums of 4000 steps of 0.01 s that one host takes in nanoseconds: times differ by 1e-12 s, and
+# impacts by as much.
 SAME_SYSTEM = 1e-9
 
 # DOP853 at 1e-12 with impacts by event is itself off by about 1e-9 after some periods.

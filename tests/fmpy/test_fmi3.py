@@ -15,9 +15,11 @@ from conftest import STATES
 
 # Rounding of velocities of about 1 m/s in the differences of the laws.
 LAW = 1e-12
-# Steps that end at impacts cut the flow at other places: rounding, carried through the impacts of a motion that is stable.
+# Steps that end at impacts cut the flow at other places: rounding, carried through the impacts of a
+# motion that is stable.
 CUT = 1e-9
-# A time of an impact is located to rounding of time and of the displacements, over the relative speed.
+# A time of an impact is located to rounding of time and of the displacements, over the relative
+# speed.
 LOCATED = 1e-12
 COUNTS = ("impacts.upper", "impacts.lower")
 RECORDED = (*STATES, *COUNTS, "stop.state", "energy.impact", "impacts.lastImpulse")

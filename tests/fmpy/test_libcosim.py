@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from conftest import STATES
 
-# Half seconds are exact in binary and in libcosim's nanoseconds, so nothing may differ but the build; the bound of the
-# contract all the same.
+# Half seconds are exact in binary and in libcosim's nanoseconds, so nothing may differ but the
+# build; the bound of the contract all the same.
 SAME = 1e-10
 
 

@@ -8,8 +8,8 @@ from conftest import STATES
 
 PERIODS = 200
 
-# The bound of the contract. The default motion is stable, so that the rounding of communication points (1e-13 at
-# t = 1200 s) is not amplified; measured differences are below 1e-12.
+# The bound of the contract. The default motion is stable, so that the rounding of communication
+# points (1e-13 at t = 1200 s) is not amplified; measured differences are below 1e-12.
 SAME = 1e-10
 
 # DOP853 at 1e-12 with impacts by event is itself off by about 1e-9 after ten periods with impacts.
@@ -36,7 +36,8 @@ def table(result):
 @pytest.mark.parametrize("name", STEPS)
 def test_equals_the_native_run(fmu, native, period, name):
     result, expected = run(fmu, period, STEPS[name]), native(name)
-    # fmpy before 0.3.22 may end with a step as short as a rounding error; the native run has no point for it.
+    # fmpy before 0.3.22 may end with a step as short as a rounding error; the native run has no
+    # point for it.
     result = result[np.append(np.diff(result["time"]) > 1e-9, True)]
     assert len(result) == len(expected)
     np.testing.assert_allclose(result["time"], expected["time"], rtol=1e-13, atol=0)

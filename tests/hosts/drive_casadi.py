@@ -11,7 +11,8 @@ import zipfile
 import casadi
 import numpy as np
 
-# Of the state derivatives and of outputs that are no state derivative: casadi takes no variable twice, and Float64 only.
+# Of the state derivatives and of outputs that are no state derivative: casadi takes no variable
+# twice, and Float64 only.
 OUTPUTS = ["stop.s", "stop.v", "stop.force", "coupling.f", "energy.mechanical"]
 WAYS = {
     "directional": {"uses_adjoint_derivatives": False},

@@ -32,6 +32,7 @@ with tempfile.TemporaryDirectory() as folder:
     result = model.simulate(final_time=float(step) * int(steps), options=options)
     with open(output, "w") as file:
         print("time", *NAMES, sep=",", file=file)
-        # Two rows of one time are the two sides of an event; the later one counts, as in the other hosts.
+        # Two rows of one time are the two sides of an event; the later one counts, as in the other
+        # hosts.
         for row in zip(result["time"], *(result[name] for name in NAMES)):
             print(*(repr(float(value)) for value in row), sep=",", file=file)

@@ -27,22 +27,24 @@ ROOT = HERE.parents[1]
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "hosts"
 STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 
-# The communication points: 1200 steps of 0.5 s are 99 drive periods with some 190 impacts, and k/2 is exact in binary and
-# in libcosim's nanoseconds.
+# The communication points: 1200 steps of 0.5 s are 99 drive periods with some 190 impacts, and k/2
+# is exact in binary and in libcosim's nanoseconds.
 STEP, STEPS = 0.5, 1200
 
-# Co-Simulation: the bound of the contract. Where the points are exact there is nothing to differ but the build.
+# Co-Simulation: the bound of the contract. Where the points are exact there is nothing to differ
+# but the build.
 SAME = 1e-10
 
 # Model Exchange is driven over 20 s with a dozen impacts from the start.
 ME_START = ("block.s=0.9", "block.v=0.5")
 ME_END = 20.0
 
-# CVode at 1e-10, times the growth of errors from impact to impact (tests/fmpy/test_exchange.py: 1e-6 after forty).
+# CVode at 1e-10, times the growth of errors from impact to impact (tests/fmpy/test_exchange.py:
+# 1e-6 after forty).
 CVODE = 1e-6
 
-# Euler's method is of first order: half the step leaves half the error, and at the smaller step it is at most about
-# h t / 2 times the accelerations, which are below 2.
+# Euler's method is of first order: half the step leaves half the error, and at the smaller step it
+# is at most about h t / 2 times the accelerations, which are below 2.
 EULER_STEPS = (1 / 2000, 1 / 4000)
 EULER_RATIO = (1.6, 2.5)
 EULER = 0.005
@@ -58,8 +60,9 @@ EVENTS = (
 # Steps of the container, longer than most flights: what is announced lies inside the next one.
 CONTAINER_STEP, CONTAINER_STEPS = 4.0, 75
 
-# Machines of text files, beside the 3-DOF one: name, file, variables, communication step, steps, how many of them are made in Model
-# Exchange, and how many before the first event. Steps are powers of two, of which sums are exact.
+# Machines of text files, beside the 3-DOF one: name, file, variables, communication step, steps,
+# how many of them are made in Model Exchange, and how many before the first event. Steps are powers
+# of two, of which sums are exact.
 ASSEMBLIES = (
     ("DamperWithBuffer", "damper_with_buffer", ("box.s", "box.v", "block.s", "block.v", "pump.s", "pump.v"), 2**-9, 1024, 100, 4),
     ("CoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768, 192),

@@ -94,7 +94,8 @@ def test_refused(call, kind, words):
 
 
 def test_a_motion_that_does_not_get_on_says_what_to_do():
-    # A constant force presses the box against an elastic block, whose bounces are just too high to be closed.
+    # A constant force presses the box against an elastic block, whose bounces are just too high to
+    # be closed.
     machine = vi.Machine(
         stop_restitution=1.0,
         box_k=0.0,

@@ -7,9 +7,11 @@ import pytest
 import vibro_impact as vi
 from conftest import ROOT
 
-# Round-off of the gap after a flight of up to one and a half periods, states of order one: as tests/golden.rs.
+# Round-off of the gap after a flight of up to one and a half periods, states of order one: as
+# tests/golden.rs.
 GAP_ROUNDING = 2e-14
-# Of times and states, in the system's scales, after up to 150 impacts of a chatter run: as tests/golden.rs.
+# Of times and states, in the system's scales, after up to 150 impacts of a chatter run: as
+# tests/golden.rs.
 CHATTER = 1e-12
 # A rounding multiplied by 50 impacts, some of them nearly grazing: as tests/golden.rs.
 TWENTY_PERIODS = 5e-11
@@ -85,7 +87,8 @@ def test_standard_work_over_twenty_periods():
 
 
 def test_special_points_in_thirty_digits():
-    # The symmetric two-impact orbit of the default set along f10: tests/theory/orbits.py has the digits.
+    # The symmetric two-impact orbit of the default set along f10: tests/theory/orbits.py has the
+    # digits.
     branch = vi.Machine.from_groups(f10=1.5).orbit("U", symmetric=True).follow("f10", 0.5, 3.0)
     special = dict(branch.special)
     assert special["BP"] == pytest.approx(2.039588865238, abs=1e-11)

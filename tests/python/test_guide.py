@@ -16,7 +16,8 @@ from conftest import ROOT
 
 matplotlib.use("agg")
 
-# Part of full brightness by which a picture may differ on average: another processor has another chaos, and sets the dots elsewhere.
+# Part of full brightness by which a picture may differ on average: another processor has another
+# chaos, and sets the dots elsewhere.
 SAME_PICTURE = 0.02
 
 

@@ -9,8 +9,8 @@ import vibro_impact as vi
 
 STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 
-# The two add communication points and steps in another order where these are no binary fractions: rounding of 1e-13 at t = 600 s,
-# which the stable default motion does not amplify.
+# The two add communication points and steps in another order where these are no binary fractions:
+# rounding of 1e-13 at t = 600 s, which the stable default motion does not amplify.
 SAME = 1e-11
 
 

@@ -1,4 +1,5 @@
-//! What a text cites is there: documents, equations, sections, clauses of the FMI standard, tests (invariant).
+//! What a text cites is there: documents, equations, sections, clauses of the FMI standard, tests
+//! (invariant).
 
 use crate::texts::{all, root, shown};
 use std::collections::BTreeSet;
@@ -21,7 +22,8 @@ fn invariant_every_document_that_is_cited_is_in_the_repository() {
             let beside = path.parent().expect("a file is in a folder").join(word);
             let there =
                 [beside, root().join(word), root().join("docs").join(word)].iter().any(|p| p.exists());
-            // A licence's text in the packed archive and in packages of others; the notes, which a release makes.
+            // A licence's text in the packed archive and in packages of others; the notes, which a
+            // release makes.
             let others = word.contains("LICENSE") || word.ends_with("RELEASE_NOTES.md");
             if !there && !others {
                 missing.insert(format!("{}: {word}", shown(&path)));
@@ -31,8 +33,8 @@ fn invariant_every_document_that_is_cited_is_in_the_repository() {
     assert!(missing.is_empty(), "cited and not there: {missing:#?}");
 }
 
-/// What stands around each mention of a page, from which a part of it may be cited: `(12) of docs/theory.md`, `theory.md (12)`,
-/// `[theory.md](theory.md), section 2`.
+/// What stands around each mention of a page, from which a part of it may be cited:
+/// `(12) of docs/theory.md`, `theory.md (12)`, `[theory.md](theory.md), section 2`.
 fn around<'t>(text: &'t str, page: &'t str) -> impl Iterator<Item = (&'t str, &'t str)> {
     text.match_indices(page).map(move |(at, _)| {
         let before = text[..at].trim_end_matches("docs/").trim_end_matches(['`', '[']);
@@ -43,7 +45,8 @@ fn around<'t>(text: &'t str, page: &'t str) -> impl Iterator<Item = (&'t str, &'
 /// What links the parts of one citation.
 const LINKS: [&str; 3] = [", ", " and ", " to "];
 
-/// The label of an equation in brackets at the beginning of a text, such as `(12)` or `(A3)`, and what follows it.
+/// The label of an equation in brackets at the beginning of a text, such as `(12)` or `(A3)`, and
+/// what follows it.
 fn leading_label(text: &str) -> Option<(&str, &str)> {
     let (label, rest) = text.strip_prefix('(')?.split_once(')')?;
     let digits = label.trim_start_matches(['A', 'N']);
@@ -90,7 +93,8 @@ fn invariant_every_equation_that_is_cited_is_on_its_page() {
             let last = before.strip_suffix(" of ").and_then(|b| leading_label(&b[b.rfind('(')?..]));
             found.extend(last.map(|(label, _)| label));
         }
-        // Labels with a letter belong to one page each. On these pages any other is one of the theory page.
+        // Labels with a letter belong to one page each. On these pages any other is one of the
+        // theory page.
         let bare = ["theory.md", "numerics.md", "guarantees.md"].iter().any(|page| path.ends_with(page));
         found.extend(labels(&text).filter(|label| bare || label.starts_with(['A', 'N'])));
         cited += found.len();
@@ -124,7 +128,8 @@ fn flowing(text: &str) -> String {
     flowing
 }
 
-/// The numbers and the titles of a page's sections, and what its paragraphs begin with in bold or italics.
+/// The numbers and the titles of a page's sections, and what its paragraphs begin with in bold or
+/// italics.
 fn sections(page: &str) -> (BTreeSet<usize>, String) {
     let mut numbers = BTreeSet::new();
     let mut titles = String::new();
@@ -382,7 +387,8 @@ fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
     assert!(wrong.is_empty(), "not so in the standard: {wrong:#?}");
     println!("{cited} citations, {named} names");
     assert!(cited > 200 && named > 150, "{cited} citations, {named} names");
-    // What the test looks for is found: the parts of a citation, a clause that is not there, one that defines something else.
+    // What the test looks for is found: the parts of a citation, a clause that is not there, one
+    // that defines something else.
     let text = "`fmi2A` and `fmi3DoStep` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7 to 2.2.99)";
     let names = vec!["fmi3DoStep", "fmi2A"];
     let expected = [("2.0", vec!["2.1.8"], names.clone()), ("3.0", vec!["2.2.7", "2.2.99"], names)];
@@ -391,7 +397,8 @@ fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
     assert_eq!(problems(&expected[1], &listed).len(), 2);
 }
 
-/// The design page with the standard's name before each clause of the section in which it is left out.
+/// The design page with the standard's name before each clause of the section in which it is left
+/// out.
 fn standing_apart(page: &str) -> String {
     let (before, rest) = page.split_once("Clauses are those of version 3.0.2.").expect("the section");
     let (section, after) = rest.split_once("\n## ").expect("a section behind it");

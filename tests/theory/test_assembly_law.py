@@ -328,7 +328,8 @@ def test_law_21_variations_over_an_impact_by_differences() -> None:
 
     for direction in [(1, 0), (0, 1), (2, -3)]:
         plus, minus = (after(*(x + sign * step * d for x, d in zip(start, direction))) for sign in (1, -1))
-        # z = (h, v, sin t, cos t, 1): the floor's own states do not vary, but move with the time of the event.
+        # z = (h, v, sin t, cos t, 1): the floor's own states do not vary, but move with the time of
+        # the event.
         t = meeting(*start)
         speed = fall(*start, t)[1]
         rebound = speed - (1 + restitution) * (speed - mp.cos(t))
@@ -355,8 +356,8 @@ def test_law_22_a_row_after_any_time_bounds_the_second_derivative(seed: int) -> 
         return mp.fsum(reach * abs(y) for reach, y in zip(reaches, x))
 
     second = a * a * z
-    # A difference of the second order leaves out h²/12 of the fourth derivative somewhere between; between the samples the reaches are a
-    # little larger.
+    # A difference of the second order leaves out h²/12 of the fourth derivative somewhere between;
+    # between the samples the reaches are a little larger.
     left_out = h**2 / 12 * bound(a * a * second) * mpf("1.5")
     for k in range(1, count):
         before, now, after = ((later[i] * z)[0] for i in (k - 1, k, k + 1))
@@ -410,6 +411,7 @@ def test_law_25_neutral_directions() -> None:
         # Along the places u = (1, 1) a variation stays what it is.
         places, rates = matrix([1, 1, 0, 0]), matrix([0, 0, 1, 1])
         assert mp.norm(later * places - places) < ROUNDING
-        # Along the rates it becomes (t u, u) where nothing acts on both, and shrinks where a dashpot does.
+        # Along the rates it becomes (t u, u) where nothing acts on both, and shrinks where a
+        # dashpot does.
         kept = mp.norm(later * rates - (time * places + rates)) < ROUNDING
         assert kept == (drag == 0)

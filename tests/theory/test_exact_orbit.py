@@ -93,7 +93,8 @@ def test_eq_72_alternating_impulses() -> None:
             total, power = total + power * total, power * power
         assert mpmath.norm(total - k["G_plus"]) < mpmath.mpf(10) ** -12
         assert mpmath.norm(k["M"] * k["G_plus"] + k["G_minus"]) < TIGHT
-        # g is a unit impulse (of m2 ω1 L) on the box at the upper stop: it changes v1 by m2/m1, v2 by -1.
+        # g is a unit impulse (of m2 ω1 L) on the box at the upper stop: it changes v1 by m2/m1, v2
+        # by -1.
         assert list(k["g"]) == [0, 0, 0, k["m_2"] / k["m_1"], -1, 0]
 
 

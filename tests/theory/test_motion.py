@@ -51,7 +51,8 @@ def test_eq_97_loads_of_an_off_centre_gap() -> None:
     middle.update({name: eq(97)(name, env) for name in ("f_2", "f_3")})
     for relation in eq(3).relations:
         assert zero(relation.left(spring) - relation.right(spring) - relation.left(middle) + relation.right(middle))
-    # The stops: w = s L in the middle's coordinate where the block touches at b + s L in the spring's.
+    # The stops: w = s L in the middle's coordinate where the block touches at b + s L in the
+    # spring's.
     stop = sympy.solve(env["bar_x_2"] - env["x_1"] - sym("b") - sym("s") * sym("L"), env["bar_x_2"])[0]
     assert zero((offset - env["x_1"]).subs(env["bar_x_2"], stop) - sym("s") * sym("L"))
 

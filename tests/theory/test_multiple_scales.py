@@ -45,7 +45,8 @@ def test_eq_32_33_form_of_the_motion() -> None:
     env["eta"] = eq(32)("eta", env)
     U, W, X_3 = (eq(32)(k, env) for k in ("U", "W", "X_3"))
     u, x = U.subs(leading), X_3.subs(leading)
-    # At ε = 0 both are free oscillations; the right sides of (30) and (24) have the factor ε or are -X3.
+    # At ε = 0 both are free oscillations; the right sides of (30) and (24) have the factor ε or are
+    # -X3.
     assert zero(u.diff(tau, 2) + u - eq(30).relations[0].right({"varepsilon": 0}))
     assert zero(x.diff(tau, 2) - eq(24)("X_3pp", {"varepsilon": 0, "X_3": x}))
     # U + W is the sawtooth alone: straight between the impacts, as (24) has it at β = 0.

@@ -70,7 +70,8 @@ def test_eq_60_slope_restitution_response_and_coefficient() -> None:
     z = eq(59).relations[0].right({"beta": beta})
     nu = eq(60)("nu", {"beta": beta})
     assert zero(z.diff(phi).subs(phi, 0) + nu)
-    # C Z* + Im(r e^{iφ}) has the slopes -νC + Re r after and νC + Re r before the impact; Re r = ρ* C.
+    # C Z* + Im(r e^{iφ}) has the slopes -νC + Re r after and νC + Re r before the impact; Re r = ρ*
+    # C.
     r = sym("r")
     found = sympy.solve((-nu * C + r) + kappa * (nu * C + r), r)[0]
     assert zero(found - C * eq(60)("rho_ast", {"nu": nu}))
@@ -149,7 +150,8 @@ def test_eq_65_slow_flow_of_phasors(values: Dict[str, float]) -> None:
     turn = mpmath.expjpi(-k["delta"] / mpmath.pi)
     at = {**steady, "y": k["y"] * turn, "y_3": k["y_3"] * turn}
     assert all(abs(r.right({**NUMERIC, **at})) < 1e-12 for r in eq(65).relations)
-    # Anywhere: U = Im(y e^{iΩ1τ}) gives U'' + U = ε Im((2i y' - 2σ1 y) e^{iΩ1τ}) + O(ε²); X2 = |k| Z*(φ) + q X3.
+    # Anywhere: U = Im(y e^{iΩ1τ}) gives U'' + U = ε Im((2i y' - 2σ1 y) e^{iΩ1τ}) + O(ε²); X2 = |k|
+    # Z*(φ) + q X3.
     y, y_3, c, late = mpmath.mpc("0.3", "-0.8"), mpmath.mpc("1.1", "0.2"), mpmath.mpf("1.2"), mpmath.mpf("0.4")
     slaved = c * mpmath.expjpi(-late / mpmath.pi)
     swing = {**k, "C": c, "y_3": y_3 * mpmath.expjpi(late / mpmath.pi)}

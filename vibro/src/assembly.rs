@@ -1,5 +1,6 @@
-//! Machines of the user's own, from the text file that describes them: what such a machine is, and its motion as tables, a
-//! picture and an account. Physics and the file's grammar are in `vibro-assembly`.
+//! Machines of the user's own, from the text file that describes them: what such a machine is, and
+//! its motion as tables, a picture and an account. Physics and the file's grammar are in
+//! `vibro-assembly`.
 
 mod picture;
 mod summary;
@@ -24,8 +25,9 @@ use vibro_impact::quantities::{Quantity, Unit};
 /// Most samples of a motion, a few gigabytes of a table.
 const MOST: usize = 10_000_000;
 
-/// Reads a machine's file and replaces parameters, each as `NAME=VALUE`. A value without a unit is in that in which the file or a value
-/// before it writes the parameter; `note` hears where it makes a difference.
+/// Reads a machine's file and replaces parameters, each as `NAME=VALUE`. A value without a unit is
+/// in that in which the file or a value before it writes the parameter; `note` hears where it makes
+/// a difference.
 ///
 /// # Errors
 /// [`Error::Refusal`], with every problem of the file, or of the new values.
@@ -45,7 +47,8 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
     Ok(machine.with(changes)?)
 }
 
-/// Words that say in which unit numbers without one were read, where it makes a difference; `read` is one of them.
+/// Words that say in which unit numbers without one were read, where it makes a difference; `read`
+/// is one of them.
 pub fn taken(numbers: &[&str], read: &Quantity, typed: &str) -> Option<String> {
     let bare = |number: &&str| number.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
     let unit = read.unit.filter(|unit| !unit.is_si() && numbers.iter().any(bare))?;
@@ -73,8 +76,8 @@ fn check_count(count: usize) -> Result<()> {
     Err(Error::Refused { what: format!("{count} samples"), problem: format!("allowed are up to {MOST}") })
 }
 
-/// Instants from a file: a number in s a line, not before 0 and none before the one above; empty lines and those that begin with
-/// `#` are skipped.
+/// Instants from a file: a number in s a line, not before 0 and none before the one above; empty
+/// lines and those that begin with `#` are skipped.
 ///
 /// # Errors
 /// [`Error::File`]; [`Error::Config`] with the line.
@@ -108,7 +111,8 @@ pub fn times_of(path: &Path) -> Result<Vec<f64>> {
 pub struct Record {
     /// The machine.
     pub assembly: Arc<Assembly>,
-    /// Names of the columns of `rows`, after `time`: of each body `.s`, `.v`, `.a`, of each element `.e`, `.rate`, `.f`.
+    /// Names of the columns of `rows`, after `time`: of each body `.s`, `.v`, `.a`, of each element
+    /// `.e`, `.rate`, `.f`.
     pub columns: Vec<String>,
     /// Time and values.
     pub rows: Vec<Vec<f64>>,
@@ -133,8 +137,9 @@ pub enum Ended {
     Stopped,
 }
 
-/// Follows a machine to each of the instants, until `asked` is set; `done` hears of each instant and of each event, as the part of the time
-/// that is over. Where coordinates become too large for numbers, the record ends with the instant before.
+/// Follows a machine to each of the instants, until `asked` is set; `done` hears of each instant
+/// and of each event, as the part of the time that is over. Where coordinates become too large for
+/// numbers, the record ends with the instant before.
 ///
 /// # Errors
 /// [`Error::Assembly`] for a machine without a motion from its start.
@@ -173,7 +178,8 @@ pub fn record(
     Ok(record)
 }
 
-/// The quantities whose extremes are told or drawn: coordinates and rates of bodies, forces of stops and friction.
+/// The quantities whose extremes are told or drawn: coordinates and rates of bodies, forces of
+/// stops and friction.
 fn watched(d: &Description) -> Result<Vec<Place>> {
     let of = |name: &String, what| assembly::Quantity { of: name.clone(), what };
     let contacts = d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
@@ -183,7 +189,8 @@ fn watched(d: &Description) -> Result<Vec<Place>> {
     all.map(|quantity| Ok(quantity.place(d)?)).collect()
 }
 
-/// Kind, element and value of an event, and how many stops took part: the columns of `events.csv` after the time.
+/// Kind, element and value of an event, and how many stops took part: the columns of `events.csv`
+/// after the time.
 pub fn event_in_words(d: &Description, kind: &EventKind) -> [String; 4] {
     let NamedEvent { kind, element, value, stops } = named(d, kind);
     [kind.into(), element, value.map_or(String::new(), exact), stops.map_or(String::new(), |n| n.to_string())]
@@ -270,7 +277,8 @@ impl Record {
         csv.text()
     }
 
-    /// Extents, contacts, events and energies, line by line; `knots` tells whether [`events`](Self::events) has the knots.
+    /// Extents, contacts, events and energies, line by line; `knots` tells whether
+    /// [`events`](Self::events) has the knots.
     pub fn account(&self, knots: bool) -> Vec<String> {
         summary::account(self, knots)
     }

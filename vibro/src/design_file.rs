@@ -1,4 +1,5 @@
-//! Designs from a CSV file: a header with names of parameters, and a row of numbers for each design.
+//! Designs from a CSV file: a header with names of parameters, and a row of numbers for each
+//! design.
 //!
 //! ```csv
 //! block.m,stop.gap,stop.restitution
@@ -6,9 +7,9 @@
 //! 0.8,0.012,0.75
 //! ```
 //!
-//! A cell is a number with a unit, or one without in the unit in which the machine's file or `--set` wrote that parameter,
-//! else in SI. A number that its parameter does not allow is no error here: that design is a
-//! row of the sweep with its reason.
+//! A cell is a number with a unit, or one without in the unit in which the machine's file or
+//! `--set` wrote that parameter, else in SI. A number that its parameter does not allow is no error
+//! here: that design is a row of the sweep with its reason.
 
 use crate::{Error, Result};
 use std::path::Path;
@@ -22,8 +23,9 @@ const MOST: usize = 100_000;
 /// Reads designs of a machine.
 ///
 /// # Errors
-/// [`Error::File`]; [`Error::Config`] with the line for names that are none, cells that are no finite numbers, rows of another
-/// length than the header, and files without a design or with too many.
+/// [`Error::File`]; [`Error::Config`] with the line for names that are none, cells that are no
+/// finite numbers, rows of another length than the header, and files without a design or with too
+/// many.
 pub fn read(path: &Path, set: &ParameterSet) -> Result<Designs> {
     let text = std::fs::read(path).map_err(Error::file("reading", path))?;
     parse(&text, set).map_err(|problem| Error::Config { path: path.into(), problem })

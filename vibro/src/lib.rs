@@ -1,5 +1,5 @@
-//! What the command line `vibro` is made of: the studies with their tables and figures, the report, and what is read from and
-//! written to disk.
+//! What the command line `vibro` is made of: the studies with their tables and figures, the report,
+//! and what is read from and written to disk.
 //!
 //! | module | what it does |
 //! |---|---|

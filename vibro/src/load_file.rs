@@ -1,5 +1,5 @@
-//! Loads as on the command line: a constant force, or a force record in a file, CSV text of time (s) and force (N), read into a
-//! [`Load`].
+//! Loads as on the command line: a constant force, or a force record in a file, CSV text of time
+//! (s) and force (N), read into a [`Load`].
 //!
 //! ```text
 //! time [s];force [N]
@@ -7,8 +7,8 @@
 //! 0.001;12.5
 //! ```
 //!
-//! Columns are separated by commas or semicolons, with a decimal point. A header is allowed, and if it names units these are s
-//! and N. Empty lines and lines that begin with # are skipped.
+//! Columns are separated by commas or semicolons, with a decimal point. A header is allowed, and if
+//! it names units these are s and N. Empty lines and lines that begin with # are skipped.
 
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -20,8 +20,8 @@ use vibro_impact::parameters::LOADS;
 const EXPECTED: &str =
     "two numbers, time (s) and force (N), separated by a comma or a semicolon, with a decimal point";
 
-/// A load as on the command line: `box=record.csv` or `block=-3.4N`. What can be read as a force is one; a file of such a name is
-/// `./5N`.
+/// A load as on the command line: `box=record.csv` or `block=-3.4N`. What can be read as a force is
+/// one; a file of such a name is `./5N`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoadArgument {
     /// From a file.
@@ -61,7 +61,8 @@ impl std::str::FromStr for LoadArgument {
 }
 
 impl LoadArgument {
-    /// The load in words that depend on it alone, for manifests; `None` for a file that cannot be read twice.
+    /// The load in words that depend on it alone, for manifests; `None` for a file that cannot be
+    /// read twice.
     pub fn in_words(&self) -> Option<String> {
         match self {
             Self::File(file) => file.contents_in_words(),
@@ -75,7 +76,8 @@ pub fn files(loads: &[LoadArgument]) -> impl Iterator<Item = &LoadFile> {
     loads.iter().filter_map(|load| if let LoadArgument::File(file) = load { Some(file) } else { None })
 }
 
-/// Puts the constant ones among loads into a parameter set, those on one body added up and to what is there.
+/// Puts the constant ones among loads into a parameter set, those on one body added up and to what
+/// is there.
 ///
 /// # Errors
 /// A sum that is not finite.
@@ -104,8 +106,9 @@ impl LoadFile {
         parse(&text, self.body, interpolation).map_err(|words| problem(&self.path, words))
     }
 
-    /// The body and a digest of what is in the file, for manifests: a record that was changed makes another result, and one that
-    /// was moved does not. `None` for what cannot be read twice, such as a pipe.
+    /// The body and a digest of what is in the file, for manifests: a record that was changed makes
+    /// another result, and one that was moved does not. `None` for what cannot be read twice, such
+    /// as a pipe.
     pub fn contents_in_words(&self) -> Option<String> {
         let bytes = self.path.is_file().then(|| std::fs::read(&self.path).ok()).flatten()?;
         Some(format!("{}=file of {} bytes, digest {:016x}", self.body.name(), bytes.len(), fnv1a(&bytes)))
@@ -148,7 +151,8 @@ fn parse(text: &str, body: Body, interpolation: Interpolation) -> std::result::R
     })
 }
 
-/// The cells of a line. Line by line, since what is wrong is told with its line, and a record has no line breaks in its cells.
+/// The cells of a line. Line by line, since what is wrong is told with its line, and a record has
+/// no line breaks in its cells.
 fn cells(line: &str, separator: u8) -> csv::Result<csv::StringRecord> {
     let mut record = csv::StringRecord::new();
     csv::ReaderBuilder::new()
@@ -161,7 +165,8 @@ fn cells(line: &str, separator: u8) -> csv::Result<csv::StringRecord> {
     Ok(record)
 }
 
-/// Units in brackets, or round ones, of the two cells of a header: a record in other units would be misread in silence.
+/// Units in brackets, or round ones, of the two cells of a header: a record in other units would be
+/// misread in silence.
 fn check_units(line: usize, cells: &csv::StringRecord) -> std::result::Result<(), String> {
     for (cell, allowed) in cells.iter().zip(["s", "N"]) {
         let inside = cell.split_once(['[', '(']).and_then(|(_, rest)| rest.split_once([']', ')']));

@@ -1,5 +1,5 @@
-//! Long studies as plain data. The manifest of a folder of parts holds one, so that parts of different studies are never
-//! mixed and several machines work on the same one.
+//! Long studies as plain data. The manifest of a folder of parts holds one, so that parts of
+//! different studies are never mixed and several machines work on the same one.
 
 use super::studies::{self, Study};
 use super::subject::Subject;
@@ -15,8 +15,9 @@ use vibro_analysis::isoperiodic;
 use vibro_analysis::parts::Task;
 use vibro_orbits::{Family, Span, TreeOptions, tree_in_parts};
 
-/// The form of the parts on disk: how a study is divided and what a part holds. It is counted up whenever one of them changes, so that
-/// parts of another form are never put together. Before it was written down it was 1.
+/// The form of the parts on disk: how a study is divided and what a part holds. It is counted up
+/// whenever one of them changes, so that parts of another form are never put together. Before it
+/// was written down it was 1.
 pub const FORMAT: u32 = 6;
 
 /// One long study.
@@ -152,7 +153,8 @@ impl LongStudy {
         }
     }
 
-    /// Checks that results and tables of a plane fit into memory, before anything is computed or written.
+    /// Checks that results and tables of a plane fit into memory, before anything is computed or
+    /// written.
     ///
     /// # Errors
     /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
@@ -184,13 +186,14 @@ impl LongStudy {
     /// Computes the parts of the shard; the tables and pictures too where all parts are there.
     ///
     /// # Errors
-    /// As [`check`](Self::check), [`bifurcation::diagram`], [`basin::basin`], [`isoperiodic::isoperiodic`], [`design_sweep::fill`] and
-    /// [`tree_in_parts`].
+    /// As [`check`](Self::check), [`bifurcation::diagram`], [`basin::basin`],
+    /// [`isoperiodic::isoperiodic`], [`design_sweep::fill`] and [`tree_in_parts`].
     pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
         self.run_telling(task, &|_, _| ())
     }
 
-    /// The same; where the number of parts is not known beforehand, `tell` hears of what is done, and of what is known to be in all.
+    /// The same; where the number of parts is not known beforehand, `tell` hears of what is done,
+    /// and of what is known to be in all.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -271,8 +274,8 @@ impl LongStudy {
         Ok(study?.map(|study| vec![study]))
     }
 
-    /// Writes the tables that are too long for memory from the parts of a finished study, which a [`Study`] names as its
-    /// [`files`](Study::files).
+    /// Writes the tables that are too long for memory from the parts of a finished study, which a
+    /// [`Study`] names as its [`files`](Study::files).
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File), [`Error::Output`](crate::Error::Output).

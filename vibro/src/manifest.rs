@@ -1,5 +1,5 @@
-//! Manifests: what a folder of finished parts, or a finished result, was computed from. They keep results of different
-//! parameters apart.
+//! Manifests: what a folder of finished parts, or a finished result, was computed from. They keep
+//! results of different parameters apart.
 
 use crate::long_study::{FORMAT, LongStudy};
 use crate::subject::Subject;
@@ -17,7 +17,8 @@ const PROGRAM: &str = "vibro";
 pub struct Invocation {
     /// The command, e.g. `basin`.
     pub command: String,
-    /// The command line without what results do not depend on: the folder, the number of threads, the shard.
+    /// The command line without what results do not depend on: the folder, the number of threads,
+    /// the shard.
     pub command_line: String,
     /// The options of the command on which its results depend, with their values or defaults.
     pub options: BTreeMap<String, String>,
@@ -104,8 +105,9 @@ impl Manifest {
         toml::to_string(self).map_err(Error::output("a manifest"))
     }
 
-    /// Whether both describe the same result: the same study and options and the same parameters, by whatever version
-    /// and in whatever words. Parts must also be of the same version, since they are put together.
+    /// Whether both describe the same result: the same study and options and the same parameters,
+    /// by whatever version and in whatever words. Parts must also be of the same version, since
+    /// they are put together.
     pub fn describes_same(&self, other: &Self) -> bool {
         self.long_study == other.long_study && self.differences(other).is_empty()
     }
@@ -161,7 +163,8 @@ impl Manifest {
         values
     }
 
-    /// Eight hexadecimal digits that differ between commands, options and parameters, for the name of a folder.
+    /// Eight hexadecimal digits that differ between commands, options and parameters, for the name
+    /// of a folder.
     pub fn digest(&self) -> String {
         let mut values = self.values();
         // One command may make several studies, all of which belong in one folder.
@@ -197,8 +200,8 @@ fn lines_apart(name: &str, there: &str, here: &str) -> Vec<String> {
     [alone(there, here, "there"), alone(here, there, "here")].concat()
 }
 
-/// The form of parts that a manifest names which cannot be read as one of this program's; none where it is this program's own form,
-/// or where the text is no manifest of parts.
+/// The form of parts that a manifest names which cannot be read as one of this program's; none
+/// where it is this program's own form, or where the text is no manifest of parts.
 fn other_form(text: &str) -> Option<i64> {
     let manifest: toml::Table = toml::from_str(text).ok()?;
     let study = manifest.get("long_study")?.as_table()?;

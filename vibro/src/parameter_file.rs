@@ -57,8 +57,8 @@ pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
     Ok(())
 }
 
-/// Flattens nested tables to structured names: `m` in the table `box` is `box.m`. A value goes with the unit in which it was
-/// written.
+/// Flattens nested tables to structured names: `m` in the table `box` is `box.m`. A value goes with
+/// the unit in which it was written.
 fn collect(
     prefix: &str,
     value: &toml::Value,
@@ -87,8 +87,9 @@ fn misplaced(name: &str, what: &str) -> vibro_analysis::Error {
     vibro_analysis::Error::UnknownName { name: name.into(), advice: format!("in this table: it is {what}") }
 }
 
-/// What is wrong with a text that is no TOML. The commonest case, a word or a number with a unit without quotation marks,
-/// is told by the parameter's name, because the parser takes `t…` for the beginning of `true`.
+/// What is wrong with a text that is no TOML. The commonest case, a word or a number with a unit
+/// without quotation marks, is told by the parameter's name, because the parser takes `t…` for the
+/// beginning of `true`.
 fn explained(text: &str, error: &toml::de::Error) -> Error {
     let explain = || -> Option<Error> {
         let before = text.get(..error.span()?.start)?;
@@ -106,7 +107,8 @@ fn explained(text: &str, error: &toml::de::Error) -> Error {
     explain().unwrap_or_else(|| Error::output("sense of the file")(error))
 }
 
-/// A parameter file with every parameter of one form: what it is, its unit, what is allowed, and the default value.
+/// A parameter file with every parameter of one form: what it is, its unit, what is allowed, and
+/// the default value.
 pub fn template(groups: bool) -> String {
     let set = ParameterSet::basic();
     let mut text = String::from(

@@ -1,9 +1,10 @@
-//! Finished parts of a long study in a folder on disk, so that an interrupted study continues and several machines can
-//! share one.
+//! Finished parts of a long study in a folder on disk, so that an interrupted study continues and
+//! several machines can share one.
 //!
-//! The folder holds `manifest.toml`, which says what is computed, a file for each finished part, and `lock`, which the
-//! program at work holds. A file is written under another name and then renamed, so that a part is there whole or not at
-//! all. Parts of another study are kept unless the user asks to discard them, and files of others are never removed.
+//! The folder holds `manifest.toml`, which says what is computed, a file for each finished part,
+//! and `lock`, which the program at work holds. A file is written under another name and then
+//! renamed, so that a part is there whole or not at all. Parts of another study are kept unless the
+//! user asks to discard them, and files of others are never removed.
 
 use crate::long_study::FORMAT;
 use crate::manifest::Manifest;
@@ -41,13 +42,14 @@ pub struct PartFolder {
 }
 
 impl PartFolder {
-    /// Opens or makes a folder of parts of the study that `manifest` describes, and locks it. Parts of another study are
-    /// refused, or removed if `discard` says so.
+    /// Opens or makes a folder of parts of the study that `manifest` describes, and locks it. Parts
+    /// of another study are refused, or removed if `discard` says so.
     ///
     /// # Errors
-    /// [`Error::Config`] where another program works in the folder, where it holds parts of another study or of another
-    /// [form](FORMAT) and `discard` is false, for a study whose parts are of another form, and where its manifest is damaged
-    /// or is missing beside other files; [`Error::File`], [`Error::Output`].
+    /// [`Error::Config`] where another program works in the folder, where it holds parts of another
+    /// study or of another [form](FORMAT) and `discard` is false, for a study whose parts are of
+    /// another form, and where its manifest is damaged or is missing beside other files;
+    /// [`Error::File`], [`Error::Output`].
     pub fn open(folder: &Path, manifest: &Manifest, discard: bool) -> Result<Self> {
         // Of a study that was read from a folder of shards.
         if let Some(format) = format_of(manifest).filter(|format| *format != FORMAT) {
@@ -75,8 +77,8 @@ impl PartFolder {
     /// What a folder holds for the study that `manifest` describes.
     ///
     /// # Errors
-    /// [`Error::Config`] where the manifest is damaged or no manifest of parts, and where there are files but no manifest;
-    /// [`Error::File`].
+    /// [`Error::Config`] where the manifest is damaged or no manifest of parts, and where there are
+    /// files but no manifest; [`Error::File`].
     pub fn occupancy(folder: &Path, manifest: &Manifest) -> Result<Occupancy> {
         let path = folder.join(MANIFEST);
         if path.exists() {
@@ -136,7 +138,8 @@ impl PartFolder {
         Ok(())
     }
 
-    /// Removes parts and manifest, whose study is finished, and the folder if nothing else is in it.
+    /// Removes parts and manifest, whose study is finished, and the folder if nothing else is in
+    /// it.
     ///
     /// # Errors
     /// [`Error::File`].
@@ -162,7 +165,8 @@ impl PartFolder {
 /// Held by each part that is being written, and by who lets no further one become whole.
 static SAVING: RwLock<()> = RwLock::new(());
 
-/// Lets no part become whole as long as what is returned lives: for a program that counts the parts it keeps and ends.
+/// Lets no part become whole as long as what is returned lives: for a program that counts the parts
+/// it keeps and ends.
 pub fn stop_saving() -> impl Drop {
     SAVING.write().unwrap_or_else(PoisonError::into_inner)
 }

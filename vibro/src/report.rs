@@ -132,7 +132,8 @@ impl Plan {
         self.coarse.count() + self.fine.count() + self.basin.count() + SHORT
     }
 
-    /// The studies that are computed in parts, in the order in which [`Self::run`] takes their folders.
+    /// The studies that are computed in parts, in the order in which [`Self::run`] takes their
+    /// folders.
     pub fn long_studies(&self) -> [&LongStudy; 3] {
         [&self.coarse, &self.fine, &self.basin]
     }
@@ -148,7 +149,8 @@ impl Plan {
         Ok(all)
     }
 
-    /// Computes everything; finished parts go into the folders of the long studies and are taken from there.
+    /// Computes everything; finished parts go into the folders of the long studies and are taken
+    /// from there.
     ///
     /// # Errors
     /// What the studies refuse, and what the disk does.
@@ -230,7 +232,8 @@ impl Plan {
             studies::sweep(set, fine_sweep, fine, "figure-14-fine")?,
             match orbits {
                 Ok(orbits) => orbits.study(set, sweep, coarse, ORBITS)?,
-                // A machine whose orbits phases do not determine, such as one with a free block, has all other figures.
+                // A machine whose orbits phases do not determine, such as one with a free block,
+                // has all other figures.
                 Err(e) => Study::without_figure(ORBITS, format!("no branches of periodic orbits: {e}")),
             },
             spectra,

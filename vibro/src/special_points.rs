@@ -1,4 +1,5 @@
-//! Tables of special points, as `vibro orbits` writes them, and the choice of rows from which curves in two parameters start.
+//! Tables of special points, as `vibro orbits` writes them, and the choice of rows from which
+//! curves in two parameters start.
 //!
 //! ```text
 //! special-points.csv          every row that starts a curve
@@ -77,11 +78,12 @@ impl FromStr for Selection {
 }
 
 impl Selection {
-    /// The points of the table that are chosen, over the machine's value `held` of the second parameter.
+    /// The points of the table that are chosen, over the machine's value `held` of the second
+    /// parameter.
     ///
     /// # Errors
-    /// [`Error::Config`] for a file that is no such table, a row that it does not have or that starts no curve, and a choice that no
-    /// row meets, with the nearest one.
+    /// [`Error::Config`] for a file that is no such table, a row that it does not have or that
+    /// starts no curve, and a choice that no row meets, with the nearest one.
     pub fn points(&self, along: Name, held: f64) -> Result<Vec<SpecialPoint>> {
         let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
         let unread =
@@ -186,7 +188,8 @@ impl Row<'_> {
         Ok(Name::find(self.cell("parameter")?)?)
     }
 
-    /// The point; `None` for a row from which no curve starts: an end of the range, a path not followed on, a value asked for.
+    /// The point; `None` for a row from which no curve starts: an end of the range, a path not
+    /// followed on, a value asked for.
     fn point(&self, along: Name, held: f64) -> Result<Option<SpecialPoint>> {
         let name = self.cell("label")?;
         let Some(label) = Label::STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };

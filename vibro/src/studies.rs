@@ -112,7 +112,8 @@ impl Study {
 /// Size of a panel in units of the drawing, unless a figure needs another.
 const PANEL: (u32, u32) = (1700, 1150);
 
-/// An axis over a range of a parameter, which is in SI, in the unit in which the parameter was written.
+/// An axis over a range of a parameter, which is in SI, in the unit in which the parameter was
+/// written.
 fn parameter_axis(set: &ParameterSet, name: Name, (from, to): (f64, f64)) -> Axis {
     let axis = Axis::over(set.label(name), from, to);
     match set.unit(name) {

@@ -1,5 +1,5 @@
-//! The machine that a study is of, as manifests, tables and captions tell it: the 3-DOF machine by its parameter set, or one of the
-//! user's own by its file.
+//! The machine that a study is of, as manifests, tables and captions tell it: the 3-DOF machine by
+//! its parameter set, or one of the user's own by its file.
 
 use std::collections::BTreeMap;
 use vibro_analysis::assembly::{self, Section, SectionRule};
@@ -17,7 +17,8 @@ pub trait Subject: Sync {
     /// Its parameters in a line.
     fn caption(&self) -> String;
 
-    /// The unit in which a column of a table answers beside SI, where it is of a parameter that was written in another unit.
+    /// The unit in which a column of a table answers beside SI, where it is of a parameter that was
+    /// written in another unit.
     fn unit_of_column(&self, column: &str) -> Option<&'static Unit>;
 }
 
@@ -37,8 +38,8 @@ impl Subject for ParameterSet {
         self.caption()
     }
 
-    /// Columns are named after the parameter: `drive.frequency`, `drive.frequency_from`, `drive.frequency_to`,
-    /// `amplitude.x1.max.drive.frequency`.
+    /// Columns are named after the parameter: `drive.frequency`, `drive.frequency_from`,
+    /// `drive.frequency_to`, `amplitude.x1.max.drive.frequency`.
     fn unit_of_column(&self, column: &str) -> Option<&'static Unit> {
         let plain = column.strip_suffix("_from").or_else(|| column.strip_suffix("_to")).unwrap_or(column);
         let plain = plain.split_once(".max.").map_or(plain, |(_, name)| name);

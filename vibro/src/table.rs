@@ -32,7 +32,8 @@ impl Table {
     }
 }
 
-/// CSV text that is written row by row: a [`Table`] of millions of rows would take hundreds of megabytes.
+/// CSV text that is written row by row: a [`Table`] of millions of rows would take hundreds of
+/// megabytes.
 pub struct CsvRows(csv::Writer<Vec<u8>>);
 
 impl CsvRows {
@@ -63,7 +64,8 @@ impl CsvRows {
     }
 }
 
-/// CSV text of `count` groups of rows in their order; `fill` appends the rows of one. They are formatted on all threads.
+/// CSV text of `count` groups of rows in their order; `fill` appends the rows of one. They are
+/// formatted on all threads.
 ///
 /// # Errors
 /// [`Error::Output`]; what `fill` returns.
@@ -95,8 +97,8 @@ pub fn column_in(column: &str, unit: &Unit) -> String {
     format!("{column} [{}]", unit.plain())
 }
 
-/// A table with a further column, at its end, for each column of a parameter that was written in another unit than SI: the same
-/// values in that unit, which the column's name tells.
+/// A table with a further column, at its end, for each column of a parameter that was written in
+/// another unit than SI: the same values in that unit, which the column's name tells.
 ///
 /// # Errors
 /// [`Error::Output`] for what is no table.
@@ -127,7 +129,8 @@ pub fn in_written_units<'t>(subject: &dyn Subject, csv: &'t [u8]) -> Result<Cow<
     Ok(Cow::Owned(rows.text()?))
 }
 
-/// A value in a unit, without the last digits that the way to SI and back has cost: 10 Hz are 10 and not 10.000000000000002.
+/// A value in a unit, without the last digits that the way to SI and back has cost: 10 Hz are 10
+/// and not 10.000000000000002.
 pub fn shown(unit: &Unit, si: f64) -> f64 {
     let number = unit.number(si);
     format!("{number:.14e}").parse().unwrap_or(number)

@@ -1,4 +1,5 @@
-//! Runs the real `vibro assembly`: what it says of a machine, the files of a motion, what it refuses.
+//! Runs the real `vibro assembly`: what it says of a machine, the files of a motion, what it
+//! refuses.
 
 #[path = "common/mod.rs"]
 mod command;

@@ -1,4 +1,5 @@
-//! Runs the real `vibro assembly bifurcation|lyapunov|sweep`: against the library, in shards, and what it refuses.
+//! Runs the real `vibro assembly bifurcation|lyapunov|sweep`: against the library, in shards, and
+//! what it refuses.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -54,7 +55,8 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
         // Written in mm, the gap has a column in mm.
         assert_eq!(value("stop.steel.gap [mm]"), 4.0);
     }
-    // The buffer pressed far in from the start is a design without an equilibrium; it has a row that says why.
+    // The buffer pressed far in from the start is a design without an equilibrium; it has a row
+    // that says why.
     assert!(rows.iter().all(|row| row["reason"].is_empty() != row["amplitude.box.s"].is_empty()));
 }
 
@@ -153,7 +155,8 @@ fn closed_form_exponent_of_an_oscillator() {
     let out = folder("assembly-exponent");
     drawn(&out, &["assembly", "lyapunov", &path.display().to_string(), "--periods", "160"]);
     let row = &table(&out, "assembly-lyapunov.csv")[0];
-    // δ'' + 4 δ' + 400 δ = 0 shrinks with e^-2t; its length swings by some percent of one e-fold in 25 s.
+    // δ'' + 4 δ' + 400 δ = 0 shrinks with e^-2t; its length swings by some percent of one e-fold in
+    // 25 s.
     let exponent: f64 = row["exponent"].parse().unwrap();
     assert!((exponent + 2.0).abs() < 4e-3 && row["class"] == "1T", "{row:?}");
 }
@@ -238,7 +241,8 @@ fn second_method_points_of_a_plane_are_single_motions_and_its_picture_shows_them
         let (i, j) = (index % 8, index / 8);
         let part = |from: f64, to: f64, part: f64| from * (1.0 - part) + to * part;
         assert_eq!((x, y), (part(4e-3, 6e-3, i as f64 / 7.0), part(5e-3, 8e-3, j as f64 / 6.0)), "{index}");
-        // Measured over 12 periods by the sweep's machinery: of a motion with a period of 1 to 4, 6 or 12 the same mean.
+        // Measured over 12 periods by the sweep's machinery: of a motion with a period of 1 to 4, 6
+        // or 12 the same mean.
         let has_measured_period = ["1T", "2T", "3T", "4T", "6T", "12T"].contains(&row["class"].as_str());
         if index % 5 == 0 && has_measured_period {
             let own = machine.with([("stop.steel.gap", x), ("stop.buffer.gap", y)]).unwrap();

@@ -1,4 +1,5 @@
-//! Runs the real `vibro`: first lines, tables against the library, pictures, exit codes, error texts.
+//! Runs the real `vibro`: first lines, tables against the library, pictures, exit codes, error
+//! texts.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -156,8 +157,8 @@ fn responses_end_where_the_library_says() {
     let stable = rows.iter().filter(|r| r["theory"] == "multiple scales" && r["stable"] == "true");
     let values: Vec<f64> = stable.map(|r| r["value"].parse().unwrap()).collect();
     let (low, high) = values.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
-    // The admissible forces by docs/theory.md (46), (49) and (56): 0.891 … 2.136. The last stable point is the one before
-    // the located end.
+    // The admissible forces by docs/theory.md (46), (49) and (56): 0.891 … 2.136. The last stable
+    // point is the one before the located end.
     assert!((low - 0.891).abs() < 1e-3 && (2.10..=2.1356).contains(&high), "{low} {high}");
     let special = |name: &str, theory: &str| {
         let row =
@@ -231,8 +232,8 @@ fn comparisons_find_the_papers_errors() {
     }
 }
 
-/// At f10 = 2.7 the theory's motion is unstable, and the simulated one has three impacts a period: both are told, and no
-/// errors are, for there is nothing to compare.
+/// At f10 = 2.7 the theory's motion is unstable, and the simulated one has three impacts a period:
+/// both are told, and no errors are, for there is nothing to compare.
 #[test]
 fn motions_of_different_kinds_are_not_compared_in_per_cent() {
     let out = folder("cli-another-motion");

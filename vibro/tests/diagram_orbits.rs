@@ -1,4 +1,5 @@
-//! Runs the real `vibro bifurcation --orbits`: the branches over a diagram against the simulated motions of the diagram.
+//! Runs the real `vibro bifurcation --orbits`: the branches over a diagram against the simulated
+//! motions of the diagram.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -8,8 +9,8 @@ use std::collections::HashMap;
 
 type Row = HashMap<String, String>;
 
-/// Curves are drawn between points of a branch, which are up to a twentieth of a unit of its arc apart: this is what lies between
-/// a chord and its curve, units of L.
+/// Curves are drawn between points of a branch, which are up to a twentieth of a unit of its arc
+/// apart: this is what lies between a chord and its curve, units of L.
 const CHORD: f64 = 3e-3;
 /// Places are located to rounding, and written with 15 digits.
 const LOCATION: f64 = 1e-11;
@@ -33,7 +34,8 @@ fn stable_maxima(curves: &[Row], period: &str, value: f64) -> Vec<f64> {
 #[test]
 fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
     let out = folder("diagram-orbits");
-    // Off the doublings by some thousandths, so that transients die out; the last values are of another family.
+    // Off the doublings by some thousandths, so that transients die out; the last values are of
+    // another family.
     let range = ["--range", "f10=2.2:2.56", "--resolution", "19", "--discard", "400", "--keep", "100"];
     let said = drawn(&out, &[&["bifurcation", "--orbits"][..], &range].concat());
     assert!(
@@ -55,7 +57,8 @@ fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
             assert!(apart < CHORD, "{value} {direction}: {maximum} is {apart} from every curve");
         }
     }
-    // The windows of the grid lie within the stable ranges of their rows, which reach no further than the next row.
+    // The windows of the grid lie within the stable ranges of their rows, which reach no further
+    // than the next row.
     let step = 0.02;
     for window in table(&out, "bifurcation-orbits-windows.csv").iter().filter(|w| w["class"] == "2T") {
         let [from, to, first, last] =

@@ -1,5 +1,6 @@
-//! Pictures by what is measured on their pixels and read in their files: curves stay inside the frames of their panels, files
-//! are small, bodies have their colours, and colours differ in lightness.
+//! Pictures by what is measured on their pixels and read in their files: curves stay inside the
+//! frames of their panels, files are small, bodies have their colours, and colours differ in
+//! lightness.
 
 use std::collections::BTreeMap;
 use vibro::studies::{self, Study};
@@ -22,7 +23,8 @@ const COUNTS: [usize; 3] = [50, 500, 5000];
 /// Half the stroke of a curve and the smoothing of edges, in pixels of the PNG.
 const EDGE: usize = 3;
 
-/// A curve that turns by nearly half a circle at each value, as exponents of neighbouring values do.
+/// A curve that turns by nearly half a circle at each value, as exponents of neighbouring values
+/// do.
 fn jagged(count: usize) -> Path {
     let height = |i: usize| (i as f64 * 0.618_034).fract() * if i.is_multiple_of(2) { 0.9 } else { -0.9 };
     (0..count).map(|i| (i as f64 / (count - 1) as f64, height(i))).collect()
@@ -76,7 +78,8 @@ fn jagged_curves_stay_inside_their_panel() {
     }
 }
 
-/// Cells and curves of many values: no more than the picture can show is written, and every number is finite.
+/// Cells and curves of many values: no more than the picture can show is written, and every number
+/// is finite.
 #[test]
 fn invariant_files_of_many_values_are_small_and_finite() {
     // Far less than a browser takes in at once.
@@ -124,8 +127,8 @@ fn texts(drawing: &Figure) -> Vec<String> {
     texts.map(String::from).collect()
 }
 
-/// A curve that has no room for its name in a crowded panel is known by its colour from another panel: a legend with the
-/// names of some curves would look as if the others had none.
+/// A curve that has no room for its name in a crowded panel is known by its colour from another
+/// panel: a legend with the names of some curves would look as if the others had none.
 #[test]
 fn a_name_beside_a_curve_of_one_panel_is_in_no_shared_legend() {
     let curve = || Layer::line("", BOX, Dash::Solid, jagged(50)).labelled("box x₁");
@@ -159,12 +162,14 @@ fn contrast(a: Colour, b: Colour) -> f64 {
     a.max(b) / a.min(b)
 }
 
-/// Grey shows nothing but lightness, so colours that differ in it are told apart by eyes of any kind and in any print.
+/// Grey shows nothing but lightness, so colours that differ in it are told apart by eyes of any
+/// kind and in any print.
 #[test]
 fn invariant_colours_are_told_apart_by_their_lightness() {
     // WCAG 2.2, 1.4.11: what graphics need on their background.
     const ON_PAPER: f64 = 3.0;
-    // Of one line and the next: about a fifth of the way from grey to black that the eye divides evenly.
+    // Of one line and the next: about a fifth of the way from grey to black that the eye divides
+    // evenly.
     const APART: f64 = 1.35;
     for colours in [BODIES, FAMILY] {
         let mut sorted = colours;
@@ -291,7 +296,8 @@ fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
     assert_eq!(panel.y.label, "amplitude of x₁ (mm)");
     // Of L = 5 mm.
     assert!((panel.y.factor.unwrap() / 5.0 - 1.0).abs() < 1e-12);
-    // Along the gap itself the data are in units of the machine's own gap, whatever the gap of a point is.
+    // Along the gap itself the data are in units of the machine's own gap, whatever the gap of a
+    // point is.
     let gap = Name::find("stop.gap").unwrap();
     let kappa = Name::find("kappa").unwrap();
     let along = studies::along(&set, gap, (0.004, 0.008), (kappa, &[0.75]), Some(Displacement::W)).unwrap();
@@ -299,14 +305,16 @@ fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
     let curves = panel.layers.iter().flat_map(Layer::extent).filter(|p| p.1 > 0.1 && p.1 < 1.6);
     let mut compared = 0;
     for (value, amplitude) in curves {
-        // From stop to stop: w is as large as the gap there, by multiple scales and by the exact orbit.
+        // From stop to stop: w is as large as the gap there, by multiple scales and by the exact
+        // orbit.
         assert!((amplitude - value / 0.005).abs() < 1e-9, "{value}: {amplitude}");
         compared += 1;
     }
     assert!(compared > 20, "{compared}");
 }
 
-/// The picture in the FMU's page is that of today's program: the same words, since curves may differ in last digits.
+/// The picture in the FMU's page is that of today's program: the same words, since curves may
+/// differ in last digits.
 #[test]
 fn golden_the_response_in_the_page_of_the_fmu() {
     let study = studies::force(&ParameterSet::basic(), (0.0, 4.0), (&[0.4], &[-0.4]), None).unwrap();

@@ -1,5 +1,5 @@
-//! Runs the real `vibro` twice in one folder: nothing that a run has written is lost by another one, by Ctrl-C or by a
-//! second program at the same time.
+//! Runs the real `vibro` twice in one folder: nothing that a run has written is lost by another
+//! one, by Ctrl-C or by a second program at the same time.
 
 #[path = "common/mod.rs"]
 mod command;

@@ -1,5 +1,5 @@
-//! The pages of docs/gallery: their commands work, their pictures are what the commands draw, and their lines stand in the files.
-//! `VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
+//! The pages of docs/gallery: their commands work, their pictures are what the commands draw, and
+//! their lines stand in the files. `VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -8,16 +8,19 @@ use command::folder;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A picture's coordinates are whole numbers or have few digits: sines of another mathematical library move them by no more.
+/// A picture's coordinates are whole numbers or have few digits: sines of another mathematical
+/// library move them by no more.
 const MOVED: f64 = 2.0;
-/// The part of a picture's numbers that may have moved farther: where a motion is chaotic, its last digits count.
+/// The part of a picture's numbers that may have moved farther: where a motion is chaotic, its last
+/// digits count.
 const CHAOTIC: f64 = 0.3;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Pictures of chaos, where the last bit of a sine decides how many points there are: only how the numbers are spread is compared.
+/// Pictures of chaos, where the last bit of a sine decides how many points there are: only how the
+/// numbers are spread is compared.
 const CHAOS: [&str; 1] = ["paper_machine"];
 
 /// The text between a fence with this info and the next.

@@ -1,4 +1,5 @@
-//! Runs the real `vibro`: one grammar of units, starts and loads for all commands, and what help says of the model's limits.
+//! Runs the real `vibro`: one grammar of units, starts and loads for all commands, and what help
+//! says of the model's limits.
 
 #[path = "common/mod.rs"]
 mod command;

@@ -74,7 +74,8 @@ fn closed_form_of_the_recipes() {
     let last = rows.last().unwrap();
     assert!((last[1] + (20.4417 + 2.04417) / 48e3).abs() < ROUNDING && last[4] == -0.015, "{last:?}");
 
-    // Standing: the heavy block meets the lower stop more often than the upper one; lying, both alike.
+    // Standing: the heavy block meets the lower stop more often than the upper one; lying, both
+    // alike.
     let rows = guide::rows("recipes", "standing/sweep.csv");
     assert!(rows.len() == 7 && rows[0][0] == -11.772 && rows[6][0] == 0.0, "{rows:?}");
     let more_below = |row: &Vec<f64>| row[3] - row[2];

@@ -42,8 +42,8 @@ fn second_method_points_of_a_plane_one_by_one() {
     for (i, point) in plane.points.iter().enumerate() {
         assert_eq!(point.theory, theory.classes[i], "point {i}");
         let motion = point.motion.expect("not refused");
-        // In one run of one simulator, not in a batch and then another; and in a second one from a start next to it: where the
-        // two end differently, rounding decides where the batch does.
+        // In one run of one simulator, not in a batch and then another; and in a second one from a
+        // start next to it: where the two end differently, rounding decides where the batch does.
         let p = *at(&r, i).parameters();
         let alone = |beside: f64| {
             let State { x, mut v } = moving_block(&p);
@@ -83,8 +83,8 @@ fn second_method_points_of_a_plane_one_by_one() {
 
 #[test]
 fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
-    /// Half-period multipliers this far inside the circle: what a start's rounding excites is gone within the discarded
-    /// periods; and this far outside, it has grown past all tolerances.
+    /// Half-period multipliers this far inside the circle: what a start's rounding excites is gone
+    /// within the discarded periods; and this far outside, it has grown past all tolerances.
     const INSIDE: f64 = 0.97;
     let (x, y) = (axis("sigma1", (-2.0, 2.0), 17), axis("f10", (0.4, 4.0), 16));
     let on_orbit = found(&request(x, y, StartRule::Orbit, 100));
@@ -102,7 +102,8 @@ fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
         }
     }
     assert!(well_inside > 60, "{well_inside}");
-    // From the bifurcation study's start some motions end elsewhere, but none ends where the theory has no stable orbit.
+    // From the bifurcation study's start some motions end elsewhere, but none ends where the theory
+    // has no stable orbit.
     let kicked = found(&request(x, y, StartRule::default(), 300)).agreement();
     assert_eq!(kicked.predicted, kicked.two_impact, "{kicked:?}");
     assert!(
@@ -146,7 +147,8 @@ fn pictures_show_what_the_table_holds() {
         let own = impacts.iter().find(|c| c.0 == whole).unwrap().1;
         assert!(impacts.iter().all(|c| (c.1 == own) == (c.0 == whole)), "{whole}: {impacts:?}");
     }
-    // The symmetric motion with two impacts a period has one colour, and so has what is neither periodic nor regular.
+    // The symmetric motion with two impacts a period has one colour, and so has what is neither
+    // periodic nor regular.
     let two_impact = |row: &HashMap<String, String>| {
         row["class"] == "1T" && row["symmetric"] == "true" && row["rests"] == "false" && all(row) == 2.0
     };

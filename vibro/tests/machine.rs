@@ -1,5 +1,5 @@
-//! Runs the real `vibro` on a machine of its own: values that were set, units, axes of any parameter, templates, and what is
-//! refused.
+//! Runs the real `vibro` on a machine of its own: values that were set, units, axes of any
+//! parameter, templates, and what is refused.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -120,7 +120,8 @@ fn second_method_stability_marks_the_machine_that_was_given() {
         for stem in ["stability-5", "stability-6"] {
             assert!(words(&out, stem).contains("this set of parameters"), "{stem}");
         }
-        // The machine's own mass ratio, damping ratio c1/(2 sqrt(k1 m1)) and detuning, not the paper's.
+        // The machine's own mass ratio, damping ratio c1/(2 sqrt(k1 m1)) and detuning, not the
+        // paper's.
         let zeta = vibro_analysis::short(p.box_damping / (2.0 * (p.box_stiffness * p.box_mass).sqrt()));
         assert!(words(&out, "stability-6").contains(&format!("ε = 0.1, ζ = {zeta}")), "{zeta}");
     }
@@ -202,7 +203,8 @@ fn axes_are_of_any_parameter_with_units() {
     with(&["response", "--vary", "drive.frequency=9Hz:11.5Hz", "--values", "stop.gap=4mm,6mm"]);
     assert_eq!(members(&out, "response-drive.frequency.csv", "stop.gap"), [0.005, 0.004, 0.006]);
     assert!(out.join("response-drive.frequency.png").exists());
-    // Labels are in the units that were written: the ticks of 9 to 11.5 Hz, the members in mm, amplitudes in mm.
+    // Labels are in the units that were written: the ticks of 9 to 11.5 Hz, the members in mm,
+    // amplitudes in mm.
     let text = words(&out, "response-drive.frequency");
     for expected in ["ω₁/2π (Hz)", "9.0 9.5 10.0 10.5 11.0 11.5", "L = 4 mm", "C·L (mm)", "A₃·L (mm)"]
     {
@@ -243,7 +245,8 @@ fn closed_form_a_response_is_of_any_coordinate() {
     assert!(code == 2 && error.contains("x4") && error.contains("one of x1, x2, x3, w"), "{error}");
 }
 
-/// A range is labelled in the unit in which it was written, whatever the unit of the machine's own value.
+/// A range is labelled in the unit in which it was written, whatever the unit of the machine's own
+/// value.
 #[test]
 fn labels_are_in_the_unit_that_was_written() {
     let out = folder("cli-unit");

@@ -1,4 +1,5 @@
-//! What a large plane takes of memory, as the system counts it: alone in its program, so that nothing else is counted.
+//! What a large plane takes of memory, as the system counts it: alone in its program, so that
+//! nothing else is counted.
 #![cfg(target_os = "linux")]
 
 use vibro::studies;

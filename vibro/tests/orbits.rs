@@ -1,5 +1,5 @@
-//! Runs the real `vibro orbits`, `orbit` and `locus`: the closed form, tables that other studies start from, the same bytes for any
-//! number of threads, bad input.
+//! Runs the real `vibro orbits`, `orbit` and `locus`: the closed form, tables that other studies
+//! start from, the same bytes for any number of threads, bad input.
 
 #[path = "common/mod.rs"]
 mod command;

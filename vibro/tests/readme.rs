@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How the pages call the program. `docs/recipes.md` and `docs/design-a-damper.md` call it `vibro`; `guides.rs` and `tutorial.rs`
-/// run what stands there.
+/// How the pages call the program. `docs/recipes.md` and `docs/design-a-damper.md` call it `vibro`;
+/// `guides.rs` and `tutorial.rs` run what stands there.
 const CALL: &str = "cargo run --release -p vibro -- ";
 /// What `studies.rs` runs and looks at.
 const ELSEWHERE: &str = "reproduce --quick";

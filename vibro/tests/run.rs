@@ -82,7 +82,8 @@ fn second_method_a_load_from_a_file_is_the_librarys() {
 
 #[test]
 fn closed_form_of_units_in_duration_and_start() {
-    // Without load, drive and coupling the block flies freely from x2 = 5 mm with 0.2 m/s, and the gap is wide.
+    // Without load, drive and coupling the block flies freely from x2 = 5 mm with 0.2 m/s, and the
+    // gap is wide.
     let out = folder("run-units");
     let set = ["drive.amplitude=0", "coupling.k=0", "stop.gap=2", "box.m=1"].map(|a| ["--set", a]).concat();
     let start = ["run", "--duration", "1500 ms", "--start", "block.s=5mm,block.v=20 cm/s"];

@@ -1,5 +1,6 @@
-//! Long studies: the sweep against the exact orbit and known windows of the default set, the figures against their tables, and
-//! the real `vibro` interrupted, resumed, sharded, merged, on any number of threads.
+//! Long studies: the sweep against the exact orbit and known windows of the default set, the
+//! figures against their tables, and the real `vibro` interrupted, resumed, sharded, merged, on any
+//! number of threads.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -20,7 +21,8 @@ use vibro_figures::chart::Shape;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
 
-/// The transient has died out to this part of L at values away from bifurcations; maxima are kept to 1e-6.
+/// The transient has died out to this part of L at values away from bifurcations; maxima are kept
+/// to 1e-6.
 const SETTLED: f64 = 2e-6;
 
 fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::SpectrumOptions>) -> (Sweep, Diagram) {
@@ -94,7 +96,8 @@ fn second_method_hysteresis_and_mirror_images() {
     let (up, down) = (found.up[i].as_ref().unwrap(), found.down[i].as_ref().unwrap());
     assert!(apart[i]);
     assert_eq!((up.attractor.impacts, down.attractor.impacts.iter().sum::<f64>()), ([1.0, 1.0], 3.0));
-    // Past the symmetry breaking the motion is not its own mirror image; started from the image it stays there.
+    // Past the symmetry breaking the motion is not its own mirror image; started from the image it
+    // stays there.
     let p = found.up[at(2.2)].as_ref().unwrap();
     assert!(!p.attractor.is_symmetric());
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.2).unwrap();
@@ -398,7 +401,8 @@ fn the_report_is_whole() {
     for file in drawn_files {
         check_picture(&one.join(file.0));
     }
-    // Each result has its manifest, and those that are looked at before the work are those that are written.
+    // Each result has its manifest, and those that are looked at before the work are those that are
+    // written.
     let ending = ".manifest.toml";
     let mut written: Vec<_> =
         files(&one).iter().filter_map(|f| Some(f.0.strip_suffix(ending)?.to_owned())).collect();

@@ -1,5 +1,6 @@
-//! Runs the real `vibro sweep`: its table against single motions and closed forms, its two formats, bad designs, bad input, and
-//! the same bytes for any number of threads and shards and after an interruption.
+//! Runs the real `vibro sweep`: its table against single motions and closed forms, its two formats,
+//! bad designs, bad input, and the same bytes for any number of threads and shards and after an
+//! interruption.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -24,7 +25,8 @@ fn swept(name: &str, arguments: &[&str]) -> std::path::PathBuf {
     out
 }
 
-/// The cells of the Parquet file by rows: text as it is, numbers as Rust shows them, null as nothing.
+/// The cells of the Parquet file by rows: text as it is, numbers as Rust shows them, null as
+/// nothing.
 fn parquet_rows(out: &Path) -> Vec<Vec<(String, String)>> {
     let reader = SerializedFileReader::new(File::open(out.join("sweep.parquet")).unwrap()).unwrap();
     let cell = |(name, field): (&String, &Field)| {

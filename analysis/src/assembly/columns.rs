@@ -1,5 +1,5 @@
-//! A described machine's motion as columns: of each body s, v, a; of each spring, stop and friction e, rate, f; of each load f. The
-//! command line, FMUs and Python name them so.
+//! A described machine's motion as columns: of each body s, v, a; of each spring, stop and friction
+//! e, rate, f; of each load f. The command line, FMUs and Python name them so.
 
 use vibro_assembly::Motion;
 use vibro_assembly::description::Description;

@@ -1,4 +1,5 @@
-//! The contacts of a motion one by one: impacts and rests on rigid stops, contacts with compliant ones.
+//! The contacts of a motion one by one: impacts and rests on rigid stops, contacts with compliant
+//! ones.
 
 use super::Place;
 use super::flight::{Flow, value_at};
@@ -23,12 +24,14 @@ pub struct Contact {
     pub end: Option<f64>,
     /// The largest force, N or N m; `None` for an impact, and where the flow was not looked at.
     pub peak: Option<f64>,
-    /// The force's integral, or an impact's impulse, N s or N m s; `None` where the flow was not looked at.
+    /// The force's integral, or an impact's impulse, N s or N m s; `None` where the flow was not
+    /// looked at.
     pub impulse: Option<f64>,
-    /// Closing speed at its begin, m/s or rad/s: 0 where a rigid stop stays closed, whose impacts are contacts of their own.
+    /// Closing speed at its begin, m/s or rad/s: 0 where a rigid stop stays closed, whose impacts
+    /// are contacts of their own.
     pub speed: f64,
-    /// Energy lost, J: at the impact; in the compliant stop, with what its spring loses after it without force. `None` where the flow
-    /// was not looked at.
+    /// Energy lost, J: at the impact; in the compliant stop, with what its spring loses after it
+    /// without force. `None` where the flow was not looked at.
     pub lost: Option<f64>,
 }
 

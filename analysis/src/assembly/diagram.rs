@@ -1,9 +1,11 @@
-//! Bifurcation diagrams of described machines: the local maxima of a quantity, or its values at the section, over one parameter, in
-//! both directions, with period, class and, if asked for, the largest exponent.
+//! Bifurcation diagrams of described machines: the local maxima of a quantity, or its values at the
+//! section, over one parameter, in both directions, with period, class and, if asked for, the
+//! largest exponent.
 //!
-//! As for the 3-DOF machine each value starts from the last state of the value before, and what is observed at each value is
-//! independent of the others. Time goes on from value to value, so that a body whose motion is prescribed is where the others met it.
-//! Where what drives the machine does not repeat, that would make each value's motion depend on when it is reached: such a machine is
+//! As for the 3-DOF machine each value starts from the last state of the value before, and what is
+//! observed at each value is independent of the others. Time goes on from value to value, so that a
+//! body whose motion is prescribed is where the others met it. Where what drives the machine does
+//! not repeat, that would make each value's motion depend on when it is reached: such a machine is
 //! refused, or each value [starts anew](Request::anew).
 
 use super::flight::Flows;
@@ -48,7 +50,8 @@ pub struct Request {
 pub struct Point {
     /// The parameter's value.
     pub value: f64,
-    /// Maxima, or values at the section, SI, to seven digits of the largest, ascending, with the times each was met.
+    /// Maxima, or values at the section, SI, to seven digits of the largest, ascending, with the
+    /// times each was met.
     pub maxima: Vec<(f64, u32)>,
     /// What the motion has settled on.
     pub settled: Settled,
@@ -91,7 +94,8 @@ impl Request {
     /// Checks what every value depends on.
     ///
     /// # Errors
-    /// Names that the machine does not have, ends that are not allowed, a machine without a section or a motion from its start.
+    /// Names that the machine does not have, ends that are not allowed, a machine without a section
+    /// or a motion from its start.
     pub fn check(&self, machine: &Machine) -> Result<()> {
         self.of.place(&machine.description)?;
         for end in [self.axis.from, self.axis.to] {
@@ -209,8 +213,8 @@ fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
     whole.chunk_by(|a, b| a == b).map(|same| (same[0] as f64 * unit, times * same.len() as u32)).collect()
 }
 
-/// The diagram, on all threads, in parts: `None` where parts belong to other shards. The result depends neither on threads nor on
-/// shards.
+/// The diagram, on all threads, in parts: `None` where parts belong to other shards. The result
+/// depends neither on threads nor on shards.
 ///
 /// # Errors
 /// As [`Request::check`]; what the parts' folder refuses.

@@ -5,7 +5,8 @@ use super::flight::{Flow, turning_points};
 use super::rows::Sparse;
 use vibro_assembly::system::System;
 
-/// Parts of the time of which a curve keeps the least and the largest value; a picture has fewer columns of pixels.
+/// Parts of the time of which a curve keeps the least and the largest value; a picture has fewer
+/// columns of pixels.
 const COLUMNS: usize = 2000;
 /// Most quantities whose curves are kept.
 const CURVES: usize = 64;
@@ -92,7 +93,8 @@ impl Extreme {
         }
     }
 
-    /// Times and values between which a curve of it goes, in order of time: in each column the least and the largest.
+    /// Times and values between which a curve of it goes, in order of time: in each column the
+    /// least and the largest.
     pub fn points(&self) -> Vec<(f64, f64)> {
         let mut points: Vec<_> = self.curve.iter().flatten().flatten().copied().collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,7 +1,9 @@
-//! A motion of a described machine cut into flights, between whose ends one linear system z' = A z holds, and the events between them.
+//! A motion of a described machine cut into flights, between whose ends one linear system z' = A z
+//! holds, and the events between them.
 //!
-//! Everything that is read off a motion along the way (extrema, mean squares, maxima, variations) comes through [`follow`]: the
-//! engine says where flights end, and within one the states are a power series.
+//! Everything that is read off a motion along the way (extrema, mean squares, maxima, variations)
+//! comes through [`follow`]: the engine says where flights end, and within one the states are a
+//! power series.
 
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
@@ -13,7 +15,8 @@ use vibro_assembly::system::{Row, System};
 use vibro_assembly::{Error, Motion};
 use vibro_impact::events::turns;
 
-/// The bound of A times the length of a stretch: a series to [`ORDERS`] terms leaves out less than 2²⁶/26! of the state.
+/// The bound of A times the length of a stretch: a series to [`ORDERS`] terms leaves out less than
+/// 2²⁶/26! of the state.
 const RADIUS: f64 = 2.0;
 /// A series ends with the first term under this part of the state's rate bound.
 const REMAINDER: f64 = 1e-19;
@@ -57,7 +60,8 @@ impl Flow {
         rate
     }
 
-    /// The terms of the power series of the states over a time `span` in its part from 0 to 1, at most [`ORDERS`].
+    /// The terms of the power series of the states over a time `span` in its part from 0 to 1, at
+    /// most [`ORDERS`].
     fn series(&self, z: &[f64], span: f64) -> Vec<Vec<f64>> {
         let mut terms = vec![z.to_vec()];
         let mut size = 1.0;
@@ -73,7 +77,8 @@ impl Flow {
         terms
     }
 
-    /// The length of a flight in those of the mode's sub-steps, about: its rate times the time of one is at most 3.
+    /// The length of a flight in those of the mode's sub-steps, about: its rate times the time of
+    /// one is at most 3.
     pub fn sub_steps_of(&self, span: f64) -> f64 {
         self.rate * span / 3.0
     }
@@ -83,7 +88,8 @@ impl Flow {
         (self.rate * span / RADIUS).ceil().max(1.0)
     }
 
-    /// Calls `visit` with the series of each stretch of a flight, and its length in s; returns the state at the end.
+    /// Calls `visit` with the series of each stretch of a flight, and its length in s; returns the
+    /// state at the end.
     pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&[Vec<f64>], f64)) -> Vec<f64> {
         let count = self.stretches_of(span);
         let part = span / count;
@@ -96,8 +102,8 @@ impl Flow {
         state
     }
 
-    /// Carries variations over a flight, each on its own, or all by the matrix exp(A t), doubled up,
-    /// where the flight has many stretches.
+    /// Carries variations over a flight, each on its own, or all by the matrix exp(A t), doubled
+    /// up, where the flight has many stretches.
     pub fn carry(&self, variations: &mut [Vec<f64>], span: f64) {
         let (count, size) = (self.stretches_of(span), variations.first().map_or(0, Vec::len));
         if count <= MANY || size > LARGE {
@@ -140,7 +146,8 @@ pub fn value_at(q: &[f64; ORDERS], u: f64) -> f64 {
     q.iter().rev().fold(0.0, |sum, c| sum * u + c)
 }
 
-/// Visits the values of a polynomial at 0, at every extremum between and at 1, in this order: it is monotone from one to the next.
+/// Visits the values of a polynomial at 0, at every extremum between and at 1, in this order: it is
+/// monotone from one to the next.
 pub fn monotone_pieces(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64)) {
     turning_points(q, &mut |_, value| visit(value));
 }
@@ -183,7 +190,8 @@ pub struct Passage<'a> {
     pub states: [&'a [f64]; 2],
     /// What was told of it.
     pub events: &'a [Event],
-    /// What the account of losses at impacts has taken in by it, J: nothing where the motion keeps none.
+    /// What the account of losses at impacts has taken in by it, J: nothing where the motion keeps
+    /// none.
     pub lost: f64,
 }
 
@@ -221,8 +229,8 @@ impl Flows {
     }
 }
 
-/// Follows a motion to a time, or to the first event that `stops` wants, and shows the way to the observers. Returns whether an event
-/// ended it.
+/// Follows a motion to a time, or to the first event that `stops` wants, and shows the way to the
+/// observers. Returns whether an event ended it.
 ///
 /// # Errors
 /// As [`Motion::advance_to`].

@@ -9,12 +9,13 @@ use vibro_assembly::motion::Event;
 use vibro_assembly::system::System;
 use vibro_assembly::{Error, Motion};
 
-/// Flights in one advance, and for each sub-step's length of time: the engine's limit of work, which pauses do not see.
+/// Flights in one advance, and for each sub-step's length of time: the engine's limit of work,
+/// which pauses do not see.
 const WORK: (f64, f64) = (20_000.0, 64.0);
 /// Stretches of a flight that are looked at in any case.
 const USUAL: f64 = 64.0;
-/// Stretches beyond these that are looked at in a whole motion: some seconds. A body that is far faster than all others has more, and
-/// its motion is mostly at rest in them.
+/// Stretches beyond these that are looked at in a whole motion: some seconds. A body that is far
+/// faster than all others has more, and its motion is mostly at rest in them.
 const MOST: f64 = 500_000.0;
 
 /// Contacts and extremes of a motion.
@@ -60,7 +61,8 @@ impl Followed {
         Self { contacts, extremes, left_out: 0.0, left: MOST, mode: None, flows: Flows::default() }
     }
 
-    /// Advances to a time, on the bits of [`Motion::advance_observed`]; `met` hears the time of each event.
+    /// Advances to a time, on the bits of [`Motion::advance_observed`]; `met` hears the time of
+    /// each event.
     ///
     /// # Errors
     /// As [`Motion::advance_to`].

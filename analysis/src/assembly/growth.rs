@@ -1,18 +1,21 @@
-//! The growth of a variation from return to return: the exponent that it gives, and how exact that is.
+//! The growth of a variation from return to return: the exponent that it gives, and how exact that
+//! is.
 
 use crate::largest_exponent::{ExponentSign, LargestExponent};
 
 /// Returns in which a variation turns into its direction before its growth is counted.
 pub const ALIGN: usize = 32;
-/// Fewer blocks do not tell their scatter, and of so many more each is too short to be independent of the next.
+/// Fewer blocks do not tell their scatter, and of so many more each is too short to be independent
+/// of the next.
 const LEAST_BLOCKS: usize = 8;
 const MOST_BLOCKS: usize = 64;
 /// Fewer returns do not tell a sign.
 const LEAST_RETURNS: usize = 64;
-/// A sign is decided where the exponent is farther than so many standard errors from the threshold, …
+/// A sign is decided where the exponent is farther than so many standard errors from the threshold,
+/// …
 const CONFIDENCE: f64 = 6.0;
-/// … and the variation has grown or shrunk by this, as a logarithm: on a torus it stays within some powers
-/// of ten for ever.
+/// … and the variation has grown or shrunk by this, as a logarithm: on a torus it stays within some
+/// powers of ten for ever.
 const LEAST_GROWTH: f64 = 20.0;
 
 /// The logarithms of a variation's growth, by return.
@@ -27,7 +30,8 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// The variation has grown by this, as a logarithm, in so many seconds from one return to the next.
+    /// The variation has grown by this, as a logarithm, in so many seconds from one return to the
+    /// next.
     pub fn add(&mut self, logarithm: f64, seconds: f64) {
         if self.turning < ALIGN && logarithm.is_finite() {
             self.turning += 1;
@@ -58,9 +62,10 @@ impl Growth {
         if time > 0.0 { growth / time } else { 0.0 }
     }
 
-    /// The standard error of the mean, 1/s: the largest that the scatter of blocks of 1, 2, 4, … returns
-    /// gives, where there are 8 to 63 of them. Growth from return to return depends on that before: correlated
-    /// growth scatters more in long blocks, and the turns of a complex multiplier, which cancel, less.
+    /// The standard error of the mean, 1/s: the largest that the scatter of blocks of 1, 2, 4, …
+    /// returns gives, where there are 8 to 63 of them. Growth from return to return depends on that
+    /// before: correlated growth scatters more in long blocks, and the turns of a complex
+    /// multiplier, which cancel, less.
     fn scatter(&self) -> f64 {
         let (value, [_, time]) = (self.value(), self.sums());
         let mut rest: Vec<f64> = self.counted.iter().map(|[growth, time]| growth - value * time).collect();
@@ -78,7 +83,8 @@ impl Growth {
     }
 
     /// The exponent with its error. A length that grows in proportion to time, as on a torus, gives
-    /// ln(1 + T/T₀)/T instead of zero after the time T₀ of turning: this share of the error no scatter shows.
+    /// ln(1 + T/T₀)/T instead of zero after the time T₀ of turning: this share of the error no
+    /// scatter shows.
     pub fn exponent(&self) -> LargestExponent {
         let periods = self.returns();
         if self.is_lost() {
@@ -111,12 +117,12 @@ impl Growth {
 mod tests {
     use super::*;
 
-    /// A sequence whose standard errors are known: x' = ρ x + noise has (1 + ρ)/(1 - ρ) times the variance of
-    /// independent numbers in its means.
+    /// A sequence whose standard errors are known: x' = ρ x + noise has (1 + ρ)/(1 - ρ) times the
+    /// variance of independent numbers in its means.
     #[test]
     fn closed_form_errors_of_correlated_growth_cover_the_mean_at_their_rate() {
-        // Within two standard errors 95 % of normal means lie; the number of blocks is small, so that a few
-        // more lie outside.
+        // Within two standard errors 95 % of normal means lie; the number of blocks is small, so
+        // that a few more lie outside.
         const COVERED: std::ops::RangeInclusive<usize> = 176..=200;
         let mut seed = 1u64;
         let mut uniform = || {

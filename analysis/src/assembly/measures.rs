@@ -1,7 +1,9 @@
-//! What is measured of a described machine's settled motion, by the names of its bodies and elements.
+//! What is measured of a described machine's settled motion, by the names of its bodies and
+//! elements.
 //!
-//! Extrema and mean squares come from the flow's series and not from samples, as in [`crate::measures`]; losses in dashpots, compliant
-//! stops and friction and the work of loads are the engine's accounts, those of rigid stops ½ (1 - ε) u P an impact.
+//! Extrema and mean squares come from the flow's series and not from samples, as in
+//! [`crate::measures`]; losses in dashpots, compliant stops and friction and the work of loads are
+//! the engine's accounts, those of rigid stops ½ (1 - ε) u P an impact.
 
 use super::flight::Flows;
 use super::quantity::{Owner, Place, Quantity, owners, unknown};
@@ -34,7 +36,8 @@ pub enum Measure {
     PeakToPeak(Quantity),
     /// Largest q: `maximum.buffer.f`.
     Maximum(Quantity),
-    /// Impacts and first touches of a stop, or of all, from one return to the next: `impacts.steel`, `impacts`.
+    /// Impacts and first touches of a stop, or of all, from one return to the next:
+    /// `impacts.steel`, `impacts`.
     Impacts(Option<String>),
     /// The same a second: `impact.rate.steel`, `impact.rate`.
     ImpactRate(Option<String>),
@@ -42,7 +45,8 @@ pub enum Measure {
     ImpactSpeed(String),
     /// Largest impulse of a rigid stop: `impact.impulse.steel`.
     ImpactImpulse(String),
-    /// Mean power that a spring's dashpot, a stop or a friction loses, or that a load puts in: `power.mount`.
+    /// Mean power that a spring's dashpot, a stop or a friction loses, or that a load puts in:
+    /// `power.mount`.
     Power(String),
     /// Mean power lost in all elements: `power.lost`.
     PowerLost,
@@ -177,7 +181,8 @@ impl Measure {
         }
     }
 
-    /// What is measured of a machine unless told otherwise: amplitudes of free bodies, contacts, power lost, class.
+    /// What is measured of a machine unless told otherwise: amplitudes of free bodies, contacts,
+    /// power lost, class.
     pub fn usual(d: &Description) -> Vec<Self> {
         use vibro_assembly::description::BodyKind;
         let free = d.bodies.iter().filter(|b| matches!(b.kind, BodyKind::Free(_)));
@@ -335,12 +340,14 @@ impl Window {
     }
 }
 
-/// Measures a motion over the next `periods` returns, and over as many more as the machine's slowest own oscillation needs; class and
-/// exponent over those that follow. Of a motion that repeats no more are followed than show that. The transient is the caller's to discard.
+/// Measures a motion over the next `periods` returns, and over as many more as the machine's
+/// slowest own oscillation needs; class and exponent over those that follow. Of a motion that
+/// repeats no more are followed than show that. The transient is the caller's to discard.
 ///
 /// # Errors
-/// As [`Section::advance`]; [`Error::Described`] for what the machine does not have, where the returns last so short a time
-/// that the window would have to be more than a hundred times as long, and for the class of a motion whose drive does not repeat.
+/// As [`Section::advance`]; [`Error::Described`] for what the machine does not have, where the
+/// returns last so short a time that the window would have to be more than a hundred times as long,
+/// and for the class of a motion whose drive does not repeat.
 pub fn measure(
     motion: &mut Motion,
     section: &Section,

@@ -1,9 +1,10 @@
-//! Studies of described machines, which a file or a program puts together of bodies and elements (`vibro-assembly`): the same
-//! diagrams, exponents and design sweeps as those of the 3-DOF machine, by the names of the machine's own bodies, elements and
-//! parameters.
+//! Studies of described machines, which a file or a program puts together of bodies and elements
+//! (`vibro-assembly`): the same diagrams, exponents and design sweeps as those of the 3-DOF
+//! machine, by the names of the machine's own bodies, elements and parameters.
 //!
-//! A motion is looked at where it returns to a [section](SectionRule): after each common period of what drives the machine, or at
-//! each event of an element. What the other modules call a drive period is here the way from one return to the next.
+//! A motion is looked at where it returns to a [section](SectionRule): after each common period of
+//! what drives the machine, or at each event of an element. What the other modules call a drive
+//! period is here the way from one return to the next.
 
 mod columns;
 mod contacts;
@@ -48,7 +49,8 @@ use vibro_assembly::description::Description;
 use vibro_assembly::{Assembly, Motion, file};
 use vibro_impact::quantities::{Unit, quantity_in};
 
-/// A machine of the user's own, how its motions are looked at, and in which units its parameters were written.
+/// A machine of the user's own, how its motions are looked at, and in which units its parameters
+/// were written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Machine {
@@ -83,7 +85,8 @@ impl TryFrom<Written> for Machine {
     }
 }
 
-/// Where a motion begins: a time and, by body, coordinate and rate; those of the machine itself where there are none.
+/// Where a motion begins: a time and, by body, coordinate and rate; those of the machine itself
+/// where there are none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Start {
     /// s.
@@ -136,9 +139,10 @@ impl Machine {
         if symbol.is_empty() { number } else { format!("{number} {symbol}") }
     }
 
-    /// Its motion from a start, and its section. Where the start's state violates rigid stops, as one of a machine with other gaps may,
-    /// the engine moves bodies by the least amount in the inertia's metric; where that is in vain, and where no motion begins there, the
-    /// machine's own start is taken.
+    /// Its motion from a start, and its section. Where the start's state violates rigid stops, as
+    /// one of a machine with other gaps may, the engine moves bodies by the least amount in the
+    /// inertia's metric; where that is in vain, and where no motion begins there, the machine's own
+    /// start is taken.
     ///
     /// # Errors
     /// What the machine's matrices, its start or its section refuse.

@@ -1,5 +1,5 @@
-//! The derivative of a period: how far a motion is from the orbit that it nears, and by how much neighbours
-//! come nearer in a period.
+//! The derivative of a period: how far a motion is from the orbit that it nears, and by how much
+//! neighbours come nearer in a period.
 //!
 //! A return that moves a state by r, and has the derivative M, belongs to a fixed point that is
 //! (1 - M)⁻¹ r away. A slow approach shows itself so: returns may be as near as one likes while the orbit is
@@ -30,8 +30,8 @@ const SWEEPS: usize = 200;
 /// Part of the rates' sizes under which a shift in time is one exactly.
 const EXACT: f64 = 1e-9;
 
-/// The lengths by which changes of a motion's state are measured: how far elongations and rates of each
-/// dimension have been apart.
+/// The lengths by which changes of a motion's state are measured: how far elongations and rates of
+/// each dimension have been apart.
 pub fn metric(motion: &Motion, record: &Record) -> Metric {
     let assembly = motion.assembly();
     let (d, system) = (&assembly.description, assembly.system());
@@ -44,8 +44,8 @@ pub fn metric(motion: &Motion, record: &Record) -> Metric {
     Metric(of(0).chain(of(2)).collect())
 }
 
-/// The change of the state (q, q') by which the motion is the one a little later: z' less the even motion
-/// of what prescribed bodies carry along. None where the machine is not autonomous.
+/// The change of the state (q, q') by which the motion is the one a little later: z' less the even
+/// motion of what prescribed bodies carry along. None where the machine is not autonomous.
 pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     let assembly = motion.assembly();
     let (d, system, z) = (&assembly.description, assembly.system(), motion.state());
@@ -59,9 +59,9 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     Some(shift)
 }
 
-/// The change of the coordinates by which elongations stay what they are while signals change as in a change
-/// of the augmented state, or their rates where the state itself is given: what a body that moves evenly
-/// carries along. None where nothing does that.
+/// The change of the coordinates by which elongations stay what they are while signals change as in
+/// a change of the augmented state, or their rates where the state itself is given: what a body
+/// that moves evenly carries along. None where nothing does that.
 fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
@@ -148,8 +148,8 @@ impl Period {
     }
 }
 
-/// (1 - M)⁻¹ r outside the neutral directions; none where r has a part beyond rounding in a direction in
-/// which M is 1.
+/// (1 - M)⁻¹ r outside the neutral directions; none where r has a part beyond rounding in a
+/// direction in which M is 1.
 fn offset(m: &DMatrix<f64>, basis: &[DVector<f64>], r: &DVector<f64>, rounding: f64) -> Option<DVector<f64>> {
     let mut a = DMatrix::identity(m.nrows(), m.ncols()) - m;
     basis.iter().for_each(|b| a += b * b.transpose());

@@ -8,7 +8,8 @@ use vibro_assembly::system::System;
 /// What turns slower than this part of the fastest turns by rounding.
 const ROUNDING: f64 = 1e-7;
 
-/// The frequencies of the machine's own oscillations with all stops open and all friction off, damping included, Hz.
+/// The frequencies of the machine's own oscillations with all stops open and all friction off,
+/// damping included, Hz.
 pub(super) fn oscillations(system: &System) -> Vec<f64> {
     let open = |stop: &vibro_assembly::system::StopRows| {
         if stop.restitution().is_some() { StopState::Open } else { StopState::Below }

@@ -1,4 +1,5 @@
-//! What can be looked at in a described machine, by the names of the columns of its motion: `box.s`, `upper.f`, `shaker.f`.
+//! What can be looked at in a described machine, by the names of the columns of its motion:
+//! `box.s`, `upper.f`, `shaker.f`.
 
 use super::flight::Flow;
 use crate::error::{Error, Result};
@@ -9,7 +10,8 @@ use vibro_assembly::description::{Description, Dimension};
 use vibro_assembly::mode::{Contact, StopState};
 use vibro_assembly::system::System;
 
-/// A body's or an element's quantity by its name, such as `box.s`; whether a machine has it is known by [`Quantity::place`].
+/// A body's or an element's quantity by its name, such as `box.s`; whether a machine has it is
+/// known by [`Quantity::place`].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Quantity {

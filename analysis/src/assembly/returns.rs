@@ -1,7 +1,8 @@
 //! What must return for a motion of a described machine to be periodic: what forces depend on.
 //!
-//! Elongations of springs with stiffness and of stops, rates of all elements, and the phases of harmonics where the section
-//! does not hold them. The angle of a shaft that nothing holds, and the elongation of a dashpot, do not act.
+//! Elongations of springs with stiffness and of stops, rates of all elements, and the phases of
+//! harmonics where the section does not hold them. The angle of a shaft that nothing holds, and the
+//! elongation of a dashpot, do not act.
 
 use super::section::{Section, harmonics};
 use crate::attractor::{LONGEST, RETURN, least_period, nears};
@@ -11,10 +12,11 @@ use vibro_assembly::description::{Arms, Description, Dimension, StopLaw};
 use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::system::{Elongation, Row, System};
 
-/// Contacts slower than this part of the fastest are chatter, of which the number does not make a period.
+/// Contacts slower than this part of the fastest are chatter, of which the number does not make a
+/// period.
 const CHATTER: f64 = 1e-6;
-/// Part of a size that stands still, beside which changes of it count: a buffer of which the deflection is
-/// 10⁵ times what it swings by is at rest.
+/// Part of a size that stands still, beside which changes of it count: a buffer of which the
+/// deflection is 10⁵ times what it swings by is at rest.
 const STANDING: f64 = 1e-5;
 /// Roundings of the terms of a functional beside one another.
 const ROUNDINGS: f64 = 64.0;
@@ -33,8 +35,8 @@ pub struct Functionals {
     rows: Vec<Row>,
     /// The kind of each: elongation or rate, of translation or rotation.
     kinds: Vec<usize>,
-    /// Of a rate the place of its elongation, where a stiffness makes forces of it, and the frequency, rad/s,
-    /// with which these turn roundings of the elongation into ones of the rate.
+    /// Of a rate the place of its elongation, where a stiffness makes forces of it, and the
+    /// frequency, rad/s, with which these turn roundings of the elongation into ones of the rate.
     stiff: Vec<Option<(usize, f64)>>,
     /// Frequencies, Hz, whose phases must return.
     phases: Vec<f64>,
@@ -217,8 +219,8 @@ impl Record {
         }
     }
 
-    /// The sizes of elongations and rates of a kind: how far they have been apart, in the way from one return
-    /// to the next too, and at least a small part of what they are.
+    /// The sizes of elongations and rates of a kind: how far they have been apart, in the way from
+    /// one return to the next too, and at least a small part of what they are.
     fn size_of(&self, kind: usize) -> f64 {
         let kinds = self.functionals.kinds.iter().zip(&self.extents);
         let own = kinds
@@ -227,16 +229,16 @@ impl Record {
         own.fold(0.0, f64::max)
     }
 
-    /// Sizes of lengths, angles, rates and spins: each at least what the other of its pair makes at the
-    /// frequency of the returns.
+    /// Sizes of lengths, angles, rates and spins: each at least what the other of its pair makes at
+    /// the frequency of the returns.
     pub fn sizes(&self) -> [f64; 4] {
         let omega = TAU / self.interval();
         let [length, angle, rate, spin] = [0, 1, 2, 3].map(|kind| self.size_of(kind));
         [length.max(rate / omega), angle.max(spin / omega), rate.max(omega * length), spin.max(omega * angle)]
     }
 
-    /// The sizes by which states are compared, number by number: of a shaft that has turned far, at least
-    /// so much that rounding is a small part.
+    /// The sizes by which states are compared, number by number: of a shaft that has turned far, at
+    /// least so much that rounding is a small part.
     pub fn scales(&self) -> Vec<f64> {
         let sizes = self.sizes();
         let kinds = self.functionals.kinds.iter().map(|kind| sizes[*kind]);
@@ -282,8 +284,8 @@ impl Record {
         nears(&self.returns, |a, b| self.distance(&a.state, &b.state, &scales))
     }
 
-    /// Whether in the later half of the record a number that must return has changed in one direction from
-    /// each return to the next: a motion that is braked or driven on.
+    /// Whether in the later half of the record a number that must return has changed in one
+    /// direction from each return to the next: a motion that is braked or driven on.
     pub fn drifts(&self) -> bool {
         let later = &self.returns[self.returns.len() / 2..];
         let (Some(first), Some(last)) = (later.first(), later.last()) else { return false };

@@ -1,5 +1,6 @@
-//! Where a motion of a described machine is looked at: at whole periods of what drives it or, where nothing does, at each event of an
-//! element. A return to the section is for these machines what a drive period is for the 3-DOF one.
+//! Where a motion of a described machine is looked at: at whole periods of what drives it or, where
+//! nothing does, at each event of an element. A return to the section is for these machines what a
+//! drive period is for the 3-DOF one.
 
 use super::flight::{Flows, Observer, follow};
 use crate::error::{Error, Result};
@@ -21,12 +22,14 @@ const BESIDE: f64 = 0.381_966_011_250_105;
 /// How the section is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum SectionRule {
-    /// At whole periods of all harmonics together; of a machine without harmonics at the events of its first stop, or else friction.
+    /// At whole periods of all harmonics together; of a machine without harmonics at the events of
+    /// its first stop, or else friction.
     #[default]
     Auto,
     /// At whole multiples of a time, s.
     Period(f64),
-    /// At the events of an element: impacts and first touches of a stop, each time that a friction begins to stick.
+    /// At the events of an element: impacts and first touches of a stop, each time that a friction
+    /// begins to stick.
     Element(String),
 }
 
@@ -63,8 +66,8 @@ pub(super) fn is_steady(d: &Description) -> bool {
     signals(d).all(|s| s.harmonics.is_empty() && s.steps.is_empty() && s.table.is_none())
 }
 
-/// The least time that is a whole number of periods of each harmonic, s: `None` without harmonics, or where there is none up to 1000
-/// periods of the slowest.
+/// The least time that is a whole number of periods of each harmonic, s: `None` without harmonics,
+/// or where there is none up to 1000 periods of the slowest.
 pub fn common_period(d: &Description) -> Option<f64> {
     let frequencies: Vec<f64> = harmonics(d).map(|h| h.frequency).collect();
     let slowest = frequencies.iter().copied().reduce(f64::min)?;

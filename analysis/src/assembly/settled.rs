@@ -1,10 +1,11 @@
-//! What a motion of a described machine settles on: its period in returns to the section, its class, its
-//! largest exponent.
+//! What a motion of a described machine settles on: its period in returns to the section, its
+//! class, its largest exponent.
 //!
-//! A period is said where states return, where the [derivative of the period](super::monodromy) says that
-//! the orbit is near, and where no part of the period would do: what seems to return in 2T next to a
-//! doubling is followed until it returns in T, or until its two states are farther apart than the way that
-//! is left. What is not decided after the most returns is settling or not settled.
+//! A period is said where states return, where the [derivative of the period](super::monodromy)
+//! says that the orbit is near, and where no part of the period would do: what seems to return in
+//! 2T next to a doubling is followed until it returns in T, or until its two states are farther
+//! apart than the way that is left. What is not decided after the most returns is settling or not
+//! settled.
 
 use super::flight::Flows;
 use super::growth::{ALIGN, Growth};
@@ -25,13 +26,13 @@ use vibro_assembly::neutral::Neutral;
 const STEADY: f64 = 1e-9;
 /// Returns between two looks at whether a motion has settled.
 const LOOK: u32 = 4;
-/// A motion whose derivative of the period was in vain is looked at again when it has been followed so
-/// many times as long.
+/// A motion whose derivative of the period was in vain is looked at again when it has been followed
+/// so many times as long.
 const AGAIN: f64 = 1.25;
 /// States of an orbit are apart by so many times the distance that is left to it, or may be one.
 const APART: f64 = 20.0;
-/// Most returns over which an exponent is counted before its sign is left open, where they are the slowest
-/// of the motion: as many as tell that it is zero, by [`ZERO_EXPONENT`], …
+/// Most returns over which an exponent is counted before its sign is left open, where they are the
+/// slowest of the motion: as many as tell that it is zero, by [`ZERO_EXPONENT`], …
 const MOST_RETURNS: u32 = 3_300;
 /// … and so many times as many where an own oscillation is slower.
 const SLOWER: f64 = 4.0;
@@ -51,8 +52,8 @@ pub struct Settled {
     pub period: Option<u32>,
     /// Its class.
     pub class: MotionClass,
-    /// The largest exponent beside neutral ones, where it was computed and the class is decided: that of a
-    /// motion on its way belongs to the way.
+    /// The largest exponent beside neutral ones, where it was computed and the class is decided:
+    /// that of a motion on its way belongs to the way.
     pub exponent: Option<LargestExponent>,
     /// Impacts and first touches a return.
     pub contacts: f64,
@@ -60,8 +61,8 @@ pub struct Settled {
     pub rests: bool,
     /// Mean time between returns, s.
     pub interval: f64,
-    /// The states of one period, SI: elongations and rates of elements, and phases of harmonics that the
-    /// section does not hold.
+    /// The states of one period, SI: elongations and rates of elements, and phases of harmonics
+    /// that the section does not hold.
     pub states: Vec<Vec<f64>>,
     /// The sizes of the states' numbers, SI.
     pub scales: Vec<f64>,
@@ -70,8 +71,8 @@ pub struct Settled {
 }
 
 impl Settled {
-    /// Whether both are two attractors: two classes, two periods, or states that differ. None where that is
-    /// not decided, as of two chaotic motions.
+    /// Whether both are two attractors: two classes, two periods, or states that differ. None where
+    /// that is not decided, as of two chaotic motions.
     pub fn differs(&self, other: &Self) -> Option<bool> {
         if !(self.class.is_decided() && other.class.is_decided()) {
             return None;
@@ -99,7 +100,8 @@ struct Follower<'a> {
     followed: u32,
     /// How far it must have been followed before the derivative of the period is looked at again.
     next_look: u32,
-    /// Whether the orbit that its returns seem to be near was unstable when this was last looked at.
+    /// Whether the orbit that its returns seem to be near was unstable when this was last looked
+    /// at.
     is_unstable: bool,
 }
 
@@ -145,7 +147,8 @@ impl<'a> Follower<'a> {
         let parts = (2..=returns).filter(|factor| returns.is_multiple_of(*factor));
         let mut apart = parts.map(|factor| self.record.return_distance(returns / factor));
         let is_whole = apart.all(|apart| apart > APART * period.distance);
-        // A motion that stays for long where its neighbours part is on that orbit exactly, as by symmetry.
+        // A motion that stays for long where its neighbours part is on that orbit exactly, as by
+        // symmetry.
         let growth = period.multiplier.map_or(0.0, f64::ln);
         let turns = self.record.returns.len() as f64 / f64::from(returns);
         let stays = near <= STEADY && turns * growth > PARTED;
@@ -214,14 +217,15 @@ pub fn discard(motion: &mut Motion, section: &Section, discard: u32) -> Result<(
     Ok(())
 }
 
-/// The slowest of a motion's rates, rad/s: that of its returns or, where it is slower, of an own oscillation.
+/// The slowest of a motion's rates, rad/s: that of its returns or, where it is slower, of an own
+/// oscillation.
 fn slowest(motion: &Motion, interval: f64) -> f64 {
     let own = oscillations(motion.assembly().system()).into_iter();
     own.map(|frequency| TAU * frequency).fold(TAU / interval, f64::min)
 }
 
-/// The growth of a variation from the present on: until its sign is decided and it has been counted over
-/// `least` returns, or over the most.
+/// The growth of a variation from the present on: until its sign is decided and it has been counted
+/// over `least` returns, or over the most.
 fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Growth> {
     let motion = &mut *follower.motion;
     let assembly = motion.assembly().clone();
@@ -249,8 +253,8 @@ fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Gro
     Ok(growth)
 }
 
-/// The exponent of a motion with a period, by its multipliers; by the growth of a variation where they are
-/// too small to be told from rounding.
+/// The exponent of a motion with a period, by its multipliers; by the growth of a variation where
+/// they are too small to be told from rounding.
 fn periodic_exponent(
     follower: &mut Follower<'_>,
     (returns, first): (u32, Period),
@@ -278,9 +282,9 @@ fn periodic_exponent(
     Ok(LargestExponent { value, error: (value - before).abs(), periods: returns })
 }
 
-/// What a motion settles on, from the present on. The exponent of a motion with a period is computed where
-/// `exponents` gives the least number of returns over which one without is counted; of these the sign
-/// decides on the class.
+/// What a motion settles on, from the present on. The exponent of a motion with a period is
+/// computed where `exponents` gives the least number of returns over which one without is counted;
+/// of these the sign decides on the class.
 ///
 /// # Errors
 /// As [`Section::advance`].
@@ -361,7 +365,8 @@ mod tests {
     use crate::assembly::{Machine, Start};
     use vibro_assembly::file;
 
-    /// Two coupled oscillators with random numbers, of which the second hits a stop in every second machine.
+    /// Two coupled oscillators with random numbers, of which the second hits a stop in every second
+    /// machine.
     fn machine(draw: &mut impl FnMut(f64, f64) -> f64, hits: bool) -> Machine {
         let stop = if hits {
             "[stop.s]\nbetween = [\"ground\", \"b\"]\ngap = 0.002\nrestitution = 0.6\n"
@@ -384,7 +389,8 @@ mod tests {
         Machine::new(file::parse(&text, "m.toml", &file::no_records).unwrap())
     }
 
-    /// Of 200 machines with a period the multipliers are known; a variation's growth, counted as if they were not, must be as near as it says.
+    /// Of 200 machines with a period the multipliers are known; a variation's growth, counted as if
+    /// they were not, must be as near as it says.
     #[test]
     fn second_method_errors_of_growth_cover_the_exponents_by_multipliers() {
         /// 95 % of normal errors are within two of them; growth that swings regularly is nearer.

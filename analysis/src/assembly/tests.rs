@@ -10,11 +10,14 @@ mod verdicts;
 
 /// Rounding of a motion that has settled to 1e-9 of its size.
 const SETTLED: f64 = 1e-8;
-/// A variation that turns has a length that swings by at most its ratio of axes, whose logarithm counts over 74 s at -2/s.
+/// A variation that turns has a length that swings by at most its ratio of axes, whose logarithm
+/// counts over 74 s at -2/s.
 const SWING: f64 = 1e-3;
-/// An exponent of a settled motion over some hundred periods: the variation has turned to e-16 or to a few powers of the multipliers' ratio.
+/// An exponent of a settled motion over some hundred periods: the variation has turned to e-16 or
+/// to a few powers of the multipliers' ratio.
 const TURNED: f64 = 1e-4;
-/// Exponents of chaos over 400 periods of motions that part after some tens: three standard errors of either are under this part.
+/// Exponents of chaos over 400 periods of motions that part after some tens: three standard errors
+/// of either are under this part.
 const CHAOS: f64 = 0.2;
 
 fn example(name: &str) -> Machine {
@@ -90,8 +93,9 @@ fn closed_form_exponent_and_impacts_of_the_impact_pair() {
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();
     let found = settled(&mut motion, &section, Some(200)).unwrap();
     assert_eq!((found.class, found.contacts), (MotionClass::Periodic(1), 2.0));
-    // The map from one impact to the next, of their times and of the speeds after them: with y the base, v the speed after the impact at t,
-    // dt' = ((y'(t) - v) dt + π dv)/(y'(t') - v), dv' = -ε dv + (1 + ε) y''(t') dt'; the second half of a period is its mirror image.
+    // The map from one impact to the next, of their times and of the speeds after them: with y the
+    // base, v the speed after the impact at t, dt' = ((y'(t) - v) dt + π dv)/(y'(t') - v), dv' = -ε
+    // dv + (1 + ε) y''(t') dt'; the second half of a period is its mirror image.
     let (e, v) = (0.5, 1.505_573_953_117_26);
     let c = -(1.0 - e) / (1.0 + e) * v;
     let sine = 0.5 * (std::f64::consts::PI * v - 3.0);
@@ -116,7 +120,8 @@ fn paper(amplitude: f64) -> (Machine, Simulator) {
 #[test]
 fn second_method_exponents_are_the_3_dof_cores() {
     let p = Parameters::default();
-    // A motion with one impact at each stop: to what both have settled. Chaos: to what two windows of it scatter.
+    // A motion with one impact at each stop: to what both have settled. Chaos: to what two windows
+    // of it scatter.
     for (amplitude, near) in [(p.drive_amplitude, 5e-3), (p.drive_amplitude * 3.6 / 1.5, CHAOS)] {
         let (machine, mut core) = paper(amplitude);
         let period = 2.0 * std::f64::consts::PI / core.parameters().drive_frequency;
@@ -228,7 +233,8 @@ fn swept(machine: &Machine, names: &[&str], discard: u32, periods: u32) -> crate
 
 #[test]
 fn invariant_a_motion_that_repeats_after_some_returns_has_no_spread() {
-    // Looked at every 0.2/3 s, the motion of 0.2 s is 3T; parts of ten returns are no whole number of it.
+    // Looked at every 0.2/3 s, the motion of 0.2 s is 3T; parts of ten returns are no whole number
+    // of it.
     let mut machine = text(OSCILLATOR);
     machine.section = SectionRule::Period(0.2 / 3.0);
     let row = swept(&machine, &["rms.a.s", "power.k", "maximum.a.s", "class"], 400, 60);
@@ -241,7 +247,8 @@ fn invariant_a_motion_that_repeats_after_some_returns_has_no_spread() {
 
 #[test]
 fn closed_form_measures_last_four_periods_of_the_slowest_own_oscillation() {
-    // Undamped, 1 Hz, from a start of 1 m: cos(2 pi t). A ripple makes the section of 1 ms, ten of which see 10 ms of it.
+    // Undamped, 1 Hz, from a start of 1 m: cos(2 pi t). A ripple makes the section of 1 ms, ten of
+    // which see 10 ms of it.
     let slow = "name = \"S\"\n[body.a]\nmass = 1.0\nstart = { s = 1.0 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\n\
         stiffness = 39.47841760435743\n[load.f]\non = \"a\"\namplitude = 1e-9\nfrequency = \"1 kHz\"\n";
     let machine = text(slow);
@@ -273,7 +280,8 @@ fn closed_form_what_does_not_repeat_is_measured_after_its_last_change_or_as_aske
     let row = swept(&stepped("20 s"), &names, 300, 60);
     assert!((number(&row) - 2.0 - swing).abs() < REPEATS, "{row:?}");
     assert_eq!(row.classes, [MotionClass::Periodic(1)]);
-    // A step to come: as long as was asked for, though the motion has settled long before; and it has no class.
+    // A step to come: as long as was asked for, though the motion has settled long before; and it
+    // has no class.
     let row = swept(&stepped("62 s"), &names[..1], 300, 60);
     assert!(number(&row) > 2.0 + swing, "{row:?}");
     let row = swept(&stepped("200 s"), &names, 300, 60);

@@ -1,5 +1,5 @@
-//! How long a motion must be looked at: as long as the machine's slowest own oscillation needs, and after the last change
-//! of what drives it.
+//! How long a motion must be looked at: as long as the machine's slowest own oscillation needs, and
+//! after the last change of what drives it.
 
 use super::oscillations::oscillations;
 use super::section::Section;
@@ -9,7 +9,8 @@ use crate::significant;
 use vibro_assembly::Motion;
 use vibro_assembly::description::{BodyKind, Description, Signal};
 
-/// A window lasts so many periods of the slowest own oscillation, and what is discarded before it too.
+/// A window lasts so many periods of the slowest own oscillation, and what is discarded before it
+/// too.
 const SLOWEST: f64 = 4.0;
 /// A window is at most as many times as long as was asked for.
 const MOST: f64 = 100.0;
@@ -32,7 +33,8 @@ pub(super) fn needed(motion: &Motion, section: &Section, periods: u32) -> Result
     Ok(SLOWEST * slowest)
 }
 
-/// Refuses periods so short that the slowest own oscillation needs more than a hundred times as many.
+/// Refuses periods so short that the slowest own oscillation needs more than a hundred times as
+/// many.
 fn is_allowed(section: &Section, periods: u32, slowest: f64, option: &str) -> Result<()> {
     match section {
         Section::Period(period) | Section::Shifted(period, _)
@@ -108,7 +110,8 @@ fn signals(d: &Description) -> impl Iterator<Item = (String, &Signal)> {
     motions.chain(levels).chain(d.loads.iter().map(|l| (format!("load.{}", l.name), &l.force)))
 }
 
-/// The last change of what drives a machine that does not repeat: its time, s, and what it is; `None` where all repeats or is constant.
+/// The last change of what drives a machine that does not repeat: its time, s, and what it is;
+/// `None` where all repeats or is constant.
 fn last_change(d: &Description) -> Option<(f64, String)> {
     let of = |(name, signal): (String, &Signal)| {
         let step =
@@ -120,13 +123,15 @@ fn last_change(d: &Description) -> Option<(f64, String)> {
     signals(d).flat_map(of).flatten().reduce(|a, b| if b.0 > a.0 { b } else { a })
 }
 
-/// What still changes after a time without ever repeating, in words; `None` where all repeats from then on or is constant.
+/// What still changes after a time without ever repeating, in words; `None` where all repeats from
+/// then on or is constant.
 pub fn runs_on(d: &Description, time: f64) -> Option<String> {
     last_change(d).filter(|(end, _)| *end > time).map(|(_, words)| words)
 }
 
-/// Whether what drives a machine still changes without repeating when so many returns have passed from its start; of a machine
-/// that is looked at where events fall this is not known beforehand, and any change counts.
+/// Whether what drives a machine still changes without repeating when so many returns have passed
+/// from its start; of a machine that is looked at where events fall this is not known beforehand,
+/// and any change counts.
 pub(super) fn runs_on_beyond(d: &Description, section: &Section, discard: u32) -> Option<String> {
     match section {
         Section::Period(period) | Section::Shifted(period, _) => runs_on(d, f64::from(discard) * period),
@@ -134,12 +139,14 @@ pub(super) fn runs_on_beyond(d: &Description, section: &Section, discard: u32) -
     }
 }
 
-/// Discards what comes before a motion is looked at. What drives the machine may still change without repeating: then all `discard`
-/// returns pass, or, where it has changed for the last time before, as many from there on or until the motion has settled. The
-/// slowest own oscillation has had four periods in any case.
+/// Discards what comes before a motion is looked at. What drives the machine may still change
+/// without repeating: then all `discard` returns pass, or, where it has changed for the last time
+/// before, as many from there on or until the motion has settled. The slowest own oscillation has
+/// had four periods in any case.
 ///
 /// # Errors
-/// As [`Section::advance`]; [`Error::Described`] where four periods are more than a hundred times what was asked for.
+/// As [`Section::advance`]; [`Error::Described`] where four periods are more than a hundred times
+/// what was asked for.
 pub fn settle(motion: &mut Motion, section: &Section, returns: u32) -> Result<()> {
     let begin = motion.time();
     let end = last_change(&motion.assembly().description).map_or(begin, |(time, _)| time);

@@ -1,8 +1,9 @@
 //! Variations of a described machine's motion, carried exactly through flights and events
-//! (docs/assembly-law.md (A21)): one for the largest Lyapunov exponent, all for the multipliers of a period.
+//! (docs/assembly-law.md (A21)): one for the largest Lyapunov exponent, all for the multipliers of
+//! a period.
 //!
-//! What contacts hold is no direction of a variation, and neutral directions are told apart: what is left of
-//! a variation where both are taken away is what can grow or shrink.
+//! What contacts hold is no direction of a variation, and neutral directions are told apart: what
+//! is left of a variation where both are taken away is what can grow or shrink.
 
 use super::flight::{Flight, Flow, Observer, Passage, dot};
 use nalgebra::DVector;
@@ -152,9 +153,9 @@ impl Variation {
         Self { v: [v], metric, neutral: neutral.states(), growth: 0.0 }
     }
 
-    /// Takes away what lies along neutral directions, and along `shift` where a shift in time is one; makes
-    /// the length one, and returns the logarithm of the growth since this was last done: -∞ where nothing is
-    /// left of the variation.
+    /// Takes away what lies along neutral directions, and along `shift` where a shift in time is
+    /// one; makes the length one, and returns the logarithm of the growth since this was last done:
+    /// -∞ where nothing is left of the variation.
     pub fn grown(&mut self, shift: Option<Vec<f64>>) -> f64 {
         let before = self.metric.length(&self.v[0]);
         let basis = self.metric.basis(self.neutral.iter().cloned().chain(shift));

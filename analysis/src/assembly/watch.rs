@@ -8,8 +8,8 @@ use vibro_assembly::system::System;
 
 /// Values of a plateau differ by less than this part of the largest.
 const FLAT: f64 = 1e-12;
-/// An extremum under this part of the largest value is zero, as at a stop with gap 0: its time is known to the clock's rounding, which
-/// after 1e5 periods is some 1e-11 of one.
+/// An extremum under this part of the largest value is zero, as at a stop with gap 0: its time is
+/// known to the clock's rounding, which after 1e5 periods is some 1e-11 of one.
 const ZERO: f64 = 1e-10;
 
 /// A value beside the largest that was met.
@@ -189,7 +189,8 @@ mod tests {
     use super::super::{Machine, Measure, discard, measure};
     use vibro_assembly::file::no_records;
 
-    /// The wall stands where the spring is without force, so that the largest coordinate is 0 at every impact; without it nothing is hit.
+    /// The wall stands where the spring is without force, so that the largest coordinate is 0 at
+    /// every impact; without it nothing is hit.
     #[test]
     fn closed_form_what_is_zero_has_no_rounding_and_no_sign() {
         let text = "name = \"M\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n\

@@ -1,4 +1,5 @@
-//! In which units the numbers of a machine's file are written, and what a number without a unit means beside it.
+//! In which units the numbers of a machine's file are written, and what a number without a unit
+//! means beside it.
 
 use super::Machine;
 use crate::error::Result;
@@ -32,11 +33,13 @@ impl Machine {
         Ok(machine)
     }
 
-    /// Reads a value of a parameter, in SI, with its unit. A number without one is in the unit in which the parameter was written, by the
-    /// file or [since](Self::note_unit), and in SI where none was.
+    /// Reads a value of a parameter, in SI, with its unit. A number without one is in the unit in
+    /// which the parameter was written, by the file or [since](Self::note_unit), and in SI where
+    /// none was.
     ///
     /// # Errors
-    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name, and for what is no allowed value, with what is.
+    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name, and for what is no allowed
+    /// value, with what is.
     pub fn quantity(&self, name: &str, text: &str) -> Result<Quantity> {
         let parameter = self.description.parameter(name)?;
         let typed = quantity_in(parameter.unit, text.trim()).and_then(|q| q.unit);

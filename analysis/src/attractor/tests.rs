@@ -112,7 +112,8 @@ fn closed_form_classes_by_exponents() {
     assert_eq!(MotionClass::of(&attractor(false), Some(&spectrum(2e-4, 0.0)), &stiff), MotionClass::Chaotic);
 }
 
-/// A weight on the block that is larger than all that the drive makes holds it at the lower stop: no impact, but no freedom either.
+/// A weight on the block that is larger than all that the drive makes holds it at the lower stop:
+/// no impact, but no freedom either.
 #[test]
 fn closed_form_a_block_that_a_load_holds_at_a_stop_rests_throughout() {
     let p = Groups { f10: 0.1, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();

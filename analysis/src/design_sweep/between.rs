@@ -1,8 +1,10 @@
-//! What lies between the values over which the motions of a design are taken together: a resonance that none of them meets.
+//! What lies between the values over which the motions of a design are taken together: a resonance
+//! that none of them meets.
 //!
-//! Along an interval the first measure is known at some values. Between two of them it may rise as steeply as it was seen to rise
-//! anywhere, and twice that: where it could then pass the largest, the middle is looked at next (S. A. Piyavskii, 1972). Values
-//! at which the machine resonates come first.
+//! Along an interval the first measure is known at some values. Between two of them it may rise as
+//! steeply as it was seen to rise anywhere, and twice that: where it could then pass the largest,
+//! the middle is looked at next (S. A. Piyavskii, 1972). Values at which the machine resonates come
+//! first.
 
 use super::{Machine, Outcome, Request, motions};
 
@@ -39,7 +41,8 @@ impl Looked {
         own.iter().map(number).reduce(|a, b| if b?.0 > a?.0 { b } else { a }).flatten()
     }
 
-    /// The places on the line along an axis through the one with the largest value, and that place; `None` where a motion has failed.
+    /// The places on the line along an axis through the one with the largest value, and that place;
+    /// `None` where a motion has failed.
     fn line(&self, axis: usize, measure: usize) -> Option<(Vec<Point>, Vec<f64>)> {
         let values: Vec<(f64, f64)> =
             (0..self.places.len()).map(|i| self.largest(i, measure)).collect::<Option<_>>()?;
@@ -54,9 +57,10 @@ impl Looked {
     }
 }
 
-/// Looks between the values of those of [`Request::over`] that are intervals, along each through the largest, until a value but for twice its
-/// spread is larger than `enough`. The new places follow the others. A motion that fails ends the search, as the design has no value
-/// then. Returns whether all was looked at.
+/// Looks between the values of those of [`Request::over`] that are intervals, along each through
+/// the largest, until a value but for twice its spread is larger than `enough`. The new places
+/// follow the others. A motion that fails ends the search, as the design has no value then. Returns
+/// whether all was looked at.
 pub(super) fn look_between<M: Machine>(
     own: &M,
     request: &Request<M>,
@@ -96,8 +100,8 @@ fn is_new(line: &[Point], x: f64) -> bool {
     from < x && x < to && line.iter().all(|p| (p.0 - x).abs() > near)
 }
 
-/// The value to look at next, if any could have a larger one than those that are there, which are ascending, by more than they
-/// scatter.
+/// The value to look at next, if any could have a larger one than those that are there, which are
+/// ascending, by more than they scatter.
 fn next(line: &[Point]) -> Option<f64> {
     let span = line[line.len() - 1].0 - line[0].0;
     let top = line.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })?;

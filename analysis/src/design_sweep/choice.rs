@@ -1,9 +1,11 @@
 //! Which design has the least of the first measure.
 //!
-//! Every number of a sweep has an error bar: its spread, which is nothing where the motions repeat. All designs that the error bars
-//! leave possible as the best are measured again, each time four times as long, and between the values of the parameters over which
-//! they are taken together, until one is the best by its error bar, or nothing more would tell them apart, or a stated number of periods is spent.
-//! What was found then stands in place of the rows of the sweep, for all that speaks of it.
+//! Every number of a sweep has an error bar: its spread, which is nothing where the motions repeat.
+//! All designs that the error bars leave possible as the best are measured again, each time four
+//! times as long, and between the values of the parameters over which they are taken together,
+//! until one is the best by its error bar, or nothing more would tell them apart, or a stated
+//! number of periods is spent. What was found then stands in place of the rows of the sweep, for
+//! all that speaks of it.
 
 use super::between::{Looked, MOST, look_between};
 use super::{Again, Machine, Request, Row, Summary, design, motions, part, summary};
@@ -31,9 +33,11 @@ pub struct Choice {
     pub measure: usize,
     /// The rows of designs that were measured again, by the design's number.
     pub rows: BTreeMap<usize, Row>,
-    /// The designs that may have the least value, the least first: one where it is the best by its error bar.
+    /// The designs that may have the least value, the least first: one where it is the best by its
+    /// error bar.
     pub possible: Vec<usize>,
-    /// Designs that may have the least value and could still be measured again, for which there were no periods left.
+    /// Designs that may have the least value and could still be measured again, for which there
+    /// were no periods left.
     pub left: usize,
     /// Periods of motion that were spent.
     pub spent: u64,
@@ -123,8 +127,8 @@ impl<M: Machine> Race<'_, M> {
         found.ok_or_else(|| Error::Form { text: index.to_string(), expected: "a design of the sweep" })
     }
 
-    /// Measures a design again as long as it may be less than `enough`; returns its row, whether all was looked at, and the periods of
-    /// motion that it took.
+    /// Measures a design again as long as it may be less than `enough`; returns its row, whether
+    /// all was looked at, and the periods of motion that it took.
     fn measured(&self, index: usize, enough: f64) -> Result<(Row, bool, u64)> {
         let mut row = self.row(index)?;
         let periods = self.periods(index);
@@ -187,8 +191,9 @@ fn looks_between<M: Machine>(request: &Request<M>) -> bool {
     request.over.iter().any(|axis| axis.values.len() > 1 && request.between.contains(&axis.name))
 }
 
-/// The best design of a sweep whose parts are all in the task's store, where the choice is then kept too; `None` where there is nothing to
-/// choose: one design, no measure of a window. It depends neither on threads nor on shards.
+/// The best design of a sweep whose parts are all in the task's store, where the choice is then
+/// kept too; `None` where there is nothing to choose: one design, no measure of a window. It
+/// depends neither on threads nor on shards.
 ///
 /// # Errors
 /// What the store refuses.

@@ -37,8 +37,8 @@ pub enum Designs<N = Name> {
         /// Their values, design by design.
         rows: Vec<Vec<f64>>,
     },
-    /// The first points of the [Sobol sequence](crate::sobol) in the intervals, of which there are at most
-    /// [`DIMENSIONS`](crate::sobol::DIMENSIONS).
+    /// The first points of the [Sobol sequence](crate::sobol) in the intervals, of which there are
+    /// at most [`DIMENSIONS`](crate::sobol::DIMENSIONS).
     Sobol {
         /// The intervals.
         intervals: Vec<ParameterInterval<N>>,
@@ -99,8 +99,9 @@ pub(super) fn combination<N>(axes: &[SampledAxis<N>], index: usize) -> Vec<f64> 
     values
 }
 
-/// Starts spread evenly: |x1| and |x3| up to 2 L, |w| up to L, the velocities up to 2 L ω10. They are points of the Sobol
-/// sequence, the same ones in every sweep, without the first two, of which the second is the machine at rest.
+/// Starts spread evenly: |x1| and |x3| up to 2 L, |w| up to L, the velocities up to 2 L ω10. They
+/// are points of the Sobol sequence, the same ones in every sweep, without the first two, of which
+/// the second is the machine at rest.
 pub fn spread_starts(count: u32) -> Vec<StartRule> {
     const REACH: f64 = 2.0;
     let start = |index: u32| {

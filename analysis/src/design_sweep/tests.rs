@@ -192,7 +192,8 @@ fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
 /// An amplitude of a linear oscillator that has settled.
 const SETTLED: f64 = 1e-6;
 
-/// A box on a spring with a damping ratio of a percent whose own frequency is near 9.25 Hz: none of 9, 10, 11 Hz meets it.
+/// A box on a spring with a damping ratio of a percent whose own frequency is near 9.25 Hz: none of
+/// 9, 10, 11 Hz meets it.
 const RESONATOR: &str = "name = \"R\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 3377.6\n\
     damping = 1.16\n[load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"9 Hz\"\n";
 
@@ -208,7 +209,8 @@ fn described_axis(name: &str, values: &[f64]) -> SampledAxis<String> {
 
 #[test]
 fn closed_form_a_resonance_between_the_values_of_a_band_is_met() {
-    // Two designs: the first resonates within the band, the second above it. At the three values the first looks like the better one.
+    // Two designs: the first resonates within the band, the second above it. At the three values
+    // the first looks like the better one.
     let machine = described(RESONATOR);
     let request = Request::<crate::assembly::Machine> {
         designs: Designs::Grid(vec![described_axis("spring.k.stiffness", &[3377.6, 2600.0])]),

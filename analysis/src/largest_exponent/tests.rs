@@ -12,8 +12,8 @@ fn system(f10: f64, kappa: f64) -> Parameters {
     Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
 }
 
-/// The growth of a variation over some periods of a motion, as a logarithm: by this module and with the full matrices of
-/// `variation`; and how often the block came to rest.
+/// The growth of a variation over some periods of a motion, as a logarithm: by this module and with
+/// the full matrices of `variation`; and how often the block came to rest.
 fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
     let mut simulator = Simulator::new(p, &moving_block(p), 0.0).unwrap().without_energy_accounts();
     simulator.advance_to(f64::from(skipped) * p.period()).unwrap();
@@ -57,7 +57,8 @@ fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
 
 #[test]
 fn second_method_growth_is_that_of_full_matrices() {
-    /// The series for one variation are cut at under 9e-6 of it, at most points by far less, some twenty times.
+    /// The series for one variation are cut at under 9e-6 of it, at most points by far less, some
+    /// twenty times.
     const CUT: f64 = 2e-5;
     for (f10, kappa, rests) in [(1.5, 0.75, false), (3.6, 0.75, false), (3.0, 0.0, true), (2.0, 0.3, false)] {
         let p = system(f10, kappa);
@@ -67,7 +68,8 @@ fn second_method_growth_is_that_of_full_matrices() {
     }
 }
 
-/// The largest exponent of the motion from the common start, 1/s, over at least `most` periods where its sign is decided before.
+/// The largest exponent of the motion from the common start, 1/s, over at least `most` periods
+/// where its sign is decided before.
 fn exponent(p: &Parameters, discard: u32, most: u32) -> LargestExponent {
     let program = Program { discard, observed: true, exponent: Some(most), ..Program::default() };
     let mut found = None;
@@ -98,7 +100,8 @@ fn closed_form_of_the_exact_orbit() {
     let p = system(1.5, 0.75);
     let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
     let expected = p.drive_frequency / std::f64::consts::PI * orbit.spectral_radius().ln();
-    // Of a pair of complex multipliers the variation's length swings about its mean, by the same in a long and in a short time.
+    // Of a pair of complex multipliers the variation's length swings about its mean, by the same in
+    // a long and in a short time.
     const SWING: f64 = 2.0;
     const PERIODS: u32 = 400;
     let mut simulator = Simulator::new(&p, &moving_block(&p), 0.0).unwrap().without_energy_accounts();
@@ -126,7 +129,8 @@ fn closed_form_of_the_exact_orbit() {
 
 #[test]
 fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
-    /// The length of a variation that turns swings by some units of its logarithm, which is over 5000 in each block.
+    /// The length of a variation that turns swings by some units of its logarithm, which is over
+    /// 5000 in each block.
     const SWING: f64 = 1e-3;
     // A variation shrinks by e⁻⁵⁰⁰ or more in each drive period.
     let p = Parameters {

@@ -1,4 +1,5 @@
-//! Oracles: closed form of the linear system, the identity of the sum, the exact orbit's multipliers, two trajectories.
+//! Oracles: closed form of the linear system, the identity of the sum, the exact orbit's
+//! multipliers, two trajectories.
 
 use super::super::motion::settled_simulator;
 use super::super::stroboscopic::moving_block;
@@ -8,7 +9,8 @@ use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::simulator::State;
 use vibro_impact::steady::exact_orbit;
 
-/// An average over n periods differs from the limit by O(1/n) where a pair turns; sums over the pair do not.
+/// An average over n periods differs from the limit by O(1/n) where a pair turns; sums over the
+/// pair do not.
 const PAIR: f64 = 1e-6;
 /// The identity holds period by period, to the rounding of some thousand products.
 const IDENTITY: f64 = 1e-8;
@@ -19,8 +21,9 @@ fn groups(f10: f64, kappa: f64) -> Parameters {
 
 #[test]
 fn closed_form_of_the_linear_damped_system() {
-    // Block free of springs and never at a stop: the box's exponents are the real parts of r² + c1 r + k1, twice
-    // overdamped here, the secondary's likewise underdamped; block and phase have zero.
+    // Block free of springs and never at a stop: the box's exponents are the real parts of r² + c1
+    // r + k1, twice overdamped here, the secondary's likewise underdamped; block and phase have
+    // zero.
     let mut p = groups(0.0, 0.75);
     p.coupling_stiffness = 0.0;
     p.box_damping = 2.5;
@@ -31,7 +34,8 @@ fn closed_form_of_the_linear_damped_system() {
     assert_eq!(found.impacts, 0);
     let root = (2.5f64 * 2.5 - 4.0).sqrt();
     let expected = [0.0, 0.0, 0.0, -0.15, -0.15, 0.5 * (-2.5 + root), 0.5 * (-2.5 - root)];
-    // A displacement of the block grows out of its speed like t, whose exponent comes as ln t/t and with the opposite sign.
+    // A displacement of the block grows out of its speed like t, whose exponent comes as ln t/t and
+    // with the opposite sign.
     let time = 1550.0 * p.period();
     let slow = time.ln() / (1500.0 * p.period());
     for (i, (got, want)) in found.exponents.iter().zip(expected).enumerate() {
@@ -55,8 +59,8 @@ fn roots(c: f64, k: f64) -> [f64; 2] {
 
 #[test]
 fn closed_form_of_exponents_far_apart() {
-    // No impacts. In a period of the drive one variation shrinks by more digits than a double has beside another: where the drive is slow,
-    // and where a damper is strong.
+    // No impacts. In a period of the drive one variation shrinks by more digits than a double has
+    // beside another: where the drive is slow, and where a damper is strong.
     let slow = Parameters {
         drive_frequency: 0.013,
         box_damping: 0.3,
@@ -84,8 +88,9 @@ fn closed_form_of_exponents_far_apart() {
 
 #[test]
 fn invariant_the_sum_of_the_exponents_where_slow_impacts_stretch() {
-    // Hundreds of impacts in a long period of the drive, slow ones among them: each of these makes one variation long and another short. An
-    // impact takes the square of the restitution coefficient of phase space, and the dampers their rates.
+    // Hundreds of impacts in a long period of the drive, slow ones among them: each of these makes
+    // one variation long and another short. An impact takes the square of the restitution
+    // coefficient of phase space, and the dampers their rates.
     let p = Parameters {
         box_mass: 0.557_724_769_778_829,
         box_stiffness: 8.491_729_122_830_904,
@@ -113,8 +118,9 @@ fn invariant_the_sum_of_the_exponents_where_slow_impacts_stretch() {
 
 #[test]
 fn closed_form_of_directions_that_nothing_mixes() {
-    // No impacts, so that box and block do not act on each other, and nothing holds the secondary oscillator: its place has the exponent zero,
-    // as has the phase, and both are there when the alignment is over.
+    // No impacts, so that box and block do not act on each other, and nothing holds the secondary
+    // oscillator: its place has the exponent zero, as has the phase, and both are there when the
+    // alignment is over.
     let p = Parameters {
         secondary_stiffness: 0.0,
         drive_amplitude: 0.05,
@@ -193,8 +199,9 @@ fn second_method_multipliers_of_the_exact_orbit() {
 fn second_method_two_trajectories_in_chaos() {
     const APART: f64 = 1e-8;
     const PERIODS: u32 = 6000;
-    /// Both estimates fluctuate as chaos does; by how much, the growths over blocks of periods tell. Of two estimates that
-    /// differ by chance one pair in 10⁴ lies further apart than this many of their standard errors.
+    /// Both estimates fluctuate as chaos does; by how much, the growths over blocks of periods
+    /// tell. Of two estimates that differ by chance one pair in 10⁴ lies further apart than this
+    /// many of their standard errors.
     const ERRORS: f64 = 4.0;
     const BLOCK: u32 = 100;
     /// So that the comparison says something at all.
@@ -240,7 +247,8 @@ fn second_method_two_trajectories_in_chaos() {
 
 #[test]
 fn closed_form_rest_and_dead_impacts_lose_directions() {
-    // κ = 0 with rest: two directions are lost; the rest of the spectrum stays finite and holds the phase's zero.
+    // κ = 0 with rest: two directions are lost; the rest of the spectrum stays finite and holds the
+    // phase's zero.
     let p = groups(3.0, 0.0);
     let found =
         spectrum(&mut settled_simulator(&p, &moving_block(&p), 200.0).unwrap(), &SpectrumOptions::default())
@@ -254,12 +262,13 @@ fn closed_form_rest_and_dead_impacts_lose_directions() {
 
 #[test]
 fn closed_form_variations_through_rest() {
-    // Through chatter into rest and out of it: the frame's image against differences of whole motions.
-    // Two widths, so that the differences' own error of second order drops out (Richardson).
+    // Through chatter into rest and out of it: the frame's image against differences of whole
+    // motions. Two widths, so that the differences' own error of second order drops out
+    // (Richardson).
     const NARROW: f64 = 1e-6;
     const WIDE: f64 = 3e-6;
-    /// A chatter run is closed at bounces some 1e-8 fast, one bounce earlier or later for neighbours; of NARROW, that is
-    /// this at most.
+    /// A chatter run is closed at bounces some 1e-8 fast, one bounce earlier or later for
+    /// neighbours; of NARROW, that is this at most.
     const DIFFERENCE: f64 = 1e-3;
     for (f10, kappa, periods) in [(3.0, 0.0, 60), (2.0, 0.0, 60), (0.3, 0.3, 20), (0.3, 0.5, 20)] {
         let p = groups(f10, kappa);

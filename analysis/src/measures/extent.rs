@@ -5,9 +5,11 @@ use vibro_impact::events::turns;
 use vibro_impact::flow::{PIECE, Series, weighted_sum};
 use vibro_impact::numerics::simd::value;
 
-/// Gauss–Legendre nodes and weights on [0, 1]. Along a series, whose time times the model's rate r is at most 1.2, derivatives of order k
-/// of a displacement are at most rᵏ max(3 + k/2, k + 1) of the motion's size S (docs/numerics.md, section 1), of a rate r times as much,
-/// so that the sixteenth of the square is at most 78 (2r)¹⁶ S², and the rule's error under 78 (8!)⁴ 2.4¹⁶/(17 (16!)³) < 2e-15 of S² times the length.
+/// Gauss–Legendre nodes and weights on [0, 1]. Along a series, whose time times the model's rate r
+/// is at most 1.2, derivatives of order k of a displacement are at most rᵏ max(3 + k/2, k + 1) of
+/// the motion's size S (docs/numerics.md, section 1), of a rate r times as much, so that the
+/// sixteenth of the square is at most 78 (2r)¹⁶ S², and the rule's error under 78 (8!)⁴ 2.4¹⁶/(17
+/// (16!)³) < 2e-15 of S² times the length.
 const NODES: [(f64, f64); 8] = [
     (0.019_855_071_751_231_912, 0.050_614_268_145_188_53),
     (0.101_666_761_293_186_64, 0.111_190_517_226_687_23),
@@ -36,7 +38,8 @@ impl Extent {
         Self { coordinate, least: f64::INFINITY, largest: f64::NEG_INFINITY, squares, square: 0.0 }
     }
 
-    /// Least and largest value, both within ± a bound that the coordinate is known to keep but for rounding.
+    /// Least and largest value, both within ± a bound that the coordinate is known to keep but for
+    /// rounding.
     pub fn within(&self, bound: f64) -> (f64, f64) {
         (self.least.max(-bound), self.largest.min(bound))
     }

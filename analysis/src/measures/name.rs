@@ -44,7 +44,8 @@ impl Coordinate {
         if self as usize >= Self::V1 as usize { "m/s" } else { "m" }
     }
 
-    /// Its weights at three neighbouring places of the augmented state, and the first of these: x2 = x1 + w, docs/theory.md (5).
+    /// Its weights at three neighbouring places of the augmented state, and the first of these: x2
+    /// = x1 + w, docs/theory.md (5).
     #[inline(always)]
     pub(super) fn weights(self) -> ([f64; 3], usize) {
         const WEIGHTS: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]];
@@ -87,7 +88,8 @@ pub enum Measure {
     Class,
     /// The largest Lyapunov exponent beside the drive phase's zero, 1/s.
     Exponent,
-    /// The amplitude of the box alone, m: [`amplitude_without_block`](super::amplitude_without_block).
+    /// The amplitude of the box alone, m:
+    /// [`amplitude_without_block`](super::amplitude_without_block).
     AmplitudeWithoutBlock,
 }
 

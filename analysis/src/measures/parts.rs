@@ -1,7 +1,8 @@
 //! A window in parts of equal length, by which the spread of its numbers is found.
 //!
-//! Of a motion that repeats after n returns every part is a whole number of n returns, so that its numbers have no spread but rounding. n
-//! is found from what the first returns show, each by itself.
+//! Of a motion that repeats after n returns every part is a whole number of n returns, so that its
+//! numbers have no spread but rounding. n is found from what the first returns show, each by
+//! itself.
 
 use super::PARTS;
 use crate::attractor::{LONGEST, least_period};

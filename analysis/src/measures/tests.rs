@@ -54,7 +54,8 @@ fn second_method_amplitudes_and_mean_squares_of_the_exact_orbit() {
         {
             assert!((amplitude - orbit.amplitude_of(*weights)).abs() < SETTLED, "{names:?}");
         } else {
-            // Before or after an impact, or where the phases come near to: never more than what is exact.
+            // Before or after an impact, or where the phases come near to: never more than what is
+            // exact.
             let most = values.iter().fold(0.0f64, |a, v| a.max(v.abs()));
             assert!(amplitude > most - SETTLED && amplitude - most < 1e-3, "{names:?}: {amplitude} {most}");
         }
@@ -110,7 +111,8 @@ fn invariant_the_drive_pays_for_all_losses_of_a_periodic_motion() {
 
 #[test]
 fn closed_form_of_the_box_alone() {
-    // Uncoupled, and with room for the block: the box is a driven oscillator, and settles as its damping has it.
+    // Uncoupled, and with room for the block: the box is a driven oscillator, and settles as its
+    // damping has it.
     let p = Parameters { coupling_stiffness: 0.0, stop_gap: 10.0, ..Parameters::default() };
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
     simulator.advance_to(200.0 * p.period()).unwrap();
@@ -191,14 +193,16 @@ fn names_come_back_and_misspelt_ones_suggest_the_nearest() {
     assert!(error("temperature").contains("valid are amplitude.x1, amplitude.x2"));
 }
 
-/// Chaos, whose windows scatter by as much as one of them says of itself: an extreme by (N4), a mean square by (N5).
+/// Chaos, whose windows scatter by as much as one of them says of itself: an extreme by (N4), a
+/// mean square by (N5).
 #[test]
 fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
     const WINDOWS: usize = 60;
     const PERIODS: u32 = 60;
-    /// Sixty windows know their scatter to a tenth. Parts of ten drive periods are not quite independent, so that a mean may be told
-    /// too sharp; the limit law of extremes is one for long parts, and where the motion
-    /// comes to the edge of its attractor in most windows, an extreme scatters less than (N4) says.
+    /// Sixty windows know their scatter to a tenth. Parts of ten drive periods are not quite
+    /// independent, so that a mean may be told too sharp; the limit law of extremes is one for long
+    /// parts, and where the motion comes to the edge of its attractor in most windows, an extreme
+    /// scatters less than (N4) says.
     const LEAST: f64 = 0.65;
     const MOST: f64 = 5.0;
     let names = ["amplitude.x1", "amplitude.x2", "impact.speed", "rms.x1"];
@@ -223,7 +227,8 @@ fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
 /// Without a spring between box and ground ω10 is zero and no unit of an exponent.
 #[test]
 fn second_method_the_exponent_of_a_machine_without_the_boxs_spring_is_that_of_its_description() {
-    /// A length swings by the ratio of its axes; its logarithm counts over the time of the spectrum, 1/s.
+    /// A length swings by the ratio of its axes; its logarithm counts over the time of the
+    /// spectrum, 1/s.
     const TURNED: f64 = 1e-4;
     let p = Parameters { box_stiffness: 0.0, drive_amplitude: 1.0, ..Parameters::default() };
     let start = State { x: [0.0, 0.5, 0.0], v: [0.0, 0.6, 0.0] };
@@ -243,7 +248,8 @@ fn second_method_the_exponent_of_a_machine_without_the_boxs_spring_is_that_of_it
 
 #[test]
 fn second_method_the_power_of_the_drive_is_without_that_of_constant_loads() {
-    // A box on next to no spring, which its load pushes away, and one in chaos: F10 sin θ x1' by the midpoint rule.
+    // A box on next to no spring, which its load pushes away, and one in chaos: F10 sin θ x1' by
+    // the midpoint rule.
     const STEPS: u32 = 4000;
     let soft = Parameters { box_stiffness: 1e-4, constant_loads: [0.5, 0.0, 0.0], ..Parameters::default() };
     let chaos = Parameters { constant_loads: [0.03, -0.02, 0.01], ..at(3.6, 0.75) };

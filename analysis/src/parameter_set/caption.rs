@@ -17,8 +17,8 @@ impl Base {
 }
 
 impl ParameterSet {
-    /// Where these numbers come from, in the words of a caption. Of a machine in SI it lists what was not given, with the
-    /// values that were taken.
+    /// Where these numbers come from, in the words of a caption. Of a machine in SI it lists what
+    /// was not given, with the values that were taken.
     pub fn origin(&self) -> String {
         let base = self.base.name();
         let taken = self.not_given_values();
@@ -30,18 +30,21 @@ impl ParameterSet {
         }
     }
 
-    /// The physical parameters that were [not given](Self::not_given) with the values taken, in one line.
+    /// The physical parameters that were [not given](Self::not_given) with the values taken, in one
+    /// line.
     pub fn not_given_values(&self) -> String {
         let told = |name: Name| format!("{} = {}", name.name(), name.with_unit(name.value(self)));
         self.not_given().into_iter().map(told).collect::<Vec<_>>().join(", ")
     }
 
-    /// The parameters in one line, with the origin: in SI where the machine was given in SI, else the groups.
+    /// The parameters in one line, with the origin: in SI where the machine was given in SI, else
+    /// the groups.
     pub fn caption(&self) -> String {
         self.caption_but(&[])
     }
 
-    /// The [caption](Self::caption) without what changes when these parameters vary, so that it is true of every curve.
+    /// The [caption](Self::caption) without what changes when these parameters vary, so that it is
+    /// true of every curve.
     pub fn caption_but(&self, varied: &[Name]) -> String {
         let others: Vec<Self> = varied.iter().filter_map(|name| self.other(*name)).collect();
         let same = |name: &Name| {
@@ -75,13 +78,15 @@ impl ParameterSet {
         format!("{}{}", name.symbol(), if cyclic { "/2π" } else { "" })
     }
 
-    /// Label of an axis: the symbol and the unit in which the parameter was written, or its SI unit.
+    /// Label of an axis: the symbol and the unit in which the parameter was written, or its SI
+    /// unit.
     pub fn label(&self, name: Name) -> String {
         let unit = self.unit(name).map(Unit::symbol).filter(|symbol| symbol != "1");
         unit.map_or_else(|| name.label(), |unit| format!("{} ({unit})", self.symbol(name)))
     }
 
-    /// A value of a parameter, given in SI, with the unit in which the parameter was written, or with its SI unit.
+    /// A value of a parameter, given in SI, with the unit in which the parameter was written, or
+    /// with its SI unit.
     pub fn with_unit(&self, name: Name, value: f64) -> String {
         let in_unit = |u: &Unit| format!("{} {}", significant(u.number(value)), u.symbol());
         self.unit(name).filter(|u| u.plain() != "1").map_or_else(|| name.with_unit(value), in_unit)
@@ -102,8 +107,8 @@ impl ParameterSet {
         format!("{} = {}", self.symbol(name), self.with_unit(name, value))
     }
 
-    /// Whether a group is told: of the two names for the coupling the one that is held, and μ13 where it is no
-    /// consequence of ε.
+    /// Whether a group is told: of the two names for the coupling the one that is held, and μ13
+    /// where it is no consequence of ε.
     fn is_held(&self, group: &Group) -> bool {
         match group.name {
             "alpha23" => !self.holds_beta2,

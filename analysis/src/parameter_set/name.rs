@@ -48,8 +48,8 @@ impl From<Name> for String {
     }
 }
 
-/// What else a parameter may be called: the symbol and the name. Upper and lower case differ: `F10` is the force in N,
-/// `f10` its group.
+/// What else a parameter may be called: the symbol and the name. Upper and lower case differ: `F10`
+/// is the force in N, `f10` its group.
 #[rustfmt::skip]
 const ALIASES: [(&str, &str); 41] = [
     ("m1", "box.m"), ("k1", "box.k"), ("c1", "box.c"), ("m2", "block.m"), ("m3", "secondary.m"),
@@ -88,7 +88,8 @@ pub fn physical_parameters() -> impl Iterator<Item = &'static Field> + Clone {
 }
 
 impl Name {
-    /// Finds a parameter by its name or its symbol in the paper, e.g. `box.m` or `m1`, `kappa` or `κ`.
+    /// Finds a parameter by its name or its symbol in the paper, e.g. `box.m` or `m1`, `kappa` or
+    /// `κ`.
     ///
     /// # Errors
     /// [`Error::UnknownName`] with the nearest valid name, if one is near.
@@ -154,8 +155,8 @@ impl Name {
         }
     }
 
-    /// The range that pictures show unless told otherwise: a group's own; half to three halves of a physical parameter's
-    /// value, or what its kind suggests where it is zero.
+    /// The range that pictures show unless told otherwise: a group's own; half to three halves of a
+    /// physical parameter's value, or what its kind suggests where it is zero.
     pub fn shown(self, set: &ParameterSet) -> (f64, f64) {
         match self {
             Self::Group(g) => g.shown,
@@ -219,7 +220,8 @@ pub fn find_group(name: &str) -> Result<&'static Group> {
     }
 }
 
-/// The physical parameter of a structured name; a group's name is refused with the nearest physical parameter.
+/// The physical parameter of a structured name; a group's name is refused with the nearest physical
+/// parameter.
 ///
 /// # Errors
 /// [`Error::UnknownName`].

@@ -20,9 +20,11 @@ fn window(seed: u64, periods: u32, memory: f64, shift: f64) -> Blocks {
 
 #[test]
 fn closed_form_standard_error_of_correlated_numbers() {
-    // The mean of an autoregressive process: variance of the noise 1/3, error 1/(1 - memory) √(1/3N).
+    // The mean of an autoregressive process: variance of the noise 1/3, error 1/(1 - memory)
+    // √(1/3N).
     const PERIODS: u32 = 16_384;
-    /// Blocks of an eighth of the window know their scatter to a quarter, and the largest of some is taken.
+    /// Blocks of an eighth of the window know their scatter to a quarter, and the largest of some
+    /// is taken.
     const LEAST: f64 = 0.8;
     const MOST: f64 = 2.0;
     for memory in [0.0, 0.9, 0.98] {

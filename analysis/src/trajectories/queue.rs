@@ -35,7 +35,8 @@ pub(super) struct LaneRecord {
     stroboscopic: StroboscopicRecord,
     impacts: ImpactRepetition,
     confirmation: Option<Confirmation>,
-    /// The drive period after which it is looked at whether there will be more impacts; put off by those that come before.
+    /// The drive period after which it is looked at whether there will be more impacts; put off by
+    /// those that come before.
     watched: u32,
     tangent: Tangent,
     /// When the tangent begins, s, and whether it has begun.
@@ -71,7 +72,8 @@ impl LaneRecord {
         self.parameters = start.parameters;
         (self.units, self.period) = (Units::of(&start.parameters), start.parameters.period());
         (self.frequency, self.per_speed) = (1.0 / self.period, 1.0 / self.units.speed());
-        // It is aligned when the observation begins, or begins with that where nothing but events could be reported before.
+        // It is aligned when the observation begins, or begins with that where nothing but events
+        // could be reported before.
         let align = program.ends_early().then_some(ALIGN * BLOCK);
         let from = align.and_then(|align| program.discard.checked_sub(align)).map(f64::from);
         self.tangent_from = match (program.exponent, from) {
@@ -103,7 +105,8 @@ impl LaneRecord {
         self.tangent.is_positive()
     }
 
-    /// Takes note of an event of a motion that may have settled; returns the number of the sample that is then asked for.
+    /// Takes note of an event of a motion that may have settled; returns the number of the sample
+    /// that is then asked for.
     fn look_for_repetition(&mut self, event: &Event) -> Option<u32> {
         self.stroboscopic.event(event);
         let Event::Impact { time, side, speed, .. } = *event else { return None };
@@ -127,7 +130,8 @@ impl LaneRecord {
         2 * self.watched
     }
 
-    /// Takes a sample of a motion that may have no more impacts; `discard` drive periods are discarded.
+    /// Takes a sample of a motion that may have no more impacts; `discard` drive periods are
+    /// discarded.
     fn look_ahead(&mut self, number: u32, state: &State, discard: u32) -> ControlFlow<(), u32> {
         let (p, now) = (self.parameters, number / 2);
         if number.is_multiple_of(2)
@@ -141,7 +145,8 @@ impl LaneRecord {
         ControlFlow::Continue(self.watch(now))
     }
 
-    /// Takes a sample of a motion that may have settled, or may have no more impacts; `discard` drive periods are discarded.
+    /// Takes a sample of a motion that may have settled, or may have no more impacts; `discard`
+    /// drive periods are discarded.
     fn confirm(&mut self, number: u32, state: &State, discard: u32) -> ControlFlow<(), u32> {
         let Some(confirmation) = &mut self.confirmation else {
             return self.look_ahead(number, state, discard);
@@ -234,8 +239,9 @@ impl<'a> Motions<'a> {
                     && is_damped(&record.parameters)
                     && free_motion::keeps_clear(&record.parameters, &simulator.state())
                 {
-                    // Chaos has ended in the motion without impacts, to which all is damped but the drive's phase: negative for
-                    // certain. Without that proof impacts may come back: those of a box with little damping come in bursts.
+                    // Chaos has ended in the motion without impacts, to which all is damped but the
+                    // drive's phase: negative for certain. Without that proof impacts may come
+                    // back: those of a box with little damping come in bursts.
                     attractor.approaching = true;
                     let value = f64::NEG_INFINITY;
                     record.exponent = Some(LargestExponent { value, error: 0.0, ..exponent });

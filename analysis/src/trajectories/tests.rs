@@ -43,7 +43,8 @@ fn second_method_together_as_one_by_one() {
 /// A motion's attractor and maxima.
 type Settled = (Attractor, Vec<f64>);
 
-/// Outcomes of a program on motions of one system that start with different speeds: attractors and maxima.
+/// Outcomes of a program on motions of one system that start with different speeds: attractors and
+/// maxima.
 fn settled(f10: f64, one_by_one: bool) -> Vec<Settled> {
     const MOTIONS: u32 = 40;
     let parameters = Groups { f10, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
@@ -76,8 +77,9 @@ fn second_method_a_stable_motion_is_settled_on_either_way() {
     }
 }
 
-/// Of eight motions of a plane some come to their end sooner than others. Counts tell that together they are still no slower than
-/// one by one: a round in which half of the lanes are empty has the work of three to five sub-steps of a single motion.
+/// Of eight motions of a plane some come to their end sooner than others. Counts tell that together
+/// they are still no slower than one by one: a round in which half of the lanes are empty has the
+/// work of three to five sub-steps of a single motion.
 #[test]
 fn invariant_eight_motions_keep_enough_lanes_at_work() {
     const ROUND: f64 = 5.0;
@@ -97,7 +99,8 @@ fn invariant_eight_motions_keep_enough_lanes_at_work() {
 
 #[test]
 fn second_method_in_chaos_the_statistics_agree() {
-    /// Of the mean over 40 motions of 60 and 128 periods, whose impacts and maxima are correlated over some periods.
+    /// Of the mean over 40 motions of 60 and 128 periods, whose impacts and maxima are correlated
+    /// over some periods.
     const STATISTICS: f64 = 0.03;
     for f10 in [3.6, 4.5] {
         let [together, alone] = [false, true].map(|one_by_one| {
@@ -207,7 +210,8 @@ fn second_method_maxima_under_constant_loads_by_interpolated_samples() {
 
 #[test]
 fn second_method_observed_side_by_side_under_constant_loads_as_one_alone() {
-    // The queue reports states, events and the tangent of loaded motions from its code for single ones.
+    // The queue reports states, events and the tangent of loaded motions from its code for single
+    // ones.
     let p = loaded(0.75);
     let state = crate::stroboscopic::moving_block(&p);
     let program = Program {

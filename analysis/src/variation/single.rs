@@ -1,7 +1,8 @@
 //! One variation that leaves the drive's phase alone, from event to event.
 //!
-//! Its growth is counted to some digits only, so that less goes into it than into the frames of `variation`: six columns, shorter
-//! series, fewer nodes. The memory serves one system after another.
+//! Its growth is counted to some digits only, so that less goes into it than into the frames of
+//! `variation`: six columns, shorter series, fewer nodes. The memory serves one system after
+//! another.
 
 use super::{GRID_TIMES_RATE, physical, saltation, varied};
 use vibro_impact::flow::{Series, remainder};
@@ -9,11 +10,13 @@ use vibro_impact::model::{Augmented, COORDINATES, Model, Saltation, SmoothMode};
 
 /// Coordinates without those of the drive.
 const COLUMNS: usize = 6;
-/// Terms of the series from one node to the next: the remainder is under 3.1e-14 of the variation's size (docs/numerics.md, section 1).
+/// Terms of the series from one node to the next: the remainder is under 3.1e-14 of the variation's
+/// size (docs/numerics.md, section 1).
 const STEP: usize = 10;
 const _: () = assert!(remainder(STEP, GRID_TIMES_RATE) < 3.1e-14);
-/// Terms of the series about a node. Without the drive's phase a coefficient of order k is at most (3 + k/2) (rT)ᵏ/k! of the variation's
-/// size, by the same section: the remainder is under 5 · 0.08⁴/4! (1 + 0.02) < 9e-6, nothing beside the growth from event to event.
+/// Terms of the series about a node. Without the drive's phase a coefficient of order k is at most
+/// (3 + k/2) (rT)ᵏ/k! of the variation's size, by the same section: the remainder is under 5 ·
+/// 0.08⁴/4! (1 + 0.02) < 9e-6, nothing beside the growth from event to event.
 const TERMS: usize = 4;
 /// Number of nodes: flights of up to 5/rate need one product.
 const NODES: usize = 32;
@@ -21,7 +24,8 @@ const NODES: usize = 32;
 /// A matrix by columns.
 type Columns = [Augmented; COLUMNS];
 
-/// The product of a matrix with a variation. The sums of even and odd columns do not wait for each other.
+/// The product of a matrix with a variation. The sums of even and odd columns do not wait for each
+/// other.
 #[inline(always)]
 fn transit(a: &Columns, v: &Augmented) -> Augmented {
     let mut sums = [[0.0; COORDINATES]; 2];
@@ -86,7 +90,8 @@ impl Transition {
         }
     }
 
-    /// The matrices commute. The products of the series with the variation wait neither for each other nor for the node.
+    /// The matrices commute. The products of the series with the variation wait neither for each
+    /// other nor for the node.
     #[inline(always)]
     fn propagate(&self, v: &mut Augmented, span: f64) {
         let steps = span * self.per_spacing;
@@ -107,8 +112,8 @@ impl Transition {
     }
 }
 
-/// What a [`SingleVariation`] does, to be compiled once for each instruction set. No operation is fused, so that all give the same
-/// bits.
+/// What a [`SingleVariation`] does, to be compiled once for each instruction set. No operation is
+/// fused, so that all give the same bits.
 enum Work<'a> {
     Fill(&'a mut Transition, &'a Model, SmoothMode),
     Propagate(&'a Transition, &'a mut Augmented, f64),
@@ -151,8 +156,8 @@ impl SingleVariation {
         self.model.rate
     }
 
-    /// Propagates a variation for `span` s in one mode, and where that ends with an impact, through its jump: the impact is given by w'
-    /// before it and the state after it.
+    /// Propagates a variation for `span` s in one mode, and where that ends with an impact, through
+    /// its jump: the impact is given by w' before it and the state after it.
     pub(crate) fn propagate(
         &mut self,
         v: &mut Augmented,

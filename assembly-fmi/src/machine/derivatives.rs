@@ -1,4 +1,5 @@
-//! Derivatives of outputs with respect to time, states and inputs, at the present instant and in the mode in force.
+//! Derivatives of outputs with respect to time, states and inputs, at the present instant and in
+//! the mode in force.
 
 use super::Machine;
 use crate::problem::MachineProblem;
@@ -91,7 +92,8 @@ impl Machine {
         Ok(())
     }
 
-    /// What a variable that is linear in the motion reads of a derivative of the motion, which is to be finite.
+    /// What a variable that is linear in the motion reads of a derivative of the motion, which is
+    /// to be finite.
     fn derivative(&self, of: &Motion, reference: u32) -> Result<f64, MachineProblem> {
         let row = self.plan.table.row(reference, Bases::ANY)?;
         let value = match row.quantity {

@@ -35,12 +35,14 @@ pub(super) enum Undo {
 }
 
 impl Machine {
-    /// From the present time to `point + size`, or before the next event where the host handles events and takes steps that end
-    /// early. Where it handles events but takes whole steps alone, what changes at events only stays as it was until then.
+    /// From the present time to `point + size`, or before the next event where the host handles
+    /// events and takes steps that end early. Where it handles events but takes whole steps alone,
+    /// what changes at events only stays as it was until then.
     pub(super) fn go(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, MachineProblem> {
         let own = fmi_doors::Component::time(self);
         self.life.check_step(point, size, own)?;
-        // Own time may be past the end by the rounding that `point` is allowed: then nothing is left to do.
+        // Own time may be past the end by the rounding that `point` is allowed: then nothing is
+        // left to do.
         let end = (point + size).max(own);
         let handling = self.life.handling;
         let shown = self.moving.as_ref().filter(|_| handling.event_mode).map(Moving::discrete);
@@ -64,7 +66,8 @@ impl Machine {
         Ok(Advance { time, event, early: time < end })
     }
 
-    /// Begins a step towards `end`: the motion takes over what was set, and where it begins is kept.
+    /// Begins a step towards `end`: the motion takes over what was set, and where it begins is
+    /// kept.
     ///
     /// # Errors
     /// As [`take_over`](Self::take_over); nothing has changed then.

@@ -8,7 +8,8 @@ use std::borrow::Cow;
 use vibro_assembly::motion::Course;
 
 impl Machine {
-    /// What moves, with where the host's solver has come from; none before initialization has ended.
+    /// What moves, with where the host's solver has come from; none before initialization has
+    /// ended.
     fn on_course(&mut self) -> Result<(&mut Moving, Course), MachineProblem> {
         let none = || Problem::Sequence { what: "the instance is not initialized".into() };
         let moving = self.moving.as_mut().ok_or_else(none)?;

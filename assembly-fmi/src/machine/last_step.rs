@@ -1,4 +1,5 @@
-//! The last step, kept so that its derivatives can be had when they are asked for: a step itself takes no longer.
+//! The last step, kept so that its derivatives can be had when they are asked for: a step itself
+//! takes no longer.
 
 use super::Machine;
 use super::moving::Moving;
@@ -7,7 +8,8 @@ use vibro_assembly::motion::{Hybrid, Outcome};
 use vibro_assembly::signals::Input;
 use vibro_assembly::{Assembly, Error};
 
-/// A time is met again but for this part of it: a step that a host has ended between events makes other sub-steps.
+/// A time is met again but for this part of it: a step that a host has ended between events makes
+/// other sub-steps.
 const SAME_TIME: f64 = 8.0 * f64::EPSILON;
 
 /// Where the last step began, what it took over there, and where it was to end.
@@ -29,8 +31,9 @@ pub(super) struct StepMatrices {
 }
 
 impl Machine {
-    /// The derivatives over the last step, with the law of an event at its end once that is shown. Without a step, as before the first and
-    /// after a saved state was put back, they are those of a step of no length.
+    /// The derivatives over the last step, with the law of an event at its end once that is shown.
+    /// Without a step, as before the first and after a saved state was put back, they are those of
+    /// a step of no length.
     pub(super) fn step_matrices(&mut self) -> &StepMatrices {
         let found = self.matrices.take().or_else(|| self.find_matrices());
         self.matrices.insert(found.unwrap_or_default())
@@ -54,7 +57,8 @@ impl Machine {
     }
 }
 
-/// The variations at the motion's present point by states and inputs at the step's begin, through all events between.
+/// The variations at the motion's present point by states and inputs at the step's begin, through
+/// all events between.
 fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
     let mut motion = if Arc::ptr_eq(&step.assembly, reached.motion.assembly()) {
         let mut motion = reached.motion.clone();

@@ -16,8 +16,9 @@ use vibro_assembly::{Assembly, Error, Motion};
 #[derive(Clone)]
 pub(super) struct Moving {
     pub(super) motion: Motion,
-    /// The mechanical energy that it would have without work and losses, J. A prescribed motion that is set anew may stretch
-    /// springs at once, as may a changed parameter; what that adds is taken into it.
+    /// The mechanical energy that it would have without work and losses, J. A prescribed motion
+    /// that is set anew may stretch springs at once, as may a changed parameter; what that adds is
+    /// taken into it.
     pub(super) origin: f64,
     /// Where a host's solver has come from, in Model Exchange.
     pub(super) course: Option<Course>,
@@ -160,7 +161,8 @@ impl Moving {
         }
     }
 
-    /// Whether an input that is set at an event lets prescribed bodies jump, instead of a host's solver seeing it at once.
+    /// Whether an input that is set at an event lets prescribed bodies jump, instead of a host's
+    /// solver seeing it at once.
     pub(super) fn jumps(&self) -> bool {
         self.motion.assembly().system().has_motions
     }

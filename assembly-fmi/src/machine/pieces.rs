@@ -1,4 +1,5 @@
-//! A step in pieces from event to event, for a host that looks into it, sets inputs for its course, or ends it early.
+//! A step in pieces from event to event, for a host that looks into it, sets inputs for its course,
+//! or ends it early.
 
 use super::Machine;
 use super::events::{AtEvent, run, tell};
@@ -17,7 +18,8 @@ use vibro_assembly::signals::Input;
 pub struct Pieces {
     end: f64,
     at_event: AtEvent,
-    /// What was shown at the step's start of what changes at events only, where the host handles events.
+    /// What was shown at the step's start of what changes at events only, where the host handles
+    /// events.
     shown: Option<Shown>,
     /// Whether events were met so far.
     events: bool,
@@ -131,7 +133,8 @@ impl Machine {
         self.latched.clone_from(&pieces.shown);
     }
 
-    /// Ends the step where it stands. Inputs that had a course hold their present values from here on.
+    /// Ends the step where it stands. Inputs that had a course hold their present values from here
+    /// on.
     pub(super) fn end_course(&mut self, pieces: &Pieces) -> Advance {
         let time = self.time();
         if let Some(moving) = &self.moving {
@@ -154,7 +157,8 @@ impl Machine {
         self.restore(&pieces.before)
     }
 
-    /// Takes a step back that has met a problem; the problem, or that the step could not be taken back.
+    /// Takes a step back that has met a problem; the problem, or that the step could not be taken
+    /// back.
     fn taken_back(&mut self, pieces: &Pieces, problem: MachineProblem) -> MachineProblem {
         match self.take_back(pieces) {
             Ok(()) => problem,

@@ -131,7 +131,8 @@ fn closed_form_derivatives_of_a_stops_force_that_falls() {
     assert!((along + 1.0).abs() < ROUNDING && (adjoint + 1.0).abs() < ROUNDING, "{along} {adjoint}");
 }
 
-/// A body between a rigid and a compliant stop in a sliding frame, pushed by an input: impacts, contact, sticking and slipping.
+/// A body between a rigid and a compliant stop in a sliding frame, pushed by an input: impacts,
+/// contact, sticking and slipping.
 fn shaken() -> Plan {
     let text = "name = \"Shaken\"\n[body.box]\nmass = 3.0\n[body.block]\nmass = 0.5\nstart = { s = 0.1, v = 1.0 }\n\
                 [spring.mount]\nbetween = [\"ground\", \"box\"]\nstiffness = 40.0\ndamping = 0.5\n\
@@ -159,7 +160,8 @@ fn product(a: &[[f64; 4]; 4], b: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-/// Steps of the length in which differences are taken: in flight, over an impact, over all kinds of events.
+/// Steps of the length in which differences are taken: in flight, over an impact, over all kinds of
+/// events.
 const SIZES: [f64; 3] = [0.05, 0.7, 2.0];
 
 #[test]
@@ -202,7 +204,8 @@ fn second_method_derivatives_over_a_step_against_differences_of_steps() {
     }
 }
 
-/// Steps that end before each law: read after the event, their product is the matrix of the whole step; before it, it lacks the jump.
+/// Steps that end before each law: read after the event, their product is the matrix of the whole
+/// step; before it, it lacks the jump.
 #[test]
 fn invariant_products_of_steps_between_events() {
     // Of a product of some twenty matrices.
@@ -280,7 +283,8 @@ fn invariant_arrays_are_in_their_own_description_alone() {
     assert!(unsafe { fmi2Instantiate(name, 1, token.as_ptr(), uri.as_ptr(), none, 0, 0) }.is_null());
 }
 
-/// A seed that is not finite, or that makes a derivative which is not: refused by name, nothing is written, and the motion goes on.
+/// A seed that is not finite, or that makes a derivative which is not: refused by name, nothing is
+/// written, and the motion goes on.
 #[test]
 fn derivatives_that_are_no_finite_numbers_are_refused_by_name() {
     let plan = pushed();

@@ -87,7 +87,8 @@ fn closed_form_a_ball_by_a_hosts_solver() {
     let mut messages = Vec::new();
     let host = Host::begin(made("exchanged", &plan, &mut messages));
     assert_eq!((host.states, host.indicators), (2, 1));
-    // A parabola is exact for a rule of second order: the impact comes at sqrt(2 h/g), with sqrt(2 g h).
+    // A parabola is exact for a rule of second order: the impact comes at sqrt(2 h/g), with sqrt(2
+    // g h).
     let (g, mut time, mut bounces) = (9.81f64, 0.0, 0);
     let mut state = null_mut();
     while bounces < 3 {
@@ -146,7 +147,8 @@ fn closed_form_a_knot_is_a_time_event_and_its_left_side_is_the_solvers() {
     assert_eq!(host.at(0.25, &[0.0, 0.0]).0, [0.0, 0.0]);
     assert!(host.accept());
     unsafe { assert_eq!(fmi3EnterEventMode(c), OK) };
-    // States are told to have changed, so that a solver starts anew: fmusim goes on with its old course otherwise.
+    // States are told to have changed, so that a solver starts anew: fmusim goes on with its old
+    // course otherwise.
     assert_eq!(host.handle(), (true, None));
     assert_eq!(host.at(0.25, &[0.0, 0.0]).0, [0.0, 2.0]);
     // An input, a tunable parameter: between events the one, at an event the other.
@@ -270,7 +272,8 @@ fn closed_form_a_buffer_that_a_jump_of_its_base_takes_away_has_no_force() {
     let near = |slope: &[f64], a: f64| (slope[1] - a).abs() < 1e-12;
     assert!(near(&host.at(0.0, &x).0, -21.0));
     for update in [true, false] {
-        // To where the buffer is 4 cm away, though its spring and dashpot together still push; and back.
+        // To where the buffer is 4 cm away, though its spring and dashpot together still push; and
+        // back.
         for (place, a) in [(0.05, 0.0), (0.0, -21.0)] {
             unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
             set(&host, &plan, "body.base.motion.input", place);
@@ -285,7 +288,8 @@ fn closed_form_a_buffer_that_a_jump_of_its_base_takes_away_has_no_force() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// What is set at an event acts after it, in whichever order, with an update or without, and when its state was saved between.
+/// What is set at an event acts after it, in whichever order, with an update or without, and when
+/// its state was saved between.
 #[test]
 fn closed_form_a_parameter_and_an_input_of_one_event() {
     let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
@@ -340,7 +344,8 @@ fn closed_form_a_parameter_that_is_set_at_an_impact() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// A solver that has lost its way is told so, by name; nothing is written, and from other states it goes on.
+/// A solver that has lost its way is told so, by name; nothing is written, and from other states it
+/// goes on.
 #[test]
 fn values_that_are_no_finite_numbers_are_refused_by_name() {
     let plan = plan("bouncing_ball.toml", unchanged);

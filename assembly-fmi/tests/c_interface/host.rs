@@ -32,7 +32,8 @@ pub unsafe extern "C-unwind" fn keep(text: *mut c_void, _: c_int, _: *const c_ch
     unsafe { (*text.cast::<Vec<String>>()).push(message) };
 }
 
-/// Messages that the callback adds to through the same pointer by which they are read: of a box the compiler may suppose that nobody else does.
+/// Messages that the callback adds to through the same pointer by which they are read: of a box the
+/// compiler may suppose that nobody else does.
 pub struct Messages(*mut Vec<String>);
 
 impl std::ops::Deref for Messages {
@@ -144,7 +145,8 @@ impl<'a> Instance<'a> {
         (event != 0, early != 0, time)
     }
 
-    /// Handles the events of this instant; whether something has changed, and the time of the next event where it is known.
+    /// Handles the events of this instant; whether something has changed, and the time of the next
+    /// event where it is known.
     pub fn handle(&self) -> (bool, Option<f64>) {
         let (mut changed, mut defined, mut next) = (0, 0, 0.0);
         unsafe {

@@ -125,7 +125,8 @@ fn resources_are_found_in_folders_of_any_name_and_beside_the_library() {
             fmi2FreeInstance(c);
         }
     }
-    // An unpacked FMU has the library in binaries/PLATFORM/; this program is target/debug/deps/NAME.
+    // An unpacked FMU has the library in binaries/PLATFORM/; this program is
+    // target/debug/deps/NAME.
     let beside = std::env::current_exe().unwrap().ancestors().nth(3).unwrap().join("resources");
     std::fs::create_dir_all(&beside).unwrap();
     std::fs::write(beside.join(FILE), ball.text()).unwrap();

@@ -170,9 +170,11 @@ fn invariant_saved_states_go_through_bytes_and_reset_begins_anew() {
     assert_eq!(one.get("block.s"), first);
 }
 
-/// Whether the bytes of a saved state are taken with another phase in them and their checksum right.
+/// Whether the bytes of a saved state are taken with another phase in them and their checksum
+/// right.
 fn is_taken(machine: &Instance<'_>, phase: u8) -> bool {
-    // Behind mark and checksum (8 bytes each) and the token stand interface type, two Booleans and the phase.
+    // Behind mark and checksum (8 bytes each) and the token stand interface type, two Booleans and
+    // the phase.
     const CONTENT: usize = 16;
     const BEFORE_THE_PHASE: usize = 3;
     let (mut state, mut size) = (null_mut(), 0);

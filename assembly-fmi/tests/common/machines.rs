@@ -1,5 +1,5 @@
-//! Machines for random calls, whether a test or a fuzzer makes them. Beside this module stand the calls (`calls`) and the functions that the
-//! library of described machines exports (`component`).
+//! Machines for random calls, whether a test or a fuzzer makes them. Beside this module stand the
+//! calls (`calls`) and the functions that the library of described machines exports (`component`).
 
 use super::calls::{Random, Target, run_fmi2, run_fmi3};
 use std::ffi::CString;
@@ -10,7 +10,8 @@ use vibro_assembly_fmi::{FILE, Plan};
 /// Calls that an input of a fuzzer chooses, more than the bytes of most do.
 const CALLS: usize = 64;
 
-/// The machines, each without and with arrays; the files of their resources are written to this folder.
+/// The machines, each without and with arrays; the files of their resources are written to this
+/// folder.
 pub fn machines(folder: &Path) -> Vec<Target> {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().find_map(|above| {
         let examples = above.join("examples/assembly");
@@ -37,7 +38,8 @@ pub fn machines(folder: &Path) -> Vec<Target> {
     texts.flat_map(|text| [(text.clone(), false), (text, true)]).map(target).collect()
 }
 
-/// An input of the fuzzer: the first byte chooses the machine and how it is used, the others calls and arguments.
+/// An input of the fuzzer: the first byte chooses the machine and how it is used, the others calls
+/// and arguments.
 pub fn run(machines: &[Target], bytes: &[u8]) {
     let Some((kind, bytes)) = bytes.split_first() else { return };
     let (place, way) = (usize::from(*kind) % (machines.len() / 2), *kind / 8 % 5);

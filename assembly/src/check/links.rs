@@ -3,8 +3,8 @@
 use crate::description::{BodyKind, Description};
 use crate::refusal::Problem;
 
-/// What is left of a link after those before it counts as nothing below this share of the largest numbers on the way: it is
-/// round-off, of which an elimination of 10,000 links keeps less.
+/// What is left of a link after those before it counts as nothing below this share of the largest
+/// numbers on the way: it is round-off, of which an elimination of 10,000 links keeps less.
 const NOTHING: f64 = 1e-11;
 
 /// Problems of the links of a machine whose numbers are in their ranges.

@@ -60,7 +60,8 @@ fn signals(machine: &Description) -> impl Iterator<Item = &Signal> {
     super::signals(machine).map(|(_, signal)| signal)
 }
 
-/// Names are well formed, and each is there once: outputs of elements are called by name without their section.
+/// Names are well formed, and each is there once: outputs of elements are called by name without
+/// their section.
 fn unique<'a>(names: impl Iterator<Item = (&'static str, &'a str)>, problems: &mut Vec<Problem>) {
     let mut first = HashMap::new();
     for (section, name) in names {

@@ -8,10 +8,12 @@ use std::f64::consts::TAU;
 /// Where a link holds in start values that were written with ten digits or more.
 const WRITTEN: f64 = 1e-9;
 
-/// Zero, against the sizes of the terms: what round-off leaves of numbers that are equal as they were written.
+/// Zero, against the sizes of the terms: what round-off leaves of numbers that are equal as they
+/// were written.
 const ZERO: f64 = 1e-13;
 
-/// Problems of the start of a machine that is sound otherwise. What the start at rest is, only the equilibrium shows.
+/// Problems of the start of a machine that is sound otherwise. What the start at rest is, only the
+/// equilibrium shows.
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.starts_at_rest {
         return at_rest(machine, problems);
@@ -67,7 +69,8 @@ fn elongation(arms: &Arms, starts: &[[f64; 2]], which: usize) -> (f64, f64) {
     terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()))
 }
 
-/// Coordinate and rate at time 0. NaN, with which no comparison holds, is where a cubic record is between two knots.
+/// Coordinate and rate at time 0. NaN, with which no comparison holds, is where a cubic record is
+/// between two knots.
 fn start(kind: &BodyKind) -> [f64; 2] {
     let (motion, rate) = match kind {
         BodyKind::Free(free) => return [free.s, free.v],

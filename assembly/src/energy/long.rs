@@ -1,11 +1,12 @@
-//! The work of a power over a long sub-step, which is far beyond the reach of a quadrature's nodes: the sums over the nodes of all sub-steps
-//! in it, put together (docs/assembly-law.md (A24)).
+//! The work of a power over a long sub-step, which is far beyond the reach of a quadrature's nodes:
+//! the sums over the nodes of all sub-steps in it, put together (docs/assembly-law.md (A24)).
 
 use super::{AtNodes, NODES};
 use crate::flow::Rung;
 use nalgebra::DMatrix;
 
-/// The integral of the product of two functionals: the scalar product of two vectors that are linear in the state.
+/// The integral of the product of two functionals: the scalar product of two vectors that are
+/// linear in the state.
 #[derive(Clone, Debug)]
 pub(super) struct Work([DMatrix<f64>; 2]);
 
@@ -18,8 +19,9 @@ impl Work {
         Self([matrix(rows[0], &|k| length * NODES[k].1), matrix(rows[1], &|_| 1.0)])
     }
 
-    /// Over a rung and then over as much again. Of L = QR and L z · M z only R and QᵀM are kept: as many rows as there are
-    /// coordinates. Differences of rows, as of the rate of a dashpot, keep their digits in them.
+    /// Over a rung and then over as much again. Of L = QR and L z · M z only R and QᵀM are kept: as
+    /// many rows as there are coordinates. Differences of rows, as of the rate of a dashpot, keep
+    /// their digits in them.
     pub(super) fn doubled(&self, rung: &Rung) -> Self {
         let [left, mut right] = self.0.each_ref().map(|rows| {
             let (count, later) = (rows.nrows(), rung.after(rows));

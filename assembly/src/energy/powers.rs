@@ -1,4 +1,5 @@
-//! The powers in a mode: each is a product of two functionals of the state, and its mean over a flight is found by Gauss's rule.
+//! The powers in a mode: each is a product of two functionals of the state, and its mean over a
+//! flight is found by Gauss's rule.
 
 use super::long::Work;
 use super::{AtNodes, NODES};
@@ -8,8 +9,8 @@ use crate::kernel::{Sparse, SparseColumns};
 use crate::mode::{Mode, StopState};
 use crate::system::{Row, System};
 
-/// Taylor coefficients of a functional over a sub-step. With rate times length at most 3 the first one left out is under
-/// 3³²/32! < 8e-21 of the largest coordinate.
+/// Taylor coefficients of a functional over a sub-step. With rate times length at most 3 the first
+/// one left out is under 3³²/32! < 8e-21 of the largest coordinate.
 const TERMS: usize = 32;
 
 /// Powers of the nodes' places, by order.
@@ -44,7 +45,8 @@ pub enum Account {
 
 /// A flight.
 pub enum Samples<'a> {
-    /// The state where it begins, and its part of the sub-step: where coefficients [are kept](Powers::are_dense).
+    /// The state where it begins, and its part of the sub-step: where coefficients
+    /// [are kept](Powers::are_dense).
     Start(&'a [f64], f64),
     /// The state's power series over a sub-step, and the flight's part of it.
     Series(&'a Series, f64),
@@ -127,7 +129,8 @@ impl Powers {
         self.all.push(Power { account, factor, of });
     }
 
-    /// Loads, and what is lost; of compliant stops what their force does beyond the stored energy ½ k max(0, e - gap)².
+    /// Loads, and what is lost; of compliant stops what their force does beyond the stored energy ½
+    /// k max(0, e - gap)².
     fn add_losses(&mut self, system: &System, mode: &Mode) {
         for (i, (row, &body)) in system.loads.iter().zip(&system.load_bodies).enumerate() {
             self.add(Account::Load(i), 1.0, row, &system.bodies[body].v);

@@ -11,7 +11,8 @@ use toml::de::DeValue;
 /// The keys of which a body has exactly one.
 const KINDS: &str = "allowed is one of mass, inertia, motion";
 
-/// The bodies' names with what their coordinates are measured in, where that is known, in the file's order.
+/// The bodies' names with what their coordinates are measured in, where that is known, in the
+/// file's order.
 pub(super) struct Names(Vec<(String, Option<Dimension>)>);
 
 impl Names {
@@ -122,8 +123,9 @@ fn prescribed(
     Some((dimension, BodyKind::Prescribed { motion, rate: rate.unwrap_or(f64::NAN) }))
 }
 
-/// What a prescribed body's coordinate is measured in: what its key says; else the dimension of the first unit in its motion;
-/// else that of a body with mass or inertia that an element stands `between` with it; else a length.
+/// What a prescribed body's coordinate is measured in: what its key says; else the dimension of the
+/// first unit in its motion; else that of a body with mass or inertia that an element stands
+/// `between` with it; else a length.
 fn dimension(reading: &mut Reading, name: &str, table: &Table, root: &Table) -> Option<Dimension> {
     if let Some(entry) = reading.optional(table, "dimension") {
         let said = match entry.value.as_str() {
@@ -141,7 +143,8 @@ fn dimension(reading: &mut Reading, name: &str, table: &Table, root: &Table) -> 
     Some(unit.or_else(|| neighbour(name, root)).unwrap_or(Dimension::Translation))
 }
 
-/// The dimension of the first value with a unit in a motion. Frequencies, phases and times are no such values.
+/// The dimension of the first value with a unit in a motion. Frequencies, phases and times are no
+/// such values.
 fn unit_of(motion: &DeValue) -> Option<Dimension> {
     match motion {
         DeValue::String(text) => {

@@ -33,8 +33,9 @@ pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: 
     }
 }
 
-/// The elongation of an element with what `read` finds beside it in the elongation's dimension. Where the ends are wrong the rest is
-/// read all the same, in the dimension in which less is wrong with it, so that all problems are told at once.
+/// The elongation of an element with what `read` finds beside it in the elongation's dimension.
+/// Where the ends are wrong the rest is read all the same, in the dimension in which less is wrong
+/// with it, so that all problems are told at once.
 fn with_arms<T>(
     reading: &mut Reading,
     table: &Table,
@@ -145,7 +146,8 @@ fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, O
     found
 }
 
-/// The elongation of an element: `between` two ends or by lever `arms`. `None` also where a body that it needs has problems of its own.
+/// The elongation of an element: `between` two ends or by lever `arms`. `None` also where a body
+/// that it needs has problems of its own.
 fn arms(reading: &mut Reading, table: &Table, names: &Names) -> Option<Arms> {
     match (reading.optional(table, "between"), reading.optional(table, "arms")) {
         (Some(ends), None) => between(reading, &ends, names),
@@ -205,7 +207,8 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     found.map(Some)
 }
 
-/// Lever arms: the unit of each says what its term is measured in, and all terms are measured in the same.
+/// Lever arms: the unit of each says what its term is measured in, and all terms are measured in
+/// the same.
 fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let table = reading
         .table(entry, "allowed is a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }")?;

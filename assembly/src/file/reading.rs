@@ -1,4 +1,5 @@
-//! What all parts of the file's reader share: where things stand, which keys there are, and what was wrong with them.
+//! What all parts of the file's reader share: where things stand, which keys there are, and what
+//! was wrong with them.
 
 use super::Records;
 use crate::description::Dimension;
@@ -37,7 +38,8 @@ pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
     (root, problem.into_iter().collect())
 }
 
-/// The dotted name of what begins at a byte: the header it stands in, or the header above with the key.
+/// The dotted name of what begins at a byte: the header it stands in, or the header above with the
+/// key.
 fn dotted_at(text: &str, byte: usize) -> String {
     let start = text[..byte].rfind('\n').map_or(0, |at| at + 1);
     let line = text[start..].lines().next().unwrap_or("").trim();
@@ -145,8 +147,8 @@ impl<'a> Reading<'a> {
         });
     }
 
-    /// Notes that a name is not among the valid ones. The nearest is sought only for problems that are written out, since a search for
-    /// each of thousands would take minutes.
+    /// Notes that a name is not among the valid ones. The nearest is sought only for problems that
+    /// are written out, since a search for each of thousands would take minutes.
     pub fn refuse_name<'n>(
         &mut self,
         entry: &Entry,
@@ -165,8 +167,8 @@ impl<'a> Reading<'a> {
         self.problems.push(Problem { line, name, value: None, text: text.into() });
     }
 
-    /// Notes a problem that showed only in the whole machine: at the line of its name, or of the longest part of it that stands
-    /// in the file, with the value as it was written.
+    /// Notes a problem that showed only in the whole machine: at the line of its name, or of the
+    /// longest part of it that stands in the file, with the value as it was written.
     pub fn place(&mut self, mut problem: Problem) {
         if let Some(written) = self.written.get(&problem.name) {
             problem.line = Some(written.line);

@@ -46,8 +46,8 @@ fn stays_inside(path: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Knots of a text: a time and a value a line, with a comma between, in SI. The first line may be a heading; blank lines and those
-/// that begin with # are none.
+/// Knots of a text: a time and a value a line, with a comma between, in SI. The first line may be a
+/// heading; blank lines and those that begin with # are none.
 fn knots(text: &str) -> Result<Vec<(f64, f64)>, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));

@@ -30,8 +30,8 @@ pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Opt
     Some(Signal::constant(number))
 }
 
-/// Reads a signal whose keys stand in a table. One of them must, or one of `also`, which belong to the table otherwise; of those
-/// `offset` is another name of the constant.
+/// Reads a signal whose keys stand in a table. One of them must, or one of `also`, which belong to
+/// the table otherwise; of those `offset` is another name of the constant.
 pub(super) fn flat(reading: &mut Reading, table: &Table, values: Values, also: &[&str]) -> Option<Signal> {
     if !KEYS.iter().chain(also).any(|key| table.has(key)) {
         let parts = ["constant", "amplitude and frequency", "harmonics", "steps", "table", "input"];

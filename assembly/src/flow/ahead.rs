@@ -1,11 +1,13 @@
-//! What lies ahead of a state where a mode keeps no tables of its sub-step, as in machines of many coordinates: of many contacts a mode is
-//! seldom met twice, and the power series of the actual state costs little more than products with tables. It also bounds the motion more
-//! closely than what holds for every state.
+//! What lies ahead of a state where a mode keeps no tables of its sub-step, as in machines of many
+//! coordinates: of many contacts a mode is seldom met twice, and the power series of the actual
+//! state costs little more than products with tables. It also bounds the motion more closely than
+//! what holds for every state.
 
 use super::watched::{BOUND_MARGIN, WHOLE, put_head};
 use super::{ENDS, Group, Head, INTERVALS, LOCAL, Table};
 
-/// The states within a span as a power series in the part of it that has passed; its memory is used again.
+/// The states within a span as a power series in the part of it that has passed; its memory is used
+/// again.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
     terms: Vec<f64>,
@@ -13,7 +15,8 @@ pub struct Series {
 }
 
 impl Series {
-    /// The states within a time `dt` from `z`, by so many orders. A function of its own, as its entries that are not zero have no use for vectors.
+    /// The states within a time `dt` from `z`, by so many orders. A function of its own, as its
+    /// entries that are not zero have no use for vectors.
     #[inline(never)]
     pub fn expand(&mut self, table: &Table, z: &[f64], dt: f64, orders: usize) {
         let (size, own) = (z.len(), table.one);
@@ -23,7 +26,8 @@ impl Series {
         for k in 1..=orders {
             let (before, after) = self.terms.split_at_mut(k * size);
             let (before, factor) = (&before[(k - 1) * size..], dt / k as f64);
-            // The rates of the coordinates, which are the first half of the machine's own, are the velocities.
+            // The rates of the coordinates, which are the first half of the machine's own, are the
+            // velocities.
             let (lengths, others) = after[..size].split_at_mut(own / 2);
             lengths.iter_mut().zip(&before[own / 2..]).for_each(|(q, v)| *q = factor * v);
             table.rows_times_to(own / 2, before, factor, others);
@@ -46,8 +50,8 @@ impl Series {
     }
 }
 
-/// What lies ahead of a state. What computes here stays a function: put into a sub-step's code it slows the machines that keep tables, by a
-/// twentieth.
+/// What lies ahead of a state. What computes here stays a function: put into a sub-step's code it
+/// slows the machines that keep tables, by a twentieth.
 #[derive(Clone, Debug, Default)]
 pub struct Ahead {
     /// The states within a sub-step.
@@ -59,7 +63,8 @@ pub struct Ahead {
 }
 
 impl Ahead {
-    /// Finds it for a state, as far as `orders` of the series reach, with the heads of all watched functionals.
+    /// Finds it for a state, as far as `orders` of the series reach, with the heads of all watched
+    /// functionals.
     #[inline(never)]
     pub(super) fn find(&mut self, table: &Table, z: &[f64], orders: usize, heads: &mut Vec<Group>) {
         let Self { series, ways, .. } = self;
@@ -98,7 +103,8 @@ impl Ahead {
         self.interval.expand(table, from, table.interval(), LOCAL - 1);
     }
 
-    /// The Taylor coefficients of the watched functional at a place about this interval's start, in units of an interval.
+    /// The Taylor coefficients of the watched functional at a place about this interval's start, in
+    /// units of an interval.
     #[inline(never)]
     pub(super) fn local(&self, table: &Table, place: usize) -> [f64; LOCAL] {
         let mut c = [0.0; LOCAL];

@@ -1,8 +1,9 @@
 //! The forces of stiff springs and of buffers apart from the rest of A.
 //!
-//! Such a force acts on two bodies with opposite signs. The entries of exp(A h) that say so are rounded each by itself, and with coordinates
-//! that are far greater than its elongation this is a force from nowhere, the same in each of thousands of sub-steps. Found
-//! first and then put to both bodies, the force has opposite signs to its last bit.
+//! Such a force acts on two bodies with opposite signs. The entries of exp(A h) that say so are
+//! rounded each by itself, and with coordinates that are far greater than its elongation this is a
+//! force from nowhere, the same in each of thousands of sub-steps. Found first and then put to both
+//! bodies, the force has opposite signs to its last bit.
 
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::mode::Elastic;
@@ -43,7 +44,8 @@ impl Apart {
         self.rest_terms.as_ref()
     }
 
-    /// Adds `factor` × what these forces do to the rates, in sizes, from the coordinates' sizes, but for the first rows: nothing of what contacts hold.
+    /// Adds `factor` × what these forces do to the rates, in sizes, from the coordinates' sizes,
+    /// but for the first rows: nothing of what contacts hold.
     pub(super) fn add_sizes(&self, first: usize, sizes: &[f64], factor: f64, to: &mut [f64]) {
         for (force, by) in &self.forces {
             let force = factor * force.size(sizes);
@@ -51,7 +53,8 @@ impl Apart {
         }
     }
 
-    /// A, each force's part of a row rounded by itself: what it takes from coordinates with opposite signs stays opposite.
+    /// A, each force's part of a row rounded by itself: what it takes from coordinates with
+    /// opposite signs stays opposite.
     pub(super) fn sum(&self) -> SparseMatrix {
         let size = self.rest.len();
         let (mut a, mut row) = (SparseMatrix::default(), vec![0.0; size]);

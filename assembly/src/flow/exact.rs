@@ -1,5 +1,6 @@
-//! Flows by double-doubles. Entries of A that stiff springs and other forces share are rounded to the stiff ones' last digit, and what is doubled
-//! doubles this rounding: after 2^k sub-steps it would be 2^k times that of one, which is felt by what is slow and soft.
+//! Flows by double-doubles. Entries of A that stiff springs and other forces share are rounded to
+//! the stiff ones' last digit, and what is doubled doubles this rounding: after 2^k sub-steps it
+//! would be 2^k times that of one, which is felt by what is slow and soft.
 
 use super::apart::Apart;
 use super::exponential::series_orders;

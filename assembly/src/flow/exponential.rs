@@ -1,11 +1,13 @@
-//! Exponentials of matrices, and the bound of a matrix by which their series are cut (docs/assembly-law.md (A6)).
+//! Exponentials of matrices, and the bound of a matrix by which their series are cut
+//! (docs/assembly-law.md (A6)).
 
 use crate::kernel::SparseMatrix;
 use nalgebra::DMatrix;
 
 /// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
 pub(super) const LEAST_RATE: f64 = 1e-3;
-/// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number of them gives a bound.
+/// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number
+/// of them gives a bound.
 const BALANCE_TURNS: usize = 12;
 /// A series ends when what is left is under this part of the largest coordinate.
 const REMAINDER: f64 = 1e-19;
@@ -44,7 +46,8 @@ pub(super) fn second_integral(a: &SparseMatrix, rate: f64, t: f64) -> DMatrix<f6
 /// Orders of a series of radius x, so that what is left out is under [`REMAINDER`].
 pub(super) fn series_orders(x: f64) -> usize {
     let (mut k, mut term) = (0, 1.0);
-    // The rest is at most the next term times 1/(1 - x/(k + 1)); from k = 2x on that is at most twice the term.
+    // The rest is at most the next term times 1/(1 - x/(k + 1)); from k = 2x on that is at most
+    // twice the term.
     while term > 0.5 * REMAINDER || (k as f64) < 2.0 * x {
         k += 1;
         term *= x / k as f64;
@@ -52,8 +55,9 @@ pub(super) fn series_orders(x: f64) -> usize {
     k
 }
 
-/// A bound of the norm of A: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j / w_i. The weights of the machine's
-/// coordinates balance rows and columns; those of signals are so small that they add at most a quarter.
+/// A bound of the norm of A: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j / w_i. The
+/// weights of the machine's coordinates balance rows and columns; those of signals are so small
+/// that they add at most a quarter.
 pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
     let size = a.len();
     let mut w = vec![1.0f64; size];
@@ -71,7 +75,8 @@ pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
             }
         }
     }
-    // A coordinate that acts on nothing is as large as it needs to be, one that nothing acts on as small.
+    // A coordinate that acts on nothing is as large as it needs to be, one that nothing acts on as
+    // small.
     let row_sum = |w: &[f64], i: usize, to: usize| {
         a.row(i).iter().filter(|term| term.0 < to).map(|&(j, x)| x.abs() * w[j]).sum::<f64>() / w[i]
     };
@@ -92,7 +97,8 @@ pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
     for (j, most) in signal.iter_mut().enumerate().skip(one) {
         *most = limit(&w, j);
     }
-    // What feeds another signal is no larger than the rate times that one: derivatives of pieces; cosine and sine are equal.
+    // What feeds another signal is no larger than the rate times that one: derivatives of pieces;
+    // cosine and sine are equal.
     for j in one..size {
         for &(i, x) in columns.row(j).iter().filter(|term| term.0 >= one && term.0 != j) {
             let mutual = a.entry(j, i) != 0.0;

@@ -1,12 +1,13 @@
-//! What is kept of a sub-step in a mode of a machine of few coordinates: matrices and columns that act on its state.
+//! What is kept of a sub-step in a mode of a machine of few coordinates: matrices and columns that
+//! act on its state.
 
 use super::exponential::{exponentials, second_integral};
 use super::watched::{Heads, WatchColumns, taylor, watch_columns};
 use super::{ENDS, Group, INTERVALS, LOCAL, Table, WatchTable};
 use crate::kernel::{Blocks, SparseColumns};
 
-/// Taylor coefficients of the velocities within an interval, behind the constant ones: the first one left out is under
-/// 0.375¹⁷/17! < 2e-22 of the largest coordinate. They fill whole vectors.
+/// Taylor coefficients of the velocities within an interval, behind the constant ones: the first
+/// one left out is under 0.375¹⁷/17! < 2e-22 of the largest coordinate. They fill whole vectors.
 const WITHIN: usize = 16;
 
 /// What the integral of a power from order 1 on is multiplied by.
@@ -25,9 +26,11 @@ const INTEGRAL: [f64; WITHIN] = {
 pub(super) struct Kept {
     /// z at the interval ends from z at the sub-step's start.
     transitions: Vec<Blocks>,
-    /// The Taylor coefficients of each velocity from order 1 on, in units of an interval, by coordinate.
+    /// The Taylor coefficients of each velocity from order 1 on, in units of an interval, by
+    /// coordinate.
     velocities: Vec<SparseColumns<WITHIN>>,
-    /// ∫ (h - s) exp(A s) ds over a sub-step h, where forces are found apart: z(h) - z is h z' and this times z''.
+    /// ∫ (h - s) exp(A s) ds over a sub-step h, where forces are found apart: z(h) - z is h z' and
+    /// this times z''.
     integral: Option<Blocks>,
     /// By watched functional.
     watched: Vec<WatchColumns>,
@@ -63,7 +66,8 @@ impl Kept {
             + self.integral.as_ref().map_or(0, |_| size * size)
     }
 
-    /// Writes where the watched functionals stand at a state, with the vector of whose sizes the bounds of their bends are made.
+    /// Writes where the watched functionals stand at a state, with the vector of whose sizes the
+    /// bounds of their bends are made.
     #[inline(always)]
     pub(super) fn heads_at(&self, z: &[f64], sizes: &[f64], to: &mut Vec<Group>) {
         to.resize(self.heads.len(), Default::default());
@@ -78,7 +82,8 @@ impl Kept {
         &self.watched[place]
     }
 
-    /// The state at the end of a sub-step of a length from that at its start and, where forces are found apart, its first two derivatives.
+    /// The state at the end of a sub-step of a length from that at its start and, where forces are
+    /// found apart, its first two derivatives.
     #[inline(always)]
     pub(super) fn at_end(&self, z: &[f64], [rates, second]: [&[f64]; 2], length: f64, to: &mut [f64]) {
         match &self.integral {
@@ -96,7 +101,8 @@ impl Kept {
         self.transitions[i].times(z, to);
     }
 
-    /// Coordinates and velocities at a time within an interval of length `step` from the state at its start.
+    /// Coordinates and velocities at a time within an interval of length `step` from the state at
+    /// its start.
     #[inline(always)]
     pub(super) fn within(&self, z: &[f64], dt: f64, step: f64, to: &mut [f64]) {
         let u = dt / step;

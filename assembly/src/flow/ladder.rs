@@ -1,5 +1,6 @@
-//! Long sub-steps of stiff machines. A mode's sub-step is as short as its fastest motion asks for. Where that has decayed, or moves nothing that
-//! is watched, the state goes on by 2, 4, 8, … sub-steps at once: which of these lengths is safe is decided by the actual state
+//! Long sub-steps of stiff machines. A mode's sub-step is as short as its fastest motion asks for.
+//! Where that has decayed, or moves nothing that is watched, the state goes on by 2, 4, 8, …
+//! sub-steps at once: which of these lengths is safe is decided by the actual state
 //! (docs/assembly-law.md (A22), (A23)).
 
 use super::exact::Exact;
@@ -13,10 +14,12 @@ use std::sync::OnceLock;
 /// Lengths of up to 2⁴⁷ sub-steps.
 pub const RUNGS: usize = 48;
 
-/// Up to this many coordinates stiff forces' flows are doubled by double-doubles, in milliseconds each; these products take ten times as long.
+/// Up to this many coordinates stiff forces' flows are doubled by double-doubles, in milliseconds
+/// each; these products take ten times as long.
 const EXACT: usize = 40;
 
-/// What is made for each of these lengths when it is first needed. Most modes need none, so that the ladder itself is made with its first rung.
+/// What is made for each of these lengths when it is first needed. Most modes need none, so that
+/// the ladder itself is made with its first rung.
 #[derive(Clone, Debug)]
 pub struct Ladder<T>(OnceLock<Vec<OnceLock<T>>>);
 
@@ -113,7 +116,8 @@ impl Rung {
         )
     }
 
-    /// A bound of the second derivative of the watched functional at a place throughout the length, from the sizes of the state's.
+    /// A bound of the second derivative of the watched functional at a place throughout the length,
+    /// from the sizes of the state's.
     pub fn bend(&self, place: usize, second: &[f64]) -> f64 {
         self.reaches[place].iter().zip(second).map(|(r, x)| r * x.abs()).sum()
     }

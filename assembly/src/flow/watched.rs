@@ -1,4 +1,5 @@
-//! A watched functional of a mode; and over a sub-step samples, a bound between them, and Taylor coefficients, as columns that act on the state.
+//! A watched functional of a mode; and over a sub-step samples, a bound between them, and Taylor
+//! coefficients, as columns that act on the state.
 
 use super::{INTERVALS, LOCAL};
 use crate::kernel::{Sparse, SparseMatrix, combine};
@@ -91,7 +92,8 @@ pub(super) fn put_head(groups: &mut Vec<Group>, place: usize, head: Head) {
     }
 }
 
-/// What the heads of some functionals are found from: by coordinate the values of all, their slopes, and the bounds of their bends.
+/// What the heads of some functionals are found from: by coordinate the values of all, their
+/// slopes, and the bounds of their bends.
 #[derive(Clone, Debug)]
 pub(super) struct Heads(Vec<[[f64; GROUP]; 3]>);
 
@@ -126,7 +128,8 @@ impl Heads {
     }
 }
 
-/// The Taylor coefficients of a functional times `factor`, in units of a time `step`, by coordinate.
+/// The Taylor coefficients of a functional times `factor`, in units of a time `step`, by
+/// coordinate.
 pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64, step: f64) -> Vec<[f64; K]> {
     let mut columns = vec![[0.0; K]; row.len()];
     let (mut row, mut next): (Vec<f64>, _) = (row.iter().map(|x| factor * x).collect(), vec![0.0; row.len()]);
@@ -138,8 +141,9 @@ pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64,
     columns
 }
 
-/// Taylor coefficients of a functional over a sub-step: with rate times length 3 the first one left out is under 3³⁴/34! < 6e-23 of the largest
-/// coordinate, and that of the second derivative under 7e-20.
+/// Taylor coefficients of a functional over a sub-step: with rate times length 3 the first one left
+/// out is under 3³⁴/34! < 6e-23 of the largest coordinate, and that of the second derivative under
+/// 7e-20.
 pub(super) const WHOLE: usize = 34;
 
 /// Values and second derivatives of a power series at 1, 2, …, [`INTERVALS`].
@@ -159,8 +163,9 @@ fn at_interval_ends(c: &[f64; WHOLE]) -> [[f64; INTERVALS]; 2] {
     [values, seconds]
 }
 
-/// The columns of a functional over intervals of length `step`, from A and its entries' sizes |A|. Its bend is bounded by the state or, with
-/// `is_stiff`, by the state's second derivative. Only entries of A that are not zero are multiplied.
+/// The columns of a functional over intervals of length `step`, from A and its entries' sizes |A|.
+/// Its bend is bounded by the state or, with `is_stiff`, by the state's second derivative. Only
+/// entries of A that are not zero are multiplied.
 pub(super) fn watch_columns(
     row: &[f64],
     [a, abs]: [&SparseMatrix; 2],
@@ -173,13 +178,15 @@ pub(super) fn watch_columns(
     for c in &columns {
         let [values, seconds] = at_interval_ends(c);
         samples.push(values);
-        // The largest size at the intervals' starts of the second derivative, or of what it is the row of.
+        // The largest size at the intervals' starts of the second derivative, or of what it is the
+        // row of.
         let (ends, first, unit) =
             if is_stiff { (&values, c[0], 1.0) } else { (&seconds, 2.0 * c[2], step * step) };
         let largest = ends[..INTERVALS - 1].iter().fold(first.abs(), |largest, x| largest.max(x.abs()));
         peak.push(largest / unit);
     }
-    // Its bound within an interval: |r exp(At)| <= |r| exp(|A| t) entry by entry, by as many orders as its Taylor coefficients have.
+    // Its bound within an interval: |r exp(At)| <= |r| exp(|A| t) entry by entry, by as many orders
+    // as its Taylor coefficients have.
     let mut curvature = peak.clone();
     let mut next = vec![0.0; size];
     for k in 1..=LOCAL {

@@ -1,17 +1,20 @@
 //! Contact forces and impulses as a convex quadratic problem in a box (docs/assembly-law.md (A7)).
 //!
-//! Given columns a_i = L⁻¹ w_i of the contacts' directions, scaled by the Cholesky factor of the inertia M = L Lᵀ, so that
-//! G = AᵀA, find λ within lo ≤ λ ≤ hi that minimizes ½ λᵀGλ - bᵀλ. The residual r = b - Gλ is what is left of the relative
-//! accelerations (or velocities): zero where λ_i lies inside its bounds, not positive at the lower and not negative at the
-//! upper one. The minimum exists unless a direction lowers the value without end; r is unique even where λ is not.
+//! Given columns a_i = L⁻¹ w_i of the contacts' directions, scaled by the Cholesky factor of the
+//! inertia M = L Lᵀ, so that G = AᵀA, find λ within lo ≤ λ ≤ hi that minimizes ½ λᵀGλ - bᵀλ. The
+//! residual r = b - Gλ is what is left of the relative accelerations (or velocities): zero where
+//! λ_i lies inside its bounds, not positive at the lower and not negative at the upper one. The
+//! minimum exists unless a direction lowers the value without end; r is unique even where λ is not.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Two contacts count as dependent where the sine of the angle between a column and those before it is under this: far above
-/// the rounding of the columns (1e-16 each), far below the 1e-5 that a mass ratio of 1e10 leaves between two contacts.
+/// Two contacts count as dependent where the sine of the angle between a column and those before it
+/// is under this: far above the rounding of the columns (1e-16 each), far below the 1e-5 that a
+/// mass ratio of 1e10 leaves between two contacts.
 const DEPENDENT: f64 = 1e-11;
 
-/// Rounding of a force on a coordinate in parts of the sizes of its terms: some tens of roundings of solving for them.
+/// Rounding of a force on a coordinate in parts of the sizes of its terms: some tens of roundings
+/// of solving for them.
 const ROUNDING: f64 = 1e-14;
 /// Contacts over which rounding is passed on.
 const NEIGHBOURS: usize = 2;
@@ -81,8 +84,8 @@ impl Basis {
         }
     }
 
-    /// The part of a column outside the span, and its coefficients in `q`: Gram–Schmidt, twice, so that what is left is
-    /// orthogonal to rounding.
+    /// The part of a column outside the span, and its coefficients in `q`: Gram–Schmidt, twice, so
+    /// that what is left is orthogonal to rounding.
     fn split(&self, column: DVector<f64>) -> (DVector<f64>, Vec<f64>) {
         let (mut rest, mut coefficients) = (column, vec![0.0; self.q.len()]);
         for _ in 0..2 {
@@ -111,7 +114,8 @@ impl Basis {
         true
     }
 
-    /// The coefficients c of the columns in a vector of their span, given its coefficients in `q`: R c = y.
+    /// The coefficients c of the columns in a vector of their span, given its coefficients in `q`:
+    /// R c = y.
     fn back(&self, y: &[f64]) -> Vec<f64> {
         let mut c = y.to_vec();
         for j in (0..c.len()).rev() {
@@ -155,8 +159,8 @@ pub fn independent(columns: &DMatrix<f64>, places: &[usize]) -> Vec<usize> {
     Basis::of(columns, places).places
 }
 
-/// The upper triangle R with RᵀR = AᵀA, by orthogonalization of the columns, which does not square their condition and leaves
-/// exact zeros between contacts that share no coordinate.
+/// The upper triangle R with RᵀR = AᵀA, by orthogonalization of the columns, which does not square
+/// their condition and leaves exact zeros between contacts that share no coordinate.
 pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let (count, mut basis) = (columns.ncols(), Basis::new());
     for place in 0..count {
@@ -170,14 +174,16 @@ pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl Problem {
-    /// Below this a contact's λ counts as zero: it makes no more of a residual than what counts as zero there.
+    /// Below this a contact's λ counts as zero: it makes no more of a residual than what counts as
+    /// zero there.
     pub fn zero_force(&self, contact: usize, solution: &Solution) -> f64 {
         let compliance = self.columns.column(contact).norm_squared();
         if compliance > 0.0 { solution.zero[contact] / compliance } else { 0.0 }
     }
 
-    /// Below this a residual counts as zero for given λ. What is given, and the rounding of the λ, are errors of forces on the
-    /// coordinates; what they change at a contact is passed on to those that share a coordinate with it.
+    /// Below this a residual counts as zero for given λ. What is given, and the rounding of the λ,
+    /// are errors of forces on the coordinates; what they change at a contact is passed on to those
+    /// that share a coordinate with it.
     fn zero(&self, lambda: &DVector<f64>, Sizes { sizes, norms }: &Sizes) -> DVector<f64> {
         let errors = |i: usize, residual: f64| residual / norms[i];
         let own = DVector::from_fn(lambda.len(), |i, _| errors(i, self.zero[i]) + ROUNDING * lambda[i].abs());
@@ -205,7 +211,8 @@ impl Problem {
         basis.back(&basis.forward(&b))
     }
 
-    /// Moves the free contacts from λ towards `target`, up to the first bound; returns those that reach it.
+    /// Moves the free contacts from λ towards `target`, up to the first bound; returns those that
+    /// reach it.
     fn step(&self, free: &[usize], target: &[f64], lambda: &mut DVector<f64>) -> Vec<usize> {
         let mut part = 1.0f64;
         for (&i, &to) in free.iter().zip(target) {
@@ -230,8 +237,8 @@ impl Problem {
         reached
     }
 
-    /// The contact whose residual violates its bound most, in parts of its column's size; `first` takes the first one
-    /// instead, by which the search cannot cycle (Bland's rule).
+    /// The contact whose residual violates its bound most, in parts of its column's size; `first`
+    /// takes the first one instead, by which the search cannot cycle (Bland's rule).
     fn violated(
         &self,
         lambda: &DVector<f64>,
@@ -258,15 +265,17 @@ impl Problem {
         best.map(|(i, _)| i)
     }
 
-    /// Solves it by an active set: the free contacts have zero residual, the others stand at a bound; the most violated one
-    /// becomes free, and what meets a bound on the way is no longer. Each turn lowers the value, so that no set comes twice;
-    /// Bland's rule takes over where rounding would let one.
+    /// Solves it by an active set: the free contacts have zero residual, the others stand at a
+    /// bound; the most violated one becomes free, and what meets a bound on the way is no longer.
+    /// Each turn lowers the value, so that no set comes twice; Bland's rule takes over where
+    /// rounding would let one.
     ///
     /// # Errors
     /// [`Jam`] where nothing gives way.
     pub fn solve(&self) -> Result<Solution, Jam> {
         let m = self.b.len();
-        // Not by `clamp`, which panics where levels beyond what doubles carry have left bounds that are none.
+        // Not by `clamp`, which panics where levels beyond what doubles carry have left bounds that
+        // are none.
         let mut lambda = DVector::from_fn(m, |i, _| 0.0f64.max(self.lo[i]).min(self.hi[i]));
         let equality = |i: usize| self.lo[i] == f64::NEG_INFINITY && self.hi[i] == f64::INFINITY;
         let mut free = independent(&self.columns, &(0..m).filter(|&i| equality(i)).collect::<Vec<_>>());
@@ -297,8 +306,8 @@ impl Problem {
         Ok(Solution { lambda, residual, zero, free })
     }
 
-    /// Makes a contact free. One whose column depends on the free ones moves along the direction that leaves the motion as it
-    /// is, until one of them meets a bound and makes room.
+    /// Makes a contact free. One whose column depends on the free ones moves along the direction
+    /// that leaves the motion as it is, until one of them meets a bound and makes room.
     fn enter(
         &self,
         basis: &Basis,

@@ -29,8 +29,9 @@ pub struct Impacts {
     pub projected: bool,
     /// Energy that the projection took, J.
     pub projected_loss: f64,
-    /// By coordinate the largest sum of the sizes by which the impulses of one impact have changed its velocity; nothing where there was
-    /// one impulse in all. What several leave of a velocity together has the rounding of this size.
+    /// By coordinate the largest sum of the sizes by which the impulses of one impact have changed
+    /// its velocity; nothing where there was one impulse in all. What several leave of a velocity
+    /// together has the rounding of this size.
     pub shares: Vec<f64>,
 }
 
@@ -54,8 +55,8 @@ pub struct Instant<'a> {
     pub restitution: &'a [f64],
 }
 
-/// Which of the stops with no closing speed stay closed, given the state, their places, those of the stops that close, and the number of impacts
-/// of the instant before.
+/// Which of the stops with no closing speed stay closed, given the state, their places, those of
+/// the stops that close, and the number of impacts of the instant before.
 pub type StayClosed<'a> = dyn FnMut(&DVector<f64>, &[usize], &[usize], usize) -> Result<Vec<bool>, Jam> + 'a;
 
 impl Instant<'_> {
@@ -63,7 +64,8 @@ impl Instant<'_> {
         self.system.stops[stop].elongation.rate.dot(z)
     }
 
-    /// Carries out impacts until no touching stop closes; changes the velocities in `z`. Every stop with no closing speed takes part.
+    /// Carries out impacts until no touching stop closes; changes the velocities in `z`. Every stop
+    /// with no closing speed takes part.
     ///
     /// # Errors
     /// [`Jam`], whose contacts are places of stops.
@@ -71,7 +73,8 @@ impl Instant<'_> {
         self.collide_where(z, &mut |_, stops, _, _| Ok(vec![true; stops.len()]))
     }
 
-    /// The same, where it is asked which of the stops with no closing speed take part in an impact (docs/assembly-law.md, Sequences).
+    /// The same, where it is asked which of the stops with no closing speed take part in an impact
+    /// (docs/assembly-law.md, Sequences).
     ///
     /// # Errors
     /// As [`collide`](Self::collide).
@@ -97,7 +100,8 @@ impl Instant<'_> {
                 self.project(z, &mut impacts)?;
                 return Ok(impacts);
             }
-            // Those that leave take no part; their turn comes when this impact drives them together.
+            // Those that leave take no part; their turn comes when this impact drives them
+            // together.
             let mut taking: Vec<usize> = (0..speeds.len()).filter(|&k| speeds[k] >= -zero(k)).collect();
             let still = |&k: &usize| speeds[k] <= zero(k);
             if taking.iter().any(still) {
@@ -114,8 +118,8 @@ impl Instant<'_> {
             let u: Vec<f64> = taking.iter().map(|&k| speeds[k].max(0.0)).collect();
             let zeros: Vec<f64> = taking.iter().map(|&k| zero(k)).collect();
             let impact = self.impact(&stops, &u, &zeros, z)?;
-            // One without impulse has changed nothing, and nothing would follow but the same again: speeds on one body that all count as
-            // zero beside what counts as zero of the others.
+            // One without impulse has changed nothing, and nothing would follow but the same again:
+            // speeds on one body that all count as zero beside what counts as zero of the others.
             if impact.stops.is_empty() {
                 return Ok(impacts);
             }
@@ -140,8 +144,8 @@ impl Instant<'_> {
         Ok(impact)
     }
 
-    /// Takes in the sizes of what the last impact's impulses change the velocities by. The first impact of one stop alone needs no more than
-    /// the sizes of the velocities before and after it.
+    /// Takes in the sizes of what the last impact's impulses change the velocities by. The first
+    /// impact of one stop alone needs no more than the sizes of the velocities before and after it.
     fn take_shares(&self, impacts: &mut Impacts) {
         let alone = matches!(&impacts.sequence[..], [first] if first.stops.len() < 2);
         let Some(impact) = impacts.sequence.last().filter(|_| !alone) else { return };
@@ -176,7 +180,8 @@ impl Instant<'_> {
         }
     }
 
-    /// Changes the velocities by impulses; returns the work that prescribed motions do through links meanwhile.
+    /// Changes the velocities by impulses; returns the work that prescribed motions do through
+    /// links meanwhile.
     fn apply(&self, stops: &[usize], p: &DVector<f64>, z: &mut DVector<f64>) -> f64 {
         let n = self.system.coordinates;
         let mut kick = DVector::zeros(n);
@@ -190,8 +195,8 @@ impl Instant<'_> {
         work
     }
 
-    /// The nearest velocities, in the inertia's metric, with which no touching stop closes: an impact of all with
-    /// restitution 0.
+    /// The nearest velocities, in the inertia's metric, with which no touching stop closes: an
+    /// impact of all with restitution 0.
     fn project(&self, z: &mut DVector<f64>, impacts: &mut Impacts) -> Result<(), Jam> {
         let u: Vec<f64> = self.touching.iter().map(|&i| self.speed(i, z)).collect();
         let zeros: Vec<f64> =

@@ -1,4 +1,5 @@
-//! The law at events: contact forces and impulses, impacts, and which mode follows (docs/assembly-law.md).
+//! The law at events: contact forces and impulses, impacts, and which mode follows
+//! (docs/assembly-law.md).
 
 pub mod box_qp;
 pub mod impact;
@@ -9,7 +10,8 @@ use crate::system::{Elongation, Functional, Row, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-/// What is under this part of the sum of its terms' largest sizes so far counts as zero: some hundreds of roundings.
+/// What is under this part of the sum of its terms' largest sizes so far counts as zero: some
+/// hundreds of roundings.
 pub const ZERO: f64 = 1e-13;
 
 /// The largest size of each coordinate of the augmented state so far.
@@ -44,8 +46,8 @@ impl Sizes {
         self.0.as_mut_slice()[first..].iter_mut().zip(z).for_each(|(s, x)| *s = s.max(x.abs()));
     }
 
-    /// What a contact keeps at zero is moved there by its rounding, which is that of all its terms: a coordinate that is held to greater ones
-    /// counts as so great as its share of that change.
+    /// What a contact keeps at zero is moved there by its rounding, which is that of all its terms:
+    /// a coordinate that is held to greater ones counts as so great as its share of that change.
     pub(crate) fn include_contact(&mut self, system: &System, contact: Contact) {
         let (e, n) = (system.elongation_of(contact), system.coordinates);
         if let Contact::Stop(i) = contact {
@@ -54,7 +56,8 @@ impl Sizes {
         self.include_held(e, n, &e.rate);
     }
 
-    /// For the coordinates (or the rates) from `first` on, where a row with these terms is kept at zero.
+    /// For the coordinates (or the rates) from `first` on, where a row with these terms is kept at
+    /// zero.
     fn include_held(&mut self, e: &Elongation, first: usize, row: &Functional) {
         let all = row.size(self.0.as_slice());
         let compliance = e.w.dot(&e.mobility);
@@ -73,8 +76,9 @@ mod tests {
 
     #[test]
     fn closed_form_what_is_held_has_the_rounding_of_what_holds_it() {
-        // 0.01 kg is held to 1 kg, which has had 3 m and 2 m/s: of a correction of e = s' - s it takes
-        // 100/(100 + 1), and the heavy body of the light one's 0.5 m/s the rest, which is less than its own.
+        // 0.01 kg is held to 1 kg, which has had 3 m and 2 m/s: of a correction of e = s' - s it
+        // takes 100/(100 + 1), and the heavy body of the light one's 0.5 m/s the rest, which is
+        // less than its own.
         let text = "name = \"A\"\n[body.heavy]\nmass = 1.0\n[body.light]\nmass = 0.01\n\
                     [friction.f]\nbetween = [\"heavy\", \"light\"]\nforce = 1.0\n\
                     [stop.s]\nbetween = [\"heavy\", \"light\"]\ngap = 0.5\nrestitution = 0.0\n";

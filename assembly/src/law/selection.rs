@@ -1,4 +1,5 @@
-//! Which mode follows: order by order in the derivatives of the motion (docs/assembly-law.md (A10) to (A12)).
+//! Which mode follows: order by order in the derivatives of the motion (docs/assembly-law.md (A10)
+//! to (A12)).
 
 mod classify;
 mod order;
@@ -17,16 +18,19 @@ enum Stop {
     Touching,
     /// A compliant stop with e = gap, likewise.
     AtEdge,
-    /// A compliant stop whose force is at the limit of two states, with the state above and the one below it.
+    /// A compliant stop whose force is at the limit of two states, with the state above and the one
+    /// below it.
     AtLimit(StopState, StopState),
-    /// An `ElastoGap` whose force is zero and at its cap, but for rounding, so near to its edge is it.
+    /// An `ElastoGap` whose force is zero and at its cap, but for rounding, so near to its edge is
+    /// it.
     AtLimits,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Friction {
     Is(FrictionState),
-    /// e' = 0 and all derivatives so far; the level's first derivative that is not zero is of this order.
+    /// e' = 0 and all derivatives so far; the level's first derivative that is not zero is of this
+    /// order.
     Resting(usize),
     /// The same with |f| at its level throughout so far, in this direction.
     AtLevel(f64),
@@ -41,12 +45,13 @@ pub struct Selection<'a> {
     sizes: Vec<Sizes>,
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
-    /// Contacts in the order in which their forces came to lie strictly inside their bounds: the preferred basis, since what
-    /// depends on them then keeps its share, which is a bound or zero.
+    /// Contacts in the order in which their forces came to lie strictly inside their bounds: the
+    /// preferred basis, since what depends on them then keeps its share, which is a bound or zero.
     preferred: Vec<Contact>,
     /// By friction: whether it has left its static level.
     released: Vec<bool>,
-    /// By friction: the direction in which its force was at its level in the first solution that decided on it, else 0.
+    /// By friction: the direction in which its force was at its level in the first solution that
+    /// decided on it, else 0.
     at_level: Vec<f64>,
 }
 
@@ -60,7 +65,8 @@ pub struct Touching<'a> {
     pub edges: &'a [bool],
     /// Compliant stops whose force is at a limit by an event's verdict.
     pub limits: &'a [bool],
-    /// Places of rigid stops that are open whatever their speed, since an impact of theirs is still to come.
+    /// Places of rigid stops that are open whatever their speed, since an impact of theirs is still
+    /// to come.
     pub open: &'a [usize],
 }
 
@@ -114,7 +120,8 @@ impl<'a> Selection<'a> {
         selection
     }
 
-    /// Goes through the orders; returns the frictions that slip at their static levels, with which all begins anew.
+    /// Goes through the orders; returns the frictions that slip at their static levels, with which
+    /// all begins anew.
     fn run(&mut self) -> Result<Vec<usize>, Jam> {
         if self.is_decided() && !self.has_contacts() {
             return Ok(Vec::new());
@@ -149,7 +156,8 @@ impl<'a> Selection<'a> {
             || self.frictions.iter().any(|f| matches!(f, Friction::Is(state) if state.sticks()))
     }
 
-    /// Compliant stops whose next known derivative is not zero. At order k the derivatives of e up to k + 1 are known.
+    /// Compliant stops whose next known derivative is not zero. At order k the derivatives of e up
+    /// to k + 1 are known.
     fn decide_compliant(&mut self, order: usize) {
         for i in 0..self.stops.len() {
             let stop = &self.system.stops[i];
@@ -203,7 +211,8 @@ impl<'a> Selection<'a> {
         (stops.collect(), frictions.collect())
     }
 
-    /// The accelerations' derivative of an order, and what it decides; returns the frictions that slip at their static levels.
+    /// The accelerations' derivative of an order, and what it decides; returns the frictions that
+    /// slip at their static levels.
     fn solve(&mut self, order: usize) -> Result<Vec<usize>, Jam> {
         let (stops, frictions) = self.states();
         let free = self.system.free_acceleration(&stops, &frictions);
@@ -238,8 +247,9 @@ impl<'a> Selection<'a> {
         Ok(Vec::new())
     }
 
-    /// Adds the next derivative of z, and a bound of its size by the terms of the free accelerations and the contact forces' `shares`, which
-    /// on a light body may be far greater than what they leave together.
+    /// Adds the next derivative of z, and a bound of its size by the terms of the free
+    /// accelerations and the contact forces' `shares`, which on a light body may be far greater
+    /// than what they leave together.
     fn differentiate(
         &mut self,
         z: &DVector<f64>,

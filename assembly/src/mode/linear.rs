@@ -1,4 +1,5 @@
-//! The linear system of a mode, z' = A z, with the functionals that end it (docs/assembly-law.md (A5)).
+//! The linear system of a mode, z' = A z, with the functionals that end it (docs/assembly-law.md
+//! (A5)).
 
 use super::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::flow::DENSE;
@@ -13,7 +14,8 @@ use nalgebra::{DMatrix, DVector};
 pub struct Linear {
     /// z' = A z.
     pub a: SparseMatrix,
-    /// By entry of A the sizes of the terms that it is the sum of: what a closed stop cancels leaves rounding of these.
+    /// By entry of A the sizes of the terms that it is the sum of: what a closed stop cancels
+    /// leaves rounding of these.
     pub terms: SparseMatrix,
     /// The forces of the basis, by its order.
     pub lambda: Vec<Row>,
@@ -23,11 +25,13 @@ pub struct Linear {
     pub watched: Vec<(Watch, Row)>,
     /// The elastic forces that may be found apart.
     pub elastic: Option<Elastic>,
-    /// Where there are contacts, the sizes of what they leave of the velocities: of the projection past them.
+    /// Where there are contacts, the sizes of what they leave of the velocities: of the projection
+    /// past them.
     pub loose: Option<SparseMatrix>,
 }
 
-/// The forces of stiff springs and of compliant stops apart from the rest of a mode's system: A = rest - Σ by ⊗ force.
+/// The forces of stiff springs and of compliant stops apart from the rest of a mode's system: A =
+/// rest - Σ by ⊗ force.
 #[derive(Clone, Debug)]
 pub struct Elastic {
     /// A without them.
@@ -36,7 +40,8 @@ pub struct Elastic {
     pub rest_terms: Option<SparseMatrix>,
     /// The forces, and what a unit of each takes from z'.
     pub forces: Vec<(Functional, Row)>,
-    /// In a machine that keeps tables, whether they tie what is moved by much softer ones; else they may still be what makes the mode fast.
+    /// In a machine that keeps tables, whether they tie what is moved by much softer ones; else
+    /// they may still be what makes the mode fast.
     pub are_stiff: bool,
 }
 
@@ -85,8 +90,8 @@ impl<'a> Held<'a> {
         sizes
     }
 
-    /// Takes what the contacts' forces do from accelerations. Coordinates that they hold altogether move as prescribed bodies make them, with no rounding
-    /// of the forces that cancel.
+    /// Takes what the contacts' forces do from accelerations. Coordinates that they hold altogether
+    /// move as prescribed bodies make them, with no rounding of the forces that cancel.
     fn hold(&self, system: &System, acceleration: &mut DMatrix<f64>, demand: &DMatrix<f64>) {
         *acceleration -= &self.mobility * demand;
         let held = |k: &usize| self.loose.row(*k).iter().all(|x| *x == 0.0);
@@ -116,7 +121,8 @@ impl<'a> Held<'a> {
         demand
     }
 
-    /// What a unit of an element's force takes from the velocities' rates: M⁻¹ w and what the contacts do against it; what is rounding is zero.
+    /// What a unit of an element's force takes from the velocities' rates: M⁻¹ w and what the
+    /// contacts do against it; what is rounding is zero.
     fn moved(&self, e: &Elongation) -> DVector<f64> {
         if self.elongations.is_empty() {
             return e.mobility.clone();
@@ -160,7 +166,8 @@ impl System {
         a
     }
 
-    /// The elastic forces of a mode that may be found apart: of stiff springs and of the compliant stops that press.
+    /// The elastic forces of a mode that may be found apart: of stiff springs and of the compliant
+    /// stops that press.
     fn elastic(&self, mode: &Mode, held: &Held) -> Option<Elastic> {
         let mut forces = Vec::new();
         let mut put = |force: Row, e: &Elongation| {
@@ -253,9 +260,10 @@ impl System {
     }
 }
 
-/// Takes the rounding out of the forces' rows, so that a force that is zero throughout is known to be: `demands` are the sizes of
-/// what each contact has to hold against. A contact's force is at most of the size of what contacts that share coordinates with
-/// it, directly or through others, hold against.
+/// Takes the rounding out of the forces' rows, so that a force that is zero throughout is known to
+/// be: `demands` are the sizes of what each contact has to hold against. A contact's force is at
+/// most of the size of what contacts that share coordinates with it, directly or through others,
+/// hold against.
 fn clean(forces: &mut DMatrix<f64>, columns: &DMatrix<f64>, demands: &DMatrix<f64>) {
     let (m, size) = forces.shape();
     let norms: Vec<f64> = columns.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
@@ -286,8 +294,9 @@ mod tests {
 
     #[test]
     fn closed_form_a_force_is_rounding_beside_what_its_group_holds_against() {
-        // The first two contacts share a coordinate, the third has its own. By demand: one of the first, which the
-        // second sees as 1/√2, the third not at all; one of the third with columns of length 2; none.
+        // The first two contacts share a coordinate, the third has its own. By demand: one of the
+        // first, which the second sees as 1/√2, the third not at all; one of the third with columns
+        // of length 2; none.
         let columns = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 2.0]);
         let demands = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
         let (small, more) = (0.2 * ZERO, 0.8 * ZERO);

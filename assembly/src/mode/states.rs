@@ -15,7 +15,8 @@ pub enum StopState {
     Pressed,
     /// A compliant stop beyond its gap whose force would pull: it is 0.
     Free,
-    /// An `ElastoGap` whose dashpot's share is as large as its spring's: the force is 2 stiffness (e - gap).
+    /// An `ElastoGap` whose dashpot's share is as large as its spring's: the force is 2 stiffness
+    /// (e - gap).
     Capped,
 }
 

@@ -1,4 +1,5 @@
-//! A motion that goes on in a machine of which numbers have changed, and one that goes on from what was saved.
+//! A motion that goes on in a machine of which numbers have changed, and one that goes on from what
+//! was saved.
 
 use super::jump::Parted;
 use super::{Hybrid, Motion};
@@ -21,13 +22,14 @@ impl Motion {
         Some(motion)
     }
 
-    /// The same motion from the present instant on in a machine with the same elements, of which numbers have changed: bodies keep
-    /// coordinates and rates, signals take their new values at once. An event that is due comes first, by the old numbers. The
-    /// accounts of energy go on, so that the balance jumps by what the change has put in.
+    /// The same motion from the present instant on in a machine with the same elements, of which
+    /// numbers have changed: bodies keep coordinates and rates, signals take their new values at
+    /// once. An event that is due comes first, by the old numbers. The accounts of energy go on, so
+    /// that the balance jumps by what the change has put in.
     ///
     /// # Errors
-    /// [`Error::Violated`] where a rigid stop's gap is now less than its e, [`Error::Jammed`]; [`Error::OutOfRange`] for a machine
-    /// whose coordinates are those of other bodies.
+    /// [`Error::Violated`] where a rigid stop's gap is now less than its e, [`Error::Jammed`];
+    /// [`Error::OutOfRange`] for a machine whose coordinates are those of other bodies.
     pub fn changed(&self, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.pass_event(&mut None)?;
@@ -74,7 +76,8 @@ impl Motion {
         Ok(motion)
     }
 
-    /// A closed stop keeps e; where its gap has grown it touches no more, and where that is less than e it is violated.
+    /// A closed stop keeps e; where its gap has grown it touches no more, and where that is less
+    /// than e it is violated.
     fn open_what_is_off(&mut self) -> Result<(), Error> {
         let (system, sizes) = (&self.assembly.system, &self.hybrid.sizes);
         let mut off = Vec::new();

@@ -14,12 +14,14 @@ use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 
-/// A watched functional's coefficient that is positive where the law says negative is rounding up to this many times the size under
-/// which it counts as zero; beyond, the modes would change without end, which is told.
+/// A watched functional's coefficient that is positive where the law says negative is rounding up
+/// to this many times the size under which it counts as zero; beyond, the modes would change
+/// without end, which is told.
 pub(super) const DOUBTFUL: f64 = 1e3;
 
-/// A body that moves goes further in a flight than this part of its length times what the forces by themselves would make of the rate; the
-/// place of one that stands still has the rounding of this way at most.
+/// A body that moves goes further in a flight than this part of its length times what the forces by
+/// themselves would make of the rate; the place of one that stands still has the rounding of this
+/// way at most.
 const STANDING: f64 = 0.01;
 
 /// What an event says of the elements that take part.
@@ -38,8 +40,9 @@ impl Flags {
         Touching { stops, resting, edges, limits, open }
     }
 
-    /// What is left of it after impacts that changed the velocities by `kick`: friction whose rate they changed no longer rests,
-    /// and the force of a compliant stop with a dashpot is no longer at a limit.
+    /// What is left of it after impacts that changed the velocities by `kick`: friction whose rate
+    /// they changed no longer rests, and the force of a compliant stop with a dashpot is no longer
+    /// at a limit.
     fn after(&self, kick: &DVector<f64>, system: &System, sizes: &Sizes) -> Self {
         let mut flags = self.clone();
         let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero_of(&e.rate);
@@ -51,14 +54,15 @@ impl Flags {
     }
 }
 
-/// Whether a bounce with a speed against an acceleration stays below the `least` height that is followed, by (A15).
+/// Whether a bounce with a speed against an acceleration stays below the `least` height that is
+/// followed, by (A15).
 pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
     rebound * rebound < 2.0 * acceleration * least
 }
 
 impl Motion {
-    /// Impacts and the mode that follow the present state, where the functionals `ended` have passed zero and a jump has taken contacts
-    /// `parted`.
+    /// Impacts and the mode that follow the present state, where the functionals `ended` have
+    /// passed zero and a jump has taken contacts `parted`.
     pub(super) fn settle(
         &mut self,
         ended: &[Watch],
@@ -85,7 +89,8 @@ impl Motion {
         Ok(())
     }
 
-    /// Takes the flight since the mode began into the sizes of velocities and places (docs/assembly-law.md (A14)).
+    /// Takes the flight since the mode began into the sizes of velocities and places
+    /// (docs/assembly-law.md (A14)).
     pub(super) fn take_in_flight(&mut self) {
         let (time, one) = (self.time(), self.assembly.system.signals.one);
         let hybrid = &mut self.hybrid;
@@ -165,10 +170,12 @@ impl Motion {
                 Watch::Presses(i) | Watch::Leaves(i) => flags.edges[i] = true,
                 Watch::Changes(i) => {
                     let (stop, z) = (&system.stops[i], &hybrid.z);
-                    // A cap is met on the way in only, however near the edge: what is at its edge on its way in would be entered once more.
+                    // A cap is met on the way in only, however near the edge: what is at its edge
+                    // on its way in would be entered once more.
                     let cap = hybrid.mode.stops[i] == StopState::Capped
                         || (stop.is_elastogap() && stop.force.dot(z) > stop.spring.dot(z));
-                    // What presses and still goes in is past its edge: the rate would enter it once more.
+                    // What presses and still goes in is past its edge: the rate would enter it once
+                    // more.
                     let rate = &stop.elongation.rate;
                     let enters = hybrid.mode.stops[i] == StopState::Pressed
                         && rate.at(z.as_slice()) > hybrid.sizes.zero_of(rate);
@@ -182,8 +189,8 @@ impl Motion {
         flags
     }
 
-    /// The rows that are zero by the law: e - gap and e' of closed stops, e' of sticking friction, moved onto zero by the least
-    /// change in the inertia's metric.
+    /// The rows that are zero by the law: e - gap and e' of closed stops, e' of sticking friction,
+    /// moved onto zero by the least change in the inertia's metric.
     pub(super) fn keep_contacts(&mut self) {
         let Hybrid { mode, z, .. } = &mut self.hybrid;
         // Stops come first, and so does their part of the triangle.
@@ -205,7 +212,8 @@ impl Motion {
         project(system, &mode.basis, r, true, z.as_mut_slice(), &mut self.scratch.off);
     }
 
-    /// Puts touching stops exactly on their gap. Others that this moves onto theirs touch, too: they take part in the impacts.
+    /// Puts touching stops exactly on their gap. Others that this moves onto theirs touch, too:
+    /// they take part in the impacts.
     fn place_on_contacts(&mut self, flags: &mut Flags, parted: &Parted) {
         loop {
             let contacts: Vec<Contact> =
@@ -227,8 +235,9 @@ impl Motion {
         Error::Jammed { time: self.time(), stops: names.collect::<Vec<_>>().join(", ") }
     }
 
-    /// Impacts of the touching stops; those whose bounces would be too low to matter end at once. Returns the impacts, and the
-    /// stops that close with the time until their bounces would have accumulated.
+    /// Impacts of the touching stops; those whose bounces would be too low to matter end at once.
+    /// Returns the impacts, and the stops that close with the time until their bounces would have
+    /// accumulated.
     fn collide(&mut self, touching: &[usize], flags: &Flags) -> Result<(Impacts, Vec<(usize, f64)>), Error> {
         let assembly = self.assembly.clone();
         let system = &assembly.system;
@@ -239,7 +248,8 @@ impl Motion {
             let mut z = before.clone();
             let instant = Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
             let mut stay_closed = |z: &DVector<f64>, stops: &[usize], closing: &[usize], before_it: usize| {
-                // In the first impact those that were not open before, in later ones those that the forces keep closed.
+                // In the first impact those that were not open before, in later ones those that the
+                // forces keep closed.
                 let was_open = |i: usize| self.hybrid.mode.stops.get(i) == Some(&StopState::Open);
                 if before_it == 0 && !stops.iter().any(|&i| was_open(i)) {
                     return Ok(vec![true; stops.len()]);
@@ -272,7 +282,8 @@ impl Motion {
         }
     }
 
-    /// The stops of an impact whose bounces are too low to matter, with the time until they would have accumulated.
+    /// The stops of an impact whose bounces are too low to matter, with the time until they would
+    /// have accumulated.
     fn plastic(
         &mut self,
         impacts: &Impacts,
@@ -328,24 +339,28 @@ impl Motion {
         }
     }
 
-    /// Finds the order of the zero from which each watched functional of the mode goes down, [`ORDERS`] where it is zero throughout.
+    /// Finds the order of the zero from which each watched functional of the mode goes down,
+    /// [`ORDERS`] where it is zero throughout.
     fn find_departures(&mut self) {
         let Hybrid { departing, sizes, z, .. } = &mut self.hybrid;
         let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
         let (table, rows) = (&self.tables.at(self.place).table, &mut self.scratch.rows);
         departing.clear();
-        // The law says that the first derivative is negative; what rounding has made positive counts as zero.
+        // The law says that the first derivative is negative; what rounding has made positive
+        // counts as zero.
         departing.extend(table.watched.iter().map(|w| match table.departure(w, z, sizes, DOUBTFUL, rows) {
             None => ORDERS,
             Some((0, _)) => 0,
-            // A positive one follows one of the last order but for rounding: the passage is at hand and must not be divided out.
+            // A positive one follows one of the last order but for rounding: the passage is at hand
+            // and must not be divided out.
             Some((order, value)) => order - usize::from(value > 0.0),
         }));
     }
 
-    /// Where a body is caged by compliant stops at whose edges it is for ever, by the law, what goes into one of them goes out of another. A rate that
-    /// counts as zero is put to zero there like those of contacts: it would drift from one to the other without end. What may drift into a stop alone
-    /// keeps its rate. True where there is such a cage.
+    /// Where a body is caged by compliant stops at whose edges it is for ever, by the law, what
+    /// goes into one of them goes out of another. A rate that counts as zero is put to zero there
+    /// like those of contacts: it would drift from one to the other without end. What may drift
+    /// into a stop alone keeps its rate. True where there is such a cage.
     fn rest_at_edges(&mut self) -> bool {
         let Hybrid { departing, z, mode, sizes, .. } = &mut self.hybrid;
         let (system, watched) = (&self.assembly.system, &self.tables.at(self.place).table.watched);
@@ -378,8 +393,9 @@ impl Motion {
     }
 }
 
-/// Moves rows that the law keeps at zero onto it by the least change in the inertia's metric: e - gap of stops, or the contacts'
-/// `rates`. Rᵀ R is the contacts' WᵀM⁻¹W, in a leading part of `r`; `off` is memory.
+/// Moves rows that the law keeps at zero onto it by the least change in the inertia's metric: e -
+/// gap of stops, or the contacts' `rates`. Rᵀ R is the contacts' WᵀM⁻¹W, in a leading part of `r`;
+/// `off` is memory.
 pub(super) fn project(
     system: &System,
     contacts: &[Contact],

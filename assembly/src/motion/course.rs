@@ -1,9 +1,11 @@
-//! A motion whose course between events a host's solver finds: time and states come from there, derivatives and what is watched go
-//! there, and the law at events is the same as in the exact motion.
+//! A motion whose course between events a host's solver finds: time and states come from there,
+//! derivatives and what is watched go there, and the law at events is the same as in the exact
+//! motion.
 //!
-//! A solver's states are a little off. So that the law finds at an event what it must decide on, an indicator passes zero a little
-//! late: where its functional has passed zero by [`LATE`] of its size. Just after an event an indicator is then positive, which
-//! hosts that look for a change of sign need.
+//! A solver's states are a little off. So that the law finds at an event what it must decide on, an
+//! indicator passes zero a little late: where its functional has passed zero by [`LATE`] of its
+//! size. Just after an event an indicator is then positive, which hosts that look for a change of
+//! sign need.
 
 use super::event::Event;
 use super::jump::Parted;
@@ -21,8 +23,9 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// By this part of its size a watched functional has passed zero where its indicator passes zero. Above the rounding of roots that
-/// solvers find, and so small that an impact at this depth is as exact as a solver's tolerance.
+/// By this part of its size a watched functional has passed zero where its indicator passes zero.
+/// Above the rounding of roots that solvers find, and so small that an impact at this depth is as
+/// exact as a solver's tolerance.
 pub(super) const LATE: f64 = 1e-11;
 /// Modes that may follow one another at one instant, for each element and one more.
 const CHAIN: usize = 10;
@@ -48,8 +51,9 @@ impl Course {
     }
 }
 
-/// The place of each element's indicators: one of a rigid stop; of a compliant one that of its edge and that of its force; of
-/// friction those of slipping upwards, of slipping downwards, of its level.
+/// The place of each element's indicators: one of a rigid stop; of a compliant one that of its edge
+/// and that of its force; of friction those of slipping upwards, of slipping downwards, of its
+/// level.
 impl System {
     /// Number of indicators: the same in every mode.
     pub fn indicators(&self) -> usize {
@@ -60,7 +64,8 @@ impl System {
         self.stops[..i].iter().map(|stop| if stop.restitution().is_some() { 1 } else { 2 }).sum()
     }
 
-    /// The place of a watched functional's indicator; `second` tells that it is the second of its kind.
+    /// The place of a watched functional's indicator; `second` tells that it is the second of its
+    /// kind.
     fn indicator(&self, watch: Watch, second: bool) -> usize {
         let friction = |i: usize| self.first_indicator_of_stop(self.stops.len()) + 3 * i;
         match watch {
@@ -68,7 +73,8 @@ impl System {
                 self.first_indicator_of_stop(i)
             }
             Watch::Changes(i) => self.first_indicator_of_stop(i) + usize::from(!second),
-            // The direction does not matter: a friction slips one way, or its force can leave either way.
+            // The direction does not matter: a friction slips one way, or its force can leave
+            // either way.
             Watch::Stops(i) | Watch::Slips(i, true) => friction(i),
             Watch::Slips(i, false) => friction(i) + 1,
             Watch::Level(i) => friction(i) + 2,
@@ -82,8 +88,8 @@ impl Assembly {
         &self.system.bodies_of
     }
 
-    /// Sizes that are usual of the states, of coordinates first: what starts, gaps and loads make, by the springs and the weights
-    /// that hold against them. All are positive.
+    /// Sizes that are usual of the states, of coordinates first: what starts, gaps and loads make,
+    /// by the springs and the weights that hold against them. All are positive.
     pub fn nominals(&self) -> Vec<f64> {
         let (system, n) = (&self.system, self.system.coordinates);
         let mut z: Row = DVector::from_element(system.signals.size, 1.0);
@@ -117,7 +123,8 @@ impl Assembly {
 }
 
 impl Motion {
-    /// Hands the motion over to a host's solver, at the present time. An event that is due comes first.
+    /// Hands the motion over to a host's solver, at the present time. An event that is due comes
+    /// first.
     ///
     /// # Errors
     /// As [`apply_event`](Self::apply_event).
@@ -142,7 +149,8 @@ impl Motion {
     pub fn changed_on(&self, course: &mut Course, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.accept(&mut course.clone());
-        // Where a host's solver has left its closed stops, which is not what a change of numbers does.
+        // Where a host's solver has left its closed stops, which is not what a change of numbers
+        // does.
         old.keep_contacts();
         let changed = old.changed(assembly)?;
         *course = Course { event: self.time(), time: self.time(), z: changed.hybrid.z.clone() };
@@ -171,7 +179,8 @@ impl Motion {
         self.rates_of(&self.hybrid.z).as_slice().to_vec()
     }
 
-    /// Sets an input that the solver sees at once, without derivatives. It acts from the last accepted point on.
+    /// Sets an input that the solver sees at once, without derivatives. It acts from the last
+    /// accepted point on.
     pub fn set_input_on(&mut self, course: &mut Course, i: usize, value: f64) {
         self.hybrid.inputs[i] = (course.event, [value, 0.0, 0.0, 0.0]);
         self.refill_on(course);
@@ -192,21 +201,23 @@ impl Motion {
     /// As [`set_inputs`](Self::set_inputs); nothing has changed then.
     pub fn set_inputs_on(&mut self, course: &mut Course, inputs: &[(usize, Input)]) -> Result<(), Error> {
         let left = self.hybrid.z.clone();
-        // As at an event: what a host's solver has left of closed contacts is no impact. Their places are the jump's: the table of a closed stop may have
-        // been set elsewhere since the last event.
+        // As at an event: what a host's solver has left of closed contacts is no impact. Their
+        // places are the jump's: the table of a closed stop may have been set elsewhere since the
+        // last event.
         self.keep_rates();
         self.set_inputs(inputs).inspect_err(|_| self.hybrid.z = left)?;
         *course = Course { event: self.time(), time: self.time(), z: self.hybrid.z.clone() };
         Ok(())
     }
 
-    /// Whether it stands where something watched has passed zero or a signal has a knot, and the law of it is still to be applied.
+    /// Whether it stands where something watched has passed zero or a signal has a knot, and the
+    /// law of it is still to be applied.
     pub fn is_event_due_on(&self, course: &Course) -> bool {
         self.is_at_knot(course) || !self.passed().is_empty()
     }
 
-    /// What is watched, in parts of its size, by elements: stops, then frictions. An event is where one becomes negative; of what is
-    /// not watched now it is 1.
+    /// What is watched, in parts of its size, by elements: stops, then frictions. An event is where
+    /// one becomes negative; of what is not watched now it is 1.
     pub fn indicators(&self) -> Vec<f64> {
         let system = &self.assembly.system;
         let mut indicators = vec![1.0; system.indicators()];
@@ -243,15 +254,17 @@ impl Motion {
         self.next_knot_on(course).is_some_and(|knot| knot <= self.time())
     }
 
-    /// Takes the present point as accepted: the accounts of energy go on to here. Whether an event was passed over.
+    /// Takes the present point as accepted: the accounts of energy go on to here. Whether an event
+    /// was passed over.
     pub fn accept(&mut self, course: &mut Course) -> bool {
         self.hybrid.energy = self.energy_on(course);
         (course.time, course.z) = (self.time(), self.hybrid.z.clone());
         self.is_at_knot(course) || self.indicators().iter().any(|indicator| *indicator <= 0.0)
     }
 
-    /// The law at an event: impacts and the mode that follows where something watched has passed zero, and a signal's knot. True where
-    /// there was one: states or, which for a solver is as much of a new start, their derivatives have changed.
+    /// The law at an event: impacts and the mode that follows where something watched has passed
+    /// zero, and a signal's knot. True where there was one: states or, which for a solver is as
+    /// much of a new start, their derivatives have changed.
     ///
     /// # Errors
     /// As [`apply_event`](Self::apply_event); nothing has changed then.
@@ -279,8 +292,9 @@ impl Motion {
         if !self.is_event_due_on(course) {
             return Ok(false);
         }
-        // First its closed contacts, which a host's solver has left a little off where they move: that is neither an impact nor their end. What
-        // has passed zero by that alone has not. Where prescribed bodies jump, places are the jump's.
+        // First its closed contacts, which a host's solver has left a little off where they move:
+        // that is neither an impact nor their end. What has passed zero by that alone has not.
+        // Where prescribed bodies jump, places are the jump's.
         let (left, is_at_knot) = (self.hybrid.z.clone(), self.is_at_knot(course));
         if is_at_knot {
             self.keep_rates()
@@ -312,7 +326,8 @@ impl Motion {
         Err(self.stuck("the modes change without end"))
     }
 
-    /// Whether the state is the other one but for what counts as zero: contacts that are put right once more leave a rounding.
+    /// Whether the state is the other one but for what counts as zero: contacts that are put right
+    /// once more leave a rounding.
     fn counts_as(&self, other: &DVector<f64>) -> bool {
         let Hybrid { z, sizes, .. } = &self.hybrid;
         z.iter().zip(other).zip(&sizes.0).all(|((is, was), size)| (is - was).abs() <= ZERO * size)
@@ -331,8 +346,8 @@ impl Motion {
         energy
     }
 
-    /// The state at a part of the way from the last accepted point: of the coordinates the quintic by values, rates and
-    /// accelerations at both ends, of the rates its derivative.
+    /// The state at a part of the way from the last accepted point: of the coordinates the quintic
+    /// by values, rates and accelerations at both ends, of the rates its derivative.
     fn between(&self, course: &Course, u: f64) -> DVector<f64> {
         let n = self.assembly.system.coordinates;
         let (h, from, to) = (self.time() - course.time, &course.z, &self.hybrid.z);
@@ -362,7 +377,8 @@ impl Motion {
         self.hybrid.z.as_mut_slice()[own..].copy_from_slice(&signals.as_slice()[own..]);
     }
 
-    /// The signals at a time as coordinates of an augmented state whose others are zero, knots after the last event left out.
+    /// The signals at a time as coordinates of an augmented state whose others are zero, knots
+    /// after the last event left out.
     fn signals_on(&self, course: &Course, time: DoubleDouble) -> DVector<f64> {
         let (signals, event) = (&self.assembly.system.signals, DoubleDouble::new(course.event));
         let (mut now, mut pieces) = (DVector::zeros(signals.size), DVector::zeros(signals.size));

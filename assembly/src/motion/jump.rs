@@ -1,5 +1,5 @@
-//! Signals that are set anew, at a knot or from outside: prescribed bodies may jump in place and in rate, and what links tie to them
-//! jumps along (docs/assembly-law.md, section 3, Jumps).
+//! Signals that are set anew, at a knot or from outside: prescribed bodies may jump in place and in
+//! rate, and what links tie to them jumps along (docs/assembly-law.md, section 3, Jumps).
 
 use super::Motion;
 use crate::error::Error;
@@ -32,7 +32,8 @@ pub(super) struct Parted {
 }
 
 impl Motion {
-    /// Sets an input from the present time on: value and derivatives of orders 1 to 3, by the place of the input among all.
+    /// Sets an input from the present time on: value and derivatives of orders 1 to 3, by the place
+    /// of the input among all.
     ///
     /// # Errors
     /// As [`set_inputs`](Self::set_inputs).
@@ -40,11 +41,12 @@ impl Motion {
         self.set_inputs(&[(i, derivatives)])
     }
 
-    /// Sets several inputs at once, as [`set_input`](Self::set_input) one: prescribed bodies that touch may jump together.
+    /// Sets several inputs at once, as [`set_input`](Self::set_input) one: prescribed bodies that
+    /// touch may jump together.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for what is not finite; [`Error::Violated`] and [`Error::Jammed`] where they move prescribed bodies. Then
-    /// none is set.
+    /// [`Error::OutOfRange`] for what is not finite; [`Error::Violated`] and [`Error::Jammed`]
+    /// where they move prescribed bodies. Then none is set.
     pub fn set_inputs(&mut self, inputs: &[(usize, Input)]) -> Result<(), Error> {
         for (i, derivatives) in inputs {
             if let Some(&value) = derivatives.iter().find(|d| !d.is_finite()) {
@@ -84,7 +86,8 @@ impl Motion {
         })
     }
 
-    /// Carries out the jump of prescribed bodies that has been made since `before`: what links tie to them takes its share.
+    /// Carries out the jump of prescribed bodies that has been made since `before`: what links tie
+    /// to them takes its share.
     pub(super) fn jump(&mut self, before: &Before) -> Parted {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         let shares = [self.share(before, 0), self.share(before, 1)];
@@ -99,9 +102,10 @@ impl Motion {
         self.apart(before)
     }
 
-    /// The change of the coordinates (`which` 0) or of their rates (1) by which a jump of the prescribed bodies moves the free bodies as little
-    /// as their links allow, in the inertia's metric: M Δq = -Bᵀ m D Δp, which is what an ever faster motion in place of the jump
-    /// does. `None` where no link takes part.
+    /// The change of the coordinates (`which` 0) or of their rates (1) by which a jump of the
+    /// prescribed bodies moves the free bodies as little as their links allow, in the inertia's
+    /// metric: M Δq = -Bᵀ m D Δp, which is what an ever faster motion in place of the jump does.
+    /// `None` where no link takes part.
     fn share(&self, before: &Before, which: usize) -> Option<DVector<f64>> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let mut pull = DVector::zeros(system.coordinates);
@@ -142,7 +146,8 @@ impl Motion {
         system.bodies.iter().map(|b| b.v.dot(z) - own(&b.v)).collect()
     }
 
-    /// The work of the motions at a jump: the impulses of the links times the prescribed rates amid it, and what springs, stops and weight store by it.
+    /// The work of the motions at a jump: the impulses of the links times the prescribed rates amid
+    /// it, and what springs, stops and weight store by it.
     pub(super) fn work_of_jump(&self, before: &Before) -> f64 {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let rates = before.prescribed.iter().zip(self.prescribed_rates());

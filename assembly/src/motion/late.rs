@@ -1,4 +1,5 @@
-//! Low bounces, and what lateness makes of them where a host's solver finds the motion between events.
+//! Low bounces, and what lateness makes of them where a host's solver finds the motion between
+//! events.
 
 use super::Motion;
 use super::contact::{Flags, is_low, project};
@@ -13,13 +14,15 @@ const LEAST_BOUNCE: f64 = 1e-12;
 /// Where stops are met late, bounces under this many times the lateness are too low to matter.
 const LATE_BOUNCES: f64 = 100.0;
 
-/// Of a restitution near 1 at most so many times the lateness more, and of 1 itself, which ends its bounces by what is lost elsewhere. One that
-/// loses less in a bounce than this allows for would come so low after some eighty thousand bounces and more.
+/// Of a restitution near 1 at most so many times the lateness more, and of 1 itself, which ends its
+/// bounces by what is lost elsewhere. One that loses less in a bounce than this allows for would
+/// come so low after some eighty thousand bounces and more.
 const MOST_LATE_BOUNCES: f64 = 1e4;
 
 impl Motion {
-    /// The part of a stop's largest e so far under which a bounce is too low to matter. Where stops are met late by a depth d, a ball
-    /// falls on by it, and its bounces do not get lower than d e²/(1 - e²).
+    /// The part of a stop's largest e so far under which a bounce is too low to matter. Where stops
+    /// are met late by a depth d, a ball falls on by it, and its bounces do not get lower than d
+    /// e²/(1 - e²).
     pub(super) fn least_bounce(&self, restitution: f64) -> f64 {
         if self.late == 0.0 {
             return LEAST_BOUNCE;
@@ -28,8 +31,9 @@ impl Motion {
         self.late * (LATE_BOUNCES + (2.0 * kept / (1.0 - kept)).min(MOST_LATE_BOUNCES))
     }
 
-    /// Where stops are met late, holds those that an impact of others opens by less than matters, and tells which. A body between two stops would
-    /// be driven from one to the other without end, since every late impact gains what it falls on.
+    /// Where stops are met late, holds those that an impact of others opens by less than matters,
+    /// and tells which. A body between two stops would be driven from one to the other without end,
+    /// since every late impact gains what it falls on.
     pub(super) fn hold_low(
         &mut self,
         touching: &[usize],

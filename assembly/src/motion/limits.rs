@@ -5,23 +5,24 @@ use crate::error::Error;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The largest coordinate or rate, m, rad, m/s or rad/s: sizes are looked at after 16 sub-steps at the latest, in which they grow by 1e21 at
-/// most, so that energies stay numbers.
+/// The largest coordinate or rate, m, rad, m/s or rad/s: sizes are looked at after 16 sub-steps at
+/// the latest, in which they grow by 1e21 at most, so that energies stay numbers.
 const MOST: f64 = 1e100;
 
 /// Sub-steps between two looks at whether somebody asks for the end: some hundredths of a second.
 const LOOK: u64 = 1 << 16;
 
 impl Motion {
-    /// The same motion with so many sub-steps in a call at most: a call that needs more ends with [`Error::TooStiff`], and a further one goes
-    /// on. Without this it is 20 million.
+    /// The same motion with so many sub-steps in a call at most: a call that needs more ends with
+    /// [`Error::TooStiff`], and a further one goes on. Without this it is 20 million.
     #[must_use]
     pub fn with_most_work(mut self, sub_steps: u64) -> Self {
         self.most_work = sub_steps;
         self
     }
 
-    /// The same motion, of which a call ends with [`Error::Interrupted`] soon after `asked` is set; a further one goes on.
+    /// The same motion, of which a call ends with [`Error::Interrupted`] soon after `asked` is set;
+    /// a further one goes on.
     #[must_use]
     pub fn with_interruption(mut self, asked: Arc<AtomicBool>) -> Self {
         self.asked = Some(asked);
@@ -66,7 +67,8 @@ impl Motion {
         Error::TooStiff { time: self.time(), cause }
     }
 
-    /// The end of a call in which events follow one another so fast that its end would not be reached.
+    /// The end of a call in which events follow one another so fast that its end would not be
+    /// reached.
     pub(super) fn too_many(&self, sub_steps: u64, began: f64) -> Error {
         let cause = format!(
             "{sub_steps} sub-steps in one call, which went on from t = {began} s: events end them long before the {:e} s that one could last; a \

@@ -1,6 +1,6 @@
-//! Events at which one element alone comes to a limit: by far the commonest. What follows is guessed, and certain where everything that is
-//! watched is then inside its limits by more than rounding: the mode that follows is unique. Wherever that is not so the general
-//! law decides.
+//! Events at which one element alone comes to a limit: by far the commonest. What follows is
+//! guessed, and certain where everything that is watched is then inside its limits by more than
+//! rounding: the mode that follows is unique. Wherever that is not so the general law decides.
 
 use super::event::EventKind;
 use super::report::report;
@@ -10,7 +10,8 @@ use crate::mode::{Element, FrictionState, StopState, Watch};
 use crate::system::Elongation;
 
 impl Motion {
-    /// What follows where the functional `watch` has passed zero, if its element alone is concerned; tells whether it is.
+    /// What follows where the functional `watch` has passed zero, if its element alone is
+    /// concerned; tells whether it is.
     pub(super) fn lone_event(&mut self, watch: Watch, observer: &mut Observer) -> bool {
         if self.is_general || !self.hybrid.mode.is_independent() {
             return false;
@@ -28,7 +29,8 @@ impl Motion {
     /// The states that may follow at the passage of `watch`, the likelier first.
     fn followers(&self, watch: Watch) -> [Option<Element>; 2] {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
-        // Which friction leaves its static level first is another question than which mode is possible.
+        // Which friction leaves its static level first is another question than which mode is
+        // possible.
         let others_are_static = |i: usize| {
             let frictions = hybrid.mode.frictions.iter().zip(&system.frictions).enumerate();
             frictions
@@ -100,8 +102,9 @@ impl Motion {
         false
     }
 
-    /// Whether at the passage of `watch` another functional of its element is at zero too, or so near that the general law may take it for rounding:
-    /// where a friction's level vanishes beside the forces that it holds against, say. An `ElastoGap` has two of the same kind.
+    /// Whether at the passage of `watch` another functional of its element is at zero too, or so
+    /// near that the general law may take it for rounding: where a friction's level vanishes beside
+    /// the forces that it holds against, say. An `ElastoGap` has two of the same kind.
     fn is_at_corner(&self, element: Element, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
         let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
@@ -110,9 +113,10 @@ impl Motion {
         near.any(|w| w.watch != watch || std::mem::replace(&mut passed, true))
     }
 
-    /// Whether in the mode in force the functionals of `own` leave zero downwards or are below it, and all others are below by more than
-    /// rounding, as are those stops that are not watched since they press: all but the one that is `entered`. Then all conditions
-    /// of the mode hold (docs/assembly-law.md (A11)), and the orders of departure are noted.
+    /// Whether in the mode in force the functionals of `own` leave zero downwards or are below it,
+    /// and all others are below by more than rounding, as are those stops that are not watched
+    /// since they press: all but the one that is `entered`. Then all conditions of the mode hold
+    /// (docs/assembly-law.md (A11)), and the orders of departure are noted.
     fn departs_alone(&mut self, own: Element, entered: Option<usize>) -> bool {
         let (hybrid, scratch, table) =
             (&mut self.hybrid, &mut self.scratch, &self.tables.at(self.place).table);
@@ -135,9 +139,10 @@ impl Motion {
 
     /// The impact of the stop `i` at its gap, if it is a lone one; tells whether it was.
     ///
-    /// It is one where its impulse (A7) moves no closed stop and no sticking friction, and where after it every watched
-    /// functional but its own is below what counts as zero. Then no other open stop touches, the closed ones close with no speed, and by
-    /// (A11) the mode in force follows: all its conditions hold with a margin, and the mode that follows is unique.
+    /// It is one where its impulse (A7) moves no closed stop and no sticking friction, and where
+    /// after it every watched functional but its own is below what counts as zero. Then no other
+    /// open stop touches, the closed ones close with no speed, and by (A11) the mode in force
+    /// follows: all its conditions hold with a margin, and the mode that follows is unique.
     fn lone_impact(&mut self, i: usize, observer: &mut Observer) -> bool {
         let restitution = self.assembly.system.stops[i].restitution().filter(|&e| e > 0.0);
         let Some(restitution) = restitution else { return false };
@@ -180,7 +185,8 @@ impl Motion {
         true
     }
 
-    /// Whether an open stop, which has just been left, is met again after a bounce that is too low to be followed, by (A15).
+    /// Whether an open stop, which has just been left, is met again after a bounce that is too low
+    /// to be followed, by (A15).
     fn is_low_bounce(&self, i: usize, least: f64) -> bool {
         let (stop, z) = (&self.assembly.system.stops[i], self.hybrid.z.as_slice());
         let rebound = -stop.elongation.rate.at(z);

@@ -80,7 +80,8 @@ pub struct Hybrid {
     #[serde(with = "saved::vector")]
     z: DVector<f64>,
     mode: Mode,
-    /// Orders of the zero that each watched functional has at the time of the last event, 0 for none.
+    /// Orders of the zero that each watched functional has at the time of the last event, 0 for
+    /// none.
     departing: Vec<usize>,
     sizes: Sizes,
     inputs: Vec<(f64, Input)>,
@@ -107,7 +108,8 @@ pub struct Motion {
     tables: Tables,
     /// The place of the mode in force.
     place: usize,
-    /// By this part of its size a watched functional has passed zero at its event: nothing in an exact motion.
+    /// By this part of its size a watched functional has passed zero at its event: nothing in an
+    /// exact motion.
     late: f64,
     /// Whether the general law decides at every event.
     is_general: bool,
@@ -131,7 +133,8 @@ struct Scratch {
     /// The interval, while a sub-step is made.
     interval: Option<usize>,
     ahead: Ahead,
-    /// z' and z'' where a long sub-step begins, or a sub-step in which forces are found apart; else memory.
+    /// z' and z'' where a long sub-step begins, or a sub-step in which forces are found apart; else
+    /// memory.
     rates: Vec<f64>,
     second: Vec<f64>,
     /// Derivatives of a functional.
@@ -159,8 +162,8 @@ impl Motion {
         Self::begin(assembly, 0.0, &mut Some(observer))
     }
 
-    /// The motion from the start that the machine gives, at another time in s: there the bodies have their start values, while signals
-    /// have the values of that time.
+    /// The motion from the start that the machine gives, at another time in s: there the bodies
+    /// have their start values, while signals have the values of that time.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::OutOfRange`] for a time that is not finite.
@@ -244,12 +247,14 @@ impl Motion {
         self.hybrid.time.value()
     }
 
-    /// The augmented state (q, v, 1, signals) now, on which the [system](Assembly::system)'s rows act.
+    /// The augmented state (q, v, 1, signals) now, on which the [system](Assembly::system)'s rows
+    /// act.
     pub fn state(&self) -> &DVector<f64> {
         &self.hybrid.z
     }
 
-    /// What ends the mode, where it stands at an event whose law is still to be applied; `None` elsewhere and at a signal's knot.
+    /// What ends the mode, where it stands at an event whose law is still to be applied; `None`
+    /// elsewhere and at a signal's knot.
     pub fn due(&self) -> Option<Watch> {
         match self.hybrid.due {
             Some(Due::Passage(watch)) => Some(watch),
@@ -294,7 +299,8 @@ impl Motion {
         [e, rate, force.max(0.0)]
     }
 
-    /// The same as linear functions of the state, for motions that stand for a derivative: the derivative of a force has either sign.
+    /// The same as linear functions of the state, for motions that stand for a derivative: the
+    /// derivative of a force has either sign.
     pub fn stop_varied(&self, i: usize) -> [f64; 3] {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let stop = &system.stops[i];
@@ -345,8 +351,8 @@ impl Motion {
         self
     }
 
-    /// The same motion with so many bytes, about, for the tables of the modes that it meets; beyond, they are made again when they are needed. Without
-    /// this it keeps 128 MB.
+    /// The same motion with so many bytes, about, for the tables of the modes that it meets;
+    /// beyond, they are made again when they are needed. Without this it keeps 128 MB.
     #[must_use]
     pub fn with_table_memory(mut self, bytes: usize) -> Self {
         self.tables.most = bytes;
@@ -358,8 +364,8 @@ impl Motion {
         self.tables.bytes()
     }
 
-    /// The same motion with every event decided by the general law, also where one element alone is concerned: a second way to what follows, for tests
-    /// and comparisons.
+    /// The same motion with every event decided by the general law, also where one element alone is
+    /// concerned: a second way to what follows, for tests and comparisons.
     #[must_use]
     pub fn by_general_law(mut self) -> Self {
         self.is_general = true;

@@ -1,4 +1,5 @@
-//! The way to the first event within a sub-step: samples and bounds prove that there is none, or name the intervals to search.
+//! The way to the first event within a sub-step: samples and bounds prove that there is none, or
+//! name the intervals to search.
 
 use super::contact::DOUBTFUL;
 use super::{Hybrid, Scratch};
@@ -6,19 +7,23 @@ use crate::flow::{Ahead, Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, h
 use crate::mode::Watch;
 use vibro_impact::events::{crossing_after_start, first_crossing};
 
-/// A sub-step is halved while a stop's e may move by more than this many times its largest size so far: beyond, the roots would
-/// lose more than a digit. By how much it may move is a bound, mostly some times too large. It is not halved more often than
-/// [`HALVINGS`], since what begins at zero has no size yet.
+/// A sub-step is halved while a stop's e may move by more than this many times its largest size so
+/// far: beyond, the roots would lose more than a digit. By how much it may move is a bound, mostly
+/// some times too large. It is not halved more often than [`HALVINGS`], since what begins at zero
+/// has no size yet.
 const REACH: f64 = 9.0;
 /// Halvings of a sub-step for its reach.
 const HALVINGS: i32 = 6;
-/// What passes in this part of a sub-step before a knot, and is no further beyond there than what counts as zero, passes at the knot.
+/// What passes in this part of a sub-step before a knot, and is no further beyond there than what
+/// counts as zero, passes at the knot.
 const AT_KNOT: f64 = 1e-7;
-/// A functional that was zero throughout is watched again beyond this many times the size under which it counts as zero.
+/// A functional that was zero throughout is watched again beyond this many times the size under
+/// which it counts as zero.
 pub(super) const LEAVES_ZERO: f64 = 16.0;
 /// It is followed up to a little more, so that it is beyond that where it has come there.
 const PASSES: f64 = LEAVES_ZERO + 1.0;
-/// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6! < 4e-6 of its size.
+/// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6!
+/// < 4e-6 of its size.
 const LATE: usize = 6;
 
 /// Where a sub-step ends, or is searched: a part of an interval.
@@ -72,14 +77,16 @@ impl Flight<'_> {
         self.hybrid.departing[place] == ORDERS
     }
 
-    /// The order of the zero from which a functional goes: none where it is zero throughout the mode.
+    /// The order of the zero from which a functional goes: none where it is zero throughout the
+    /// mode.
     #[inline(always)]
     pub(super) fn order(&self, place: usize) -> usize {
         self.hybrid.departing[place] % ORDERS
     }
 
-    /// What a functional passes: zero or, where it is zero throughout the mode, that beyond which it is so no longer. What an event has left beyond that, as
-    /// the rounding of a law that says otherwise, passes what is no rounding.
+    /// What a functional passes: zero or, where it is zero throughout the mode, that beyond which
+    /// it is so no longer. What an event has left beyond that, as the rounding of a law that says
+    /// otherwise, passes what is no rounding.
     #[inline(always)]
     pub(super) fn limit(&self, place: usize) -> f64 {
         if !self.is_unwatched(place) {
@@ -91,8 +98,9 @@ impl Flight<'_> {
         (zero * if is_left { DOUBTFUL + 1.0 } else { PASSES }).max(f64::MIN_POSITIVE)
     }
 
-    /// The same within a short sub-step. There no place or speed that is zero throughout passes anything: what a flight makes of it is looked at where the
-    /// sub-step ends, with the flight taken into the sizes. Before that, what begins at nothing, of which any multiple is nothing,
+    /// The same within a short sub-step. There no place or speed that is zero throughout passes
+    /// anything: what a flight makes of it is looked at where the sub-step ends, with the flight
+    /// taken into the sizes. Before that, what begins at nothing, of which any multiple is nothing,
     /// would leave zero again and again.
     #[inline(always)]
     fn short_limit(&self, place: usize) -> f64 {
@@ -127,7 +135,8 @@ impl Flight<'_> {
         span
     }
 
-    /// The first passage of a watched functional from below zero to above within a span, or the proof that there is none.
+    /// The first passage of a watched functional from below zero to above within a span, or the
+    /// proof that there is none.
     #[inline(always)]
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
@@ -153,7 +162,8 @@ impl Flight<'_> {
             *begun = Some(interval);
             let from = &start[..];
             let length = if interval == end.interval { end.dt } else { table.interval() };
-            // A root early in the interval is found anew in a shorter one, of which the coefficients' rounding is smaller.
+            // A root early in the interval is found anew in a shorter one, of which the
+            // coefficients' rounding is smaller.
             let (mut found, mut length, mut again) = (None, length, true);
             while again && let Some((dt, place)) = self.passage_within(near, from, ahead, (interval, length))
             {
@@ -169,8 +179,9 @@ impl Flight<'_> {
         late
     }
 
-    /// Whether a passage is one at the knot at the end of its span, but for rounding: there nothing watched is beyond its limit by more than what
-    /// counts as zero, or the clock shows the knot's time.
+    /// Whether a passage is one at the knot at the end of its span, but for rounding: there nothing
+    /// watched is beyond its limit by more than what counts as zero, or the clock shows the knot's
+    /// time.
     #[inline(never)]
     pub(super) fn is_at_knot(
         &self,
@@ -195,8 +206,9 @@ impl Flight<'_> {
         table.watched.iter().all(|w| w.row.at(&there) <= hybrid.sizes.zero_of(&w.row))
     }
 
-    /// The first passage of a functional that leaves zero with a high order: at the ends of the first intervals it may still be rounding, so
-    /// that it is searched in one piece, with the zero at its start divided out.
+    /// The first passage of a functional that leaves zero with a high order: at the ends of the
+    /// first intervals it may still be rounding, so that it is searched in one piece, with the zero
+    /// at its start divided out.
     #[inline(never)]
     fn late_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
         let table = self.table;
@@ -217,8 +229,8 @@ impl Flight<'_> {
         first.map(|(u, place)| Passage { at: Point::end(u * span, table), place })
     }
 
-    /// The first passage within a time `length` from the start of an interval, with its time, among the functionals that may have one
-    /// there.
+    /// The first passage within a time `length` from the start of an interval, with its time, among
+    /// the functionals that may have one there.
     #[inline(always)]
     fn passage_within(
         &self,
@@ -261,10 +273,12 @@ impl Flight<'_> {
         first
     }
 
-    /// Whether a functional, by its value at the begin and its coefficients over a span, goes no further beyond zero than what counts as zero: a stop
-    /// that is just touched, without speed, is not hit, a level that is zero for an instant stays, and what is held up to its limit is held. Rounding
-    /// in the place would make of it the root of this as a speed. A stop or a level that slowly passes zero has an event as soon as it is so far
-    /// beyond; of what is known better than that, as a force is, it is one at once.
+    /// Whether a functional, by its value at the begin and its coefficients over a span, goes no
+    /// further beyond zero than what counts as zero: a stop that is just touched, without speed, is
+    /// not hit, a level that is zero for an instant stays, and what is held up to its limit is
+    /// held. Rounding in the place would make of it the root of this as a speed. A stop or a level
+    /// that slowly passes zero has an event as soon as it is so far beyond; of what is known better
+    /// than that, as a force is, it is one at once.
     #[inline(never)]
     fn only_touches(&self, place: usize, begin: f64, c: &[f64; LOCAL]) -> bool {
         let w = &self.table.watched[place];
@@ -284,7 +298,8 @@ impl Flight<'_> {
     }
 }
 
-/// Whether what is beyond zero at the end of a span is on its way back there, or comes to its vertex before it is further beyond by `zero`.
+/// Whether what is beyond zero at the end of a span is on its way back there, or comes to its
+/// vertex before it is further beyond by `zero`.
 fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
     let (mut slope, mut bend) = (0.0, 0.0);
     for (k, x) in c.iter().enumerate().skip(1) {
@@ -295,9 +310,9 @@ fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
     begin + sum_behind(c, |x| x) <= 0.0 || slope <= 0.0 || slope * slope <= -2.0 * bend * zero
 }
 
-/// The intervals of a sub-step in which a functional may pass zero, as bits: of the others it is proved that it stays below zero.
-/// Between two samples a distance h apart it lies within M h²/8 of their chord, where M bounds its second derivative. With
-/// `order` it leaves zero at the start.
+/// The intervals of a sub-step in which a functional may pass zero, as bits: of the others it is
+/// proved that it stays below zero. Between two samples a distance h apart it lies within M h²/8 of
+/// their chord, where M bounds its second derivative. With `order` it leaves zero at the start.
 #[inline(always)]
 fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -> [f64; INTERVALS]) -> u8 {
     if order >= LATE {
@@ -305,14 +320,16 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
     }
     let Head { value, slope, bend } = *head;
     let length = step * INTERVALS as f64;
-    // What bounds it, value + slope t + bend t²/2, is convex: it is below zero throughout if it is at both ends.
+    // What bounds it, value + slope t + bend t²/2, is convex: it is below zero throughout if it is
+    // at both ends.
     let begins = if order == 0 { value < 0.0 } else { order == 1 };
     let start = if order == 0 { value } else { 0.0 };
     if begins && start + length * (slope + 0.5 * bend * length) < 0.0 {
         return 0;
     }
     let margin = bend * step * step * 0.125;
-    // From zero it goes down throughout the first interval if the slope outweighs what the second derivative adds.
+    // From zero it goes down throughout the first interval if the slope outweighs what the second
+    // derivative adds.
     let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
     let mut ends = 0u64;
     for (k, sample) in samples().into_iter().enumerate() {

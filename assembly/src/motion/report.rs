@@ -28,7 +28,8 @@ impl Motion {
         }
     }
 
-    /// What has become of an element that was in another state; a stop that closes would have bounced for the time `left`.
+    /// What has become of an element that was in another state; a stop that closes would have
+    /// bounced for the time `left`.
     pub(super) fn report_change(&self, was: Element, left: f64, observer: &mut Observer) {
         match (was, self.hybrid.mode.state_of(was)) {
             (Element::Stop(i, was), Element::Stop(_, now)) => self.report_stop(i, was, now, left, observer),

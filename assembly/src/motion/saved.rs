@@ -20,8 +20,9 @@ pub(crate) mod vector {
 }
 
 impl Hybrid {
-    /// Whether it can be a state of a motion of this machine: as many numbers, all of them finite, and elements that are there, in
-    /// states that their law has. Whoever reads a state from bytes must ask before [`restore`](super::Motion::restore).
+    /// Whether it can be a state of a motion of this machine: as many numbers, all of them finite,
+    /// and elements that are there, in states that their law has. Whoever reads a state from bytes
+    /// must ask before [`restore`](super::Motion::restore).
     pub fn fits(&self, assembly: &Assembly) -> bool {
         let system = assembly.system();
         let (size, stops, frictions) = (system.signals.size, system.stops.len(), system.frictions.len());

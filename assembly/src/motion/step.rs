@@ -10,10 +10,12 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Sub-steps in one call, and for each sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
-/// Sub-steps in one call, however short they are: some seconds for a few bodies. Under a fuzzer, whose code is many times slower, fewer.
+/// Sub-steps in one call, however short they are: some seconds for a few bodies. Under a fuzzer,
+/// whose code is many times slower, fewer.
 pub(super) const MOST_WORK: u64 = if cfg!(fuzzing) { 200_000 } else { 20_000_000 };
-/// Sub-steps that carry the signals along with the state, before they are found anew from the clock: of so many the rounding is that of one.
-/// After so many whole ones in a row a long one is tried.
+/// Sub-steps that carry the signals along with the state, before they are found anew from the
+/// clock: of so many the rounding is that of one. After so many whole ones in a row a long one is
+/// tried.
 const RENEW: u32 = 16;
 /// Events at one instant without progress, for each element and one more.
 const CHAIN: usize = 100;
@@ -32,9 +34,10 @@ impl Motion {
     /// Advances to a time.
     ///
     /// # Errors
-    /// [`Error::Step`] for an end before the present or not finite; [`Error::Jammed`], [`Error::Violated`], [`Error::Stuck`] and
-    /// [`Error::Beyond`] where the motion cannot go on, [`Error::TooStiff`] where it can in a further call: the state then stands at the
-    /// time reached.
+    /// [`Error::Step`] for an end before the present or not finite; [`Error::Jammed`],
+    /// [`Error::Violated`], [`Error::Stuck`] and [`Error::Beyond`] where the motion cannot go on,
+    /// [`Error::TooStiff`] where it can in a further call: the state then stands at the time
+    /// reached.
     pub fn advance_to(&mut self, end: f64) -> Result<(), Error> {
         self.advance(end, Pause::Never, &mut None).map(drop)
     }
@@ -63,8 +66,8 @@ impl Motion {
         self.advance(end, Pause::AfterEvent, &mut Some(observer))
     }
 
-    /// Advances to a time or, if it is earlier, to the next event, before its law: [`apply_event`](Self::apply_event) or any further
-    /// advance applies it.
+    /// Advances to a time or, if it is earlier, to the next event, before its law:
+    /// [`apply_event`](Self::apply_event) or any further advance applies it.
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
@@ -81,7 +84,8 @@ impl Motion {
         self.hybrid.due.is_some()
     }
 
-    /// Applies the law of the event before which the last advance has paused; without one nothing happens.
+    /// Applies the law of the event before which the last advance has paused; without one nothing
+    /// happens.
     ///
     /// # Errors
     /// [`Error::Jammed`], [`Error::Violated`] and [`Error::Stuck`] where the motion cannot go on.
@@ -148,7 +152,8 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// A sub-step of at most the table's length towards `goal`, or to the event before which it ends.
+    /// A sub-step of at most the table's length towards `goal`, or to the event before which it
+    /// ends.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -226,8 +231,8 @@ impl Motion {
         Ok(knot.then_some(Due::Knot))
     }
 
-    /// Watched functionals begin the next sub-step away from zero, but for those that are zero throughout the mode, of which every
-    /// coefficient is rounding.
+    /// Watched functionals begin the next sub-step away from zero, but for those that are zero
+    /// throughout the mode, of which every coefficient is rounding.
     #[inline(always)]
     pub(super) fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
@@ -244,7 +249,8 @@ impl Motion {
         }
     }
 
-    /// Watches again what has left zero, after what the flight adds to the sizes: what stands still has none of its own.
+    /// Watches again what has left zero, after what the flight adds to the sizes: what stands still
+    /// has none of its own.
     #[inline(never)]
     fn let_leave(&mut self) {
         self.take_in_flight();
@@ -257,7 +263,8 @@ impl Motion {
     }
 }
 
-/// A sub-step, compiled for each kind of vectors that a computer may have. Products are not fused, so that all give the same bits.
+/// A sub-step, compiled for each kind of vectors that a computer may have. Products are not fused,
+/// so that all give the same bits.
 struct Substep<'a> {
     motion: &'a mut Motion,
     goal: DoubleDouble,

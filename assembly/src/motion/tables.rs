@@ -1,4 +1,5 @@
-//! The modes that a motion has met, with their tables, and to which of them the change of one element leads.
+//! The modes that a motion has met, with their tables, and to which of them the change of one
+//! element leads.
 
 use crate::energy::Powers;
 use crate::flow::Table;
@@ -41,7 +42,8 @@ pub(super) struct Tables {
     places: HashMap<Mode, usize>,
     /// Bytes that are kept.
     pub(super) most: usize,
-    /// Number of modes from which on bytes are counted again: all are looked at, so that not each new mode is worth it.
+    /// Number of modes from which on bytes are counted again: all are looked at, so that not each
+    /// new mode is worth it.
     recount: usize,
 }
 
@@ -62,8 +64,9 @@ impl Tables {
         &self.met[place]
     }
 
-    /// Forgets all where there are too many, so that places that were found before count no more; tells whether it did. Whoever puts a
-    /// mode in force asks for it before, so that beyond what is kept there are only the tables of one event.
+    /// Forgets all where there are too many, so that places that were found before count no more;
+    /// tells whether it did. Whoever puts a mode in force asks for it before, so that beyond what
+    /// is kept there are only the tables of one event.
     pub(super) fn make_room(&mut self) -> bool {
         let count = self.met.len();
         if count < self.recount {

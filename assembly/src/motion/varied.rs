@@ -1,9 +1,12 @@
-//! How a motion's state at a later time changes with a small change of its state, or of an input, now.
+//! How a motion's state at a later time changes with a small change of its state, or of an input,
+//! now.
 //!
-//! Between events a variation δ of the augmented state follows z' = A z as the state does. At an event, which comes where h·z = 0, the
-//! changed motion meets it by δt = -h·δ / h·f⁻ later, with f = A z on either side, so that δ⁺ = J (δ + f⁻ δt) - f⁺ δt: the saltation
-//! matrix, with J the derivative of the impact law, and the identity where no velocity jumps (docs/assembly-law.md (A21)). What a closed
-//! stop or a sticking friction takes away is gone: the variation lies in what is left.
+//! Between events a variation δ of the augmented state follows z' = A z as the state does. At an
+//! event, which comes where h·z = 0, the changed motion meets it by δt = -h·δ / h·f⁻ later, with f
+//! = A z on either side, so that δ⁺ = J (δ + f⁻ δt) - f⁺ δt: the saltation matrix, with J the
+//! derivative of the impact law, and the identity where no velocity jumps (docs/assembly-law.md
+//! (A21)). What a closed stop or a sticking friction takes away is gone: the variation lies in what
+//! is left.
 
 use super::contact::project;
 use super::{Event, EventKind, Motion, Outcome};
@@ -15,17 +18,19 @@ use crate::mode::{Contact, Mode, StopState};
 use crate::system::System;
 use nalgebra::DVector;
 
-/// The impact law is linear as long as the same stops take part: where there are several, its derivative is a difference over
-/// this part of the velocities.
+/// The impact law is linear as long as the same stops take part: where there are several, its
+/// derivative is a difference over this part of the velocities.
 const STEP: f64 = 1e-6;
-/// A passage slower than this part of the sizes of its terms is a touch, at which there is no derivative.
+/// A passage slower than this part of the sizes of its terms is a touch, at which there is no
+/// derivative.
 const TOUCH: f64 = 1e-12;
 
 fn dot(row: &[f64], z: &[f64]) -> f64 {
     row.iter().zip(z).map(|(a, b)| a * b).sum()
 }
 
-/// Takes from a variation what contacts hold: e of closed stops, e' of these and of sticking friction.
+/// Takes from a variation what contacts hold: e of closed stops, e' of these and of sticking
+/// friction.
 pub fn keep(system: &System, basis: &[Contact], variation: &mut [f64]) {
     if basis.is_empty() {
         return;
@@ -63,8 +68,8 @@ enum Jump {
 }
 
 impl Crossing<'_> {
-    /// Carries variations over the event. Where several stops are hit at one instant there may be no derivative; that of the impacts
-    /// which take place is then taken.
+    /// Carries variations over the event. Where several stops are hit at one instant there may be
+    /// no derivative; that of the impacts which take place is then taken.
     pub fn carry<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
         let (jump, own) = (self.jump(system), 2 * system.coordinates);
         let [incoming, outgoing] = self.rates;
@@ -151,8 +156,9 @@ impl Crossing<'_> {
 }
 
 impl Motion {
-    /// The variations by each state (coordinates, then rates), and then by value and derivatives 1 to 3 of each input in turn, less what
-    /// contacts hold: each a variation of the augmented state, to be carried on by [`advance_with`](Self::advance_with).
+    /// The variations by each state (coordinates, then rates), and then by value and derivatives 1
+    /// to 3 of each input in turn, less what contacts hold: each a variation of the augmented
+    /// state, to be carried on by [`advance_with`](Self::advance_with).
     pub fn unit_variations(&self) -> Vec<Vec<f64>> {
         let system = &self.assembly.system;
         let signals = &system.signals;
@@ -167,8 +173,8 @@ impl Motion {
         places.map(unit).collect()
     }
 
-    /// Advances to a time or, if it is earlier, to the next event, before its law, and carries variations along. An event that is
-    /// due is passed first.
+    /// Advances to a time or, if it is earlier, to the next event, before its law, and carries
+    /// variations along. An event that is due is passed first.
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
@@ -184,8 +190,8 @@ impl Motion {
         Ok(outcome)
     }
 
-    /// Applies the law of the event before which the last advance has ended, and carries variations over it; without one nothing
-    /// happens.
+    /// Applies the law of the event before which the last advance has ended, and carries variations
+    /// over it; without one nothing happens.
     ///
     /// # Errors
     /// As [`apply_event`](Self::apply_event).

@@ -57,7 +57,8 @@ pub struct Elongation {
     pub e: Row,
     /// e'.
     pub rate: Functional,
-    /// The direction in which its force acts on the coordinates, w = ∂e'/∂v; the acceleration is e'' = w·a + drift·z.
+    /// The direction in which its force acts on the coordinates, w = ∂e'/∂v; the acceleration is
+    /// e'' = w·a + drift·z.
     pub w: DVector<f64>,
     /// The part of e'' that prescribed bodies make.
     pub drift: Row,
@@ -119,7 +120,8 @@ impl StopRows {
         }
     }
 
-    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its cap there.
+    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its
+    /// cap there.
     pub fn entered(&self) -> StopState {
         if self.is_elastogap() && self.force != self.spring { StopState::Capped } else { StopState::Pressed }
     }

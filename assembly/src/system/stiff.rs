@@ -1,8 +1,10 @@
-//! Stiff ties: springs, and buffers that press, that tie coordinates to a group which, as a whole, much softer forces move.
+//! Stiff ties: springs, and buffers that press, that tie coordinates to a group which, as a whole,
+//! much softer forces move.
 //!
-//! What such a tie does to the coordinates' sum is nothing, by forces that are k times a coordinate each and cancel. Wherever these are rounded
-//! each by itself, the group as a whole feels 1e-16 k times the coordinate, the same in each of many sub-steps, which beside a softer k' is a
-//! part 1e-16 k/k' of its motion. So these forces are found first and then put to both sides.
+//! What such a tie does to the coordinates' sum is nothing, by forces that are k times a coordinate
+//! each and cancel. Wherever these are rounded each by itself, the group as a whole feels 1e-16 k
+//! times the coordinate, the same in each of many sub-steps, which beside a softer k' is a part
+//! 1e-16 k/k' of its motion. So these forces are found first and then put to both sides.
 
 use super::{Elongation, System};
 use crate::description::StopLaw;
@@ -40,8 +42,9 @@ impl Tie<'_> {
 type Outside = (f64, f64);
 
 impl System {
-    /// Of all springs and then of the stops that are `pressed` those that are stiff, by their places in this order. They are taken by the rates that
-    /// they alone would make, the highest first, so that each group is tied by what is faster than all that acts from outside.
+    /// Of all springs and then of the stops that are `pressed` those that are stiff, by their
+    /// places in this order. They are taken by the rates that they alone would make, the highest
+    /// first, so that each group is tied by what is faster than all that acts from outside.
     pub(crate) fn stiff_ties(&self, pressed: &[usize]) -> Vec<usize> {
         let springs = self.springs.iter().map(|s| Tie {
             elongation: &s.elongation,
@@ -87,7 +90,8 @@ impl System {
         stiff
     }
 
-    /// The rate that stiffness and damping make of a coordinate; what subtraction has left below zero is nothing.
+    /// The rate that stiffness and damping make of a coordinate; what subtraction has left below
+    /// zero is nothing.
     fn rate_of(&self, k: usize, (stiffness, damping): Outside) -> f64 {
         let inertia = self.mass[(k, k)];
         (stiffness.max(0.0) / inertia).sqrt().max(damping / inertia)

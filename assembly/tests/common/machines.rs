@@ -48,7 +48,8 @@ fn place(bodies: usize) -> impl Strategy<Value = Vec<(usize, f64)>> {
     })
 }
 
-/// A machine of one to six bodies, sometimes of up to twelve; in some a wheel is linked to the first.
+/// A machine of one to six bodies, sometimes of up to twelve; in some a wheel is linked to the
+/// first.
 pub fn assembly() -> impl Strategy<Value = Description> {
     let count = prop_oneof![4 => 1usize..=6, 1 => 7usize..=11];
     let wheel = prop::option::weighted(0.3, (inertia(), prop_oneof![-3.0..-0.3f64, 0.3..3.0f64]));

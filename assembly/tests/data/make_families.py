@@ -220,7 +220,8 @@ def corners(r):
             elif choice == "buffer":
                 buffer(d, [(i, 1)], end, log(r, 1, 3), r.choice([0.0, 3.0]), r.choice(["no-pull", "elastogap"]))
     elif kind == "symmetric":
-        # Equal bodies on both sides of one, with equal stops: all that happens, happens twice at once.
+        # Equal bodies on both sides of one, with equal stops: all that happens, happens twice at
+        # once.
         k, c, m, gap, v, e = log(r, 1, 2.5), r.choice([0.0, 1.0]), log(r, -0.5, 0.5), r.uniform(0.01, 0.1), r.uniform(0.5, 2), r.choice([0.0, 0.5, 0.8])
         body(d, log(r, -0.5, 0.5))
         for sign in (1, -1):

@@ -97,7 +97,8 @@ fn closed_form_what_a_prescribed_body_is_measured_in() {
     assert_eq!(base("motion = { input = true }\ndimension = \"rotation\"", levers), Dimension::Rotation);
 }
 
-/// What is refused elsewhere for a rigid stop is allowed for a compliant one, and gaps and preloads have both signs.
+/// What is refused elsewhere for a rigid stop is allowed for a compliant one, and gaps and preloads
+/// have both signs.
 #[test]
 fn closed_form_what_is_allowed() {
     assert_eq!(changed("gap = \"4 mm\"", "gap = \"-4 mm\"").stops[1].gap, -0.004);
@@ -124,7 +125,8 @@ fn closed_form_what_is_allowed() {
     );
 }
 
-/// A stop between a body and one of prescribed motion is checked against the motion's value at time 0.
+/// A stop between a body and one of prescribed motion is checked against the motion's value at time
+/// 0.
 #[test]
 fn closed_form_start_against_a_prescribed_motion() {
     let text = |phase: f64| {

@@ -1,5 +1,5 @@
-//! The file of a machine: what is refused and how, that what is written reads back, that no text breaks the reader, and that the
-//! examples are machines.
+//! The file of a machine: what is refused and how, that what is written reads back, that no text
+//! breaks the reader, and that the examples are machines.
 
 mod damaged;
 mod examples;

@@ -109,7 +109,8 @@ fn golden_reading_a_value_of_a_parameter() {
 }
 
 proptest! {
-    /// Each name is there once and leads to its own number; writing a value back changes nothing else.
+    /// Each name is there once and leads to its own number; writing a value back changes nothing
+    /// else.
     #[test]
     fn invariant_every_name_leads_to_its_own_number(machine in machine()) {
         let all = machine.parameters();
@@ -122,7 +123,8 @@ proptest! {
     }
 }
 
-/// What no file can say is refused in a program's description as well, before anything is made of it.
+/// What no file can say is refused in a program's description as well, before anything is made of
+/// it.
 #[test]
 fn golden_refusals_of_a_program_s_description() {
     type Change = fn(&mut Description);

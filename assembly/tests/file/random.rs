@@ -101,7 +101,8 @@ fn arms_of(bodies: &[Body], (levers, rotation, a, b, arms): Raw) -> Arms {
 }
 
 prop_compose! {
-    /// A sound machine: a spring on every body, links of pairs of bodies at rest at zero, rigid stops where nothing has passed them.
+    /// A sound machine: a spring on every body, links of pairs of bodies at rest at zero, rigid
+    /// stops where nothing has passed them.
     pub fn machine()(
         mut bodies in vec(body(), 1..6),
         gravity in not_negative(),

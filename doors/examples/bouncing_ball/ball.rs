@@ -1,5 +1,6 @@
-//! A ball that falls on a floor and bounces: a table of its variables, and its motion from impact to impact, which is exact. `main.rs` makes an
-//! FMU of it, for both interface types of both versions, with event mode, an event indicator and saved states.
+//! A ball that falls on a floor and bounces: a table of its variables, and its motion from impact
+//! to impact, which is exact. `main.rs` makes an FMU of it, for both interface types of both
+//! versions, with event mode, an event indicator and saved states.
 
 use fmi_doors::description::Experiment;
 use fmi_doors::tabular::{Row, Tabular};
@@ -20,7 +21,8 @@ const BOUNCES: usize = 7;
 /// A flight shorter than this, s, is none: the ball stays on the floor.
 const REST: f64 = 1e-5;
 
-/// Whether the ball stays on the floor, the only state in which both are zero but the top of a flight of no height.
+/// Whether the ball stays on the floor, the only state in which both are zero but the top of a
+/// flight of no height.
 fn rests(x: &[f64]) -> bool {
     x[HEIGHT] == 0.0 && x[SPEED] == 0.0
 }

@@ -1,6 +1,7 @@
 //! The library of the bouncing ball that hosts load.
 //!
-//! `cargo build --example bouncing_ball` makes it; `cargo run --example describe` writes its descriptions.
+//! `cargo build --example bouncing_ball` makes it; `cargo run --example describe` writes its
+//! descriptions.
 
 mod ball;
 

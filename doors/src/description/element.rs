@@ -61,8 +61,9 @@ impl Element {
     }
 }
 
-/// A character of an attribute's value: what XML gives a meaning, and white space that it would turn into blanks, is written by
-/// number or name; what XML 1.0 cannot have at all becomes a question mark.
+/// A character of an attribute's value: what XML gives a meaning, and white space that it would
+/// turn into blanks, is written by number or name; what XML 1.0 cannot have at all becomes a
+/// question mark.
 fn escape(text: &mut String, c: char) {
     match c {
         '<' => text.push_str("&lt;"),

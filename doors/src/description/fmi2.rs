@@ -173,7 +173,8 @@ fn unknowns<'a>(
     })
 }
 
-/// With both lists, empty ones too, since importers exist that need them; without any where it may depend on everything.
+/// With both lists, empty ones too, since importers exist that need them; without any where it may
+/// depend on everything.
 pub(super) fn with_dependencies<T: ToString>(
     element: Element,
     unknown: &Unknown,

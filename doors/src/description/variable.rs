@@ -140,7 +140,8 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// A Real of a declared type, whose unit it has; without range, start value, or anything that is not said here.
+    /// A Real of a declared type, whose unit it has; without range, start value, or anything that
+    /// is not said here.
     pub fn real(
         reference: u32,
         name: impl Into<Text>,

@@ -1,5 +1,5 @@
-//! Values given out to a host by handle. A handle is the address of a value on the heap; it is looked up among those given
-//! out and never followed, so a wrong one is an error and not a crash.
+//! Values given out to a host by handle. A handle is the address of a value on the heap; it is
+//! looked up among those given out and never followed, so a wrong one is an error and not a crash.
 
 use super::Fault;
 
@@ -23,8 +23,8 @@ fn address<T>(value: &Box<T>) -> usize {
 }
 
 impl<T> Handles<T> {
-    /// Keeps a value, in the place of `handle` where that is not zero, and returns its handle. A value that replaces
-    /// another takes no new memory.
+    /// Keeps a value, in the place of `handle` where that is not zero, and returns its handle. A
+    /// value that replaces another takes no new memory.
     ///
     /// # Errors
     /// [`Fault::Handle`] for a handle that is neither zero nor one given out.
@@ -40,8 +40,8 @@ impl<T> Handles<T> {
         Ok(handle)
     }
 
-    /// As [`keep`](Self::keep), but any handle that was not given out stands for none: what a host has in a variable that
-    /// is only written to may be anything.
+    /// As [`keep`](Self::keep), but any handle that was not given out stands for none: what a host
+    /// has in a variable that is only written to may be anything.
     ///
     /// # Errors
     /// None.
@@ -77,7 +77,8 @@ impl<T> Handles<T> {
         Ok(())
     }
 
-    /// Place of a handle; the last ones first, since hosts mostly come back to where they just were.
+    /// Place of a handle; the last ones first, since hosts mostly come back to where they just
+    /// were.
     fn place(&self, handle: usize) -> Result<usize, Fault> {
         self.given.iter().rposition(|kept| address(kept) == handle).ok_or(Fault::Handle)
     }

@@ -5,12 +5,14 @@
 
 use std::path::PathBuf;
 
-/// The path of the library, or of the program, that this code is part of; none where the system does not tell.
+/// The path of the library, or of the program, that this code is part of; none where the system
+/// does not tell.
 pub fn own_path() -> Option<PathBuf> {
     of_address(own_path as *const () as usize)
 }
 
-/// By the table of what is mapped into the process (proc(5)): a line reads `FROM-TO PERMISSIONS OFFSET DEVICE INODE PATH`.
+/// By the table of what is mapped into the process (proc(5)): a line reads
+/// `FROM-TO PERMISSIONS OFFSET DEVICE INODE PATH`.
 #[cfg(not(any(windows, target_vendor = "apple")))]
 fn of_address(address: usize) -> Option<PathBuf> {
     let maps = std::fs::read("/proc/self/maps").ok()?;
@@ -39,7 +41,8 @@ fn of_address(address: usize) -> Option<PathBuf> {
     // SAFETY: dladdr takes any address, and writes an `Info` to a place that is one.
     let found =
         unsafe { libc::dladdr(address as *const libc::c_void, &mut info) } != 0 && !info.dli_fname.is_null();
-    // SAFETY: where it has found one, `dli_fname` is a C string that lives as long as the library is loaded.
+    // SAFETY: where it has found one, `dli_fname` is a C string that lives as long as the library
+    // is loaded.
     found.then(|| PathBuf::from(OsStr::from_bytes(unsafe { CStr::from_ptr(info.dli_fname) }.to_bytes())))
 }
 
@@ -58,7 +61,8 @@ fn of_address(address: usize) -> Option<PathBuf> {
         fn GetModuleFileNameW(module: *mut c_void, name: *mut u16, size: u32) -> u32;
     }
     let (mut module, mut name) = (std::ptr::null_mut(), vec![0u16; LONGEST]);
-    // SAFETY: with this flag any address may be asked for; `module` and `name` are places of the type and size that are told.
+    // SAFETY: with this flag any address may be asked for; `module` and `name` are places of the
+    // type and size that are told.
     let length = unsafe {
         if GetModuleHandleExW(FROM_ADDRESS_UNCHANGED, address as *const c_void, &mut module) == 0 {
             return None;

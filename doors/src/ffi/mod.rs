@@ -1,5 +1,6 @@
-//! What every C interface needs, whatever it exports: pointers that are checked before they are followed, panics that do
-//! not leave the library, and handles that are looked up. Nothing here knows FMI or a component.
+//! What every C interface needs, whatever it exports: pointers that are checked before they are
+//! followed, panics that do not leave the library, and handles that are looked up. Nothing here
+//! knows FMI or a component.
 
 mod arguments;
 pub mod handles;

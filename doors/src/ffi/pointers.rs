@@ -34,8 +34,9 @@ pub fn aligned<T>(pointer: *mut T, argument: &'static str) -> Result<*mut T, Fau
     if pointer.is_aligned() { Ok(pointer) } else { Err(Fault::Pointer { argument }) }
 }
 
-/// Refuses an array that cannot be; one without elements may have any pointer. More elements than `limit` are taken for a
-/// mistake: that keeps a wrong count from walking through the host's memory.
+/// Refuses an array that cannot be; one without elements may have any pointer. More elements than
+/// `limit` are taken for a mistake: that keeps a wrong count from walking through the host's
+/// memory.
 ///
 /// # Errors
 /// [`Fault`] for more elements than any call has, or a pointer that cannot be followed.
@@ -61,14 +62,15 @@ pub fn check_count(number: &'static str, value: usize, count: usize) -> Result<(
     if value == count { Ok(()) } else { Err(problem()) }
 }
 
-/// The host's array as a slice; empty when `count` is 0, whatever the pointer. The argument is given by name, with the largest
-/// number of elements of any call.
+/// The host's array as a slice; empty when `count` is 0, whatever the pointer. The argument is
+/// given by name, with the largest number of elements of any call.
 ///
 /// # Errors
 /// [`Fault`] for a pointer or a count that cannot be.
 ///
 /// # Safety
-/// `pointer` is null or points to `count` elements that live and stay unchanged while the slice is used.
+/// `pointer` is null or points to `count` elements that live and stay unchanged while the slice is
+/// used.
 #[inline]
 pub unsafe fn array<'a, T>(
     pointer: *const T,
@@ -105,7 +107,8 @@ pub unsafe fn vector<'a, T>(
 /// [`Fault`] for a pointer or a count that cannot be.
 ///
 /// # Safety
-/// `pointer` is null or points to a string that ends with a null byte and lives while the text is used.
+/// `pointer` is null or points to a string that ends with a null byte and lives while the text is
+/// used.
 pub unsafe fn c_str<'a>(pointer: *const c_char, argument: &'static str) -> Result<&'a CStr, Fault> {
     check_pointer(pointer, argument)?;
     // SAFETY: not null, ends with a null byte as the caller says.
@@ -161,7 +164,8 @@ impl<T: Copy> Out<'_, T> {
         Ok(())
     }
 
-    /// Puts all values of an array that must have exactly as many elements; `number` is the name of its count.
+    /// Puts all values of an array that must have exactly as many elements; `number` is the name of
+    /// its count.
     ///
     /// # Errors
     /// [`Fault::Count`] for any other number of elements.
@@ -173,8 +177,8 @@ impl<T: Copy> Out<'_, T> {
     }
 }
 
-/// The host's variable for a handle; none where its pointer was null. The address in it is compared and handed out, never
-/// followed.
+/// The host's variable for a handle; none where its pointer was null. The address in it is compared
+/// and handed out, never followed.
 pub struct Handle<'a> {
     variable: Option<&'a mut *mut c_void>,
     argument: &'static str,
@@ -183,7 +187,8 @@ pub struct Handle<'a> {
 /// The host's variable for a handle.
 ///
 /// # Errors
-/// [`Fault::Pointer`] for a pointer that is not aligned; null is an error only when the variable is needed.
+/// [`Fault::Pointer`] for a pointer that is not aligned; null is an error only when the variable is
+/// needed.
 ///
 /// # Safety
 /// `pointer` is null or points to a pointer that lives and is not used elsewhere while this is.

@@ -1,11 +1,12 @@
 //! The C interface of FMI 2.0: every `extern "C"` of this door (FMI 2.0, 2.1, 3.2 and 4.2).
 //!
-//! The macro [`export_fmi2!`](crate::export_fmi2) makes the functions for one component, in the library of the component, since
-//! their names are the library's. It declares a function of the standard as in its C prototype, with the kind of each argument;
-//! from that it checks handle, state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose
-//! outcome becomes a status and a log message. Nothing is decided here. No panic leaves a function: one becomes
-//! `fmi2Fatal` and marks the instance unusable. C enumerations arrive as integers and are checked, never taken as Rust
-//! enums.
+//! The macro [`export_fmi2!`](crate::export_fmi2) makes the functions for one component, in the
+//! library of the component, since their names are the library's. It declares a function of the
+//! standard as in its C prototype, with the kind of each argument; from that it checks handle,
+//! state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose
+//! outcome becomes a status and a log message. Nothing is decided here. No panic leaves a function:
+//! one becomes `fmi2Fatal` and marks the instance unusable. C enumerations arrive as integers and
+//! are checked, never taken as Rust enums.
 
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -28,7 +29,8 @@ use std::ptr;
 /// `fmi2Component`: opaque to the host.
 pub type FmiComponent = *mut c_void;
 
-/// `fmi2CallbackLogger`: variadic in C; called here with a finished message and no further arguments.
+/// `fmi2CallbackLogger`: variadic in C; called here with a finished message and no further
+/// arguments.
 pub type FmiLogger =
     unsafe extern "C" fn(*mut c_void, *const c_char, FmiStatus, *const c_char, *const c_char, ...);
 
@@ -48,7 +50,8 @@ pub struct FmiCallbackFunctions {
     pub component_environment: *mut c_void,
 }
 
-/// What a host's `fmi2Component` points to; borrowed while a call runs, so that a call from inside the logger is refused.
+/// What a host's `fmi2Component` points to; borrowed while a call runs, so that a call from inside
+/// the logger is refused.
 #[doc(hidden)]
 pub type Shared<C> = RefCell<(Instance<C>, Host)>;
 
@@ -64,8 +67,9 @@ impl Sink for Host {
     fn send(&mut self, status: Status, category: Category, message: &str) {
         let Some(logger) = self.logger else { return };
         let (category, message) = (c_text(messages::name(category)), status::finished(message));
-        // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI 2.0, 2.1.5); all
-        // strings live until it returns; no % in the message asks for a further argument.
+        // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI
+        // 2.0, 2.1.5); all strings live until it returns; no % in the message asks for a further
+        // argument.
         unsafe {
             let (name, category, message) = (self.name.as_ptr(), category.as_ptr(), message.as_ptr());
             logger(self.environment, name, status as c_int, category, message);
@@ -73,17 +77,20 @@ impl Sink for Host {
     }
 }
 
-/// Runs `body` on the instance behind `c`: handle, state machine, unwind guard, status and log message.
+/// Runs `body` on the instance behind `c`: handle, state machine, unwind guard, status and log
+/// message.
 ///
 /// # Safety
-/// `c` is null or from [`instantiate`] of the same component and not freed, and no call on it is running in another thread.
+/// `c` is null or from [`instantiate`] of the same component and not freed, and no call on it is
+/// running in another thread.
 #[inline]
 pub unsafe fn call<C: Component>(
     c: FmiComponent,
     function: Function,
     body: impl FnOnce(&mut Instance<C>, &mut Host) -> Outcome<C>,
 ) -> FmiStatus {
-    // SAFETY: null or from `Box::into_raw` in `instantiate`; only shared, so a second call at a time finds it borrowed.
+    // SAFETY: null or from `Box::into_raw` in `instantiate`; only shared, so a second call at a
+    // time finds it borrowed.
     let component = aligned(c.cast::<Shared<C>>(), "c").map(|c| unsafe { c.as_ref() });
     let Ok(Some(Ok(mut component))) = component.map(|c| c.map(RefCell::try_borrow_mut)) else {
         return Status::Error as FmiStatus;
@@ -116,12 +123,12 @@ fn refuse<C: Component>(
     problem.status() as FmiStatus
 }
 
-/// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message. Name, GUID and the place of the resources are
-/// handed to the component; visibility is not used.
+/// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message. Name, GUID and
+/// the place of the resources are handed to the component; visibility is not used.
 ///
 /// # Safety
-/// `name`, `guid` and `resources` are null or C strings; `functions` is null or points to the callbacks, of which logger
-/// and environment stay valid until the instance is freed.
+/// `name`, `guid` and `resources` are null or C strings; `functions` is null or points to the
+/// callbacks, of which logger and environment stay valid until the instance is freed.
 pub unsafe fn instantiate<C: Component>(
     (name, kind, guid, resources): (*const c_char, c_int, *const c_char, *const c_char),
     functions: *const FmiCallbackFunctions,
@@ -160,11 +167,12 @@ pub unsafe fn instantiate<C: Component>(
     }
 }
 
-/// `fmi2FreeInstance` (FMI 2.0, 2.1.5); also frees FMU states that were not. Null is ignored, and so is a call from inside
-/// the instance's own logger.
+/// `fmi2FreeInstance` (FMI 2.0, 2.1.5); also frees FMU states that were not. Null is ignored, and
+/// so is a call from inside the instance's own logger.
 ///
 /// # Safety
-/// `c` is null or from [`instantiate`] of the same component and not freed; nothing uses it or its FMU states afterwards.
+/// `c` is null or from [`instantiate`] of the same component and not freed; nothing uses it or its
+/// FMU states afterwards.
 pub unsafe fn free<C: Component>(c: FmiComponent) {
     let component = c.cast::<Shared<C>>();
     // SAFETY: null or from `Box::into_raw` in `instantiate`.
@@ -175,8 +183,9 @@ pub unsafe fn free<C: Component>(c: FmiComponent) {
     }
 }
 
-/// Makes the functions of a table, for `export_fmi2!`: by the standard's clauses name, row of the state tables, arguments after
-/// the component as `kind name: type[count]`, and what is done with them.
+/// Makes the functions of a table, for `export_fmi2!`: by the standard's clauses name, row of the
+/// state tables, arguments after the component as `kind name: type[count]`, and what is done with
+/// them.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __functions_of_fmi2 {
@@ -187,8 +196,9 @@ macro_rules! __functions_of_fmi2 {
         $(#[$doc])*
         ///
         /// # Safety
-        /// The component is null or from [`fmi2Instantiate`] and not freed, and no call on it is running in another thread.
-        /// Every other pointer is null or valid for what the standard has there, with as many elements as the count says.
+        /// The component is null or from [`fmi2Instantiate`] and not freed, and no call on it is
+        /// running in another thread. Every other pointer is null or valid for what the standard
+        /// has there, with as many elements as the count says.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn $name(
@@ -209,8 +219,9 @@ macro_rules! __functions_of_fmi2 {
     )*)*};
 }
 
-/// Exports a [`Component`] by FMI 2.0: the 44 functions of the standard, each a public function by its C name. The macro belongs
-/// into a module of the library that hosts load, where the type is in scope.
+/// Exports a [`Component`] by FMI 2.0: the 44 functions of the standard, each a public function by
+/// its C name. The macro belongs into a module of the library that hosts load, where the type is in
+/// scope.
 #[macro_export]
 macro_rules! export_fmi2 {
     ($component:ty) => {
@@ -228,12 +239,14 @@ macro_rules! export_fmi2 {
             c"2.0".as_ptr()
         }
 
-        /// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message. Instances are independent of each other
-        /// and may be used from different threads, each from one at a time.
+        /// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message. Instances
+        /// are independent of each other and may be used from different threads, each from one at a
+        /// time.
         ///
         /// # Safety
-        /// `instanceName`, `fmuGUID` and `fmuResourceLocation` are null or C strings; `functions` is null or points to the
-        /// callbacks, of which logger and environment stay valid until the instance is freed.
+        /// `instanceName`, `fmuGUID` and `fmuResourceLocation` are null or C strings; `functions`
+        /// is null or points to the callbacks, of which logger and environment stay valid until the
+        /// instance is freed.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi2Instantiate(
@@ -250,11 +263,12 @@ macro_rules! export_fmi2 {
             unsafe { $crate::fmi2::abi::instantiate::<$component>(who, functions, loggingOn) }
         }
 
-        /// `fmi2FreeInstance` (FMI 2.0, 2.1.5); also frees FMU states that were not. Null is ignored, and so is a call from inside
-        /// the instance's own logger.
+        /// `fmi2FreeInstance` (FMI 2.0, 2.1.5); also frees FMU states that were not. Null is
+        /// ignored, and so is a call from inside the instance's own logger.
         ///
         /// # Safety
-        /// `c` is null or from [`fmi2Instantiate`] and not freed; nothing uses it or its FMU states afterwards.
+        /// `c` is null or from [`fmi2Instantiate`] and not freed; nothing uses it or its FMU states
+        /// afterwards.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi2FreeInstance(c: $crate::fmi2::abi::FmiComponent) {

@@ -1,5 +1,6 @@
-//! What the functions of FMI 2.0 mean for the component. Whether a function may be called in the present state is checked
-//! in one place, before any of these: [`guard`](Instance::guard), which the C interface calls.
+//! What the functions of FMI 2.0 mean for the component. Whether a function may be called in the
+//! present state is checked in one place, before any of these: [`guard`](Instance::guard), which
+//! the C interface calls.
 
 use super::problem::{Outcome, Problem};
 use super::states::{self, Function, Stage};
@@ -115,7 +116,8 @@ impl<C: Component> Instance<C> {
     /// `fmi2DoStep` (FMI 2.0, 4.2.2).
     ///
     /// # Errors
-    /// [`Problem::Stopped`] (status Discard) when the step ended early; else as [`step`](Component::step).
+    /// [`Problem::Stopped`] (status Discard) when the step ended early; else as
+    /// [`step`](Component::step).
     #[inline]
     pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome<C> {
         let mut log = self.log(sink, Function::DoStep.name());
@@ -156,7 +158,8 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// The answer to one who asks for a status with the wrong function, or for one of asynchronous steps (FMI 2.0, 4.2.3).
+    /// The answer to one who asks for a status with the wrong function, or for one of asynchronous
+    /// steps (FMI 2.0, 4.2.3).
     ///
     /// # Errors
     /// Always.

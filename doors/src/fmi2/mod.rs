@@ -1,4 +1,5 @@
-//! The FMI 2.0 door: it maps the functions, states and statuses of the standard to the [component](crate::component).
+//! The FMI 2.0 door: it maps the functions, states and statuses of the standard to the
+//! [component](crate::component).
 //!
 //! ```text
 //! host ── fmi2XXX ──▶ abi         arguments checked (ffi), state checked (states), panics caught (ffi), nothing decided
@@ -9,7 +10,8 @@
 //!                     states, status, types, description, problem: what the standard says
 //! ```
 //!
-//! Clauses are those of *Functional Mock-up Interface for Model Exchange and Co-Simulation*, version 2.0.x.
+//! Clauses are those of *Functional Mock-up Interface for Model Exchange and Co-Simulation*,
+//! version 2.0.x.
 
 pub mod abi;
 pub mod instance;

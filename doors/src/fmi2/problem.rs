@@ -11,8 +11,8 @@ use crate::problem::{Refusal, Refused};
 /// Outcome of a call on a component `C`.
 pub type Outcome<C, T = ()> = Result<T, Problem<<C as Component>::Problem>>;
 
-/// Why a call was refused. Each text names the thing, its value and what is allowed; the function's name is put before it
-/// when it is logged.
+/// Why a call was refused. Each text names the thing, its value and what is allowed; the function's
+/// name is put before it when it is logged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem<P: Refusal> {

@@ -1,4 +1,5 @@
-//! Which function may be called in which state: the two state machines as one table (FMI 2.0, 3.2.3 and 4.2.4).
+//! Which function may be called in which state: the two state machines as one table (FMI 2.0, 3.2.3
+//! and 4.2.4).
 
 use crate::life::{Interface, Phase};
 use crate::problem::Problem;
@@ -60,8 +61,9 @@ pub const STAGES: [Stage; 11] = [
 ];
 
 impl Stage {
-    /// Where a phase of the component is in the standard's state machines. Steps are synchronous and refused calls change
-    /// nothing, so `StepInProgress`, `StepCanceled` and `Error` are never met.
+    /// Where a phase of the component is in the standard's state machines. Steps are synchronous
+    /// and refused calls change nothing, so `StepInProgress`, `StepCanceled` and `Error` are never
+    /// met.
     pub fn of(phase: Phase) -> Self {
         match phase {
             Phase::Instantiated => Self::Instantiated,
@@ -88,7 +90,8 @@ const X: u16 = 1 << Stage::StepCanceled as u16;
 const T: u16 = 1 << Stage::Terminated as u16;
 const R: u16 = 1 << Stage::Error as u16;
 
-/// Declares the functions and, for Model Exchange and Co-Simulation, the states they may be called in.
+/// Declares the functions and, for Model Exchange and Co-Simulation, the states they may be called
+/// in.
 macro_rules! functions {
     ($($(#[$doc:meta])* $name:ident: $exchange:expr, $cosimulation:expr;)*) => {
         /// The functions that act on an instance (FMI 2.0, 2.1, 3.2 and 4.2).
@@ -123,8 +126,9 @@ functions! {
     GetInteger:                   GET_EXCHANGE,       GET_COSIMULATION;
     GetBoolean:                   GET_EXCHANGE,       GET_COSIMULATION;
     GetString:                    GET_EXCHANGE,       GET_COSIMULATION;
-    // After Discard the standard wants a saved state to be put back. Here the motion stands at the event, and what is
-    // allowed at a communication point is allowed there too: some hosts just go on, from fmi2LastSuccessfulTime.
+    // After Discard the standard wants a saved state to be put back. Here the motion stands at the
+    // event, and what is allowed at a communication point is allowed there too: some hosts just go
+    // on, from fmi2LastSuccessfulTime.
     SetReal:                      I | N | E | C,      I | N | S | F;
     SetInteger:                   I | N | E,          I | N | S | F;
     SetBoolean:                   I | N | E,          I | N | S | F;
@@ -190,8 +194,9 @@ mod tests {
         Function::DoStep,
     ];
 
-    /// The standard's tables, states in its order: co-simulation ins, init, complete, in progress, failed, canceled,
-    /// terminated, error, fatal; model exchange ins, init, event, continuous, terminated, error, fatal.
+    /// The standard's tables, states in its order: co-simulation ins, init, complete, in progress,
+    /// failed, canceled, terminated, error, fatal; model exchange ins, init, event, continuous,
+    /// terminated, error, fatal.
     const STANDARD: &str = "
         fmi2SetDebugLogging              xxxxxxxx- xxxxxx-
         fmi2FreeInstance                 xxx-xxxx- xxxxxx-

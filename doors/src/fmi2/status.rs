@@ -48,8 +48,8 @@ impl StatusKind {
     }
 }
 
-/// Which categories are enabled at instantiation: all when debug logging is on; else what a user should be shown in any
-/// case (FMI 2.0, 2.1.3): warnings, errors and fatal errors.
+/// Which categories are enabled at instantiation: all when debug logging is on; else what a user
+/// should be shown in any case (FMI 2.0, 2.1.3): warnings, errors and fatal errors.
 pub fn enabled_at_start(logging_on: bool) -> Categories {
     if logging_on {
         return Categories::ALL;
@@ -58,8 +58,8 @@ pub fn enabled_at_start(logging_on: bool) -> Categories {
     always.into_iter().fold(Categories::NONE, |set, category| set.with(category, true))
 }
 
-/// A message as the host's logger takes it: the host formats it as printf does, with no arguments, and reads # as the
-/// start of a variable reference (FMI 2.0, 2.1.5).
+/// A message as the host's logger takes it: the host formats it as printf does, with no arguments,
+/// and reads # as the start of a variable reference (FMI 2.0, 2.1.5).
 pub fn finished(message: &str) -> CString {
     c_text(&message.replace('%', "%%").replace('#', "##"))
 }

@@ -1,5 +1,5 @@
-//! C types of the standard that are plain numbers (FMI 2.0, 2.1.2, 2.1.3 and 3.2.2), by the names that std has for the C
-//! types.
+//! C types of the standard that are plain numbers (FMI 2.0, 2.1.2, 2.1.3 and 3.2.2), by the names
+//! that std has for the C types.
 
 use crate::events::Handled;
 use libc::c_int;
@@ -28,7 +28,8 @@ pub struct FmiEventInfo {
 }
 
 impl FmiEventInfo {
-    /// After an event: one call does all that happens at an instant, and nothing ends the simulation.
+    /// After an event: one call does all that happens at an instant, and nothing ends the
+    /// simulation.
     pub fn after_event(changed: Handled, next_event_time: Option<f64>) -> Self {
         Self {
             values_of_continuous_states_changed: changed.states.into(),

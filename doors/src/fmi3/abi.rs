@@ -1,11 +1,13 @@
-//! The C interface of FMI 3.0: what every `extern "C"` of this door goes through, and what makes and frees instances (FMI 3.0.2,
-//! 2.2 and 2.3). The functions stand in the modules below.
+//! The C interface of FMI 3.0: what every `extern "C"` of this door goes through, and what makes
+//! and frees instances (FMI 3.0.2, 2.2 and 2.3). The functions stand in the modules below.
 //!
-//! The macro [`export_fmi3!`](crate::export_fmi3) makes the functions for one component, in the library of the component, since
-//! their names are the library's. It declares a function of the standard as in its C prototype, with the kind of each argument;
-//! from that it checks handle, state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose
-//! outcome becomes a status and a log message. Nothing is decided here. No panic leaves a function: one becomes
-//! `fmi3Fatal` and marks the instance unusable. C enumerations and Booleans arrive as integers, never as Rust's own types.
+//! The macro [`export_fmi3!`](crate::export_fmi3) makes the functions for one component, in the
+//! library of the component, since their names are the library's. It declares a function of the
+//! standard as in its C prototype, with the kind of each argument; from that it checks handle,
+//! state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose
+//! outcome becomes a status and a log message. Nothing is decided here. No panic leaves a function:
+//! one becomes `fmi3Fatal` and marks the instance unusable. C enumerations and Booleans arrive as
+//! integers, never as Rust's own types.
 
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -51,8 +53,9 @@ pub type FmiIntermediateUpdate = unsafe extern "C-unwind" fn(
     *mut f64,
 );
 
-/// What a host's `fmi3Instance` points to; borrowed while a call runs, so that a call from inside the logger is refused. It is
-/// not borrowed while the host's callback runs in a step, which may get and set.
+/// What a host's `fmi3Instance` points to; borrowed while a call runs, so that a call from inside
+/// the logger is refused. It is not borrowed while the host's callback runs in a step, which may
+/// get and set.
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct Shared<C: Component> {
@@ -73,8 +76,8 @@ impl Sink for Host {
     fn send(&mut self, status: Status, category: Category, message: &str) {
         let Some(logger) = self.logger else { return };
         let (category, message) = (c_text(messages::name(category)), status::finished(message));
-        // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI 3.0.2, 2.3.1); all
-        // strings live until it returns.
+        // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI
+        // 3.0.2, 2.3.1); all strings live until it returns.
         unsafe { logger(self.environment, status as FmiStatus, category.as_ptr(), message.as_ptr()) }
     }
 }
@@ -85,15 +88,17 @@ impl Sink for Host {
 /// `instance` is null or from an instantiation and not freed.
 #[inline]
 unsafe fn shared<'a, C: Component>(instance: FmiInstance) -> Option<&'a Shared<C>> {
-    // SAFETY: null or from `Box::into_raw`; only shared, so a second call at a time finds it borrowed.
+    // SAFETY: null or from `Box::into_raw`; only shared, so a second call at a time finds it
+    // borrowed.
     aligned(instance.cast::<Shared<C>>(), "instance").ok().and_then(|shared| unsafe { shared.as_ref() })
 }
 
-/// Runs `body` on the instance behind the handle: state machine, unwind guard, status and log message.
+/// Runs `body` on the instance behind the handle: state machine, unwind guard, status and log
+/// message.
 ///
 /// # Safety
-/// `instance` is null or from an instantiation of the same component and not freed, and no call on it is running in another
-/// thread.
+/// `instance` is null or from an instantiation of the same component and not freed, and no call on
+/// it is running in another thread.
 #[inline]
 pub unsafe fn call<C: Component>(
     instance: FmiInstance,
@@ -126,7 +131,8 @@ unsafe fn go_on<C: Component>(
         return Status::Error as FmiStatus;
     };
     let (instance, host) = &mut *borrowed;
-    // Matched in its place: to move a problem that is not there costs a step more than all its checks.
+    // Matched in its place: to move a problem that is not there costs a step more than all its
+    // checks.
     match guarded(|| body(instance, host)) {
         Ok(Ok(())) => Status::Ok as FmiStatus,
         Ok(Err(problem)) => refuse(instance, host, function, &problem),
@@ -149,11 +155,12 @@ fn refuse<C: Component>(
     status as FmiStatus
 }
 
-/// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1); also frees FMU states that were not. Null is ignored, and so is a call from inside
-/// the instance's own logger or callback.
+/// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1); also frees FMU states that were not. Null is ignored, and
+/// so is a call from inside the instance's own logger or callback.
 ///
 /// # Safety
-/// `instance` is null or from an instantiation of the same component and not freed; nothing uses it or its FMU states afterwards.
+/// `instance` is null or from an instantiation of the same component and not freed; nothing uses it
+/// or its FMU states afterwards.
 pub unsafe fn free<C: Component>(instance: FmiInstance) {
     // SAFETY: as above.
     let free = unsafe { shared::<C>(instance) }
@@ -166,8 +173,9 @@ pub unsafe fn free<C: Component>(instance: FmiInstance) {
     }
 }
 
-/// Makes the functions of a table, for `export_fmi3!`: by the standard's clauses name, row of the state tables, arguments after
-/// the instance as `kind name: type[count]`, and what is done with them.
+/// Makes the functions of a table, for `export_fmi3!`: by the standard's clauses name, row of the
+/// state tables, arguments after the instance as `kind name: type[count]`, and what is done with
+/// them.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __functions_of_fmi3 {
@@ -178,8 +186,9 @@ macro_rules! __functions_of_fmi3 {
         $(#[$doc])*
         ///
         /// # Safety
-        /// The instance is null or from an instantiation and not freed, and no call on it is running in another thread. Every
-        /// other pointer is null or valid for what the standard has there, with as many elements as the count says.
+        /// The instance is null or from an instantiation and not freed, and no call on it is
+        /// running in another thread. Every other pointer is null or valid for what the standard
+        /// has there, with as many elements as the count says.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn $name(

@@ -1,5 +1,6 @@
-//! What the functions of FMI 3.0 mean for the component. Whether a function may be called in the present state is checked
-//! in one place, before any of these: [`guard`](Instance::guard), which the C interface calls.
+//! What the functions of FMI 3.0 mean for the component. Whether a function may be called in the
+//! present state is checked in one place, before any of these: [`guard`](Instance::guard), which
+//! the C interface calls.
 
 use super::problem::{Outcome, Problem};
 use super::states::{Function, Stage};
@@ -26,8 +27,8 @@ pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]);
 /// Variables of the type `Clock`.
 pub const CLOCK: Bases = Bases::new("Clock", &[Base::Clock]);
 
-/// By how much an announced event must be later than the present, relative to max(1, |t|): fmusim takes one that is nearer for
-/// one in the past, and stops.
+/// By how much an announced event must be later than the present, relative to max(1, |t|): fmusim
+/// takes one that is nearer for one in the past, and stops.
 const LATER: f64 = 1e-9;
 
 /// Types of which there is no variable.
@@ -40,7 +41,8 @@ pub const fn none(name: &'static str) -> Bases {
 pub struct Update {
     /// `intermediateUpdateTime`, s.
     pub time: f64,
-    /// `intermediateVariableSetRequested`; otherwise `intermediateVariableGetAllowed` and `intermediateStepFinished`.
+    /// `intermediateVariableSetRequested`; otherwise `intermediateVariableGetAllowed` and
+    /// `intermediateStepFinished`.
     pub set_requested: bool,
     /// `canReturnEarly`.
     pub can_return_early: bool,
@@ -117,7 +119,8 @@ impl<C: Component> Instance<C> {
         Err(Problem::State { stage, interface, failed })
     }
 
-    /// What a status of a function leaves behind: after an error the instance is Terminated (FMI 3.0.2, 2.3.1).
+    /// What a status of a function leaves behind: after an error the instance is Terminated (FMI
+    /// 3.0.2, 2.3.1).
     pub fn after(&mut self, function: Function, status: Status) {
         match status {
             Status::Error if !matches!(self.component.life().phase, Phase::Broken | Phase::Terminated) => {
@@ -261,8 +264,8 @@ impl<C: Component> Instance<C> {
         Ok(DiscreteStates { changed, next_event_time: self.next_event_time() })
     }
 
-    /// `nextEventTime`: that of the next event, where it is later than the present also for a host that compares times with a
-    /// tolerance.
+    /// `nextEventTime`: that of the next event, where it is later than the present also for a host
+    /// that compares times with a tolerance.
     fn next_event_time(&mut self) -> Option<f64> {
         let time = self.component.next_event_time()?;
         let now = self.component.time();

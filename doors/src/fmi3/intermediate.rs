@@ -1,5 +1,5 @@
-//! Intermediate update: a step that asks the host's callback for inputs in its course, and shows it outputs at its events and
-//! its end (FMI 3.0.2, 4.2.2).
+//! Intermediate update: a step that asks the host's callback for inputs in its course, and shows it
+//! outputs at its events and its end (FMI 3.0.2, 4.2.2).
 //!
 //! ```text
 //! start ─ an input required? ─▶ values at 1/3, 2/3 and 3/3 of the step ─▶ cubic loads ─▶ to the next event or the end
@@ -105,7 +105,8 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// Whether these variables may be set now: inside a step only the inputs that were required, and when asked for.
+    /// Whether these variables may be set now: inside a step only the inputs that were required,
+    /// and when asked for.
     ///
     /// # Errors
     /// [`Problem::Intermediate`]; a reference that is no variable's.
@@ -165,11 +166,12 @@ impl<C: Component> Instance<C> {
         Ok(self.common.component.get(FLOAT64, &self.required, |i, value| inputs[i][n..].fill(value))?)
     }
 
-    /// Goes on after the callback, with the time at which the host wants the step to end, if it does.
+    /// Goes on after the callback, with the time at which the host wants the step to end, if it
+    /// does.
     ///
     /// # Errors
-    /// As [`advance`](Component::advance), and when a call inside the callback was refused; the step has been taken
-    /// back then.
+    /// As [`advance`](Component::advance), and when a call inside the callback was refused; the
+    /// step has been taken back then.
     pub fn answered(
         &mut self,
         progress: &mut Progress<C>,

@@ -1,4 +1,5 @@
-//! The FMI 3.0 door: it maps the functions, states and statuses of the standard to the [component](crate::component).
+//! The FMI 3.0 door: it maps the functions, states and statuses of the standard to the
+//! [component](crate::component).
 //!
 //! ```text
 //! host ── fmi3XXX ──▶ abi         arguments checked (ffi), state checked (states), panics caught (ffi), nothing decided

@@ -1,4 +1,5 @@
-//! The model's numbers: Model Exchange, derivatives and dependencies (FMI 3.0.2, 2.2.9, 2.2.12, 3.2.1 and 4.1.2).
+//! The model's numbers: Model Exchange, derivatives and dependencies (FMI 3.0.2, 2.2.9, 2.2.12,
+//! 3.2.1 and 4.1.2).
 
 use super::instance::Instance;
 use super::problem::Outcome;
@@ -7,7 +8,8 @@ use crate::ffi::pointers::check_count;
 use crate::values::Dependency;
 
 impl<C: Component> Instance<C> {
-    /// `fmi3GetDirectionalDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and sensitivity.
+    /// `fmi3GetDirectionalDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and
+    /// sensitivity.
     ///
     /// # Errors
     /// For other numbers of elements than there are knowns and unknowns; else as
@@ -23,7 +25,8 @@ impl<C: Component> Instance<C> {
         Ok(self.component.directional_derivative(unknowns, knowns, seed, write)?)
     }
 
-    /// `fmi3GetAdjointDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and sensitivity.
+    /// `fmi3GetAdjointDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and
+    /// sensitivity.
     ///
     /// # Errors
     /// As [`directional_derivative`](Self::directional_derivative).

@@ -10,8 +10,8 @@ use crate::problem::{Refusal, Refused};
 /// Outcome of a call on a component `C`.
 pub type Outcome<C, T = ()> = Result<T, Problem<<C as Component>::Problem>>;
 
-/// Why a call was refused. Each text names the thing, its value and what is allowed; the function's name is put before it
-/// when it is logged.
+/// Why a call was refused. Each text names the thing, its value and what is allowed; the function's
+/// name is put before it when it is logged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem<P: Refusal> {
@@ -70,8 +70,9 @@ fn way_on(stage: Stage) -> &'static str {
 }
 
 impl<P: Refusal> Problem<P> {
-    /// The status to return from a function. What the model cannot take as a value is discarded, with all as it was, since
-    /// the host may go on with another value (FMI 3.0.2, 2.2.4); everything else is a mistake in the call.
+    /// The status to return from a function. What the model cannot take as a value is discarded,
+    /// with all as it was, since the host may go on with another value (FMI 3.0.2, 2.2.4);
+    /// everything else is a mistake in the call.
     pub fn status(&self, function: Function) -> Status {
         match self {
             Self::Refused(Refused::Fault(Fault::Panic { .. })) => Status::Fatal,

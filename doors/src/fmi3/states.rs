@@ -1,10 +1,10 @@
-//! Which function may be called in which state: the common states, those of Model Exchange and those of Co-Simulation as one
-//! table (FMI 3.0.2, 2.3, 3.2 and 4.2).
+//! Which function may be called in which state: the common states, those of Model Exchange and
+//! those of Co-Simulation as one table (FMI 3.0.2, 2.3, 3.2 and 4.2).
 
 use crate::life::{Interface, Phase};
 
-/// The states of both state machines, as the standard names them. Configuration Mode and Reconfiguration Mode are never met,
-/// since there are no structural parameters.
+/// The states of both state machines, as the standard names them. Configuration Mode and
+/// Reconfiguration Mode are never met, since there are no structural parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Just instantiated or reset.
@@ -38,7 +38,8 @@ pub const STAGES: [Stage; 8] = [
 ];
 
 impl Stage {
-    /// Where a phase of the component is in the standard's state machines, outside the host's callback.
+    /// Where a phase of the component is in the standard's state machines, outside the host's
+    /// callback.
     pub fn of(phase: Phase) -> Self {
         match phase {
             Phase::Instantiated => Self::Instantiated,
@@ -62,7 +63,8 @@ const U: u8 = 1 << Stage::IntermediateUpdateMode as u8;
 const C: u8 = 1 << Stage::ContinuousTimeMode as u8;
 const T: u8 = 1 << Stage::Terminated as u8;
 
-/// Declares the functions and, for Model Exchange and Co-Simulation, the states they may be called in.
+/// Declares the functions and, for Model Exchange and Co-Simulation, the states they may be called
+/// in.
 macro_rules! functions {
     ($($name:ident: $exchange:expr, $cosimulation:expr;)*) => {
         /// The functions that act on an instance (FMI 3.0.2, 2.2, 2.3, 3.2, 4.2 and 5.2).
@@ -81,8 +83,8 @@ macro_rules! functions {
 
 const ANY_EXCHANGE: u8 = I | N | E | C | T;
 const ANY_COSIMULATION: u8 = I | N | E | S | T;
-/// Getters: also before initialization, where the standard's table (2.3.2) has them give start values, though the list of calls
-/// below it forgets them.
+/// Getters: also before initialization, where the standard's table (2.3.2) has them give start
+/// values, though the list of calls below it forgets them.
 const GET_EXCHANGE: u8 = ANY_EXCHANGE;
 const GET_COSIMULATION: u8 = ANY_COSIMULATION | U;
 const SET_EXCHANGE: u8 = I | N | E | C;
@@ -188,8 +190,8 @@ impl Function {
         masks[self as usize] & (1 << stage as u8) != 0
     }
 
-    /// Whether it hands values to the model, or evaluates the model at values it was handed: what the model cannot take is
-    /// then discarded.
+    /// Whether it hands values to the model, or evaluates the model at values it was handed: what
+    /// the model cannot take is then discarded.
     pub fn takes_values(self) -> bool {
         let name = self.name();
         (name.starts_with("fmi3Set")

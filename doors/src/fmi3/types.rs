@@ -1,10 +1,12 @@
-//! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.3 and 2.2.4), by the names that std has for the C types.
+//! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.3 and 2.2.4), by the names that
+//! std has for the C types.
 
 use crate::events::Handled;
 use crate::values::DependencyKind;
 use libc::c_int;
 
-/// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have put any byte there.
+/// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have put any byte
+/// there.
 pub type FmiBoolean = u8;
 /// `fmi3Status`, as an integer.
 pub type FmiStatus = c_int;

@@ -6,7 +6,8 @@ use crate::description::{Unit, Unknown, Variable};
 use crate::messages::log_categories;
 
 impl<T: Tabular> FromTable<T> {
-    /// What `modelDescription.xml` says, of both versions. Author, licence and the like are empty, to be filled in.
+    /// What `modelDescription.xml` says, of both versions. Author, licence and the like are empty,
+    /// to be filled in.
     ///
     /// # Panics
     /// Where a row has a unit that is not of the symbols of [`Row::parameter`].
@@ -102,8 +103,9 @@ impl Row {
     }
 }
 
-/// The exponents of kg, m, s, A, K, mol, cd and rad in a unit: factors with a point between, after at most one slash those of the
-/// denominator, each with an exponent or none. None for a symbol that is not known.
+/// The exponents of kg, m, s, A, K, mol, cd and rad in a unit: factors with a point between, after
+/// at most one slash those of the denominator, each with an exponent or none. None for a symbol
+/// that is not known.
 fn exponents(unit: &str) -> Option<[i32; 8]> {
     let mut sum = [0; 8];
     let (above, below) = unit.split_once('/').unwrap_or((unit, ""));

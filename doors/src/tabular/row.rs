@@ -65,8 +65,8 @@ impl Row {
         Self::new(Role::Time, name, "s", 0.0, "Time")
     }
 
-    /// A parameter: name, unit, start value, what it is. Units are written as in `kg.m/s2`, of the base units of SI, N, Pa, J, W and
-    /// V; `1` is none.
+    /// A parameter: name, unit, start value, what it is. Units are written as in `kg.m/s2`, of the
+    /// base units of SI, N, Pa, J, W and V; `1` is none.
     pub const fn parameter(
         name: &'static str,
         unit: &'static str,
@@ -126,13 +126,15 @@ impl Row {
         Self { name, unit, start, description, role, min: f64::MIN, max: f64::MAX }
     }
 
-    /// With the range of what may be set; `f64::MIN_POSITIVE` for more than 0, `f64::MAX` for no bound.
+    /// With the range of what may be set; `f64::MIN_POSITIVE` for more than 0, `f64::MAX` for no
+    /// bound.
     #[must_use]
     pub const fn within(self, min: f64, max: f64) -> Self {
         Self { min, max, ..self }
     }
 
-    /// Whether a motion can have reached a value: a state may be beyond the range of what may be set, by rounding or by its course.
+    /// Whether a motion can have reached a value: a state may be beyond the range of what may be
+    /// set, by rounding or by its course.
     pub(super) fn check_reached(&self, value: f64) -> Result<(), Problem> {
         let anything = Self { min: f64::MIN, max: f64::MAX, ..*self };
         match self.role {
@@ -157,7 +159,8 @@ impl Row {
     }
 }
 
-/// The place of the one row that is time. It is found while the program is compiled, which ends where there is none.
+/// The place of the one row that is time. It is found while the program is compiled, which ends
+/// where there is none.
 pub(super) const fn place_of_time(rows: &[Row]) -> usize {
     let mut place = 0;
     while !matches!(rows[place].role, Role::Time) {

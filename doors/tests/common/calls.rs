@@ -1,5 +1,6 @@
-//! Random calls with random arguments on a component, by both doors: no crash, no panic, and the instance answers afterwards. What
-//! is called comes from a seed, or from the bytes of a fuzzer. The component is what stands beside this module under this name.
+//! Random calls with random arguments on a component, by both doors: no crash, no panic, and the
+//! instance answers afterwards. What is called comes from a seed, or from the bytes of a fuzzer.
+//! The component is what stands beside this module under this name.
 
 use super::component::*;
 use fmi_doors::fmi2::abi::FmiComponent;
@@ -176,7 +177,8 @@ struct Within {
     input: u32,
 }
 
-/// A callback that sets the input where it is asked for, else reads a few variables, and ends steps early here and there.
+/// A callback that sets the input where it is asked for, else reads a few variables, and ends steps
+/// early here and there.
 unsafe extern "C-unwind" fn update(
     host: *mut c_void,
     time: f64,
@@ -207,7 +209,8 @@ unsafe extern "C-unwind" fn update(
 pub fn run_fmi2(target: &Target, random: &mut Random<'_>, kind: c_int, calls: usize) {
     let mut states = [null_mut(); 2];
     let resources = target.resources.as_ref().map_or(null(), |path| path.as_ptr());
-    // SAFETY: the instance is the one made here, and all buffers are of eight elements, which counts of more make the door refuse.
+    // SAFETY: the instance is the one made here, and all buffers are of eight elements, which
+    // counts of more make the door refuse.
     unsafe {
         let c = fmi2Instantiate(c"any".as_ptr(), kind, target.token.as_ptr(), resources, null(), 0, 0);
         assert!(!c.is_null());
@@ -225,7 +228,8 @@ pub fn run_fmi2(target: &Target, random: &mut Random<'_>, kind: c_int, calls: us
     }
 }
 
-/// Calls of FMI 3.0 on an instance for Model Exchange, or for Co-Simulation with or without event mode.
+/// Calls of FMI 3.0 on an instance for Model Exchange, or for Co-Simulation with or without event
+/// mode.
 ///
 /// # Panics
 /// As [`run_fmi2`].

@@ -1,4 +1,5 @@
-//! Source files as text, for tests of what the source of a package promises: of this one, and of those whose tests name this file.
+//! Source files as text, for tests of what the source of a package promises: of this one, and of
+//! those whose tests name this file.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! Random calls with random arguments on the bouncing ball, by both doors: no crash, no panic, and the instance answers afterwards.
+//! Random calls with random arguments on the bouncing ball, by both doors: no crash, no panic, and
+//! the instance answers afterwards.
 
 use super::bouncing_ball::Ball;
 use super::calls::{Random, Target, run_fmi2, run_fmi3};

@@ -136,7 +136,8 @@ impl Painter<'_> {
     }
 
     fn clipped(&mut self, corners: [Place; 2], marks: &[Mark], place: Transform, cut: Option<&Mask>) {
-        // An empty rectangle, and no memory for a mask of the picture's size, show nothing of what is cut.
+        // An empty rectangle, and no memory for a mask of the picture's size, show nothing of what
+        // is cut.
         let Some(edges) = rectangle(corners).map(PathBuilder::from_rect) else { return };
         let mask = match cut {
             None => Mask::new(self.pixels.width(), self.pixels.height()).map(|mut mask| {

@@ -10,7 +10,8 @@ pub const FONT: &str = "DejaVu Sans";
 /// The file of the font.
 pub static FONT_DATA: &[u8] = include_bytes!("../../../assets/DejaVuSans.ttf");
 
-/// Height of a capital, depth of a descender and height of a line above the baseline, in ems of the font.
+/// Height of a capital, depth of a descender and height of a line above the baseline, in ems of the
+/// font.
 const CAPITAL: f64 = 0.729;
 const DESCENDER: f64 = 0.236;
 const ASCENDER: f64 = 0.928;
@@ -34,7 +35,8 @@ fn face() -> Option<&'static Face<'static>> {
     FACE.get_or_init(|| Face::parse(FONT_DATA, 0).ok()).as_ref()
 }
 
-/// Its glyph and how far the next letter stands from it, in units of the font. A letter that the font lacks is an empty box.
+/// Its glyph and how far the next letter stands from it, in units of the font. A letter that the
+/// font lacks is an empty box.
 fn glyph(face: &Face<'_>, letter: char) -> (GlyphId, f64) {
     let glyph = face.glyph_index(letter).unwrap_or(GlyphId(0));
     (glyph, f64::from(face.glyph_hor_advance(glyph).unwrap_or(0)))
@@ -84,7 +86,8 @@ impl OutlineBuilder for Outlines {
     }
 }
 
-/// Outlines of a text of a size that begins at `start` on its baseline. `None` where nothing is to be seen.
+/// Outlines of a text of a size that begins at `start` on its baseline. `None` where nothing is to
+/// be seen.
 pub(super) fn outlines(words: &str, size: f64, start: f64) -> Option<Path> {
     let face = face()?;
     let scale = size / f64::from(face.units_per_em());
@@ -108,7 +111,8 @@ pub(super) fn outlines(words: &str, size: f64, start: f64) -> Option<Path> {
     pen.path.finish()
 }
 
-/// The origin of an accent whose middle stands over the middle of a letter with its origin at `at`, raised over a high letter.
+/// The origin of an accent whose middle stands over the middle of a letter with its origin at `at`,
+/// raised over a high letter.
 fn over(face: &Face<'_>, base: GlyphId, accent: GlyphId, at: f64, scale: f64) -> Option<(f64, f64)> {
     let (base, accent) = (face.glyph_bounding_box(base)?, face.glyph_bounding_box(accent)?);
     let middle = |b: ttf_parser::Rect| 0.5 * (f64::from(b.x_min) + f64::from(b.x_max));

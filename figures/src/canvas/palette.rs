@@ -1,5 +1,5 @@
-//! The colours. Those of the bodies and of a family differ in lightness from one to the next, so that eyes of any kind tell
-//! them apart, and prints in grey show it.
+//! The colours. Those of the bodies and of a family differ in lightness from one to the next, so
+//! that eyes of any kind tell them apart, and prints in grey show it.
 
 use super::Colour;
 /// The box, x1, in all pictures.

@@ -12,7 +12,8 @@ struct Rounded(f64);
 
 impl Display for Rounded {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        /// Up to here doubles tell tenths apart, and whole numbers of them are written several times faster.
+        /// Up to here doubles tell tenths apart, and whole numbers of them are written several
+        /// times faster.
         const MOST: f64 = 1e15;
         let tenths = (self.0 * 10.0).round();
         if tenths.abs() < MOST {

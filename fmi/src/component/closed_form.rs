@@ -1,4 +1,5 @@
-//! A steady state played in time: clock, drive phase, impacts and energies counted as a simulation would.
+//! A steady state played in time: clock, drive phase, impacts and energies counted as a simulation
+//! would.
 
 use super::problem::Problem;
 use super::settings::SolutionMode;
@@ -16,15 +17,19 @@ use vibro_impact::simulator::{
     AdvanceOutcome, Contact, Event, EventObserver, ImpactRecord, State, check_time,
 };
 
-/// Length of a piece of the energies' quadrature in units of the fastest rate: five Gauss nodes leave under 1e-12 of it.
+/// Length of a piece of the energies' quadrature in units of the fastest rate: five Gauss nodes
+/// leave under 1e-12 of it.
 const PIECE: f64 = 0.5;
-/// Most pieces in half a period; only modes thousands of times faster than the drive would need more.
+/// Most pieces in half a period; only modes thousands of times faster than the drive would need
+/// more.
 const MAX_PIECES: f64 = 4096.0;
 
-/// Most impacts that one step reports: a closed form goes over any number of them at once, and a log has an end.
+/// Most impacts that one step reports: a closed form goes over any number of them at once, and a
+/// log has an end.
 pub(crate) const MOST_REPORTED: f64 = 1000.0;
 
-/// Rounding of a drive phase, relative to itself: a few units in the last place from time, frequency and offset.
+/// Rounding of a drive phase, relative to itself: a few units in the last place from time,
+/// frequency and offset.
 const PHASE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// By how much an angle since the last impact may be off, rad.
@@ -49,11 +54,12 @@ pub(crate) struct Data {
 }
 
 impl Data {
-    /// Refuses times and phases that no motion has, at which impacts could not be counted: they can only come from a saved
-    /// state that was damaged.
+    /// Refuses times and phases that no motion has, at which impacts could not be counted: they can
+    /// only come from a saved state that was damaged.
     ///
     /// # Errors
-    /// [`PrecisionLost`](Error::PrecisionLost) for a time, [`OutOfRange`](Error::OutOfRange) for a phase.
+    /// [`PrecisionLost`](Error::PrecisionLost) for a time, [`OutOfRange`](Error::OutOfRange) for a
+    /// phase.
     fn check(&self) -> Result<(), Error> {
         check_time(self.parameters.drive_frequency, self.time.value())?;
         check_time(self.parameters.drive_frequency, self.from.value())?;
@@ -89,7 +95,8 @@ pub(crate) struct ClosedForm {
     speed: f64,
     impulse: f64,
     lost: f64,
-    /// Drive phase since the last impact on the upper stop when the solution came into force, in [0, 2π).
+    /// Drive phase since the last impact on the upper stop when the solution came into force, in
+    /// [0, 2π).
     offset: f64,
     /// Input and damped energy from an impact to each knot of the half period that follows.
     knots: Vec<[f64; 2]>,
@@ -204,11 +211,12 @@ impl ClosedForm {
         Ok(())
     }
 
-    /// To `begin + step`, reporting the impacts up to [`MOST_REPORTED`]; optionally only to the first. Returns also how many
-    /// were not reported.
+    /// To `begin + step`, reporting the impacts up to [`MOST_REPORTED`]; optionally only to the
+    /// first. Returns also how many were not reported.
     ///
     /// # Errors
-    /// [`PrecisionLost`](vibro_impact::Error::PrecisionLost) for a time that a double no longer tells from a moment later.
+    /// [`PrecisionLost`](vibro_impact::Error::PrecisionLost) for a time that a double no longer
+    /// tells from a moment later.
     pub(crate) fn advance(
         &mut self,
         begin: f64,
@@ -244,8 +252,9 @@ impl ClosedForm {
         Ok((AdvanceOutcome::End, 0.0))
     }
 
-    /// To `begin + step` or to the first impact, which is then due: shown is the limit before it. An impact later than the
-    /// end by no more than `late` (s) is taken as well. Returns whether one is due.
+    /// To `begin + step` or to the first impact, which is then due: shown is the limit before it.
+    /// An impact later than the end by no more than `late` (s) is taken as well. Returns whether
+    /// one is due.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
@@ -267,7 +276,8 @@ impl ClosedForm {
         (self.data.time, self.data.limit) = (self.data.time.plus(by), Limit::Any);
     }
 
-    /// Goes on to an impact that is later than now by no more than `late` (s), which is then due; without one nothing happens.
+    /// Goes on to an impact that is later than now by no more than `late` (s), which is then due;
+    /// without one nothing happens.
     pub(crate) fn meet(&mut self, late: f64) -> bool {
         let next = self.halves(self.data.time).0 + 1.0;
         let due = self.halves(self.data.time.plus(late)).0 >= next;
@@ -292,14 +302,16 @@ impl ClosedForm {
         }
     }
 
-    /// Time of the next impact (s), by formula: it may round to the present. One that is due is the next.
+    /// Time of the next impact (s), by formula: it may round to the present. One that is due is the
+    /// next.
     pub(crate) fn next_impact(&self) -> f64 {
         let now = self.halves(self.data.time).0;
         self.impact_time(if self.is_due() { now } else { now + 1.0 }).value().max(self.time())
     }
 
-    /// Displacements and velocities, at an impact those of the limit that is shown: of one that is counted as past, within the rounding
-    /// of the phase, those after it. Where rounding has the other limit, the velocities that jump are those as much beside the impact.
+    /// Displacements and velocities, at an impact those of the limit that is shown: of one that is
+    /// counted as past, within the rounding of the phase, those after it. Where rounding has the
+    /// other limit, the velocities that jump are those as much beside the impact.
     fn state(&self) -> State {
         let (theta, side) = (self.theta(), self.last_side());
         let (halves, since) = self.halves(self.data.time);
@@ -323,16 +335,19 @@ impl ClosedForm {
         if self.halves(self.data.time).0 % 2.0 == 0.0 { 1.0 } else { -1.0 }
     }
 
-    /// The stop of the last impact that is counted, which one that is due is not: what is read now is the motion from there on.
+    /// The stop of the last impact that is counted, which one that is due is not: what is read now
+    /// is the motion from there on.
     pub(crate) fn counted_side(&self) -> f64 {
         if self.is_due() { -self.last_side() } else { self.last_side() }
     }
 
-    /// Half periods since the last upper impact before the solution came into force, as a whole number, and the drive
-    /// phase since the last impact, rad. Whole numbers above 0 count impacts, odd ones on the lower stop.
+    /// Half periods since the last upper impact before the solution came into force, as a whole
+    /// number, and the drive phase since the last impact, rad. Whole numbers above 0 count impacts,
+    /// odd ones on the lower stop.
     fn halves(&self, time: DoubleDouble) -> (f64, f64) {
         let total = self.offset + self.data.parameters.drive_frequency * time.minus(self.data.from).value();
-        // An impact a rounding error ahead has happened: a step that ends at an impact must not meet it again.
+        // An impact a rounding error ahead has happened: a step that ends at an impact must not
+        // meet it again.
         let whole = ((total + phase_rounding(total)) / PI).floor();
         (whole, (total - whole * PI).max(0.0))
     }
@@ -362,7 +377,8 @@ impl ClosedForm {
         let d = self.derivatives();
         let state = State { x: d.map(|d| d[0]), v: d.map(|d| d[1]) };
         let y = state.to_relative();
-        // By the same rounding, so that nothing has happened at the start, however near to an impact it is.
+        // By the same rounding, so that nothing has happened at the start, however near to an
+        // impact it is.
         let ((first, before), (mut now, mut since)) = (self.halves(data.from), self.halves(data.time));
         if self.is_due() {
             (now, since) = (now - 1.0, PI);
@@ -409,7 +425,8 @@ impl ClosedForm {
             .clamp(1.0, MAX_PIECES) as usize;
         let piece = PI / pieces as f64;
         let mut knots = vec![[0.0; 2]; pieces + 1];
-        // One walk along the orbit for all pieces: each state by itself would go the way from the impact again.
+        // One walk along the orbit for all pieces: each state by itself would go the way from the
+        // impact again.
         self.solution.with_states(|states| {
             for i in 0..pieces {
                 let (from, to) = (i as f64 * piece, (i + 1) as f64 * piece);
@@ -428,8 +445,8 @@ impl ClosedForm {
         [self.knots[index][0] + rest[0], self.knots[index][1] + rest[1]]
     }
 
-    /// The powers' integrals between two phases after the upper impact; the half period after the lower is its mirror
-    /// image, with the same powers.
+    /// The powers' integrals between two phases after the upper impact; the half period after the
+    /// lower is its mirror image, with the same powers.
     fn integrate(&self, states: &mut dyn FnMut(f64) -> State, from: f64, to: f64) -> [f64; 2] {
         let p = &self.data.parameters;
         let mut sums = [0.0; 2];

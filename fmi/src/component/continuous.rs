@@ -1,4 +1,5 @@
-//! The model for a host's own solver: states, derivatives, event indicators, and what happens at events.
+//! The model for a host's own solver: states, derivatives, event indicators, and what happens at
+//! events.
 
 mod law;
 mod varied;
@@ -160,8 +161,8 @@ impl Continuous {
         self.data.forces = forces;
     }
 
-    /// Takes effect at once; the drive's phase stays continuous. What it adds to springs and masses counts as input, since
-    /// the input is what the balance leaves.
+    /// Takes effect at once; the drive's phase stays continuous. What it adds to springs and masses
+    /// counts as input, since the input is what the balance leaves.
     ///
     /// # Errors
     /// As [`Simulator::set_parameters`]; nothing has changed then.
@@ -212,8 +213,9 @@ impl Continuous {
         [v[0], v[1], v[2], a[0], a[1], a[2]]
     }
 
-    /// Distances to the upper and lower stop in gaps, in flight; in rest the free relative acceleration that presses the
-    /// block on, in units of the largest that springs and drive make at one gap's displacement.
+    /// Distances to the upper and lower stop in gaps, in flight; in rest the free relative
+    /// acceleration that presses the block on, in units of the largest that springs and drive make
+    /// at one gap's displacement.
     pub(crate) fn indicators(&self) -> [f64; 3] {
         let (m, State { x, .. }) = (&self.model, &self.data.state);
         let pressing = self.data.contact.side() * self.accelerations().1;
@@ -221,8 +223,9 @@ impl Continuous {
         approach.indicators(self.data.contact)
     }
 
-    /// Whether an accepted point is past an event that the host has missed: the block in a stop and moving on, or pulled on in
-    /// rest. Solvers of fixed step compare indicators across an event, or step over two changes of sign.
+    /// Whether an accepted point is past an event that the host has missed: the block in a stop and
+    /// moving on, or pulled on in rest. Solvers of fixed step compare indicators across an event,
+    /// or step over two changes of sign.
     pub(crate) fn missed_event(&self) -> bool {
         match self.data.contact {
             Contact::Flight => {
@@ -251,8 +254,8 @@ impl Continuous {
         velocities(&self.model, self.mode(), &self.augmented_at(at), at.forces, slope)
     }
 
-    /// Damped energy up to now: two-point Hermite quadrature of the open interval with three derivatives at each end (an
-    /// error of h⁹), the forces taken as straight between its ends.
+    /// Damped energy up to now: two-point Hermite quadrature of the open interval with three
+    /// derivatives at each end (an error of h⁹), the forces taken as straight between its ends.
     fn damped(&self) -> f64 {
         let (from, now) = (self.data.accepted, self.now());
         let h = now.time - from.time;
@@ -276,7 +279,8 @@ impl Continuous {
         power
     }
 
-    /// What the outputs read at the present point. In rest the gap is exact, whatever rounding the solver adds.
+    /// What the outputs read at the present point. In rest the gap is exact, whatever rounding the
+    /// solver adds.
     pub(crate) fn values(&self) -> OutputValues {
         let (data, (a, free)) = (&self.data, self.accelerations());
         let z = self.augmented();
@@ -300,7 +304,8 @@ impl Continuous {
             coupling_force: coupling_force(&data.parameters, &data.state.x),
             indicators: self.indicators(),
             mechanical,
-            // Of the host's own solution: what the balance leaves, its solver's errors included (docs/theory.md, section 12).
+            // Of the host's own solution: what the balance leaves, its solver's errors included
+            // (docs/theory.md, section 12).
             input: mechanical - data.initial + damped + data.lost,
             damped,
             impact_loss: data.lost,

@@ -7,7 +7,8 @@ use vibro_impact::simulator::{Contact, ImpactRecord, Simulator};
 /// Where the host stands in the handling of events, as plain data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct EventState {
-    /// What is shown of the discrete outputs until the host handles events that a step has passed over.
+    /// What is shown of the discrete outputs until the host handles events that a step has passed
+    /// over.
     pub(crate) latched: Option<Discrete>,
     /// Whether the host was told of an event and must handle it before the next step.
     pub(crate) pending: bool,

@@ -1,4 +1,5 @@
-//! What tells one build of the component from another: a number made from everything its table says and its version.
+//! What tells one build of the component from another: a number made from everything its table says
+//! and its version.
 
 use super::structure;
 use super::units::{ENUMERATION_TYPES, REAL_TYPES, UNITS};
@@ -34,15 +35,17 @@ pub const LICENSE: &str = env!("CARGO_PKG_LICENSE");
 /// How the names of the variables are made: dots between the levels.
 pub const NAMING_CONVENTION: &str = "structured";
 
-/// The experiment that a host takes where nobody says otherwise: 100 periods of the default drive, in 200 steps each. The step is a
-/// reporting interval in Co-Simulation, but hosts take it for that of their solver in Model Exchange, and Euler's rule wants it
-/// short (docs/theory.md (115)). The quotient of duration and step is a whole number, as some hosts demand.
+/// The experiment that a host takes where nobody says otherwise: 100 periods of the default drive,
+/// in 200 steps each. The step is a reporting interval in Co-Simulation, but hosts take it for that
+/// of their solver in Model Exchange, and Euler's rule wants it short (docs/theory.md (115)). The
+/// quotient of duration and step is a whole number, as some hosts demand.
 pub fn default_experiment() -> Experiment {
     let period = Parameters::default().period();
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 200.0 }
 }
 
-/// The number of this build. Computed anew on each call, so that the library keeps nothing between loads.
+/// The number of this build. Computed anew on each call, so that the library keeps nothing between
+/// loads.
 pub fn number() -> u128 {
     fnv1a(text().as_bytes())
 }

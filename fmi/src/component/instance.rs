@@ -1,8 +1,9 @@
-//! One component as a safe object: it is set, initialized, stepped or integrated, read, saved and restored.
+//! One component as a safe object: it is set, initialized, stepped or integrated, read, saved and
+//! restored.
 //!
-//! Each method checks everything it was given and only then changes anything: a refused call leaves the component as it
-//! was. Which call is allowed in which state of which protocol is the door's to say; the component knows [`Phase`]s, which
-//! decide on what may be set.
+//! Each method checks everything it was given and only then changes anything: a refused call leaves
+//! the component as it was. Which call is allowed in which state of which protocol is the door's to
+//! say; the component knows [`Phase`]s, which decide on what may be set.
 
 mod access;
 mod advance;
@@ -62,7 +63,8 @@ pub struct Instance {
     initial: Settings,
     settings: Settings,
     engine: Engine,
-    /// Which loads had their derivatives set since the last step: a value set after them does not clear them.
+    /// Which loads had their derivatives set since the last step: a value set after them does not
+    /// clear them.
     slopes_set: [bool; 3],
     /// Whether parameters or loads were set since the last step.
     parameters_set: bool,
@@ -160,7 +162,8 @@ impl Instance {
         self.life.phase = Phase::Broken;
     }
 
-    /// When to begin, and the time past which no step may go; `tolerance` is only checked: the flow is exact.
+    /// When to begin, and the time past which no step may go; `tolerance` is only checked: the flow
+    /// is exact.
     ///
     /// # Errors
     /// As [`Experiment::new`].
@@ -178,7 +181,8 @@ impl Instance {
     /// Ends initialization: builds what moves.
     ///
     /// # Errors
-    /// When the start values or the parameters are not possible; the component stays in initialization.
+    /// When the start values or the parameters are not possible; the component stays in
+    /// initialization.
     pub fn exit_initialization(&mut self, log: &mut dyn Log) -> Outcome {
         let (engine, objections) = self.initial_engine()?;
         match &engine {
@@ -243,12 +247,13 @@ impl Instance {
         }
     }
 
-    /// Goes back to a saved state, or takes over that of another component; also where it was never initialized. Continuing
-    /// gives the same bits as not having left.
+    /// Goes back to a saved state, or takes over that of another component; also where it was never
+    /// initialized. Continuing gives the same bits as not having left.
     ///
     /// # Errors
-    /// [`SavedState`](fmi_doors::Problem::SavedState) for one of the other interface type, or in a phase that does not go with what moves;
-    /// [`Problem::Model`] for one that is not possible. Nothing has changed then.
+    /// [`SavedState`](fmi_doors::Problem::SavedState) for one of the other interface type, or in a
+    /// phase that does not go with what moves; [`Problem::Model`] for one that is not possible.
+    /// Nothing has changed then.
     pub fn restore(&mut self, saved: &SavedState) -> Outcome {
         let mut life = self.life;
         let SavedState { interface, phase, experiment, .. } = *saved;
@@ -294,8 +299,8 @@ impl Instance {
         Ok(())
     }
 
-    /// Of a state that a host with another handling of events has saved: where this one has no phase of events, nothing of one is
-    /// left, and an event that is due comes with its next step.
+    /// Of a state that a host with another handling of events has saved: where this one has no
+    /// phase of events, nothing of one is left, and an event that is due comes with its next step.
     fn meet_own_protocol(&mut self) {
         if self.life.interface == Interface::CoSimulation && !self.life.handling.event_mode {
             self.events = EventState::default();
@@ -337,8 +342,8 @@ impl Instance {
         finite(values)
     }
 
-    /// Brings what follows from the parameters up to date; only after parameters were set, since steady states take a while
-    /// to compute.
+    /// Brings what follows from the parameters up to date; only after parameters were set, since
+    /// steady states take a while to compute.
     fn refresh_derived(&mut self) {
         if self.derived_stale {
             self.derived = steady::derived(&self.settings.parameters);

@@ -1,5 +1,6 @@
-//! Time derivatives of what the outputs read, inside a smooth piece of the motion: each output is evaluated on truncated Taylor
-//! series, which add, subtract and multiply as the numbers do (Leibniz' rule).
+//! Time derivatives of what the outputs read, inside a smooth piece of the motion: each output is
+//! evaluated on truncated Taylor series, which add, subtract and multiply as the numbers do
+//! (Leibniz' rule).
 
 use super::values::OutputValues;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -68,7 +69,8 @@ pub(crate) struct Course<'a> {
     pub(crate) theta: f64,
 }
 
-/// The time derivatives of all that the outputs read; the event indicators, which are no outputs, are left out.
+/// The time derivatives of all that the outputs read; the event indicators, which are no outputs,
+/// are left out.
 pub(crate) fn jets(course: &Course<'_>) -> OutputValues<Jet> {
     let Course { values, motion, parameters: p, loads, theta } = course;
     let body = |order: usize| {

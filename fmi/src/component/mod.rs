@@ -1,6 +1,6 @@
-//! The vibro-impact machine as a component that a host can set, step, read, save and restore. It knows no version of FMI:
-//! the rules it follows are those that all versions share, and a door maps its calls, phases and outcomes to functions,
-//! states and statuses of one version.
+//! The vibro-impact machine as a component that a host can set, step, read, save and restore. It
+//! knows no version of FMI: the rules it follows are those that all versions share, and a door maps
+//! its calls, phases and outcomes to functions, states and statuses of one version.
 //!
 //! ```text
 //! instance ── variables, units, structure    one table: names, units, ranges, dependencies, getters, setters

@@ -3,8 +3,8 @@
 /// Outcome of a call.
 pub type Outcome<T = ()> = Result<T, Problem>;
 
-/// Why a call was refused; the component is then as it was. Each text names the thing, its value and what is allowed. What is not of this machine alone is the
-/// [doors'](Self::Door).
+/// Why a call was refused; the component is then as it was. Each text names the thing, its value
+/// and what is allowed. What is not of this machine alone is the [doors'](Self::Door).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -16,7 +16,8 @@ pub enum Problem {
         /// What has one.
         allowed: &'static str,
     },
-    /// A step that begins neither where the last one stopped at an impact nor, after a restore, where that one began.
+    /// A step that begins neither where the last one stopped at an impact nor, after a restore,
+    /// where that one began.
     #[error(
         "currentCommunicationPoint = {given} s, but the last step ended at the impact at t = {own} s: restore the state saved \
          before the impact, or go on from lastSuccessfulTime"
@@ -70,7 +71,8 @@ pub enum Problem {
         /// The block's relative speed there times a sub-step's length over the gap.
         path: f64,
     },
-    /// A step or an event that failed and could not be taken back: nothing is certain of where the instance stands.
+    /// A step or an event that failed and could not be taken back: nothing is certain of where the
+    /// instance stands.
     #[error(
         "{cause}. That could not be taken back: {refused}. Remedy: restore a saved state, or reset the instance"
     )]

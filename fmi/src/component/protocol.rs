@@ -18,7 +18,8 @@ pub struct Protocol {
 }
 
 impl Default for Protocol {
-    /// Every variable by the table's own reference, the host does nothing about events, and there is what every description has.
+    /// Every variable by the table's own reference, the host does nothing about events, and there
+    /// is what every description has.
     fn default() -> Self {
         Self {
             numbering: Numbering::ALL,

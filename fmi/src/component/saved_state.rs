@@ -10,16 +10,18 @@
 //! 8        checksum of all that comes before it (FNV-1a, 64 bit), little-endian
 //! ```
 //!
-//! The payload holds the fields of [`SavedState`] one after the other, each in the order of its declaration, without names
-//! or padding: a double as its 8 bytes, so that every bit comes back, of NaN and -0 too; a Boolean and the tag of an
-//! `Option` as one byte; other whole numbers and the numbers of enum variants with 7 bits a byte, the lowest first. The structs
-//! are those of this crate ([`Settings`], what is played or integrated) and of `vibro-impact` (`Snapshot`, `Parameters`,
-//! `DoubleDouble`, …): **whoever changes one of their fields, or their order, changes the layout and must raise
-//! [`VERSION`]**; the test `golden_file_of_the_layout` notices it.
+//! The payload holds the fields of [`SavedState`] one after the other, each in the order of its
+//! declaration, without names or padding: a double as its 8 bytes, so that every bit comes back, of
+//! NaN and -0 too; a Boolean and the tag of an `Option` as one byte; other whole numbers and the
+//! numbers of enum variants with 7 bits a byte, the lowest first. The structs are those of this
+//! crate ([`Settings`], what is played or integrated) and of `vibro-impact` (`Snapshot`,
+//! `Parameters`, `DoubleDouble`, …): **whoever changes one of their fields, or their order, changes
+//! the layout and must raise [`VERSION`]**; the test `golden_file_of_the_layout` notices it.
 //!
-//! Nothing in the payload belongs to one protocol alone, so a state that one door has written can be read by another of the same
-//! build: what a protocol has no place for (an event that its host still has to handle) is settled when the state is
-//! restored. The checksum notices accidents; it is no signature.
+//! Nothing in the payload belongs to one protocol alone, so a state that one door has written can
+//! be read by another of the same build: what a protocol has no place for (an event that its host
+//! still has to handle) is settled when the state is restored. The checksum notices accidents; it
+//! is no signature.
 
 use super::closed_form;
 use super::continuous;
@@ -53,7 +55,8 @@ pub struct SavedState {
     pub(super) tick: Tick,
     /// Nominal values of the states that the host was told last.
     pub(super) nominals_told: Option<[f64; 6]>,
-    /// What `stop_at_impact` starts from where this was saved: a host that has never set it means its own protocol's.
+    /// What `stop_at_impact` starts from where this was saved: a host that has never set it means
+    /// its own protocol's.
     pub(super) stop_by_default: bool,
     /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
     pub(super) given: u16,
@@ -81,8 +84,9 @@ fn take<const N: usize>(bytes: &mut &[u8]) -> Outcome<[u8; N]> {
 }
 
 impl SavedState {
-    /// Refuses a phase that does not go with what moves: it can only come from a saved state that was damaged. Which phases an
-    /// interface type has is asked elsewhere ([`Life::take_over`](fmi_doors::Life::take_over)).
+    /// Refuses a phase that does not go with what moves: it can only come from a saved state that
+    /// was damaged. Which phases an interface type has is asked elsewhere
+    /// ([`Life::take_over`](fmi_doors::Life::take_over)).
     ///
     /// # Errors
     /// [`SavedState`](fmi_doors::Problem::SavedState).
@@ -119,7 +123,8 @@ impl SavedState {
     /// The state of these bytes. Whether it can be carried on shows when it is restored.
     ///
     /// # Errors
-    /// [`SavedState`](fmi_doors::Problem::SavedState) for bytes that are truncated, altered, of another version or of another build.
+    /// [`SavedState`](fmi_doors::Problem::SavedState) for bytes that are truncated, altered, of
+    /// another version or of another build.
     pub fn deserialize(serialized: &[u8]) -> Outcome<Self> {
         let Some((content, sum)) = serialized.split_last_chunk::<8>() else {
             return Err(refused(format!("{} bytes are too few", serialized.len())));

@@ -1,10 +1,11 @@
-//! How the state at the end of a step varies with that at its begin and with the loads in it: the variational equations of each
-//! smooth piece, which are its own equations without the drive, and a jump at each impact (the saltation matrix,
-//! docs/theory.md (84)).
+//! How the state at the end of a step varies with that at its begin and with the loads in it: the
+//! variational equations of each smooth piece, which are its own equations without the drive, and a
+//! jump at each impact (the saltation matrix, docs/theory.md (84)).
 //!
-//! Found by replaying the step when it is asked for, so that a step itself costs nothing more. In resting contact box and block
-//! are one body: variations of their relative motion are projected out, as an impact without rebound would do it, with the
-//! momentum kept. A release changes nothing to first order, since the accelerations on both sides of it are equal.
+//! Found by replaying the step when it is asked for, so that a step itself costs nothing more. In
+//! resting contact box and block are one body: variations of their relative motion are projected
+//! out, as an impact without rebound would do it, with the momentum kept. A release changes nothing
+//! to first order, since the accelerations on both sides of it are equal.
 
 use super::values::StepMatrices;
 use vibro_impact::Error;
@@ -17,8 +18,8 @@ use vibro_impact::simulator::{DueEvent, Pause, Simulator};
 
 /// Columns: six states, then value and derivatives 1 to 3 of three loads.
 const COLUMNS: usize = 6 + 12;
-/// Longest part of a piece that one series covers, times the model's rate: the remainder is under 2e-31 of the variation's size
-/// (docs/numerics.md, section 1).
+/// Longest part of a piece that one series covers, times the model's rate: the remainder is under
+/// 2e-31 of the variation's size (docs/numerics.md, section 1).
 const REACH: f64 = 1.0;
 const _: () = assert!(remainder(WHOLE, REACH) < 2e-31);
 
@@ -29,7 +30,8 @@ struct Column {
     loads: Forces,
 }
 
-/// The derivatives over the step that `replay` begins, through as many impacts as `reached` has counted, to `reached`'s time.
+/// The derivatives over the step that `replay` begins, through as many impacts as `reached` has
+/// counted, to `reached`'s time.
 ///
 /// # Errors
 /// As the replay's.
@@ -124,8 +126,8 @@ fn jump(columns: &mut [Column; COLUMNS], model: &Model, replay: &mut Simulator) 
     }
 }
 
-/// Adds a part of the relative motion to that of the box: with the block's share of the mass the box's place then holds their centre of
-/// mass, docs/theory.md (83).
+/// Adds a part of the relative motion to that of the box: with the block's share of the mass the
+/// box's place then holds their centre of mass, docs/theory.md (83).
 fn add_relative(z: &mut Augmented, part: f64) {
     z[BOX] += part * z[RELATIVE];
     z[BOX_RATE] += part * z[RELATIVE_RATE];

@@ -1,4 +1,5 @@
-//! What a host can set, and what follows from it without a motion: plain data that the accessors of the variable table work on.
+//! What a host can set, and what follows from it without a motion: plain data that the accessors of
+//! the variable table work on.
 
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Groups, Parameters};
@@ -81,7 +82,8 @@ impl Default for Derived {
 pub struct Steady {
     /// A real solution exists.
     pub exists: bool,
-    /// It keeps the block between the stops, the slow flow stays at it, and the two-impact motion is stable.
+    /// It keeps the block between the stops, the slow flow stays at it, and the two-impact motion
+    /// is stable.
     pub stable: bool,
     /// Amplitude of the secondary oscillator, in units of the gap.
     pub a3: f64,

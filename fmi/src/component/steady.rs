@@ -1,4 +1,5 @@
-//! The steady states as the component shows them: the `steady.*` variables, and what the closed-form modes play.
+//! The steady states as the component shows them: the `steady.*` variables, and what the
+//! closed-form modes play.
 
 use super::problem::Problem;
 use super::settings::{Derived, SolutionMode, Steady};
@@ -19,7 +20,8 @@ pub(crate) fn derived(parameters: &Parameters) -> Derived {
     Derived { groups: groups(parameters), steady: values(parameters) }
 }
 
-/// The dimensionless groups. Without `box.k` those that it scales are 0; one beyond the range of a double is its end.
+/// The dimensionless groups. Without `box.k` those that it scales are 0; one beyond the range of a
+/// double is its end.
 fn groups(parameters: &Parameters) -> Groups {
     let unscaled = Groups {
         epsilon: parameters.block_mass / parameters.box_mass,
@@ -56,7 +58,8 @@ fn values(parameters: &Parameters) -> Steady {
     steady
 }
 
-/// The upper fixed point, where the block really moves and no amplitude is beyond the range of a double.
+/// The upper fixed point, where the block really moves and no amplitude is beyond the range of a
+/// double.
 fn upper(scales: &MultipleScales) -> Option<FixedPoint> {
     let finite = |point: &FixedPoint| {
         let numbers = [point.b, point.c, point.a3, point.drive_phase, point.a1(), point.a2()];
@@ -77,7 +80,8 @@ impl Solution {
     /// The steady state of a closed-form mode.
     ///
     /// # Errors
-    /// [`Problem::ClosedForm`] with the range of existence when there is none; [`Problem::Model`] where it is undefined.
+    /// [`Problem::ClosedForm`] with the range of existence when there is none; [`Problem::Model`]
+    /// where it is undefined.
     pub(crate) fn new(mode: SolutionMode, parameters: &Parameters) -> Result<Self, Problem> {
         if parameters.drive_frequency == 0.0 {
             return Err(Problem::value("drive.frequency", 0.0, "a finite number > 0 for a steady state"));
@@ -118,7 +122,8 @@ impl Solution {
         })
     }
 
-    /// Phase of the drive at the impact on the upper stop, rad; the lower stop follows half a period later.
+    /// Phase of the drive at the impact on the upper stop, rad; the lower stop follows half a
+    /// period later.
     pub(crate) fn impact_phase(&self) -> f64 {
         match self {
             Self::Scales { point, .. } => point.drive_phase,
@@ -131,7 +136,8 @@ impl Solution {
         let factors = model.impact_factors();
         let (speed, impulse) = match self {
             Self::Scales { parameters: p, point } => {
-                // W' just before the upper impact, from the slope 2/π of the sawtooth and B cos Φ = -ρ C.
+                // W' just before the upper impact, from the slope 2/π of the sawtooth and B cos Φ =
+                // -ρ C.
                 let rho = FRAC_2_PI * (1.0 - p.stop_restitution) / (1.0 + p.stop_restitution);
                 let speed = p.stop_gap * p.drive_frequency * point.c * (FRAC_2_PI + rho);
                 (speed, factors.impulse * speed)
@@ -144,8 +150,9 @@ impl Solution {
         Impact { speed, impulse, lost: factors.loss * speed * speed }
     }
 
-    /// Calls `use_states` with a function that gives the state at one drive phase (rad) after another, as
-    /// [`state`](Self::state); for rising phases they cost no more than the way along the orbit once.
+    /// Calls `use_states` with a function that gives the state at one drive phase (rad) after
+    /// another, as [`state`](Self::state); for rising phases they cost no more than the way along
+    /// the orbit once.
     pub(crate) fn with_states<R>(&self, use_states: impl FnOnce(&mut dyn FnMut(f64) -> State) -> R) -> R {
         match self {
             Self::Scales { .. } => use_states(&mut |theta| self.state(theta)),
@@ -172,13 +179,15 @@ impl Solution {
         }
     }
 
-    /// Time derivatives of the displacements at drive phase `theta`, where the motion is in `state`; `[body][order]`.
+    /// Time derivatives of the displacements at drive phase `theta`, where the motion is in
+    /// `state`; `[body][order]`.
     pub(crate) fn derivatives(&self, theta: f64, state: &State) -> [[f64; ORDERS]; 3] {
         let mut d: [[f64; ORDERS]; 3] =
             std::array::from_fn(|body| [state.x[body], state.v[body], 0.0, 0.0, 0.0, 0.0]);
         match self {
             Self::Scales { parameters: p, point } => {
-                // The sawtooth is straight between impacts: from the second order on only the sines are left.
+                // The sawtooth is straight between impacts: from the second order on only the sines
+                // are left.
                 for (body, amplitude, lag) in [(0, point.b, point.psi), (2, point.a3, point.psi3)] {
                     let mut scale = p.stop_gap * amplitude * p.drive_frequency;
                     for (order, d) in d[body].iter_mut().enumerate().skip(2) {
@@ -228,7 +237,8 @@ fn exact(parameters: &Parameters) -> Result<Solution, Problem> {
     if let Some(orbit) = family.orbit(Sheet::Upper)? {
         return Ok(Solution::Orbit(Box::new(orbit)));
     }
-    // The response of w to the force alone grows with the force: where does the quadratic get a root p > 0?
+    // The response of w to the force alone grows with the force: where does the quadratic get a
+    // root p > 0?
     let unit = OrbitFamily::new(&Parameters { drive_amplitude: 1.0, ..*parameters })?;
     let (a, b, c) = unit.quadratic();
     let response = (1.0 - c).max(0.0).sqrt();

@@ -6,10 +6,11 @@ use super::variables::{
 };
 use std::collections::BTreeMap;
 
-/// An unknown and what it depends on. The lists hold in every mode: where a closed form and a simulation differ, they name
-/// what either depends on. Outside initialization the continuous states are knowns, and held: that a parameter which is set at an event
-/// makes them jump there (by the law of an impact, or to another steady state of a closed form) is no dependency, and neither is what
-/// such a jump does to other unknowns.
+/// An unknown and what it depends on. The lists hold in every mode: where a closed form and a
+/// simulation differ, they name what either depends on. Outside initialization the continuous
+/// states are knowns, and held: that a parameter which is set at an event makes them jump there (by
+/// the law of an impact, or to another steady state of a closed form) is no dependency, and neither
+/// is what such a jump does to other unknowns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// Its place in the table.
@@ -115,7 +116,8 @@ fn initially((place, variable): (usize, &Variable)) -> Unknown {
     Unknown { place, dependencies }
 }
 
-/// Every output of an edition, in the order of the table, with what it depends on outside initialization.
+/// Every output of an edition, in the order of the table, with what it depends on outside
+/// initialization.
 pub fn outputs(edition: Edition) -> Vec<Unknown> {
     let outputs = of_edition(edition).filter(|(_, variable)| variable.causality == Causality::Output);
     outputs.map(|row| unknown(row, edition)).collect()
@@ -135,8 +137,8 @@ pub fn event_indicators() -> Vec<Unknown> {
     named(&INDICATORS, Edition::Extended)
 }
 
-/// What is unknown in initialization: calculated outputs and calculated parameters in the order of the table, and with them
-/// the derivatives that are variables of their own.
+/// What is unknown in initialization: calculated outputs and calculated parameters in the order of
+/// the table, and with them the derivatives that are variables of their own.
 pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
     let derivatives: &[_] = if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &[] };
     let unknowns = of_edition(edition).filter(|(_, variable)| {

@@ -142,7 +142,8 @@ pub const ANGULAR_FREQUENCY: RealType =
 /// Dimensionless number.
 pub const NUMBER: RealType = real("Number", "DimensionlessRatio", "1", None, "Dimensionless number");
 
-/// Derivatives of states with respect to states or loads, whose units differ from element to element.
+/// Derivatives of states with respect to states or loads, whose units differ from element to
+/// element.
 pub const SENSITIVITY: RealType = RealType {
     name: "Sensitivity",
     quantity: None,

@@ -1,12 +1,13 @@
-//! What the outputs read: the motion at the present time, in plain numbers or with a variation of each.
+//! What the outputs read: the motion at the present time, in plain numbers or with a variation of
+//! each.
 
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, Mul, Neg, Sub};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, EnergyAccounts, ImpactRecord, Simulator, State};
 
-/// A number and how it varies along one direction of states and loads, to first order: the row of an output is evaluated
-/// on these as it stands, so that a product varies by the product rule.
+/// A number and how it varies along one direction of states and loads, to first order: the row of
+/// an output is evaluated on these as it stands, so that a product varies by the product rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Varied {
     /// The value.
@@ -44,8 +45,8 @@ impl Neg for Varied {
     }
 }
 
-/// What the outputs read of the motion. `T` is `f64`, or [`Varied`] for directional derivatives; what changes at events
-/// only is a plain number in both, since it does not vary between them.
+/// What the outputs read of the motion. `T` is `f64`, or [`Varied`] for directional derivatives;
+/// what changes at events only is a plain number in both, since it does not vary between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputValues<T = f64> {
     /// Time, s.
@@ -62,7 +63,8 @@ pub struct OutputValues<T = f64> {
     pub contact_force: T,
     /// Force in the coupling spring, N.
     pub coupling_force: T,
-    /// Event indicators: distances to the upper and the lower stop, and what presses the block on in rest, without dimension.
+    /// Event indicators: distances to the upper and the lower stop, and what presses the block on
+    /// in rest, without dimension.
     pub indicators: [T; 3],
     /// Kinetic and elastic energy, J.
     pub mechanical: T,
@@ -87,8 +89,8 @@ pub struct Prediction {
     pub known: bool,
 }
 
-/// Derivatives of the state at the end of a step, in the order of [`STATES`](super::structure::STATES). The default is that of a
-/// step without length.
+/// Derivatives of the state at the end of a step, in the order of
+/// [`STATES`](super::structure::STATES). The default is that of a step without length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepMatrices {
     /// With respect to the state at its begin.
@@ -151,8 +153,9 @@ impl Approach {
         }
     }
 
-    /// The event indicators: distances to the upper and lower stop in gaps, in flight; in rest the free relative acceleration that
-    /// presses the block on, in units of the largest that springs and drive make at one gap's displacement.
+    /// The event indicators: distances to the upper and lower stop in gaps, in flight; in rest the
+    /// free relative acceleration that presses the block on, in units of the largest that springs
+    /// and drive make at one gap's displacement.
     pub(crate) fn indicators(&self, contact: Contact) -> [f64; 3] {
         let Self { gap, w, pressing, spring, drive } = *self;
         match contact {
@@ -194,7 +197,8 @@ impl OutputValues {
         }
     }
 
-    /// Whether every number is finite, without a branch for each: 0 times what is not finite is not 0.
+    /// Whether every number is finite, without a branch for each: 0 times what is not finite is not
+    /// 0.
     pub(crate) fn is_finite(&self) -> bool {
         let impacts = &self.impacts;
         let lists = [self.x, self.v, self.acceleration, self.indicators];

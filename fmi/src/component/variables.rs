@@ -1,9 +1,10 @@
-//! The one table of variables: the model description, start values, range checks, getters, setters, derivatives, reset and
-//! the documentation all come from it.
+//! The one table of variables: the model description, start values, range checks, getters, setters,
+//! derivatives, reset and the documentation all come from it.
 //!
-//! A variable's place is that of its row, in the order of the descriptions. Its value reference is a column of the row, and stays
-//! where rows are put in before it or taken out. A description leaves out the variables of later [`Edition`]s; which references it
-//! has is the matter of its [`Numbering`]. How a variable is added: `fmi/README.md`.
+//! A variable's place is that of its row, in the order of the descriptions. Its value reference is
+//! a column of the row, and stays where rows are put in before it or taken out. A description
+//! leaves out the variables of later [`Edition`]s; which references it has is the matter of its
+//! [`Numbering`]. How a variable is added: `fmi/README.md`.
 
 mod bases;
 mod columns;

@@ -1,4 +1,5 @@
-//! Derivatives of the motion at a point: with respect to time, for quadrature, and to states and forces.
+//! Derivatives of the motion at a point: with respect to time, for quadrature, and to states and
+//! forces.
 
 use super::values::{OutputValues, coupling_force};
 use vibro_impact::flow::Series;
@@ -46,8 +47,9 @@ pub(crate) struct Direction {
 }
 
 impl Direction {
-    /// How the forces on the bodies vary at a state and a drive with these sin θ and cos θ, beside what the state's own variation
-    /// does. A change of the drive's frequency keeps the phase continuous, so it changes nothing now.
+    /// How the forces on the bodies vary at a state and a drive with these sin θ and cos θ, beside
+    /// what the state's own variation does. A change of the drive's frequency keeps the phase
+    /// continuous, so it changes nothing now.
     fn push(&self, p: &Parameters, State { x, v }: &State, (sin, cos): (f64, f64)) -> [f64; 3] {
         let (d, stretch) = (&self.parameters, x[1] - x[2]);
         let turn = d.drive_phase + p.drive_frequency * self.time;
@@ -62,9 +64,10 @@ impl Direction {
     }
 }
 
-/// How the outputs vary with states, loads, tunable parameters and time in a given contact: everything is linear in states and
-/// forces but the mechanical energy, whose gradient is taken. Energies that have been summed up do not vary, but for what a
-/// change of springs adds at once, which counts as input.
+/// How the outputs vary with states, loads, tunable parameters and time in a given contact:
+/// everything is linear in states and forces but the mechanical energy, whose gradient is taken.
+/// Energies that have been summed up do not vary, but for what a change of springs adds at once,
+/// which counts as input.
 pub(crate) fn variation(
     model: &Model,
     p: &Parameters,

@@ -1,5 +1,5 @@
-//! What else than the table `modelDescription.xml` says (FMI 2.0, 2.2.1, 3.3.1, 4.3.1): identity, capabilities, log categories,
-//! default experiment.
+//! What else than the table `modelDescription.xml` says (FMI 2.0, 2.2.1, 3.3.1, 4.3.1): identity,
+//! capabilities, log categories, default experiment.
 
 use crate::component::identity;
 use crate::component::identity::EVENTS;
@@ -17,7 +17,8 @@ use fmi_doors::messages::{Category, log_categories};
 /// `version` of the model.
 pub const MODEL_VERSION: &str = identity::VERSION;
 
-/// Capability flags of `CoSimulation` and, where they exist there, of `ModelExchange` (FMI 2.0, 4.3.1 and 3.3.1).
+/// Capability flags of `CoSimulation` and, where they exist there, of `ModelExchange` (FMI 2.0,
+/// 4.3.1 and 3.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
     /// Both: runs without its tool.
@@ -75,8 +76,8 @@ pub fn variables() -> impl Iterator<Item = (u32, &'static Variable)> {
     NUMBERING.variables()
 }
 
-/// `guid`: a hash of everything the model description says and of the crate's version (FMI 2.0, 2.2.1).
-/// Computed anew on each call, so that the library keeps nothing between loads.
+/// `guid`: a hash of everything the model description says and of the crate's version (FMI 2.0,
+/// 2.2.1). Computed anew on each call, so that the library keeps nothing between loads.
 pub fn guid() -> String {
     let own = format!("{MODEL_IDENTIFIER} {CAPABILITIES:?} {MODEL_EXCHANGE} {LOG_CATEGORIES:?}\n");
     identity::identifier(&(own + &identity::text()))

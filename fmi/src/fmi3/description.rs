@@ -1,5 +1,5 @@
-//! What else than the table `modelDescription.xml` says (FMI 3.0.2, 2.4, 3.4 and 4.4): capabilities, log categories, references,
-//! and the two descriptions of one library.
+//! What else than the table `modelDescription.xml` says (FMI 3.0.2, 2.4, 3.4 and 4.4):
+//! capabilities, log categories, references, and the two descriptions of one library.
 
 use crate::component::identity;
 use crate::component::identity::EVENTS;
@@ -74,15 +74,16 @@ pub const CAPABILITIES: Capabilities = Capabilities {
 /// The log categories.
 pub const LOG_CATEGORIES: [Category; 6] = log_categories(EVENTS, "Why a value was not taken");
 
-/// What an instance starts from: the settings of every description, but a step returns at an event where the importer allows
-/// it, since FMI 3.0 has a protocol for that.
+/// What an instance starts from: the settings of every description, but a step returns at an event
+/// where the importer allows it, since FMI 3.0 has a protocol for that.
 pub fn start_settings() -> Settings {
     Settings { stop_at_impact: true, ..Settings::default() }
 }
 
-/// The value references of a description: they count from 1 in its order, since there are importers that take value references
-/// for places (OMSimulator the references in the model's structure and in `derivative`). So they are those of one description,
-/// which its token names, and not the table's own.
+/// The value references of a description: they count from 1 in its order, since there are importers
+/// that take value references for places (OMSimulator the references in the model's structure and
+/// in `derivative`). So they are those of one description, which its token names, and not the
+/// table's own.
 pub const fn numbering(edition: Edition) -> Numbering {
     Numbering::counted(edition)
 }
@@ -97,8 +98,8 @@ pub fn variables(edition: Edition) -> impl Iterator<Item = (u32, &'static Variab
     numbering(edition).variables()
 }
 
-/// Name of the variable whose derivative this is. A state has no such attribute, although velocities are
-/// derivatives: importers would take it for a state and a derivative.
+/// Name of the variable whose derivative this is. A state has no such attribute, although
+/// velocities are derivatives: importers would take it for a state and a derivative.
 pub fn derivative(variable: &Variable) -> Option<&'static str> {
     match variable.kind {
         Kind::Real { derivative_of, .. } if !STATES.contains(&variable.name) => derivative_of,
@@ -106,7 +107,8 @@ pub fn derivative(variable: &Variable) -> Option<&'static str> {
     }
 }
 
-/// Whether a variable can be set or read in Intermediate Update Mode (FMI 3.0.2, 4.2.2): continuous inputs and outputs.
+/// Whether a variable can be set or read in Intermediate Update Mode (FMI 3.0.2, 4.2.2): continuous
+/// inputs and outputs.
 pub fn intermediate_update(variable: &Variable) -> bool {
     matches!(variable.causality, Causality::Input | Causality::Output)
         && variable.variability == Variability::Continuous
@@ -117,15 +119,16 @@ pub fn is_clocked(variable: &Variable) -> bool {
     matches!(variable.access, Access::Tick(_)) && variable.kind != Kind::Clock
 }
 
-/// The symbol of docs/theory.md as an alias (FMI 3.0.2, 2.4.7.3), for what is set and for time. Validators exist that take the
-/// alias of a calculated output for an output that is missing from the model's structure.
+/// The symbol of docs/theory.md as an alias (FMI 3.0.2, 2.4.7.3), for what is set and for time.
+/// Validators exist that take the alias of a calculated output for an output that is missing from
+/// the model's structure.
 pub fn alias(variable: &Variable) -> Option<&'static str> {
     let set = variable.causality == Causality::Input || variable.initial == Some(Initial::Exact);
     variable.symbol.filter(|_| set)
 }
 
-/// `instantiationToken` of a description: a hash of everything that it says (FMI 3.0.2, 2.3.1). Computed anew on each call, so
-/// that the library keeps nothing between loads.
+/// `instantiationToken` of a description: a hash of everything that it says (FMI 3.0.2, 2.3.1).
+/// Computed anew on each call, so that the library keeps nothing between loads.
 pub fn instantiation_token(edition: Edition) -> String {
     let own = format!("3.0 {edition:?} {CAPABILITIES:?} {LOG_CATEGORIES:?} {:?}\n", start_settings());
     identity::identifier(&(own + &identity::text()))
@@ -139,7 +142,8 @@ pub fn edition_of(token: &str) -> Option<Edition> {
 /// Name of the clock of impacts.
 const CLOCK: &str = "impacts.clock";
 
-/// `modelName`: further descriptions have names of their own; the library's name is `modelIdentifier`.
+/// `modelName`: further descriptions have names of their own; the library's name is
+/// `modelIdentifier`.
 pub fn model_name(edition: Edition) -> String {
     let suffix = match edition {
         ARRAYS => "Arrays",
@@ -149,8 +153,9 @@ pub fn model_name(edition: Edition) -> String {
     format!("{MODEL_IDENTIFIER}{suffix}")
 }
 
-/// Everything that a model description says. What belongs to a clock is not among the unknowns of initialization (FMI 3.0.2,
-/// 2.4.8); the clock itself is, although it cannot have the attribute `initial`: validators ask for it.
+/// Everything that a model description says. What belongs to a clock is not among the unknowns of
+/// initialization (FMI 3.0.2, 2.4.8); the clock itself is, although it cannot have the attribute
+/// `initial`: validators ask for it.
 pub fn description(edition: Edition) -> Description {
     let can = CAPABILITIES;
     let table = Table { edition, numbering: numbering(edition), start: start_settings(), derivative };

@@ -46,7 +46,8 @@ impl Fmu2 {
 
     /// For Co-Simulation, with all messages in the log.
     pub fn logged() -> Self {
-        // SAFETY: on the platforms of the tests a variadic call without variadic arguments is an ordinary one.
+        // SAFETY: on the platforms of the tests a variadic call without variadic arguments is an
+        // ordinary one.
         let logger = unsafe { std::mem::transmute::<Plain, FmiLogger>(keep) };
         Self::new(1, Some(logger), true)
     }
@@ -61,7 +62,8 @@ impl Fmu2 {
             step_finished: None,
             component_environment: log.cast(),
         };
-        // SAFETY: valid strings; the callbacks may go after the call, the logger and its environment stay.
+        // SAFETY: valid strings; the callbacks may go after the call, the logger and its
+        // environment stay.
         let c = unsafe {
             fmi2Instantiate(c"box".as_ptr(), kind, guid.as_ptr(), null(), &functions, 0, logging.into())
         };

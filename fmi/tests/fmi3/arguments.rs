@@ -147,8 +147,9 @@ fn steps_that_cannot_be_are_errors_at_the_time_reached() {
     }
 }
 
-/// Elastic stops against which the block is pressed, the box being driven the other way: more events than one step may take. It
-/// is taken back, and the state saved before leads on in smaller steps.
+/// Elastic stops against which the block is pressed, the box being driven the other way: more
+/// events than one step may take. It is taken back, and the state saved before leads on in smaller
+/// steps.
 #[test]
 fn a_step_with_too_many_events_is_an_error_and_is_taken_back() {
     let fmu = Fmu::started(

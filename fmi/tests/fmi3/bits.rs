@@ -1,5 +1,5 @@
-//! Without event mode and early return the motion is that of FMI 2.0 and of the library, bit for bit; states cross between
-//! the versions.
+//! Without event mode and early return the motion is that of FMI 2.0 and of the library, bit for
+//! bit; states cross between the versions.
 
 use super::fmi2::Fmu2;
 use super::host::*;
@@ -86,7 +86,8 @@ fn invariant_a_saved_state_of_either_version_goes_on_in_the_other() {
     }
 }
 
-/// A state saved before an impact's law, with the event still to be handled, in both directions and on itself.
+/// A state saved before an impact's law, with the event still to be handled, in both directions and
+/// on itself.
 #[test]
 fn invariant_a_saved_state_at_a_pending_event_goes_on() {
     let start = RUNS[0];

@@ -146,7 +146,8 @@ fn the_main_description_has_no_clock_and_no_clock_is_an_input() {
     }
 }
 
-/// An error while it ticks ends the tick: what was shown of it stays, here and in a state saved then, and is that of one impact.
+/// An error while it ticks ends the tick: what was shown of it stays, here and in a state saved
+/// then, and is that of one impact.
 #[test]
 fn invariant_an_error_during_a_tick_ends_it() {
     let fmu = started(TT);

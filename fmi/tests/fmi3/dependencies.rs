@@ -36,8 +36,8 @@ fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
     elements.into_iter().zip(names).zip(kinds).map(|((element, name), kind)| (element, name, kind)).collect()
 }
 
-/// Against the derivatives: what a variable does not depend on in this contact has the derivative 0, and what it depends on
-/// has another one at this point, where nothing cancels.
+/// Against the derivatives: what a variable does not depend on in this contact has the derivative
+/// 0, and what it depends on has another one at this point, where nothing cancels.
 #[test]
 fn second_method_dependencies_of_the_present_contact() {
     for (i, start) in CONTACTS.into_iter().enumerate() {

@@ -117,7 +117,8 @@ pub fn in_event_mode(start: &[(&str, f64)], exchange: bool) -> Fmu {
     fmu
 }
 
-/// Everything is linear or quadratic in what is varied but the drive, so a small step leaves rounding.
+/// Everything is linear or quadratic in what is varied but the drive, so a small step leaves
+/// rounding.
 const DIFFERENCE: f64 = 1e-7;
 
 fn assert_column(name: &str, exact: &[f64], differences: &[f64]) {
@@ -126,7 +127,8 @@ fn assert_column(name: &str, exact: &[f64], differences: &[f64]) {
     }
 }
 
-/// Inputs and tunable parameters, set in Event Mode, where getters follow; in both interface types and all contacts.
+/// Inputs and tunable parameters, set in Event Mode, where getters follow; in both interface types
+/// and all contacts.
 #[test]
 fn second_method_inputs_and_parameters_by_differences() {
     const STEP: f64 = 1e-4;
@@ -145,7 +147,8 @@ fn second_method_inputs_and_parameters_by_differences() {
                 let mut differences: Vec<f64> =
                     high.iter().zip(&low).map(|(a, b)| (a - b) / (2.0 * STEP)).collect();
                 if name.starts_with("drive.f") || name == "drive.phase" {
-                    // They turn the drive's phase; energies that were summed up before are the same.
+                    // They turn the drive's phase; energies that were summed up before are the
+                    // same.
                     differences.truncate(unknowns().len());
                 }
                 assert_column(name, &exact, &differences);
@@ -228,7 +231,8 @@ fn invariant_adjoint_identity() {
     }
 }
 
-/// A seed that is not finite, a sum that is not, a known that is none behind one that is: nothing is written.
+/// A seed that is not finite, a sum that is not, a known that is none behind one that is: nothing
+/// is written.
 #[test]
 fn adjoint_derivatives_that_are_no_finite_numbers_are_refused_by_name() {
     const UNTOUCHED: [f64; 2] = [7.0; 2];

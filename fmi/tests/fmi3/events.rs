@@ -47,7 +47,8 @@ fn row_early_return_alone() {
     }
 }
 
-/// Row T/T: the step pauses before the law; both limits can be read, and they satisfy restitution and momentum.
+/// Row T/T: the step pauses before the law; both limits can be read, and they satisfy restitution
+/// and momentum.
 #[test]
 fn row_event_mode_with_early_return() {
     const EXACT: f64 = 1e-12;
@@ -98,7 +99,8 @@ fn row_event_mode_with_early_return() {
     }
 }
 
-/// Row T/F, and T/T with stopAtImpact = false: the step goes on; discrete outputs are latched until Event Mode.
+/// Row T/F, and T/T with stopAtImpact = false: the step goes on; discrete outputs are latched until
+/// Event Mode.
 #[test]
 fn row_event_mode_without_early_return() {
     for (flags, stop) in [(TF, 1.0), (TT, 0.0)] {
@@ -251,7 +253,8 @@ fn parameters_set_at_an_event_take_part_in_it() {
     assert_eq!(fmu.get("stop.restitution"), 0.5);
     fmu.enter_step_mode();
     assert_eq!(fmu.motion(), shown);
-    // A resting block that is pulled off lets go in that Event Mode, and in Step Mode at the step's own start.
+    // A resting block that is pulled off lets go in that Event Mode, and in Step Mode at the step's
+    // own start.
     let fmu = Fmu::started(TT, PLASTIC);
     while fmu.get("stop.state") == 1.0 {
         time = fmu.step(fmu.get("time"), 100.0).time;
@@ -290,7 +293,8 @@ fn an_event_that_is_not_updated_is_taken_with_a_warning() {
     assert!(fmu.step(time, 0.1).time > time);
 }
 
-/// A start at a stop with closing speed: the first step meets the impact at once, and progresses after it.
+/// A start at a stop with closing speed: the first step meets the impact at once, and progresses
+/// after it.
 #[test]
 fn a_start_at_a_stop_is_an_event_at_the_start() {
     let fmu = Fmu::started(TT, &[("block.s", 1.0), ("block.v", 0.5)]);
@@ -349,7 +353,8 @@ fn steps_that_end_on_the_announced_time_meet_the_event() {
     assert_eq!(fmu.get("impacts.upper"), plain.get("impacts.upper"));
 }
 
-/// The same of a steady state that begins late, where announced times are rounded more than the drive's phase.
+/// The same of a steady state that begins late, where announced times are rounded more than the
+/// drive's phase.
 #[test]
 fn steps_that_end_on_the_announced_time_meet_the_impacts_of_a_closed_form() {
     const BEGIN: f64 = 1e4;
@@ -375,8 +380,8 @@ fn steps_that_end_on_the_announced_time_meet_the_impacts_of_a_closed_form() {
     }
 }
 
-/// A slow impact is found no better than w is rounded, which is more than the rounding of its time. It too is met by the step that ends
-/// on the announced time.
+/// A slow impact is found no better than w is rounded, which is more than the rounding of its time.
+/// It too is met by the step that ends on the announced time.
 #[test]
 fn slow_impacts_are_met_by_steps_that_end_on_the_announced_time() {
     /// Slower ones are the last bounces of a chatter run, which round-off decides.
@@ -415,7 +420,8 @@ fn an_obsolete_announcement_is_harmless() {
     assert!(fmu.step(end.time, 20.0).event);
 }
 
-/// Modes, and whether a parameter is set in the event or it is an impact, whose reading shows what comes after.
+/// Modes, and whether a parameter is set in the event or it is an impact, whose reading shows what
+/// comes after.
 const SHOWN: [(f64, bool); 4] = [(1.0, false), (2.0, true), (3.0, true), (3.0, false)];
 
 /// An instance in such an event, and the flags with which it was made.
@@ -436,7 +442,8 @@ fn in_an_event((mode, set): (f64, bool)) -> (Fmu, Flags) {
     (fmu, flags)
 }
 
-/// What an event shows stays where the host ends the simulation in it, and in a state saved then: what was set there, and an impact.
+/// What an event shows stays where the host ends the simulation in it, and in a state saved then:
+/// what was set there, and an impact.
 #[test]
 fn invariant_the_end_in_an_event_keeps_what_was_shown() {
     for case in SHOWN {
@@ -452,7 +459,8 @@ fn invariant_the_end_in_an_event_keeps_what_was_shown() {
     }
 }
 
-/// An error in an event ends the simulation before it: here and in a state saved then, whatever was shown.
+/// An error in an event ends the simulation before it: here and in a state saved then, whatever was
+/// shown.
 #[test]
 fn invariant_an_error_in_an_event_leaves_what_is_saved() {
     for case in SHOWN {

@@ -1,4 +1,5 @@
-//! Model Exchange: both limits of an event, and a motion integrated by a host's solver against Co-Simulation.
+//! Model Exchange: both limits of an event, and a motion integrated by a host's solver against
+//! Co-Simulation.
 
 use super::host::*;
 use vibro_fmi::component::structure::EVENT_INDICATORS;
@@ -160,7 +161,8 @@ fn names_of_the_structure_are_its_vectors() {
     assert!(nominals.iter().all(|x| *x > 0.0));
 }
 
-/// What is read between events depends on time, states and inputs, and not on what was asked before.
+/// What is read between events depends on time, states and inputs, and not on what was asked
+/// before.
 #[test]
 fn invariant_values_do_not_depend_on_the_order_of_calls() {
     let solver = Solver::new(START);
@@ -213,7 +215,8 @@ fn closed_forms_and_foreign_calls_are_errors() {
     assert!(fmu.last().contains("not allowed in state EventMode of Model Exchange"), "{}", fmu.last());
 }
 
-/// In Event Mode: inputs, tunable parameters and the states that events do not change (FMI 3.0.2, 2.3.5); time only as it is.
+/// In Event Mode: inputs, tunable parameters and the states that events do not change (FMI 3.0.2,
+/// 2.3.5); time only as it is.
 #[test]
 fn what_may_be_set_in_event_mode() {
     let fmu = Fmu::exchange();

@@ -86,7 +86,8 @@ impl Fmu {
         Self::with(description::CLOCKED, flags, &[], None, null_mut())
     }
 
-    /// Messages go to the log unless there is an environment of the callback's, which both would get.
+    /// Messages go to the log unless there is an environment of the callback's, which both would
+    /// get.
     pub fn with_callback(
         flags: Flags,
         required: &[u32],
@@ -109,7 +110,8 @@ impl Fmu {
             true => (log.cast(), Some(keep as FmiLogMessage)),
             false => (environment, None),
         };
-        // SAFETY: valid strings, as many references as there are, and what the host vouches for lives longer.
+        // SAFETY: valid strings, as many references as there are, and what the host vouches for
+        // lives longer.
         let c = unsafe {
             fmi3InstantiateCoSimulation(
                 c"box".as_ptr(),

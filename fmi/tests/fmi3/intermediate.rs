@@ -1,4 +1,5 @@
-//! Intermediate update: inputs in the course of a step, outputs at its events, early return at a requested time.
+//! Intermediate update: inputs in the course of a step, outputs at its events, early return at a
+//! requested time.
 
 use super::host::*;
 use std::ffi::{CString, c_void};
@@ -136,7 +137,8 @@ fn quintic(t: f64) -> f64 {
     0.05 * (1.3 * t).sin() + 1e-4 * t.powi(5)
 }
 
-/// A cubic through four values of a smooth load is off by h⁴; so is the motion, before its first impact.
+/// A cubic through four values of a smooth load is off by h⁴; so is the motion, before its first
+/// impact.
 #[test]
 fn order_of_a_smooth_load_is_four() {
     // Half the step, a sixteenth of the error, and a little.
@@ -158,7 +160,8 @@ fn order_of_a_smooth_load_is_four() {
     }
 }
 
-/// Three calls for inputs, one before each event, one at the end; nothing is asked in vain, and finished times do not fall.
+/// Three calls for inputs, one before each event, one at the end; nothing is asked in vain, and
+/// finished times do not fall.
 #[test]
 fn the_calls_of_a_step() {
     for (flags, can_return) in [(FF, false), (FT, true), (TF, false)] {
@@ -201,7 +204,8 @@ fn the_calls_of_a_step() {
     assert_eq!(course.calls.len(), 3);
 }
 
-/// A host that gives a callback but requires no input is shown outputs alone; as the example of the Reference FMUs does.
+/// A host that gives a callback but requires no input is shown outputs alone; as the example of the
+/// Reference FMUs does.
 #[test]
 fn outputs_alone() {
     let mut course = Box::new(Course { c: null_mut(), load: cubic, stop: None, calls: Vec::new() });
@@ -258,7 +262,8 @@ fn early_return_at_a_requested_time() {
     }
 }
 
-/// Inputs whose value is not set keep the last one; a load held through the callback is a held load.
+/// Inputs whose value is not set keep the last one; a load held through the callback is a held
+/// load.
 #[test]
 fn held_inputs_are_held() {
     let (fmu, _course) = with_load(FF, |_| 0.05);

@@ -22,7 +22,8 @@ fn output_derivatives(fmu: &Fmu, name: &str) -> [f64; 4] {
     [fmu.get(name), values[0], values[1], values[2]]
 }
 
-/// Each derivative is that of the one before it: along the motion in flight, at rest, under loads, and of closed forms.
+/// Each derivative is that of the one before it: along the motion in flight, at rest, under loads,
+/// and of closed forms.
 #[test]
 fn second_method_output_derivatives_of_all_outputs() {
     const STEP: f64 = 1e-3;

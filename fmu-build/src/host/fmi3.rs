@@ -55,11 +55,13 @@ impl Binary {
     /// # Errors
     /// [`Error::Load`](crate::Error::Load) when it cannot be loaded or lacks a function.
     pub fn load(path: &Path) -> Result<Self> {
-        // SAFETY: loading runs the library's initializers; it is our own Rust cdylib, which has none of its own.
+        // SAFETY: loading runs the library's initializers; it is our own Rust cdylib, which has
+        // none of its own.
         let library = unsafe { open(path) }?;
         macro_rules! function {
             ($name:literal) => {
-                // SAFETY: the field's type is the C prototype of this function in FMI 3.0.2, which the library exports.
+                // SAFETY: the field's type is the C prototype of this function in FMI 3.0.2, which
+                // the library exports.
                 *unsafe { library.get(concat!($name, "\0")) }?
             };
         }
@@ -92,7 +94,8 @@ impl Binary {
         let token = CString::new(token).unwrap_or_default();
         let (name, resources) = (c"fmu-build".as_ptr(), c"".as_ptr());
         let environment = &raw const *log;
-        // SAFETY: all pointers are valid for the call; the log lives in a box as long as the instance.
+        // SAFETY: all pointers are valid for the call; the log lives in a box as long as the
+        // instance.
         let handle = unsafe {
             let instantiate = self.functions.instantiate;
             let logger: Option<Logger> = Some(logger);
@@ -126,8 +129,8 @@ unsafe extern "C" fn logger(
     category: *const c_char,
     message: *const c_char,
 ) {
-    // SAFETY: the environment is the log we gave at instantiation, which outlives the instance; the others are C strings
-    // (FMI 3.0.2, 2.3.1).
+    // SAFETY: the environment is the log we gave at instantiation, which outlives the instance; the
+    // others are C strings (FMI 3.0.2, 2.3.1).
     unsafe { Log::take(log, category, message) }
 }
 

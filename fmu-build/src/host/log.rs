@@ -1,4 +1,5 @@
-//! What an FMU logs to this host, whichever version: lines in a box, whose address the FMU is given.
+//! What an FMU logs to this host, whichever version: lines in a box, whose address the FMU is
+//! given.
 
 use crate::error::Error;
 use std::ffi::{CStr, c_char, c_int};

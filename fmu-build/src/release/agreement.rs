@@ -1,4 +1,5 @@
-//! What must agree before a release is built: versions, instantiation tokens, the changelog, the tag, the work tree.
+//! What must agree before a release is built: versions, instantiation tokens, the changelog, the
+//! tag, the work tree.
 
 use super::changelog::{self, Section};
 use crate::error::{Error, Result};
@@ -15,8 +16,8 @@ use vibro_fmi::fmi3::description::{ARRAYS, CLOCKED, MAIN, instantiation_token};
 pub struct Intent {
     /// The tag that is released, e.g. `v0.1.0`.
     pub tag: Option<String>,
-    /// Whether this only shows what a release would be: the changes are those under "Unreleased", and the work tree may have
-    /// changes that are not committed.
+    /// Whether this only shows what a release would be: the changes are those under "Unreleased",
+    /// and the work tree may have changes that are not committed.
     pub preview: bool,
 }
 
@@ -67,7 +68,8 @@ pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
     }
 }
 
-/// Model descriptions that are committed, each with the token of the library that this program was compiled with.
+/// Model descriptions that are committed, each with the token of the library that this program was
+/// compiled with.
 fn tokens() -> [(&'static str, String); 4] {
     [
         ("modelDescription/modelDescription.xml", guid()),
@@ -91,7 +93,8 @@ pub(super) fn description(place: &str, xml: &str, token: String, version: &str) 
     found.into_iter().chain(token).collect()
 }
 
-/// Packages of the workspace that have a version of their own. Those under `tests/` are never shipped.
+/// Packages of the workspace that have a version of their own. Those under `tests/` are never
+/// shipped.
 fn packages(folder: &Path, workspace: &Value) -> Result<Vec<String>> {
     let members = workspace["members"].as_array().into_iter().flatten().map(text);
     let mut wrong = Vec::new();

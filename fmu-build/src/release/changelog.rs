@@ -1,4 +1,5 @@
-//! Sections of `CHANGELOG.md`, which has the form of Keep a Changelog: `## [Unreleased]`, `## [0.1.0] - 2026-01-31`.
+//! Sections of `CHANGELOG.md`, which has the form of Keep a Changelog: `## [Unreleased]`,
+//! `## [0.1.0] - 2026-01-31`.
 
 /// One section.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,11 +14,12 @@ pub struct Section {
 
 const UNRELEASED: &str = "Unreleased";
 
-/// The section of a version; for a preview that of what is not released yet, where there is no section of the version.
+/// The section of a version; for a preview that of what is not released yet, where there is no
+/// section of the version.
 ///
 /// # Errors
-/// In words: no such section, one without a day or without a text, one below another version's; changes that nobody assigned to
-/// the version.
+/// In words: no such section, one without a day or without a text, one below another version's;
+/// changes that nobody assigned to the version.
 pub fn of(changelog: &str, version: &str, preview: bool) -> Result<Section, String> {
     let sections = sections(changelog);
     let find = |name: &str| sections.iter().find(|s| s.name == name).filter(|s| !s.text.is_empty());

@@ -1,4 +1,5 @@
-//! What must agree in the files of a release: names, versions, tokens, archives inside wheels, libraries and licences.
+//! What must agree in the files of a release: names, versions, tokens, archives inside wheels,
+//! libraries and licences.
 
 use super::agreement::description;
 use super::wheels::{ENTRY, FMU_FOLDER, WHEELS, WheelPlatform, python_version, sdist_file};
@@ -22,7 +23,8 @@ pub fn archive_of(dist: &Path, version: Version) -> PathBuf {
     version.beside(&dist.join(format!("{MODEL_IDENTIFIER}.fmu")))
 }
 
-/// Everything that disagrees in a folder with both archives and with those wheels and that source distribution that are there.
+/// Everything that disagrees in a folder with both archives and with those wheels and that source
+/// distribution that are there.
 ///
 /// # Errors
 /// Where a file cannot be read or is no archive.
@@ -118,7 +120,8 @@ fn archives(dist: &Path, version: &str) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-/// What is wrong with a wheel but for the archives inside. It is described as the source distribution is, where there is one.
+/// What is wrong with a wheel but for the archives inside. It is described as the source
+/// distribution is, where there is one.
 fn wheel(platform: &WheelPlatform, content: &Content, version: &str, described: Option<&str>) -> Vec<String> {
     let information = format!("vibro_impact-{}.dist-info", python_version(version));
     let about = text(content, &format!("{information}/METADATA"));
@@ -149,7 +152,8 @@ fn wheel(platform: &WheelPlatform, content: &Content, version: &str, described: 
     wrong
 }
 
-/// Whether a native module is one for the platform: its format and processor, its function, what it needs.
+/// Whether a native module is one for the platform: its format and processor, its function, what it
+/// needs.
 fn native(platform: &WheelPlatform, module: &[u8]) -> std::result::Result<(), String> {
     let damaged = |error: object::Error| format!("cannot be read: {error}");
     let kind = inspect::kind(module).map_err(damaged)?;
@@ -174,7 +178,8 @@ fn native(platform: &WheelPlatform, module: &[u8]) -> std::result::Result<(), St
 fn is_beside_python(library: &str) -> bool {
     const WINDOWS: [&str; 6] =
         ["python3.dll", "userenv.dll", "ws2_32.dll", "dbghelp.dll", "advapi32.dll", "bcryptprimitives.dll"];
-    // On macOS the interpreter's names are looked up when the module is loaded: they come from no library.
+    // On macOS the interpreter's names are looked up when the module is loaded: they come from no
+    // library.
     library.is_empty() || WINDOWS.contains(&&*library.to_lowercase())
 }
 

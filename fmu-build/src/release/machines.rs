@@ -1,5 +1,5 @@
-//! What a release has for machines of text files: the archives of the examples, and the command line for those without a Rust
-//! toolchain.
+//! What a release has for machines of text files: the archives of the examples, and the command
+//! line for those without a Rust toolchain.
 
 use crate::archive::{self, Content};
 use crate::compile::{PLATFORM_TUPLE, PROGRAM, workspace};
@@ -16,8 +16,8 @@ use vibro_assembly_fmi::Plan;
 /// Name of the file with the archives of the examples.
 pub const EXAMPLES: &str = "assembly-examples.zip";
 
-/// The platforms of these archives. Each holds a library of its own for each, so that all platforms would make hundreds of megabytes of
-/// what `fmu-build assembly` packs in a second.
+/// The platforms of these archives. Each holds a library of its own for each, so that all platforms
+/// would make hundreds of megabytes of what `fmu-build assembly` packs in a second.
 const PLATFORMS: [&str; 3] = ["x86_64-linux", "x86_64-windows", "aarch64-darwin"];
 
 /// The files of the example machines, in their order by name.
@@ -31,8 +31,8 @@ fn example_files() -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The archives of all example machines, with the libraries of the commonest platforms that the kit has, or of this machine's own
-/// where it has none of them: name → archive.
+/// The archives of all example machines, with the libraries of the commonest platforms that the kit
+/// has, or of this machine's own where it has none of them: name → archive.
 ///
 /// # Errors
 /// As [`assembly::content`].
@@ -54,7 +54,8 @@ pub fn examples(kit: &Kit) -> Result<Content> {
     Ok(archives)
 }
 
-/// An archive with the command line for each platform, by its name: the program, what to call, and the licences.
+/// An archive with the command line for each platform, by its name: the program, what to call, and
+/// the licences.
 ///
 /// # Errors
 /// As [`licences::texts_of`].

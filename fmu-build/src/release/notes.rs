@@ -1,4 +1,5 @@
-//! `RELEASE_NOTES.md`: what is in the folder, how each file was tried, what is left out, what changed.
+//! `RELEASE_NOTES.md`: what is in the folder, how each file was tried, what is left out, what
+//! changed.
 
 use super::agreement::Agreed;
 use std::fmt::Write;

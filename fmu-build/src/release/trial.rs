@@ -15,8 +15,8 @@ static SCRIPT: &str = include_str!("try_wheel.py");
 /// How many half seconds the script runs.
 const HALF_SECONDS: u32 = 600;
 
-/// Installs a wheel of that folder and compares what it finds with the native library; returns the interpreter's version, or why there
-/// is no environment to install it in.
+/// Installs a wheel of that folder and compares what it finds with the native library; returns the
+/// interpreter's version, or why there is no environment to install it in.
 ///
 /// # Errors
 /// [`Error::Release`] where the package cannot be imported or finds something else.

@@ -1,5 +1,5 @@
-//! Source distribution and wheels of the Python package, by maturin. The wheels are built from the source distribution, unpacked: what
-//! it lacks is missed here and not by those who install it.
+//! Source distribution and wheels of the Python package, by maturin. The wheels are built from the
+//! source distribution, unpacked: what it lacks is missed here and not by those who install it.
 
 use crate::archive::{Content, write_file};
 use crate::compile::{EPOCH, PLATFORM_TUPLE, cargo_home, output, remap, target, workspace};
@@ -11,7 +11,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A platform for which a wheel is built. One wheel serves all versions of Python from 3.9 on (its stable interface, "abi3").
+/// A platform for which a wheel is built. One wheel serves all versions of Python from 3.9 on (its
+/// stable interface, "abi3").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WheelPlatform {
     /// Name of the platform as FMI 3.0 has it.
@@ -104,9 +105,11 @@ fn flags(source: &Path) -> Vec<String> {
     flags
 }
 
-/// What makes the linker of Windows libraries export the module's function. cargo-zigbuild leaves out the compiler's own list of exports, and
-/// maturin 1.16 gives instead a list with `PyInit_vibro_impact._native`, of the module's whole name, which no function has. It does
-/// so where it can write that list; here a folder stands in its place, and the linker is given the right one.
+/// What makes the linker of Windows libraries export the module's function. cargo-zigbuild leaves
+/// out the compiler's own list of exports, and maturin 1.16 gives instead a list with
+/// `PyInit_vibro_impact._native`, of the module's whole name, which no function has. It does so
+/// where it can write that list; here a folder stands in its place, and the linker is given the
+/// right one.
 fn definitions() -> Result<String> {
     let place = built().join("maturin/vibro_impact._native.def");
     fs::create_dir_all(&place).map_err(Error::file("making the folder", &place))?;
@@ -132,7 +135,8 @@ pub fn missing_tool() -> Option<String> {
 /// Folder of the archives in the sources of the package.
 pub const FMU_FOLDER: &str = "package/vibro_impact/fmu";
 
-/// Makes the source distribution, with the archives of that folder, what makes those of other machines, and these licences inside.
+/// Makes the source distribution, with the archives of that folder, what makes those of other
+/// machines, and these licences inside.
 ///
 /// # Errors
 /// [`Error::Cargo`] where Python or maturin fails, [`Error::File`].
@@ -141,7 +145,8 @@ pub fn sdist(archives: &Path, kit: &Kit, licences: &Content, version: &str, into
     for (name, text) in licences {
         write_file(&package.join(name), text)?;
     }
-    // It is no part of a release by itself: the backend takes what lies there where the archives' folder has none.
+    // It is no part of a release by itself: the backend takes what lies there where the archives'
+    // folder has none.
     kit.write(&package.join(FMU_FOLDER).join(KIT_FILE))?;
     let mut python = Command::new("python3");
     // The package's own backend fetches the archives and calls maturin.
@@ -151,7 +156,8 @@ pub fn sdist(archives: &Path, kit: &Kit, licences: &Content, version: &str, into
     Ok(into.join(sdist_file(version)))
 }
 
-/// Unpacks the source distribution into a folder, which it replaces, and returns the place of its manifest.
+/// Unpacks the source distribution into a folder, which it replaces, and returns the place of its
+/// manifest.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -161,7 +167,8 @@ pub fn unpack(sdist: &Path, version: &str, folder: &Path) -> Result<PathBuf> {
     }
     let file = fs::File::open(sdist).map_err(Error::file("opening", sdist))?;
     let mut tar = tar::Archive::new(GzDecoder::new(file));
-    // Their dates are all the same: cargo, which goes by dates, would take an earlier build for that of these sources.
+    // Their dates are all the same: cargo, which goes by dates, would take an earlier build for
+    // that of these sources.
     tar.set_preserve_mtime(false);
     tar.unpack(folder).map_err(Error::file("unpacking into", folder))?;
     Ok(folder.join(format!("vibro_impact-{}", python_version(version))))

@@ -15,8 +15,9 @@ fn written(path: &Path) -> Option<SystemTime> {
     fs::metadata(path).and_then(|data| data.modified()).ok()
 }
 
-/// The folder of that name under `target/`, made anew, with the descriptions of both versions, and the library. Cargo has compiled
-/// what it takes where all tests run. Where a test runs alone it is asked to.
+/// The folder of that name under `target/`, made anew, with the descriptions of both versions, and
+/// the library. Cargo has compiled what it takes where all tests run. Where a test runs alone it is
+/// asked to.
 pub fn described(name: &str) -> (PathBuf, PathBuf) {
     let target = fmu_build::compile::target();
     let examples = target.join("debug/examples");

@@ -36,7 +36,8 @@ pub fn fmu() -> PathBuf {
     FMU.get_or_init(pack).clone()
 }
 
-/// The library of described machines that cargo compiled for this test, as the package holds it; made on first use in this process.
+/// The library of described machines that cargo compiled for this test, as the package holds it;
+/// made on first use in this process.
 pub fn kit() -> PathBuf {
     static KIT: OnceLock<PathBuf> = OnceLock::new();
     let pack = || {
@@ -48,8 +49,8 @@ pub fn kit() -> PathBuf {
     KIT.get_or_init(pack).clone()
 }
 
-/// Python of the virtual environment of the default tests; made on first use, then reused. One serves all: what fmpy, the package and
-/// the theory page need is installed once.
+/// Python of the virtual environment of the default tests; made on first use, then reused. One
+/// serves all: what fmpy, the package and the theory page need is installed once.
 pub fn python() -> PathBuf {
     python_with(&DEFAULT)
 }
@@ -58,9 +59,9 @@ pub fn python() -> PathBuf {
 const DEFAULT: [&str; 3] =
     ["tests/fmpy/requirements.txt", "tests/python/requirements.txt", "tests/theory/requirements.txt"];
 
-/// The same Python with the package `vibro_impact` of this tree beside it: its modules, the native part that cargo compiled for this
-/// test, and the packaged FMUs. What `pip` does with the wheel is tried by `install_wheel`. Once in a process: no test's package
-/// is replaced while it runs.
+/// The same Python with the package `vibro_impact` of this tree beside it: its modules, the native
+/// part that cargo compiled for this test, and the packaged FMUs. What `pip` does with the wheel is
+/// tried by `install_wheel`. Once in a process: no test's package is replaced while it runs.
 pub fn python_with_package() -> PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     let install = || {
@@ -76,7 +77,8 @@ pub fn python_with_package() -> PathBuf {
     PYTHON.get_or_init(install).clone()
 }
 
-/// The compiled native part of the package. It lies beside this test, because the packager's tests depend on its crate.
+/// The compiled native part of the package. It lies beside this test, because the packager's tests
+/// depend on its crate.
 fn native_part() -> PathBuf {
     let tests = std::env::current_exe().expect("a test is a file");
     let name = format!("{}_native{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
@@ -106,8 +108,8 @@ fn copy_package(installed: &Path) {
     }
 }
 
-/// Python of an environment with these requirements in which the package was installed by pip from a wheel, built without the
-/// optimisations of a release, on which no bit depends.
+/// Python of an environment with these requirements in which the package was installed by pip from
+/// a wheel, built without the optimisations of a release, on which no bit depends.
 pub fn install_wheel(also: &[&str]) -> PathBuf {
     let python = python_with(&[&DEFAULT[..], also].concat());
     let programs = python.parent().expect("a program is in a folder");
@@ -122,7 +124,8 @@ pub fn install_wheel(also: &[&str]) -> PathBuf {
         let mut pip = Command::new(&python);
         pip.args(["-m", "pip", "--quiet", "--disable-pip-version-check"]).args(arguments).current_dir(root());
         pip.env("PATH", std::env::join_paths(&paths).expect("no path holds the separator"));
-        // In a folder of its own: what maturin tells the build of PyO3 differs from what cargo does, so that each would undo the other.
+        // In a folder of its own: what maturin tells the build of PyO3 differs from what cargo
+        // does, so that each would undo the other.
         pip.env("CARGO_TARGET_DIR", fmu_build::compile::target().join("wheel"));
         pip.env("VIBRO_IMPACT_ARCHIVES", &archives).env("MATURIN_PEP517_ARGS", "--profile dev");
         pip
@@ -136,15 +139,17 @@ pub fn install_wheel(also: &[&str]) -> PathBuf {
     python
 }
 
-/// A command for pytest over a folder of tests. Compiled modules go under `target/`, so that the work tree stays clean.
+/// A command for pytest over a folder of tests. Compiled modules go under `target/`, so that the
+/// work tree stays clean.
 pub fn pytest(python: PathBuf, folder: &str) -> Command {
     let mut pytest = command(python);
     pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", folder]);
     pytest
 }
 
-/// A command for Python in the work tree. Only the modules that are imported are compiled, once, under `target/`, also where the user's
-/// environment says that none be kept: each of the many processes would compile them all.
+/// A command for Python in the work tree. Only the modules that are imported are compiled, once,
+/// under `target/`, also where the user's environment says that none be kept: each of the many
+/// processes would compile them all.
 pub fn command(python: PathBuf) -> Command {
     let mut command = Command::new(python);
     command.current_dir(root()).env("PYTHONPYCACHEPREFIX", fmu_build::compile::target().join("pycache"));

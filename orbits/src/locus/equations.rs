@@ -1,4 +1,5 @@
-//! The equations of a curve in two parameters: those of contact, and one that says which bifurcation or touch the orbit has.
+//! The equations of a curve in two parameters: those of contact, and one that says which
+//! bifurcation or touch the orbit has.
 
 use crate::curve::{Equations, Linearization, least_vectors, slope};
 use crate::cycle::{Cycle, Functional};
@@ -10,11 +11,13 @@ use crate::system::Anchor;
 use crate::word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
-/// Step of the differences of the condition that defines the curve: it sets the speed of convergence and never the result.
+/// Step of the differences of the condition that defines the curve: it sets the speed of
+/// convergence and never the result.
 const DIFFERENCE: f64 = 1e-6;
 
-/// A matrix's smallness in one direction, bordered by two vectors: zero where it is singular, and of the size of the least singular
-/// value (W. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, 2000).
+/// A matrix's smallness in one direction, bordered by two vectors: zero where it is singular, and
+/// of the size of the least singular value (W. Govaerts, Numerical Methods for Bifurcations of
+/// Dynamical Equilibria, 2000).
 fn smallness<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, border: &Border<T>) -> Option<T> {
     let n = matrix.nrows();
     let mut whole = matrix.clone().resize(n + 1, n + 1, T::zero());
@@ -50,8 +53,8 @@ pub(crate) enum Condition {
     Touch(usize),
 }
 
-/// The equations of a curve. A point holds the phases, the angle of the multipliers where it is an unknown, and the two
-/// parameters.
+/// The equations of a curve. A point holds the phases, the angle of the multipliers where it is an
+/// unknown, and the two parameters.
 pub(crate) struct Locus<'a> {
     pub family: &'a Family,
     pub word: &'a OrbitWord,

@@ -1,4 +1,5 @@
-//! Where a curve in two parameters begins: the special point in the shortest word of its orbit, on the curve itself.
+//! Where a curve in two parameters begins: the special point in the shortest word of its orbit, on
+//! the curve itself.
 
 use super::equations::{Border, Condition, Locus};
 use crate::branch::Label;
@@ -16,7 +17,8 @@ use crate::word::REPETITION;
 use nalgebra::{Complex, DVector};
 use vibro_analysis::{Error, Result as Outcome};
 
-/// Approach speeds under this, units of ω1 L, are those of a touch. At a touch that was located they are zero but for rounding.
+/// Approach speeds under this, units of ω1 L, are those of a touch. At a touch that was located
+/// they are zero but for rounding.
 const NO_SPEED: f64 = 1e-6;
 /// An extremum so near to its stop, units of L, touches it.
 const NO_DISTANCE: f64 = 1e-6;
@@ -32,8 +34,8 @@ const MISS: f64 = 0.05;
 pub struct LocusStart {
     /// What holds along the curve: LP, BP, PD, NS, GR or CH.
     pub label: Label,
-    /// The word of the orbit, or one that passes the orbit several times, as that of a branch at its birth. At a touch the word with
-    /// or without it.
+    /// The word of the orbit, or one that passes the orbit several times, as that of a branch at
+    /// its birth. At a touch the word with or without it.
     pub word: OrbitWord,
     /// Phases of the impacts near the point.
     pub phases: Vec<f64>,
@@ -42,7 +44,8 @@ pub struct LocusStart {
 }
 
 impl LocusStart {
-    /// The same special point in the shortest word of its orbit, in which its curve is followed; at a touch the shortest that lists it.
+    /// The same special point in the shortest word of its orbit, in which its curve is followed; at
+    /// a touch the shortest that lists it.
     ///
     /// # Errors
     /// As [`locus`](super::locus).
@@ -58,7 +61,8 @@ impl LocusStart {
         Ok(Self { label, word, phases, values })
     }
 
-    /// Whether another start is the same special point: of two branches that meet at one, each has it.
+    /// Whether another start is the same special point: of two branches that meet at one, each has
+    /// it.
     ///
     /// # Errors
     /// As [`locus`](super::locus) for the starts themselves.
@@ -85,9 +89,9 @@ pub(crate) enum Kind {
 
 /// A start in the shortest word of its orbit, at a touch in that which lists it once.
 ///
-/// A branch that is born by a doubling begins with a word passed twice: there its own multiplier is 1 and not -1. At a touch the
-/// words of several branches meet, of which one alone, the shortest with the touch, has regular equations whatever the symmetry of
-/// the orbit is.
+/// A branch that is born by a doubling begins with a word passed twice: there its own multiplier is
+/// 1 and not -1. At a touch the words of several branches meet, of which one alone, the shortest
+/// with the touch, has regular equations whatever the symmetry of the orbit is.
 #[derive(Debug)]
 pub(crate) struct Normal {
     pub word: OrbitWord,
@@ -100,8 +104,8 @@ impl Normal {
     /// The normal form of a start.
     ///
     /// # Errors
-    /// [`Error::Form`] for a label that defines no curve of the word; [`Error::NoOrbit`] where the phases are not those of an orbit
-    /// of the machine.
+    /// [`Error::Form`] for a label that defines no curve of the word; [`Error::NoOrbit`] where the
+    /// phases are not those of an orbit of the machine.
     pub fn of(family: &Family, start: &LocusStart) -> Outcome<Self> {
         let LocusStart { label, word, phases, values } = start;
         let form = || {
@@ -143,7 +147,8 @@ impl Normal {
     }
 }
 
-/// The touch of an orbit: impacts of its word without speed, or the extremum at a stop that its word does not list.
+/// The touch of an orbit: impacts of its word without speed, or the extremum at a stop that its
+/// word does not list.
 fn touch(family: &Family, word: &OrbitWord, phases: &[f64], values: &[f64]) -> Result<Touch, Obstacle> {
     let system = family.system(values)?;
     let cycle = Cycle::new(&system, word, phases)?;
@@ -179,9 +184,10 @@ fn touch(family: &Family, word: &OrbitWord, phases: &[f64], values: &[f64]) -> R
 
 /// The point of the curve next to a start: the second parameter is held.
 ///
-/// A special point that was located is its own guess. At a fold there is no orbit beyond it, so that Newton's method at the value of
-/// the parameter, which is off by its last digit, has nowhere to go; the equations of the curve itself are regular there. A guess that is
-/// farther off is first taken to the orbit at its parameters.
+/// A special point that was located is its own guess. At a fold there is no orbit beyond it, so
+/// that Newton's method at the value of the parameter, which is off by its last digit, has nowhere
+/// to go; the equations of the curve itself are regular there. A guess that is farther off is first
+/// taken to the orbit at its parameters.
 pub(crate) fn first_point<'a>(
     family: &'a Family,
     normal: &'a Normal,

@@ -14,8 +14,9 @@ use nalgebra::Complex;
 const LOCATION: f64 = 1e-14;
 /// Differences of the parameter, in its unit of the curve, that may be rounding.
 const ROUNDING: f64 = 1e-12;
-/// Accuracy, in parts of a step, with which a change of sign is located that may be none of interest, and the distance from the unit
-/// circle of a pair of multipliers that may cross it so near.
+/// Accuracy, in parts of a step, with which a change of sign is located that may be none of
+/// interest, and the distance from the unit circle of a pair of multipliers that may cross it so
+/// near.
 const ROUGHLY: f64 = 1e-4;
 const NEAR_CIRCLE: f64 = 0.1;
 /// Largest multiplier beside which those on the unit circle keep ten digits.
@@ -45,9 +46,10 @@ fn changes(last: &Position, next: &Position, index: usize) -> bool {
     signs[0] * signs[1] < 0.0
 }
 
-/// What a change of the pair's test says in a step that has no pair on the unit circle: nothing, as the place is a neutral saddle's, unless
-/// two real multipliers cross the circle at 1 or at -1, which leaves the signs of the tests for these as they were. The step is too long
-/// then. Multipliers must be so small that none is rounding beside the largest.
+/// What a change of the pair's test says in a step that has no pair on the unit circle: nothing, as
+/// the place is a neutral saddle's, unless two real multipliers cross the circle at 1 or at -1,
+/// which leaves the signs of the tests for these as they were. The step is too long then.
+/// Multipliers must be so small that none is rounding beside the largest.
 fn neutral<T>(last: &Position, next: &Position) -> Result<Option<T>, Obstacle> {
     let resolved = |p: &Position| p.multipliers[0].norm() < RESOLVED;
     let single = [UNIT, DOUBLING].iter().any(|index| changes(last, next, *index));
@@ -56,7 +58,8 @@ fn neutral<T>(last: &Position, next: &Position) -> Result<Option<T>, Obstacle> {
 }
 
 impl Follower<'_> {
-    /// The special points between two points, in order, with the stability of the pieces that follow them.
+    /// The special points between two points, in order, with the stability of the pieces that
+    /// follow them.
     pub(super) fn between(&self, last: &Position, next: &Position) -> Result<Vec<Point>, Obstacle> {
         let changes = |index: usize| {
             let pair = last.tests[index].zip(next.tests[index]);
@@ -129,8 +132,9 @@ impl Follower<'_> {
         Ok(Some(Found { arc, at, label }))
     }
 
-    /// Whether the parameter turns round at a point within a step: by the tangents at the step's ends, of which a touch and a birth have
-    /// none of their own, or by the values there, which lie on one side of the point's.
+    /// Whether the parameter turns round at a point within a step: by the tangents at the step's
+    /// ends, of which a touch and a birth have none of their own, or by the values there, which lie
+    /// on one side of the point's.
     fn turns(&self, last: &Position, next: &Position, at: &CurvePoint) -> bool {
         let n = self.word.len();
         let sides = [last, next].map(|p| p.u[n] - at.u[n]);
@@ -138,16 +142,18 @@ impl Follower<'_> {
         last.tangent[n] * next.tangent[n] < 0.0 || beside
     }
 
-    /// Whether a pair of multipliers may cross the unit circle in a step in which the pair's test changes its sign; `zero` gives the
-    /// place of the change to a tolerance. The test changes at neutral saddles too, and by the rounding of multipliers next to very
-    /// large ones, which would be located with much work for nothing.
+    /// Whether a pair of multipliers may cross the unit circle in a step in which the pair's test
+    /// changes its sign; `zero` gives the place of the change to a tolerance. The test changes at
+    /// neutral saddles too, and by the rounding of multipliers next to very large ones, which would
+    /// be located with much work for nothing.
     fn may_be_torus(
         &self,
         last: &Position,
         next: &Position,
         zero: impl Fn(f64) -> Option<f64>,
     ) -> Result<bool, Obstacle> {
-        // A pair changes the number of multipliers outside the circle by two; a real multiplier may do so in the same step.
+        // A pair changes the number of multipliers outside the circle by two; a real multiplier may
+        // do so in the same step.
         if !changes(last, next, UNIT) && !changes(last, next, DOUBLING) && crossings(last, next) < 2 {
             return Ok(false);
         }

@@ -41,7 +41,8 @@ impl Follower<'_> {
         self.arrive(last, curve, None)
     }
 
-    /// The step to the birth of a branch that cannot be followed there, since next to it the equations are nearly singular.
+    /// The step to the birth of a branch that cannot be followed there, since next to it the
+    /// equations are nearly singular.
     pub(super) fn advance_to_birth(&self, last: &Position) -> Result<Advance, Obstacle> {
         let within = self.options.longest_step;
         let beyond = special::beyond_birth(self.word, &last.u, &last.tangent, within)
@@ -100,7 +101,8 @@ impl Follower<'_> {
         };
         let located = touches.iter().filter_map(|touch| grazing::locate(self.family, touch).ok());
         let placed = located.filter_map(|touch| Some((arc(&touch)?, touch)));
-        // Of two at one point, as where a repeated orbit touches in each round, the impact that the word lists is taken out.
+        // Of two at one point, as where a repeated orbit touches in each round, the impact that the
+        // word lists is taken out.
         let order = |a: &(f64, Touch), b: &(f64, Touch)| {
             if (a.0 - b.0).abs() < LEAST_STEP {
                 b.1.from_longer.cmp(&a.1.from_longer)
@@ -142,7 +144,8 @@ impl Follower<'_> {
         let system = self.family.system(&values)?;
         let cycle = Cycle::new(&system, self.word, &phases)?;
         let multipliers = eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
-        // The test for doubling changes its sign on the way if it does; that for a multiplier 1 touches zero at the end.
+        // The test for doubling changes its sign on the way if it does; that for a multiplier 1
+        // touches zero at the end.
         let tests = [None, test(&cycle, DOUBLING), None];
         let tangent = last.tangent.clone();
         let next = Position { u: doubled, tangent, steps: 3, multipliers, stable: false, tests };

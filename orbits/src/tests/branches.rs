@@ -1,4 +1,5 @@
-//! Branches and their special points: the closed form, both sides of a point, halved steps, and the simulator.
+//! Branches and their special points: the closed form, both sides of a point, halved steps, and the
+//! simulator.
 
 use crate::{
     Branch, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, Point, Span, Tree,
@@ -191,7 +192,8 @@ fn invariant_a_doubled_branch_leaves_as_a_parabola() {
 
 #[test]
 fn second_method_the_simulator_on_both_sides_of_a_period_doubling() {
-    // UL doubles its period at 2.373075: before it a small deviation decays, after it the period is two.
+    // UL doubles its period at 2.373075: before it a small deviation decays, after it the period is
+    // two.
     let doubling = 2.373_075_370_806;
     for (value, period) in [(doubling - 2e-3, 1), (doubling + 2e-3, 2)] {
         let p = Groups { f10: value, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
@@ -212,7 +214,8 @@ fn second_method_the_simulator_on_both_sides_of_a_period_doubling() {
 fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     let chaos = Groups { f10: 3.6, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     let system = crate::System::new(&chaos).unwrap();
-    // Chaos may pass near an unstable orbit, so that either is right; what is found must be certified.
+    // Chaos may pass near an unstable orbit, so that either is right; what is found must be
+    // certified.
     match orbit_of(&system, &settle(&system, &moving_block(&chaos), 600).unwrap()) {
         Ok(orbit) => assert!(orbit.is_certified() && !orbit.is_stable()),
         Err(error) => assert!(error.to_string().contains("does not return"), "{error}"),
@@ -229,7 +232,8 @@ fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     assert!(error.to_string().contains("rests at a stop"), "{error}");
 }
 
-/// The curve of a special point of the symmetric branch over force and restitution coefficient, from a value of the latter on.
+/// The curve of a special point of the symmetric branch over force and restitution coefficient,
+/// from a value of the latter on.
 fn curve(label: Label, kappa: f64, [from, to]: [f64; 2]) -> Vec<crate::LocusPoint> {
     let [f10, second] = ["f10", "kappa"].map(|name| find_group(name).unwrap());
     let set = ParameterSet::basic().with(second, kappa).unwrap();
@@ -292,7 +296,8 @@ fn closed_form_of_curves_in_two_parameters() {
     }
 }
 
-/// Beyond the bounds of a parameter there is no machine, and differences are taken to one side: a curve runs to them, and may begin there.
+/// Beyond the bounds of a parameter there is no machine, and differences are taken to one side: a
+/// curve runs to them, and may begin there.
 #[test]
 fn closed_form_curves_run_to_the_bounds_of_a_parameter_and_begin_there() {
     /// The discriminant is of order one over the curve.
@@ -363,8 +368,8 @@ fn invariant_where_the_parameter_turns_before_a_touch_is_a_fold() {
     assert!(!turning.contains(&Some(Label::BranchPoint)), "{turning:?}");
 }
 
-/// Between two points of a branch without a special point as many multipliers are outside the unit circle, also where two doublings lie
-/// within one of the longest steps.
+/// Between two points of a branch without a special point as many multipliers are outside the unit
+/// circle, also where two doublings lie within one of the longest steps.
 #[test]
 fn invariant_stability_changes_at_special_points_alone() {
     let set = machine(&[
@@ -381,8 +386,8 @@ fn invariant_stability_changes_at_special_points_alone() {
     }
 }
 
-/// A step past the birth of a branch may end on the branch from which it is born, where both halves of the orbit are the same but for
-/// rounding, whatever the sign of that is.
+/// A step past the birth of a branch may end on the branch from which it is born, where both halves
+/// of the orbit are the same but for rounding, whatever the sign of that is.
 #[test]
 fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
     const BREAKING: f64 = 2.039_588_865_238;
@@ -402,7 +407,8 @@ fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
     }
 }
 
-/// Next to the birth of a branch its equations are nearly singular, so that no step may lead over it. It ends there nevertheless.
+/// Next to the birth of a branch its equations are nearly singular, so that no step may lead over
+/// it. It ends there nevertheless.
 #[test]
 fn invariant_branches_end_at_their_births() {
     for (damping, restitution, amplitude, frequency, name, range, value, births) in [
@@ -442,8 +448,8 @@ fn invariant_branches_end_at_their_births() {
     }
 }
 
-/// The multipliers of a Neimark-Sacker point meet at 1 where one of the equations of its curve says nothing: the curve ends there, and not
-/// for want of convergence.
+/// The multipliers of a Neimark-Sacker point meet at 1 where one of the equations of its curve says
+/// nothing: the curve ends there, and not for want of convergence.
 #[test]
 fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
     const BOX: f64 = 0.1;
@@ -475,7 +481,8 @@ fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
     }
 }
 
-/// A soft spring holds its load far away, so that phases have fewer digits: a branch turns round at its fold all the same.
+/// A soft spring holds its load far away, so that phases have fewer digits: a branch turns round at
+/// its fold all the same.
 #[test]
 fn invariant_a_branch_under_a_softly_held_load_passes_its_fold() {
     let set = machine(&[

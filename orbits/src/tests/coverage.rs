@@ -8,7 +8,8 @@ use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, find_group};
 
-/// Periods of the diagram, after which what is left of a transient is under what counts as a return.
+/// Periods of the diagram, after which what is left of a transient is under what counts as a
+/// return.
 const DISCARD: u32 = 1500;
 
 fn family(from: f64, to: f64) -> Family {

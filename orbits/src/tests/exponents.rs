@@ -8,7 +8,8 @@ use vibro_impact::{Parameters, Simulator};
 
 #[test]
 fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit() {
-    /// What is left of the transient in a mean over the periods counted, and in the orbit's phases, 1/s.
+    /// What is left of the transient in a mean over the periods counted, and in the orbit's phases,
+    /// 1/s.
     const SETTLED: f64 = 1e-5;
     let p = Groups { f10: 2.2, kappa: 0.75, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     let p = Parameters { constant_loads: [0.002, -0.004, 0.001], ..p };

@@ -1,5 +1,5 @@
-//! A block without a spring (docs/theory.md (111) to (113)): closed forms of the symmetric motion and of a block that bounces under
-//! gravity, the balance of impulses, the simulator.
+//! A block without a spring (docs/theory.md (111) to (113)): closed forms of the symmetric motion
+//! and of a block that bounces under gravity, the balance of impulses, the simulator.
 
 use crate::{
     Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, orbit_of,
@@ -12,7 +12,8 @@ use vibro_impact::Simulator;
 use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit;
 
-/// Two ways to the same phases: the rounding of a flight, amplified by the sensitivity of the orbit.
+/// Two ways to the same phases: the rounding of a flight, amplified by the sensitivity of the
+/// orbit.
 const CLOSED_FORM: f64 = 1e-12;
 
 fn free(f10: f64) -> Parameters {
@@ -86,8 +87,9 @@ fn closed_form_of_the_symmetric_orbit_of_a_free_block() {
     }
 }
 
-/// The drive's phases at the impact of a block that meets the lower stop once a period under a constant pull: its speeds follow from
-/// the parabola, the impulse from the balance with the load, and the box is a linear oscillator under drive and impulses.
+/// The drive's phases at the impact of a block that meets the lower stop once a period under a
+/// constant pull: its speeds follow from the parabola, the impulse from the balance with the load,
+/// and the box is a linear oscillator under drive and impulses.
 fn bouncing(p: &Parameters, pull: f64) -> ([f64; 2], f64) {
     let (period, omega) = (p.period(), p.drive_frequency);
     let reduced = p.box_mass * p.block_mass / (p.box_mass + p.block_mass);
@@ -223,7 +225,8 @@ fn specials(branch: &Branch) -> Vec<(&'static str, f64)> {
     found
 }
 
-/// The equations of a missing spring may be singular beside a spring that holds: a family from one to the other has each machine's own.
+/// The equations of a missing spring may be singular beside a spring that holds: a family from one
+/// to the other has each machine's own.
 #[test]
 fn closed_form_the_branch_from_a_missing_spring_on_runs_through_the_range() {
     let mut set = ParameterSet::basic();

@@ -4,7 +4,8 @@ use crate::orbit::{canonical, same_phases};
 use crate::{Family, Orbit, OrbitWord, PathOptions, Span, branch};
 use vibro_analysis::{ParameterSet, find_group};
 
-/// The parameter of a located point: rounding of the residual over the sensitivity of the condition.
+/// The parameter of a located point: rounding of the residual over the sensitivity of the
+/// condition.
 const LOCATION: f64 = 2e-13;
 /// Its phases, which at a fold move with the square root of the parameter.
 const PHASES: f64 = 2e-11;
@@ -26,7 +27,8 @@ fn golden_orbits_in_thirty_digits() {
         let phases: Vec<f64> = phases.split(' ').map(|x| x.parse().unwrap()).collect();
         let span = Span::new(find_group("f10").unwrap(), value - REACH, value + REACH).unwrap();
         let family = Family::new(&ParameterSet::basic(), span).unwrap();
-        // On one side of a fold or of a touch there is nothing, and at a fold Newton's method needs a push.
+        // On one side of a fold or of a touch there is nothing, and at a fold Newton's method needs
+        // a push.
         let pushed = |k: usize, by: f64| -> Vec<f64> {
             phases.iter().enumerate().map(|(i, p)| if i == k { p + by } else { *p }).collect()
         };

@@ -1,4 +1,5 @@
-//! What lies beside the motions that are followed along the range: stable windows that other starts reach.
+//! What lies beside the motions that are followed along the range: stable windows that other starts
+//! reach.
 
 use crate::{Branch, Family, Orbit, Span, TreeOptions, tree};
 use vibro_analysis::{ParameterSet, find_group};

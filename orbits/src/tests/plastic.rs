@@ -8,8 +8,9 @@ use vibro_impact::simulator::{Contact, Simulator};
 /// Accelerations after an impact that are none but for rounding, units of ω1² L.
 const NONE: f64 = 1e-9;
 
-/// The branch of symmetric orbits ends where the acceleration after the impact comes to point at the stop, since beyond the block would stay
-/// there. It passed the stop by less than the proof that it keeps within the stops allows, and where by more that was taken for a touch.
+/// The branch of symmetric orbits ends where the acceleration after the impact comes to point at
+/// the stop, since beyond the block would stay there. It passed the stop by less than the proof
+/// that it keeps within the stops allows, and where by more that was taken for a touch.
 #[test]
 fn invariant_a_block_that_would_stay_on_its_stop_has_no_orbit_and_no_touch() {
     let machine = [
@@ -46,7 +47,8 @@ fn invariant_a_block_that_would_stay_on_its_stop_has_no_orbit_and_no_touch() {
             "{} {acceleration}",
             point.value
         );
-        // The simulator, which meets the other stop half a period after the impact, is off it again.
+        // The simulator, which meets the other stop half a period after the impact, is off it
+        // again.
         let start = theta + 1.0;
         let mut simulator =
             Simulator::new(&Parameters { drive_phase: start, ..p }, &orbit.state(start), 0.0).unwrap();

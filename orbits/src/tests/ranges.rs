@@ -3,7 +3,8 @@
 use crate::{Branch, Family, Label, Span, TreeOptions, doubling_ratios, doubling_sequences, tree};
 use vibro_analysis::{ParameterSet, find_group};
 
-/// A multiplier is on the unit circle to the square root of the rounding of its parameter, as two meet at a fold.
+/// A multiplier is on the unit circle to the square root of the rounding of its parameter, as two
+/// meet at a fold.
 const ON_CIRCLE: f64 = 1e-5;
 
 fn found() -> (Family, Vec<Branch>) {
@@ -52,7 +53,8 @@ fn second_method_multipliers_are_inside_the_circle_in_a_stable_range_and_on_it_a
 fn doublings_follow_one_another_over_folds_and_births_are_none() {
     let (_, branches) = found();
     let sequences = doubling_sequences(&branches);
-    // In this range the motion that has lost its symmetry, and that with three impacts, whose doubled branch has two folds.
+    // In this range the motion that has lost its symmetry, and that with three impacts, whose
+    // doubled branch has two folds.
     for (first, expected) in [
         (2.373_075_370_806, vec![(1, 2.373_075_370_806), (2, 2.493_021_660_408), (4, 2.511_747_833_602)]),
         (2.802_205_439_173, vec![(1, 2.802_205_439_173), (2, 2.835_209_901_315), (4, 2.848_740_511_358)]),

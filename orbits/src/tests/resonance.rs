@@ -4,10 +4,12 @@ use crate::{Orbit, OrbitWord, System};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::exact_orbit;
 
-/// Agreement of phases (rad) and of the largest multipliers, relatively: next to the resonance force and impacts cancel, and so do digits.
+/// Agreement of phases (rad) and of the largest multipliers, relatively: next to the resonance
+/// force and impacts cancel, and so do digits.
 const CANCELLED: f64 = 1e-6;
 
-/// A machine whose box, or whose pair of block and secondary oscillator, swings without a damper at the drive's frequency but for a part.
+/// A machine whose box, or whose pair of block and secondary oscillator, swings without a damper at
+/// the drive's frequency but for a part.
 fn machine(box_swings: bool, off: f64) -> Parameters {
     let frequency = 1.4 * (1.0 + off);
     let square = frequency * frequency;

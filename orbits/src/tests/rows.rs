@@ -67,7 +67,8 @@ fn invariant_every_special_point_of_a_tree_starts_its_curve() {
                     start.phases
                 )),
             }
-            // Newton's method at the parameter itself finds no fold, which is why the curve's own equations are solved.
+            // Newton's method at the parameter itself finds no fold, which is why the curve's own
+            // equations are solved.
             let system = two.system(&start.values).unwrap();
             let direct = newton(&system, &start.word, &start.phases).is_ok();
             folds_by_newton += usize::from(start.label == Label::Fold && direct);

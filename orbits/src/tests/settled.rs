@@ -16,8 +16,9 @@ fn settled(p: &Parameters, periods: u32) -> Result<Orbit> {
     orbit_of(&system, &settle(&system, &START, periods)?)
 }
 
-/// Next to a doubling a settled motion returns to 2e-3 in half of its period already, by the orbit that is no longer stable; and a motion
-/// on an orbit that is still stable comes to it from either side in turn.
+/// Next to a doubling a settled motion returns to 2e-3 in half of its period already, by the orbit
+/// that is no longer stable; and a motion on an orbit that is still stable comes to it from either
+/// side in turn.
 #[test]
 fn second_method_orbits_next_to_a_doubling() {
     let secondary = Parameters { secondary_stiffness: 0.0, stop_restitution: 0.9, ..Parameters::default() };
@@ -35,8 +36,9 @@ fn second_method_orbits_next_to_a_doubling() {
     }
 }
 
-/// A period doubling of UUL+ is at f10 = 2.802205439. So near to it the settled motion nearly returns in two periods alone, and Newton's method
-/// leaves the two passages apart by more than rounding, or by so much that they are off their stops.
+/// A period doubling of UUL+ is at f10 = 2.802205439. So near to it the settled motion nearly
+/// returns in two periods alone, and Newton's method leaves the two passages apart by more than
+/// rounding, or by so much that they are off their stops.
 #[test]
 fn invariant_an_orbit_next_to_its_doubling_is_not_passed_twice() {
     for below in [1e-5, 1e-6, 1e-7] {
@@ -49,8 +51,8 @@ fn invariant_an_orbit_next_to_its_doubling_is_not_passed_twice() {
     }
 }
 
-/// Nine fast impacts a period leave contact fewer digits than 1e-12 gaps: the motion is periodic all the same, whichever of its periods
-/// Newton's method begins with.
+/// Nine fast impacts a period leave contact fewer digits than 1e-12 gaps: the motion is periodic
+/// all the same, whichever of its periods Newton's method begins with.
 #[test]
 fn second_method_fast_impacts_of_settled_motions_are_an_orbit() {
     for (amplitude, impacts) in [(1.82, 7), (2.964, 9)] {
@@ -81,7 +83,8 @@ fn second_method_steps_that_rounding_keeps_up_end() {
     assert_eq!(class, MotionClass::Periodic(1));
 }
 
-/// Chaos of 900 impacts a period has no word that is tried: of more than 1024 impacts the equations are not set up, which would take hours.
+/// Chaos of 900 impacts a period has no word that is tried: of more than 1024 impacts the equations
+/// are not set up, which would take hours.
 #[test]
 fn words_of_more_than_a_thousand_impacts_are_not_tried() {
     let p = Parameters {
@@ -98,11 +101,12 @@ fn words_of_more_than_a_thousand_impacts_are_not_tried() {
     assert!(error.contains("within 1024 impacts"), "{error}");
 }
 
-/// Chaos of a hundred impacts a period nearly returns by an orbit that is not stable. The words of more periods, up to thousands of
-/// impacts, are not tried for a stable one.
+/// Chaos of a hundred impacts a period nearly returns by an orbit that is not stable. The words of
+/// more periods, up to thousands of impacts, are not tried for a stable one.
 #[test]
 fn second_method_chaos_of_many_impacts_has_its_near_return_soon() {
-    /// Seconds of computing: half of one when nothing else runs, and minutes where all words are tried.
+    /// Seconds of computing: half of one when nothing else runs, and minutes where all words are
+    /// tried.
     const SOON: u64 = 30;
     let p =
         Parameters { drive_amplitude: 33.491260524620834, stop_restitution: 0.9, ..Parameters::default() };

@@ -10,7 +10,8 @@ use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit::{self, Vector6};
 use vibro_impact::{Simulator, State};
 
-/// The closed form and Newton's method agree to the rounding of a flight, amplified by the orbit's sensitivity.
+/// The closed form and Newton's method agree to the rounding of a flight, amplified by the orbit's
+/// sensitivity.
 const CLOSED_FORM: f64 = 1e-13;
 
 fn parameters(f10: f64) -> Parameters {
@@ -74,7 +75,8 @@ fn closed_form_of_the_motion_without_impacts() {
     assert!((product.re - (-std::f64::consts::PI * divergence).exp()).abs() < CLOSED_FORM);
 }
 
-/// Whole turns of the drive's phase at time 0 are none: the settled orbit is found beside many of them too.
+/// Whole turns of the drive's phase at time 0 are none: the settled orbit is found beside many of
+/// them too.
 #[test]
 fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
     /// A phase of 1e9 is known to so many rad.
@@ -93,7 +95,8 @@ fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
     assert!((start.x[1] - begin.x[1]).abs() < CLOSED_FORM, "{start:?} {begin:?}");
 }
 
-/// Where nothing holds two bodies, contact says of one where it is: the error names the other spring that is missing.
+/// Where nothing holds two bodies, contact says of one where it is: the error names the other
+/// spring that is missing.
 #[test]
 fn a_body_that_no_spring_holds_is_named() {
     for (field, stiffness) in [("box.k", 1e-18), ("secondary.k", 0.0)] {
@@ -302,7 +305,8 @@ fn second_method_orbit_under_constant_loads() {
 
 #[test]
 fn closed_form_of_a_gap_off_its_centre() {
-    // The machine whose gap is shifted by δ, under the pair of loads, against the same stops moved in the simulator's frame.
+    // The machine whose gap is shifted by δ, under the pair of loads, against the same stops moved
+    // in the simulator's frame.
     let (p, delta) = (parameters(1.5), 0.03);
     let pair = delta * p.coupling_stiffness;
     let system = under(&p, [0.0, -pair, pair]).unwrap();
@@ -320,8 +324,9 @@ fn singular_machines_are_refused_with_the_parameter() {
     assert!(error.to_string().contains("word UL, closing +, period 1T"), "{error}");
 }
 
-/// The multipliers are found whatever the order of the coordinates does to the sweeps of the QR algorithm. Their product is that of what an
-/// impact takes of phase space, κ², and of what the dampers take over a period.
+/// The multipliers are found whatever the order of the coordinates does to the sweeps of the QR
+/// algorithm. Their product is that of what an impact takes of phase space, κ², and of what the
+/// dampers take over a period.
 #[test]
 fn closed_form_product_of_the_multipliers_where_sweeps_turn_in_circles() {
     for i in 0..=20 {
@@ -344,7 +349,8 @@ fn closed_form_product_of_the_multipliers_where_sweeps_turn_in_circles() {
     }
 }
 
-/// At the phase of an impact the state is the one just after it, with a load on a block without a spring too.
+/// At the phase of an impact the state is the one just after it, with a load on a block without a
+/// spring too.
 #[test]
 fn invariant_states_at_impacts_are_those_after_them() {
     let (orbit, exact) = symmetric(1.5);
@@ -365,8 +371,9 @@ fn invariant_states_at_impacts_are_those_after_them() {
     assert_eq!(system.fly(0.0, &z), z);
 }
 
-/// With a strong damper or a stiff spring half a period is thousands of Taylor pieces, whose rounding must not pass for a stop that is met
-/// earlier: orbits are certified that are the closed form's and the simulator's.
+/// With a strong damper or a stiff spring half a period is thousands of Taylor pieces, whose
+/// rounding must not pass for a stop that is met earlier: orbits are certified that are the closed
+/// form's and the simulator's.
 #[test]
 fn second_method_orbits_of_more_rounding_are_certified() {
     let p = Parameters {
@@ -394,7 +401,8 @@ fn second_method_orbits_of_more_rounding_are_certified() {
         let orbit =
             Orbit::find(&System::new(&p).unwrap(), &word("U", -1, 1), &[exact.drive_phase()]).unwrap();
         assert!(orbit.is_certified(), "{p:?}");
-        // The simulator starts a while after the impact and meets the other stop half a period after it.
+        // The simulator starts a while after the impact and meets the other stop half a period
+        // after it.
         let start = orbit.phases()[0] + 0.1 * PI;
         let q = Parameters { drive_phase: start, ..p };
         let mut simulator = Simulator::new(&q, &orbit.state(start), 0.0).unwrap();

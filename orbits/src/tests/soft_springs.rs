@@ -1,4 +1,5 @@
-//! Springs of no or next to no stiffness (docs/theory.md (112)): the closed form of the symmetric motion, the simulator and its verdict.
+//! Springs of no or next to no stiffness (docs/theory.md (112)): the closed form of the symmetric
+//! motion, the simulator and its verdict.
 
 use crate::{Orbit, OrbitWord, System, orbit_of, settle};
 use vibro_analysis::attractor::MotionClass;
@@ -8,7 +9,8 @@ use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
 
-/// Two ways to the same phases: the rounding of a flight, amplified by the sensitivity of the orbit.
+/// Two ways to the same phases: the rounding of a flight, amplified by the sensitivity of the
+/// orbit.
 const CLOSED_FORM: f64 = 1e-12;
 
 const START: State = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
@@ -64,8 +66,9 @@ fn closed_form_of_the_symmetric_orbit_beside_a_missing_spring() {
     }
 }
 
-/// A damped body without a spring may stand anywhere, so that nothing brings it back: its multiplier is 1, and what is computed of it is
-/// more or less by rounding. The same holds of a body that nothing damps.
+/// A damped body without a spring may stand anywhere, so that nothing brings it back: its
+/// multiplier is 1, and what is computed of it is more or less by rounding. The same holds of a
+/// body that nothing damps.
 #[test]
 fn closed_form_without_impacts_a_neutral_body_makes_no_stable_orbit() {
     let held = Parameters { drive_amplitude: 0.05, ..Parameters::default() };
@@ -89,7 +92,8 @@ fn closed_form_without_impacts_a_neutral_body_makes_no_stable_orbit() {
     }
 }
 
-/// What a diagram calls a motion and what the orbit is that it has settled on are one, however little holds a body.
+/// What a diagram calls a motion and what the orbit is that it has settled on are one, however
+/// little holds a body.
 #[test]
 fn second_method_settled_orbits_have_the_period_of_the_verdict() {
     /// What is left of a transient, and the rounding of times after so many periods.
@@ -137,7 +141,8 @@ fn second_springs_too_soft_to_hold_a_body_are_named() {
     }
 }
 
-/// Such a spring would hold a load so far away that places are no numbers: it is named, with the largest distance.
+/// Such a spring would hold a load so far away that places are no numbers: it is named, with the
+/// largest distance.
 #[test]
 fn loads_that_are_held_beyond_all_numbers_name_the_spring() {
     let basic = Parameters::default();
@@ -161,13 +166,15 @@ fn words_that_push_a_box_without_a_spring_one_way_are_refused() {
     }
 }
 
-/// A spring of next to no stiffness would hold a load millions of gaps away: the motion is the one that impacts make of it, and that of a
-/// missing spring where the machine without one can bear the load.
+/// A spring of next to no stiffness would hold a load millions of gaps away: the motion is the one
+/// that impacts make of it, and that of a missing spring where the machine without one can bear the
+/// load.
 #[test]
 fn second_method_settled_orbits_under_loads_that_a_soft_spring_bears() {
     /// What is left of a transient, and the rounding of times after so many periods.
     const RETURN: f64 = 1e-9;
-    /// What springs of up to 1e-10 N/m do to the bodies within the stops, times the sensitivity of the orbit.
+    /// What springs of up to 1e-10 N/m do to the bodies within the stops, times the sensitivity of
+    /// the orbit.
     const TAKEN_UP: f64 = 1e-8;
     for (body, amplitude, load) in [
         ("box", 1.2, [0.01, 0.0, 0.0]),

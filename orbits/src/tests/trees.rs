@@ -1,4 +1,5 @@
-//! Trees as a whole: certificates, interruption, repeated words, marks, a cascade of doublings, the mirror image under loads.
+//! Trees as a whole: certificates, interruption, repeated words, marks, a cascade of doublings, the
+//! mirror image under loads.
 
 use crate::{
     Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, Tree, TreeOptions, branch, orbit_of, settle,
@@ -183,8 +184,8 @@ fn invariant_repeated_words_with_one_touch_leave_the_touch_too() {
 #[test]
 fn closed_form_ratios_of_a_cascade_of_doublings_alternate_about_feigenbaums_constant() {
     const FEIGENBAUM: f64 = 4.669_201_609;
-    // In the middle of the ranges in which the motions of 1, 2, 4, ... drive periods are stable, each entered from the one before,
-    // since there are other stable motions.
+    // In the middle of the ranges in which the motions of 1, 2, 4, ... drive periods are stable,
+    // each entered from the one before, since there are other stable motions.
     let cascade = [2.3, 2.44, 2.504, 2.515, 2.5179];
     let mut last = None;
     let doubling = |(i, value): (usize, f64)| {
@@ -285,7 +286,8 @@ fn branches_of_settled_and_passed_orbits_keep_the_limits_of_a_tree_too() {
     assert!(periods.max() <= Some(2));
 }
 
-/// A motion that settles without a load is on a symmetric orbit, of which a word holds half. Along a load it goes on with its whole word.
+/// A motion that settles without a load is on a symmetric orbit, of which a word holds half. Along
+/// a load it goes on with its whole word.
 #[test]
 fn second_method_branches_along_a_load_from_a_symmetric_orbit_return_in_the_simulator() {
     /// Rounding of a period of flights and of the phases that were followed.

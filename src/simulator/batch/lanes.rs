@@ -1,9 +1,10 @@
 //! Many independent motions at a time on one thread, each in a lane of the machine's vectors.
 //!
-//! Nearly all sub-steps of a motion are of one kind: free flight for a whole sub-step, to its end or to an impact that is
-//! easily proved to be the first. These are computed for all lanes at once. Whatever the lanes cannot prove, and all that
-//! is not free flight, is computed for each motion alone with the code of [`step`](super::super::step). Which of the two
-//! computes a sub-step is decided by the motion's own state, so its result does not depend on its neighbours.
+//! Nearly all sub-steps of a motion are of one kind: free flight for a whole sub-step, to its end
+//! or to an impact that is easily proved to be the first. These are computed for all lanes at once.
+//! Whatever the lanes cannot prove, and all that is not free flight, is computed for each motion
+//! alone with the code of [`step`](super::super::step). Which of the two computes a sub-step is
+//! decided by the motion's own state, so its result does not depend on its neighbours.
 
 mod centres;
 mod maxima;
@@ -27,10 +28,12 @@ use rows::{LaneStates, LaneSystems, SubstepStarts};
 use std::ops::ControlFlow;
 use substep::{Progress, SearchedIntervals};
 
-/// cos θ and sin θ are computed anew from the extended phase after this many sub-steps in a lane. The other coordinates are
-/// never renewed, and in so many sub-steps these two collect no more round-off than they do.
+/// cos θ and sin θ are computed anew from the extended phase after this many sub-steps in a lane.
+/// The other coordinates are never renewed, and in so many sub-steps these two collect no more
+/// round-off than they do.
 const RENEWAL: u32 = 64;
-/// On machines whose vectors have fewer lanes nothing is gained, and all motions are advanced alone.
+/// On machines whose vectors have fewer lanes nothing is gained, and all motions are advanced
+/// alone.
 const FEWEST_LANES: usize = 4;
 
 /// The work of one thread, to be compiled once for each instruction set.
@@ -155,7 +158,8 @@ impl Rounds<'_> {
         }
     }
 
-    /// Advances a motion alone and takes it back into its lane, or the next motion where it has ended.
+    /// Advances a motion alone and takes it back into its lane, or the next motion where it has
+    /// ended.
     #[inline(always)]
     fn hand_over<S: Simd>(&mut self, simd: S, lane: usize, touched: Option<f64>) {
         let Some(motion) = &mut self.motions[lane] else { return };
@@ -171,8 +175,8 @@ impl Rounds<'_> {
         }
     }
 
-    /// Loads a lane with the next motion of the queue that can be advanced in lanes; those before it are advanced alone. Without
-    /// a next one the lane stays empty.
+    /// Loads a lane with the next motion of the queue that can be advanced in lanes; those before
+    /// it are advanced alone. Without a next one the lane stays empty.
     #[inline(never)]
     fn take_next(&mut self, lane: usize, mut ended: Option<Result<()>>) {
         let bit: LaneSet = 1 << lane;
@@ -191,7 +195,8 @@ impl Rounds<'_> {
                 }
             };
             if simulator.loaded() {
-                // The lanes know no loads, so that this motion never suits them: it comes back ended.
+                // The lanes know no loads, so that this motion never suits them: it comes back
+                // ended.
                 ended = advance_loaded(&mut motion, simulator, (&mut *self.work.queue, lane));
                 continue;
             }
@@ -210,7 +215,8 @@ impl Rounds<'_> {
     }
 }
 
-/// [`Rounds::report`] as a function of its own, so that its code takes no registers from the lanes' loop.
+/// [`Rounds::report`] as a function of its own, so that its code takes no registers from the lanes'
+/// loop.
 #[inline(never)]
 fn report_apart<S: Simd>(simd: S, rounds: &mut Rounds<'_>, done: &Progress) -> LaneSet {
     struct Report<'a, 'w>(&'a mut Rounds<'w>, &'a Progress);
@@ -238,7 +244,8 @@ fn lanes_of(mut set: LaneSet) -> impl Iterator<Item = usize> {
     })
 }
 
-/// [`LaneMotion::advance_alone`] as a function of its own, so that its code takes no registers from the lanes' loop.
+/// [`LaneMotion::advance_alone`] as a function of its own, so that its code takes no registers from
+/// the lanes' loop.
 #[inline(never)]
 fn advance_alone<'q, S: Simd>(
     simd: S,
@@ -275,7 +282,8 @@ fn advance_loaded(
     motion.advance_alone::<_, 1>(pulp::Scalar, simulator, report_to, None)
 }
 
-/// An observer that keeps the events of one law: an impact or a release, and that the block comes to rest.
+/// An observer that keeps the events of one law: an impact or a release, and that the block comes
+/// to rest.
 #[inline(always)]
 fn keep_in(events: &mut [Option<Event>; 2]) -> impl FnMut(&Event) {
     |event| {
@@ -285,8 +293,8 @@ fn keep_in(events: &mut [Option<Event>; 2]) -> impl FnMut(&Event) {
 }
 
 impl LaneMotion {
-    /// Begins a motion, with the law of an event that is due. One that cannot be advanced in lanes is advanced to its end, and there is
-    /// nothing to begin.
+    /// Begins a motion, with the law of an event that is due. One that cannot be advanced in lanes
+    /// is advanced to its end, and there is nothing to begin.
     fn begin(
         simulator: &mut Simulator,
         plan: &Plan,
@@ -314,9 +322,9 @@ impl LaneMotion {
         Ok(Some(Self { advance: simulator.begin_advance(), end, reporter }))
     }
 
-    /// Advances this motion by the code for a single one until its next sub-step suits the lanes; returns how the advance has
-    /// ended if it is over. Where the lanes have brought the block to the stop `touched` without applying the law
-    /// of the impact, it begins with that law.
+    /// Advances this motion by the code for a single one until its next sub-step suits the lanes;
+    /// returns how the advance has ended if it is over. Where the lanes have brought the block to
+    /// the stop `touched` without applying the law of the impact, it begins with that law.
     #[inline(always)]
     fn advance_alone<S: Simd, const LOADS: usize>(
         &mut self,
@@ -365,9 +373,9 @@ impl LaneMotion {
 }
 
 impl Simulator {
-    /// Whether the next sub-step is likely to be one for the lanes: free flight without loads from inside or just off a stop, with a whole
-    /// sub-step and an interval to go before `end`. The lanes prove what they need themselves; this only decides who tries
-    /// first.
+    /// Whether the next sub-step is likely to be one for the lanes: free flight without loads from
+    /// inside or just off a stop, with a whole sub-step and an interval to go before `end`. The
+    /// lanes prove what they need themselves; this only decides who tries first.
     #[inline(always)]
     fn suits_lanes(&self, z: &Augmented, end: DoubleDouble) -> bool {
         self.hybrid.contact == Contact::Flight

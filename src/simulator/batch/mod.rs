@@ -13,7 +13,8 @@
 //! | `lanes/maxima.rs` | local maxima of a displacement |
 //! | `vectors.rs` | vectors with operators |
 //!
-//! docs/numerics.md, "Many motions side by side", says why each part is right, docs/guarantees.md what its bits agree with.
+//! docs/numerics.md, "Many motions side by side", says why each part is right, docs/guarantees.md
+//! what its bits agree with.
 
 mod lanes;
 mod queue;
@@ -28,12 +29,13 @@ use crate::error::Result;
 /// The number of lanes: so many motions are under way at a time on one thread.
 pub const TOGETHER: usize = vectors::ROW;
 
-/// Advances the motions of a queue until it has no more. A lane whose motion has ended takes the next one. Nothing is allocated
-/// for a motion. A motion and its reports depend neither on the other motions nor on their order or number.
+/// Advances the motions of a queue until it has no more. A lane whose motion has ended takes the
+/// next one. Nothing is allocated for a motion. A motion and its reports depend neither on the
+/// other motions nor on their order or number.
 ///
-/// Motions that keep their energy accounts or are under loads are advanced one by one. Reports switch the accounts off. They are made
-/// under the constant loads of the parameters too; under other loads they are refused, in `next`, with
-/// [`Error::OutOfRange`](crate::Error::OutOfRange).
+/// Motions that keep their energy accounts or are under loads are advanced one by one. Reports
+/// switch the accounts off. They are made under the constant loads of the parameters too; under
+/// other loads they are refused, in `next`, with [`Error::OutOfRange`](crate::Error::OutOfRange).
 ///
 /// # Panics
 /// Where a plan names a simulator that does not exist.
@@ -47,8 +49,8 @@ pub enum Way {
     /// Side by side in the widest vectors of the machine, as [`advance_queue`] does.
     #[default]
     Together,
-    /// By the code for a single motion: one motion after another, all in lane 0. It is what [`advance_queue`] does on machines
-    /// without wide vectors.
+    /// By the code for a single motion: one motion after another, all in lane 0. It is what
+    /// [`advance_queue`] does on machines without wide vectors.
     OneByOne,
     /// [`Together`](Self::Together) in the vectors of AVX2 on a machine that has wider ones.
     TogetherAvx2,
@@ -70,17 +72,18 @@ pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn 
     pulp::Arch::new().dispatch(lanes)
 }
 
-/// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does. The results are in the simulators' order; an
-/// error of one motion does not touch the others.
+/// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does. The results are in
+/// the simulators' order; an error of one motion does not touch the others.
 ///
-/// On machines with AVX2 or AVX-512 the motions lie side by side in the vectors. One or two take longer than by
-/// `advance_to`; from some three on all together take less time than one after another, and eight or more less than half,
-/// unless rest takes up much of the motions. Those that keep their energy accounts or are under loads are advanced one by
-/// one.
+/// On machines with AVX2 or AVX-512 the motions lie side by side in the vectors. One or two take
+/// longer than by `advance_to`; from some three on all together take less time than one after
+/// another, and eight or more less than half, unless rest takes up much of the motions. Those that
+/// keep their energy accounts or are under loads are advanced one by one.
 ///
-/// A motion ends as accurately as by `advance_to`, with its impacts proved in the same way, but not on the same bits: the
-/// arithmetic is ordered otherwise, and differences in the last digits grow as all differences do in a motion with impacts.
-/// The result depends neither on the other motions nor on their order or number.
+/// A motion ends as accurately as by `advance_to`, with its impacts proved in the same way, but not
+/// on the same bits: the arithmetic is ordered otherwise, and differences in the last digits grow
+/// as all differences do in a motion with impacts. The result depends neither on the other motions
+/// nor on their order or number.
 ///
 /// ```
 /// use vibro_impact::simulator::advance_together;

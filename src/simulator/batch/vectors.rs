@@ -1,10 +1,12 @@
-//! Numbers of several motions side by side in one of the machine's vectors, with the usual operators. Each lane of a
-//! result is computed from the same lane of the operands alone, so a motion's numbers never depend on its neighbours'.
+//! Numbers of several motions side by side in one of the machine's vectors, with the usual
+//! operators. Each lane of a result is computed from the same lane of the operands alone, so a
+//! motion's numbers never depend on its neighbours'.
 
 use pulp::{Simd, bytemuck};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// Motions side by side in memory: a whole number of vectors on every machine, two with AVX-512 and four with AVX2.
+/// Motions side by side in memory: a whole number of vectors on every machine, two with AVX-512 and
+/// four with AVX2.
 pub(crate) const ROW: usize = 16;
 
 /// One number of each motion in memory, aligned to a cache line.
@@ -62,8 +64,9 @@ impl<S: Simd> Wide<S> {
         all
     }
 
-    /// The first, second, third and fourth of four numbers each of as many motions as a vector has lanes. Which lane a motion comes
-    /// to is the same for all four and depends on the instruction set.
+    /// The first, second, third and fourth of four numbers each of as many motions as a vector has
+    /// lanes. Which lane a motion comes to is the same for all four and depends on the instruction
+    /// set.
     #[inline(always)]
     pub(crate) fn transposed(simd: S, motions: &[[f64; 4]]) -> [Self; 4] {
         let mut vectors = [simd.splat_f64s(0.0); 4];
@@ -73,7 +76,8 @@ impl<S: Simd> Wide<S> {
         [Self { simd, x: a }, Self { simd, x: b }, Self { simd, x: c }, Self { simd, x: d }]
     }
 
-    /// Σ_j rows[j] x_j from vector `v` of each row, each product but the first added with one rounding.
+    /// Σ_j rows[j] x_j from vector `v` of each row, each product but the first added with one
+    /// rounding.
     #[inline(always)]
     pub(crate) fn dot<const N: usize>(simd: S, rows: &[Row; N], v: usize, x: &[Self; N]) -> Self {
         let mut sum = Self::load(simd, &rows[0], v) * x[0];
@@ -214,8 +218,9 @@ impl<S: Simd> Not for Mask<S> {
     }
 }
 
-/// Sums in extended precision, lane by lane. The formulas are those of [`DoubleDouble::plus`], written again because the two
-/// compute on different types; `second_method_sums_are_double_double` holds them to the same bits.
+/// Sums in extended precision, lane by lane. The formulas are those of [`DoubleDouble::plus`],
+/// written again because the two compute on different types; `second_method_sums_are_double_double`
+/// holds them to the same bits.
 ///
 /// [`DoubleDouble::plus`]: crate::numerics::double_double::DoubleDouble::plus
 #[derive(Clone, Copy)]

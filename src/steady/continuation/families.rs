@@ -1,4 +1,5 @@
-//! The three quadratics as families: their roots, their test functions and the names of their bifurcations.
+//! The three quadratics as families: their roots, their test functions and the names of their
+//! bifurcations.
 
 use super::super::exact_orbit::{ExactOrbit, OrbitFamily};
 use super::super::multiple_scales::{FixedPoint, MultipleScales};
@@ -8,17 +9,20 @@ use super::Family;
 use crate::error::Result;
 use nalgebra::Complex;
 
-/// Distance from the unit circle, or relatively from the imaginary axis, within which a located pair counts as on it. A
-/// location is good to 1e-12, and multipliers near a double one move with the square root of the parameter, so by 1e-6.
+/// Distance from the unit circle, or relatively from the imaginary axis, within which a located
+/// pair counts as on it. A location is good to 1e-12, and multipliers near a double one move with
+/// the square root of the parameter, so by 1e-6.
 const ON_CIRCLE: f64 = 1e-5;
 
-/// t_SB of docs/theory.md (81), Π(1+μ) over the half-cycle multipliers: zero where the symmetry breaks.
+/// t_SB of docs/theory.md (81), Π(1+μ) over the half-cycle multipliers: zero where the symmetry
+/// breaks.
 fn breaking(multipliers: &[Complex<f64>]) -> f64 {
     multipliers.iter().map(|m| m + 1.0).product::<Complex<f64>>().re
 }
 
-/// The real part of the product of `factor` over all pairs: with 1-μᵢμⱼ it is t_NS of docs/theory.md (81), zero where a complex
-/// pair is on the unit circle; with λᵢ+λⱼ it is zero where a complex pair of eigenvalues is on the imaginary axis.
+/// The real part of the product of `factor` over all pairs: with 1-μᵢμⱼ it is t_NS of
+/// docs/theory.md (81), zero where a complex pair is on the unit circle; with λᵢ+λⱼ it is zero
+/// where a complex pair of eigenvalues is on the imaginary axis.
 fn pairs(values: &[Complex<f64>], factor: impl Fn(Complex<f64>, Complex<f64>) -> Complex<f64>) -> f64 {
     let mut product = Complex::new(1.0, 0.0);
     for (i, &a) in values.iter().enumerate() {
@@ -36,7 +40,8 @@ fn complex_on_circle(multipliers: &[Complex<f64>]) -> Option<Bifurcation> {
     ((nearest.norm() - 1.0).abs() < ON_CIRCLE).then(|| Bifurcation::of(*nearest))
 }
 
-/// Whether a multiplier is the target, 1 or -1; near a double one it moves with the square root of the parameter.
+/// Whether a multiplier is the target, 1 or -1; near a double one it moves with the square root of
+/// the parameter.
 fn near(multipliers: &[Complex<f64>], target: f64) -> bool {
     multipliers.iter().any(|m| (m - target).norm() < ON_CIRCLE.sqrt())
 }
@@ -79,7 +84,8 @@ impl Family for OrbitFamily {
     }
 }
 
-/// Test functions of an approximation, from its two half-cycle multipliers and its four slow eigenvalues.
+/// Test functions of an approximation, from its two half-cycle multipliers and its four slow
+/// eigenvalues.
 fn slow_tests(multipliers: &[Complex<f64>; 2], eigenvalues: &[Complex<f64>; 4]) -> [f64; 3] {
     let saddle: Complex<f64> = multipliers.iter().map(|m| 1.0 - m).product();
     [breaking(multipliers), saddle.re, pairs(eigenvalues, |a, b| a + b)]
@@ -132,8 +138,9 @@ impl Family for MultipleScales {
 }
 
 impl StrongCoupling {
-    /// A sheet's solution with its C, signed so that it is positive where the block moves into the stop it meets (νC > 0). The
-    /// sheets are ordered by that signed C, so that they do not change places where ν changes its sign.
+    /// A sheet's solution with its C, signed so that it is positive where the block moves into the
+    /// stop it meets (νC > 0). The sheets are ordered by that signed C, so that they do not change
+    /// places where ν changes its sign.
     fn inward(&self, sheet: Sheet) -> Result<Option<(f64, StrongPoint)>> {
         let sign = if self.nu() < 0.0 { -1.0 } else { 1.0 };
         let order = |r: Roots<StrongPoint>| {

@@ -1,4 +1,5 @@
-//! The scan along the parameter: intervals with real roots, nodes, special points, and the joining of sheets.
+//! The scan along the parameter: intervals with real roots, nodes, special points, and the joining
+//! of sheets.
 
 use super::super::Sheet;
 use super::{BranchPoint, Curve, Family, LOCATION, Special};
@@ -37,7 +38,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Self { family, nodes }
     }
 
-    /// By bisection, the last value on the way from `inside`, where the condition holds, to `outside`, where it does not.
+    /// By bisection, the last value on the way from `inside`, where the condition holds, to
+    /// `outside`, where it does not.
     fn edge(&self, mut inside: f64, mut outside: f64, holds: impl Fn(&F) -> Result<bool>) -> Result<f64> {
         while (outside - inside).abs() > width(inside) {
             let middle = 0.5 * (inside + outside);
@@ -93,7 +95,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(intervals)
     }
 
-    /// Where sign × discriminant is least in [a, b], by golden section; stops at the first value below zero.
+    /// Where sign × discriminant is least in [a, b], by golden section; stops at the first value
+    /// below zero.
     fn least(&self, mut a: f64, mut b: f64, sign: f64) -> Result<f64> {
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let value = |v: f64| (self.family)(v).map(|f| sign * f.discriminant());
@@ -133,8 +136,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         }))
     }
 
-    /// One sheet over an interval by increasing parameter: runs of steady states, broken where the root is not
-    /// positive.
+    /// One sheet over an interval by increasing parameter: runs of steady states, broken where the
+    /// root is not positive.
     pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<Run<F::Solution>>> {
         let root = |f: &F| f.root(sheet).unwrap_or(f64::NAN) > 0.0;
         let (half, n) = (0.5 * (interval.to - interval.from), self.nodes);
@@ -183,7 +186,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             return Ok(());
         };
         if next.value <= last.value {
-            // The edge of the sheet coincides with its node: of the two points the special one stays.
+            // The edge of the sheet coincides with its node: of the two points the special one
+            // stays.
             if last.special.is_none() {
                 run.pop();
                 run.push(next);
@@ -233,8 +237,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(found)
     }
 
-    /// The point between two neighbours on a sheet at which the block begins to touch a stop between its impacts, if there is
-    /// one.
+    /// The point between two neighbours on a sheet at which the block begins to touch a stop
+    /// between its impacts, if there is one.
     fn grazing(
         &self,
         last: &BranchPoint<F::Solution>,
@@ -250,7 +254,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         self.point(edge, next.sheet, Some(Special::Grazing))
     }
 
-    /// Joins runs end to end at their folds: those of the upper sheet by increasing, of the lower by decreasing parameter.
+    /// Joins runs end to end at their folds: those of the upper sheet by increasing, of the lower
+    /// by decreasing parameter.
     pub fn join(&self, mut runs: Vec<Run<F::Solution>>) -> Result<Vec<Curve<F::Solution>>> {
         let fold = |point: Option<&BranchPoint<F::Solution>>| {
             point.filter(|p| p.special == Some(Special::Fold)).map(|p| p.value)
@@ -277,7 +282,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(runs.into_iter().map(curve).collect())
     }
 
-    /// Gives each special point the stability of the piece that follows, and the last point that of the piece before it.
+    /// Gives each special point the stability of the piece that follows, and the last point that of
+    /// the piece before it.
     fn mark_stability(&self, run: &mut Run<F::Solution>) -> Result<()> {
         for i in 0..run.len() {
             if run[i].special.is_none() {

@@ -1,5 +1,5 @@
-//! The flight between impacts in units of L and of the drive's phase (docs/theory.md, section 9): Taylor pieces, exact to
-//! round-off, and the matrices made from them.
+//! The flight between impacts in units of L and of the drive's phase (docs/theory.md, section 9):
+//! Taylor pieces, exact to round-off, and the matrices made from them.
 
 use crate::error::{Error, Result};
 use crate::numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, evaluate};
@@ -10,12 +10,12 @@ use std::f64::consts::PI;
 /// A state (x1, x2, x3, v1, v2, v3) in units of L and ω1 L.
 pub type Vector6 = nalgebra::Vector6<f64>;
 
-/// Most Taylor pieces in half a period. It bounds the work, and a mode so much faster than the drive that it needs more
-/// would make the orbit as sensitive.
+/// Most Taylor pieces in half a period. It bounds the work, and a mode so much faster than the
+/// drive that it needs more would make the orbit as sensitive.
 const MOST_PIECES: u32 = 1 << 16;
 
-/// Largest response, in units of L per unit of impulse or force, that still counts as no resonance: beyond it
-/// the amplitudes cancel to under four digits.
+/// Largest response, in units of L per unit of impulse or force, that still counts as no resonance:
+/// beyond it the amplitudes cancel to under four digits.
 const LARGEST_RESPONSE: f64 = 1e12;
 
 /// 1/((k+1)(k+2)).
@@ -29,8 +29,9 @@ const INVERSE: [f64; DEGREE + 1] = {
     table
 };
 
-/// Coefficients of the flight, docs/theory.md (69): x1'' = -k1 x1 - c1 x1' + F sin θ, x2'' = -k2 (x2-x3),
-/// x3'' = -k3 x3 - c3 x3' - k32 (x3-x2), where a prime is a derivative with respect to the drive's phase θ and lengths are in L.
+/// Coefficients of the flight, docs/theory.md (69): x1'' = -k1 x1 - c1 x1' + F sin θ, x2'' = -k2
+/// (x2-x3), x3'' = -k3 x3 - c3 x3' - k32 (x3-x2), where a prime is a derivative with respect to the
+/// drive's phase θ and lengths are in L.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
     /// κ₁ of docs/theory.md (69).
@@ -59,8 +60,8 @@ pub struct Flight {
     pub(super) kick: [f64; 2],
 }
 
-/// The free flight's map exp(A Δ) over a span Δ of the phase, in its two blocks: in flight the box and the other two bodies do
-/// not act on each other.
+/// The free flight's map exp(A Δ) over a span Δ of the phase, in its two blocks: in flight the box
+/// and the other two bodies do not act on each other.
 ///
 /// ```
 /// use vibro_impact::{Parameters, steady::exact_orbit::{Flight, Vector6}};
@@ -89,7 +90,8 @@ impl Transition {
     }
 }
 
-/// The flight over half a period and its periodic answer to alternating unit impulses, docs/theory.md (72).
+/// The flight over half a period and its periodic answer to alternating unit impulses,
+/// docs/theory.md (72).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfPeriod {
     /// M = exp(πA).
@@ -102,8 +104,8 @@ impl Flight {
     /// The flight of a parameter set.
     ///
     /// # Errors
-    /// As [`Parameters::validate`]; [`Error::Undefined`] without drive frequency; [`Error::PrecisionLost`] when a
-    /// mode is more than about 15,000 times faster than the drive.
+    /// As [`Parameters::validate`]; [`Error::Undefined`] without drive frequency;
+    /// [`Error::PrecisionLost`] when a mode is more than about 15,000 times faster than the drive.
     pub fn new(p: &Parameters) -> Result<Self> {
         p.validate()?;
         let w = p.drive_frequency;
@@ -132,7 +134,8 @@ impl Flight {
         };
         let k = (1.0 + flight.kappa) / (1.0 + flight.epsilon);
         flight.kick = [k * flight.epsilon, -k];
-        // Bounds on the norm of A with velocities scaled by the root of the stiffness; the drive itself has the rate 1.
+        // Bounds on the norm of A with velocities scaled by the root of the stiffness; the drive
+        // itself has the rate 1.
         let box_rate = flight.k1.sqrt() + flight.c1;
         let pair_rate = (flight.k2 + flight.k3 + flight.k32).sqrt() + flight.c3;
         let rate = box_rate.max(pair_rate).max(1.0);
@@ -159,12 +162,14 @@ impl Flight {
         pieces
     }
 
-    /// The number of equal Taylor pieces into which a span of the phase must at least be divided so that each is exact to round-off.
+    /// The number of equal Taylor pieces into which a span of the phase must at least be divided so
+    /// that each is exact to round-off.
     pub fn least_pieces(&self, span: f64) -> u32 {
         (span * self.rate / RATE_STEP).ceil().max(1.0) as u32
     }
 
-    /// exp(A Δ) over a span Δ ≥ 0 of the phase, exact to round-off: a Taylor piece, squared as often as it takes.
+    /// exp(A Δ) over a span Δ ≥ 0 of the phase, exact to round-off: a Taylor piece, squared as
+    /// often as it takes.
     pub fn transition(&self, span: f64) -> Transition {
         if span == 0.0 {
             // A piece without length has no rates.
@@ -178,7 +183,8 @@ impl Flight {
             j.into_iter().for_each(|j| s[j] = 1.0);
             Self::state(&self.piece(&s, 0.0, h, 0.0), 1.0, h)
         };
-        // In flight the box and the other two do not act on each other, so two columns come from one piece.
+        // In flight the box and the other two do not act on each other, so two columns come from
+        // one piece.
         let columns = [free(0, Some(1)), free(2, None), free(3, Some(4)), free(5, None)];
         let mut one = Matrix2::new(columns[0][0], columns[2][0], columns[0][3], columns[2][3]);
         let mut pair = Matrix4::from_fn(|row, column| columns[column][[1, 2, 4, 5][row]]);
@@ -194,9 +200,10 @@ impl Flight {
         PI / f64::from(self.pieces)
     }
 
-    /// x1, x2, x3 over [phase, phase + h] as polynomials in t ∈ [0, 1], from the state `s` at `phase`, with the
-    /// force `force` sin θ; [`least_pieces`](Self::least_pieces) says how large h may be. The coefficients follow order by order
-    /// from the equations of motion, as in docs/theory.md (8).
+    /// x1, x2, x3 over [phase, phase + h] as polynomials in t ∈ [0, 1], from the state `s` at
+    /// `phase`, with the force `force` sin θ; [`least_pieces`](Self::least_pieces) says how large h
+    /// may be. The coefficients follow order by order from the equations of motion, as in
+    /// docs/theory.md (8).
     pub fn piece(&self, s: &Vector6, phase: f64, h: f64, force: f64) -> [Polynomial; 3] {
         let (sin, cos) = if force == 0.0 { (0.0, 0.0) } else { phase.sin_cos() };
         let h2 = h * h;
@@ -225,10 +232,12 @@ impl Flight {
         Vector6::new(x1, x2, x3, v1 / h, v2 / h, v3 / h)
     }
 
-    /// M = exp(πA) and the periodic answer to unit impulses of alternating sign, docs/theory.md (72).
+    /// M = exp(πA) and the periodic answer to unit impulses of alternating sign, docs/theory.md
+    /// (72).
     ///
     /// # Errors
-    /// [`Error::Undefined`] when an undamped mode oscillates an odd number of times per drive period.
+    /// [`Error::Undefined`] when an undamped mode oscillates an odd number of times per drive
+    /// period.
     pub(super) fn half_period(&self, p: &Parameters) -> Result<HalfPeriod> {
         let map = self.transition(PI);
         let first = (Matrix2::identity() + map.one).lu().solve(&Vector2::new(0.0, self.epsilon));
@@ -247,7 +256,8 @@ impl Flight {
         }
     }
 
-    /// H of docs/theory.md (71), amplitude and phase of the box under the force alone: x1 = Im(H e^{iθ}). The other two rest.
+    /// H of docs/theory.md (71), amplitude and phase of the box under the force alone: x1 = Im(H
+    /// e^{iθ}). The other two rest.
     ///
     /// # Errors
     /// [`Error::Undefined`] for the undamped box at resonance.

@@ -1,12 +1,14 @@
 //! The impact law in the units of the closed forms, and what an impact makes of variations.
 //!
-//! `model.rs` states the law for the simulator. It stands here anew on purpose: the exact orbit is the simulator's oracle, so that the
-//! two share nothing but the parameters (docs/design.md, "What stands once").
+//! `model.rs` states the law for the simulator. It stands here anew on purpose: the exact orbit is
+//! the simulator's oracle, so that the two share nothing but the parameters (docs/design.md, "What
+//! stands once").
 
 use super::flight::{Flight, Vector6};
 
 impl Flight {
-    /// A state after an impulse p on the block away from the upper stop, in units of m2 ω1 L: -p g of docs/theory.md (77).
+    /// A state after an impulse p on the block away from the upper stop, in units of m2 ω1 L: -p g
+    /// of docs/theory.md (77).
     pub(super) fn pushed(&self, z: &Vector6, p: f64) -> Vector6 {
         let mut after = *z;
         after[3] += p * self.epsilon;
@@ -14,8 +16,9 @@ impl Flight {
         after
     }
 
-    /// The impact law J of docs/theory.md (27). The gap's rate w' at the impact is that of `z` and a part `forced` that is not in `z`;
-    /// its sign is that of the stop, so that the law is one for both.
+    /// The impact law J of docs/theory.md (27). The gap's rate w' at the impact is that of `z` and
+    /// a part `forced` that is not in `z`; its sign is that of the stop, so that the law is one for
+    /// both.
     pub fn strike(&self, z: &Vector6, forced: f64) -> Vector6 {
         self.kicked(*z, z[4] - z[3] + forced)
     }
@@ -26,14 +29,15 @@ impl Flight {
         z
     }
 
-    /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺ of docs/theory.md (78) and (104): from
-    /// the rates of the state just before and just after it, of which `forced` is the part of w'' that is not in `approach`.
+    /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺ of
+    /// docs/theory.md (78) and (104): from the rates of the state just before and just after it, of
+    /// which `forced` is the part of w'' that is not in `approach`.
     pub fn delay(&self, approach: &Vector6, forced: f64, departure: &Vector6) -> Vector6 {
         self.kicked(approach - departure, approach[4] - approach[3] + forced)
     }
 
-    /// A variation of the state through an impact, S of docs/theory.md (78), with the [`delay`](Self::delay) over w' before it: the
-    /// neighbour meets the stop later by -δw/w'.
+    /// A variation of the state through an impact, S of docs/theory.md (78), with the
+    /// [`delay`](Self::delay) over w' before it: the neighbour meets the stop later by -δw/w'.
     pub fn saltate(&self, variation: &Vector6, delay: &Vector6) -> Vector6 {
         let w = variation[1] - variation[0];
         self.kicked(variation - delay * w, variation[4] - variation[3])

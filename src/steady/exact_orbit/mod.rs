@@ -1,9 +1,11 @@
-//! The exact symmetric orbit with two impacts per period, at any mass ratio (docs/theory.md, sections 9 and 10; past the paper).
+//! The exact symmetric orbit with two impacts per period, at any mass ratio (docs/theory.md,
+//! sections 9 and 10; past the paper).
 //!
-//! Such an orbit repeats itself with the opposite sign after half a period: s(t + π/ω1) = -s(t). Its impulsive part
-//! starts from p G⁺, where G⁺ is the periodic answer to alternating unit impulses, docs/theory.md (72); the force adds the
-//! harmonic response H, (71). The impact law then leaves a quadratic in the impulse p, (74), and the phase δ of the force at the
-//! impact, (75). There is no small parameter and no truncation but that of double precision.
+//! Such an orbit repeats itself with the opposite sign after half a period: s(t + π/ω1) = -s(t).
+//! Its impulsive part starts from p G⁺, where G⁺ is the periodic answer to alternating unit
+//! impulses, docs/theory.md (72); the force adds the harmonic response H, (71). The impact law then
+//! leaves a quadratic in the impulse p, (74), and the phase δ of the force at the impact, (75).
+//! There is no small parameter and no truncation but that of double precision.
 
 mod clearance;
 mod flight;
@@ -46,9 +48,9 @@ impl OrbitFamily {
     /// Prepares the quadratic. Loads on the bodies are zero.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] as [`Parameters::validate`]; [`Error::Undefined`] for ω1 = 0, for the undamped box at
-    /// resonance and for an undamped mode at an odd multiple of ω1; [`Error::PrecisionLost`] for a mode more than about
-    /// 15,000 times faster than the drive.
+    /// [`Error::OutOfRange`] as [`Parameters::validate`]; [`Error::Undefined`] for ω1 = 0, for the
+    /// undamped box at resonance and for an undamped mode at an odd multiple of ω1;
+    /// [`Error::PrecisionLost`] for a mode more than about 15,000 times faster than the drive.
     pub fn new(parameters: &Parameters) -> Result<Self> {
         parameters.check_symmetric()?;
         let flight = Flight::new(parameters)?;
@@ -63,17 +65,20 @@ impl OrbitFamily {
         Ok(Self { parameters: *parameters, flight, half, response, gap_answer, rate_answer })
     }
 
-    /// Coefficients (a, b, c) of a p² + b p + c = 0 for the impulse p in units of m2 ω1 L, docs/theory.md (74).
+    /// Coefficients (a, b, c) of a p² + b p + c = 0 for the impulse p in units of m2 ω1 L,
+    /// docs/theory.md (74).
     pub fn quadratic(&self) -> (f64, f64, f64) {
         self.circle().coefficients()
     }
 
-    /// Discriminant b² - 4ac of the quadratic, docs/theory.md (76): zero at the fold, negative without solutions.
+    /// Discriminant b² - 4ac of the quadratic, docs/theory.md (76): zero at the fold, negative
+    /// without solutions.
     pub fn discriminant(&self) -> f64 {
         self.circle().discriminant()
     }
 
-    /// The impulses of both roots in N·s, of either sign; `None` when the quadratic has no real root.
+    /// The impulses of both roots in N·s, of either sign; `None` when the quadratic has no real
+    /// root.
     pub fn impulses(&self) -> Option<Roots<f64>> {
         let unit = self.unit_of_impulse();
         self.circle().roots().map(|r| Roots { lower: unit * r.lower, upper: unit * r.upper })

@@ -41,9 +41,10 @@ impl Iterator for Pieces {
     }
 }
 
-/// States of an orbit at one phase after another. Each piece of the orbit starts where the one before ends, so a state costs the
-/// way to its piece; for rising phases a walk goes that way once, and a phase that lies behind starts it anew. The states are those
-/// of [`ExactOrbit::state`] to the last bit.
+/// States of an orbit at one phase after another. Each piece of the orbit starts where the one
+/// before ends, so a state costs the way to its piece; for rising phases a walk goes that way once,
+/// and a phase that lies behind starts it anew. The states are those of [`ExactOrbit::state`] to
+/// the last bit.
 #[derive(Clone, Debug)]
 pub struct OrbitWalk<'a> {
     orbit: &'a ExactOrbit,
@@ -89,7 +90,8 @@ pub struct ExactOrbit {
 }
 
 impl ExactOrbit {
-    /// The orbit with impulse p (units of m2 ω1 L) and phase δ of the force at the upper impact, docs/theory.md (77).
+    /// The orbit with impulse p (units of m2 ω1 L) and phase δ of the force at the upper impact,
+    /// docs/theory.md (77).
     pub(super) fn new(family: &OrbitFamily, sheet: Sheet, p: f64, phase: f64) -> Result<Self> {
         let flight = family.flight;
         let forced = -family.response * Complex::cis(phase);
@@ -143,7 +145,8 @@ impl ExactOrbit {
         self.impulse * p.block_mass * p.drive_frequency * p.stop_gap
     }
 
-    /// Phase δ of the force when the block meets the upper stop, in [0, 2π) rad; the lower stop follows at δ + π.
+    /// Phase δ of the force when the block meets the upper stop, in [0, 2π) rad; the lower stop
+    /// follows at δ + π.
     pub fn drive_phase(&self) -> f64 {
         self.phase
     }
@@ -158,8 +161,8 @@ impl ExactOrbit {
         self.si(&self.after)
     }
 
-    /// The state at phase θ (rad) of the drive F10 sin θ; just after the impact at an impact. On the orbit,
-    /// θ = ω1 t + [`Parameters::drive_phase`].
+    /// The state at phase θ (rad) of the drive F10 sin θ; just after the impact at an impact. On
+    /// the orbit, θ = ω1 t + [`Parameters::drive_phase`].
     pub fn state(&self, theta: f64) -> State {
         self.walk().state(theta)
     }
@@ -169,9 +172,11 @@ impl ExactOrbit {
         OrbitWalk { orbit: self, pieces: self.pieces(), next: 0, piece: Default::default() }
     }
 
-    /// The phase since the last impact as (since, sign): at the lower stop the orbit is the mirror image, sign = -1.
+    /// The phase since the last impact as (since, sign): at the lower stop the orbit is the mirror
+    /// image, sign = -1.
     fn since_impact(&self, theta: f64) -> (f64, f64) {
-        // A phase that is that of an impact but for rounding counts as the impact's, and the state is the one after it.
+        // A phase that is that of an impact but for rounding counts as the impact's, and the state
+        // is the one after it.
         let rounding = PHASE_ROUNDING * (theta.abs() + TAU);
         let since = (theta - self.phase + rounding).rem_euclid(TAU);
         let (since, sign) = if since < PI { (since, 1.0) } else { (since - PI, -1.0) };
@@ -190,9 +195,11 @@ impl ExactOrbit {
         State { x: [0, 1, 2].map(|i| length * s[i]), v: [3, 4, 5].map(|i| speed * s[i]) }
     }
 
-    /// Whether |w| ≤ L between the impacts, to 1e-12 L and the rounding of the orbit, which is more where a mode is thousands of times
-    /// faster than the drive or the box without damper near resonance: proved by Bernstein bounds of the Taylor pieces over half a period;
-    /// the other half is its mirror image. A root that fails is no orbit of the system, which meets a stop earlier.
+    /// Whether |w| ≤ L between the impacts, to 1e-12 L and the rounding of the orbit, which is more
+    /// where a mode is thousands of times faster than the drive or the box without damper near
+    /// resonance: proved by Bernstein bounds of the Taylor pieces over half a period; the other
+    /// half is its mirror image. A root that fails is no orbit of the system, which meets a stop
+    /// earlier.
     pub fn is_clear(&self) -> bool {
         self.clear
     }
@@ -216,8 +223,8 @@ impl ExactOrbit {
         self.parameters.stop_gap * best
     }
 
-    /// The six multipliers of the half-cycle map, docs/theory.md (79), largest modulus first. Those of the full period are
-    /// their squares.
+    /// The six multipliers of the half-cycle map, docs/theory.md (79), largest modulus first. Those
+    /// of the full period are their squares.
     pub fn multipliers(&self) -> [Complex<f64>; 6] {
         self.multipliers
     }
@@ -227,21 +234,24 @@ impl ExactOrbit {
         self.multipliers[0].norm()
     }
 
-    /// Whether the orbit attracts its neighbourhood and keeps clear of the stops between its impacts.
+    /// Whether the orbit attracts its neighbourhood and keeps clear of the stops between its
+    /// impacts.
     pub fn is_stable(&self) -> bool {
         self.clear && self.spectral_radius() < 1.0
     }
 
-    /// The bifurcation that the largest multiplier announces, or has brought about when it is outside the circle.
+    /// The bifurcation that the largest multiplier announces, or has brought about when it is
+    /// outside the circle.
     pub fn bifurcation(&self) -> Bifurcation {
         Bifurcation::of(self.multipliers[0])
     }
 }
 
-/// Eigenvalues by decreasing modulus; `None` where numbers are not finite, or the sweeps do not end.
+/// Eigenvalues by decreasing modulus; `None` where numbers are not finite, or the sweeps do not
+/// end.
 ///
-/// There are matrices in whose own order of coordinates the sweeps turn in circles. Another order has the same eigenvalues, and its sweeps
-/// go other ways.
+/// There are matrices in whose own order of coordinates the sweeps turn in circles. Another order
+/// has the same eigenvalues, and its sweeps go other ways.
 pub fn eigenvalues(map: SMatrix<f64, 6, 6>) -> Option<[Complex<f64>; 6]> {
     if map.iter().any(|x| !x.is_finite()) {
         return None;

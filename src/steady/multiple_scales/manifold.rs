@@ -1,5 +1,5 @@
-//! The slow invariant manifold: which U and W of the sawtooth form meet the impact law at all (paper, section 3.1;
-//! docs/theory.md, section 6), and how far they are admissible (section 7).
+//! The slow invariant manifold: which U and W of the sawtooth form meet the impact law at all
+//! (paper, section 3.1; docs/theory.md, section 6), and how far they are admissible (section 7).
 
 use crate::error::{Error, Result};
 use crate::numerics::roots::brent;
@@ -12,7 +12,8 @@ const C_GMAX_BRACKET: f64 = 10.0;
 /// C_Gmax is found to this much; the geometric test itself does not use it.
 const C_GMAX_TOLERANCE: f64 = 1e-14;
 
-/// The sawtooth Z(s) = (2/π) asin(cos s), docs/theory.md (31): 1 at s = 0, falling linearly to -1 at π, of period 2π.
+/// The sawtooth Z(s) = (2/π) asin(cos s), docs/theory.md (31): 1 at s = 0, falling linearly to -1
+/// at π, of period 2π.
 pub fn sawtooth(s: f64) -> f64 {
     let s = s.rem_euclid(TAU);
     if s <= PI { 1.0 - 2.0 * s / PI } else { 2.0 * s / PI - 3.0 }
@@ -32,8 +33,8 @@ pub enum Branch {
     Right,
 }
 
-/// The slow invariant manifold B² = (C-1)² + ρ² C², docs/theory.md (35), of a restitution coefficient κ. All quantities have unit 1
-/// (amplitudes in units of L).
+/// The slow invariant manifold B² = (C-1)² + ρ² C², docs/theory.md (35), of a restitution
+/// coefficient κ. All quantities have unit 1 (amplitudes in units of L).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold {
     kappa: f64,
@@ -91,7 +92,8 @@ impl Manifold {
         if c < self.c_min() { Branch::Left } else { Branch::Right }
     }
 
-    /// Phase Φ of the impact after the zero of U, B sin Φ = C - 1 and B cos Φ = -ρ C: docs/theory.md (34); in (-π, π].
+    /// Phase Φ of the impact after the zero of U, B sin Φ = C - 1 and B cos Φ = -ρ C:
+    /// docs/theory.md (34); in (-π, π].
     pub fn impact_phase(&self, c: f64) -> f64 {
         (c - 1.0).atan2(-self.rho * c)
     }
@@ -108,8 +110,8 @@ impl Manifold {
 
     /// Largest |W| over the cycle, for C > 0: docs/theory.md (48).
     ///
-    /// W(s) + W(π-s) = 2ρC sin s ≥ 0 makes the maximum the larger of the two extrema. For C ≤ 1, or B ≤ 2C/π, W
-    /// falls all the way from 1 to -1.
+    /// W(s) + W(π-s) = 2ρC sin s ≥ 0 makes the maximum the larger of the two extrema. For C ≤ 1, or
+    /// B ≤ 2C/π, W falls all the way from 1 to -1.
     pub fn w_max(&self, c: f64) -> f64 {
         let b = self.b(c);
         let q = 2.0 * c / (PI * b);
@@ -121,14 +123,17 @@ impl Manifold {
         (c * (1.0 - 2.0 * s / PI) + b * (1.0 - q * q).sqrt()).max(1.0)
     }
 
-    /// The geometric test: whether a motion of amplitude C keeps to |W| ≤ 1 and meets the stops from inside.
+    /// The geometric test: whether a motion of amplitude C keeps to |W| ≤ 1 and meets the stops
+    /// from inside.
     pub fn is_geometric(&self, c: f64) -> bool {
         c > 0.0 && self.w_max(c) <= 1.0
     }
 
-    /// Largest C that the geometric test allows, by Brent's method. It is 1 at κ = 0, about 6.07 at κ = 0.75.
+    /// Largest C that the geometric test allows, by Brent's method. It is 1 at κ = 0, about 6.07 at
+    /// κ = 0.75.
     ///
-    /// At W = 1 the gap rises with C, so there is one such C; the search starts at docs/theory.md (49).
+    /// At W = 1 the gap rises with C, so there is one such C; the search starts at docs/theory.md
+    /// (49).
     pub fn c_gmax(&self) -> f64 {
         let excess = |c: f64| {
             let b = self.b(c);
@@ -144,18 +149,21 @@ impl Manifold {
         brent(excess, turning, C_GMAX_BRACKET, C_GMAX_TOLERANCE).unwrap_or(turning)
     }
 
-    /// C at which a half-cycle multiplier of the periodic motion is +1 (saddle-node), docs/theory.md (56): C_min.
+    /// C at which a half-cycle multiplier of the periodic motion is +1 (saddle-node),
+    /// docs/theory.md (56): C_min.
     pub fn c_smin(&self) -> f64 {
         self.c_min()
     }
 
-    /// C at which a half-cycle multiplier is -1 (symmetry breaking), docs/theory.md (56): π²/(π²-4) for every κ.
+    /// C at which a half-cycle multiplier is -1 (symmetry breaking), docs/theory.md (56): π²/(π²-4)
+    /// for every κ.
     pub fn c_smax(&self) -> f64 {
         PI * PI / (PI * PI - 4.0)
     }
 
-    /// The matrix D of the half-cycle map of perturbations of impact phase and block speed with U held, docs/theory.md (53); the
-    /// paper's section 3.3 to leading order in ε. The first row is the phase, the second the speed.
+    /// The matrix D of the half-cycle map of perturbations of impact phase and block speed with U
+    /// held, docs/theory.md (53); the paper's section 3.3 to leading order in ε. The first row is
+    /// the phase, the second the speed.
     ///
     /// # Errors
     /// [`Error::Undefined`] at C = 0, where the block does not move.

@@ -1,11 +1,14 @@
-//! Multiple scales with the sawtooth function (paper, sections 3 and 4; docs/theory.md, sections 6 and 7).
+//! Multiple scales with the sawtooth function (paper, sections 3 and 4; docs/theory.md, sections 6
+//! and 7).
 //!
 //! With η = Ω1 τ - ψ and Z the sawtooth, the steady state is U ≈ B sin η, X2 ≈ (1-ε+ε²) C Z(η-Φ),
-//! X1 ≈ B sin η - (ε-ε²) C Z(η-Φ), X3 ≈ A3 sin(Ω1 τ - ψ3), docs/theory.md (32) and (33). Each fixed point of the slow flow is a
-//! root of a C² + b C + c = 0 (44). The error is O(ε) in every amplitude.
+//! X1 ≈ B sin η - (ε-ε²) C Z(η-Φ), X3 ≈ A3 sin(Ω1 τ - ψ3), docs/theory.md (32) and (33). Each fixed
+//! point of the slow flow is a root of a C² + b C + c = 0 (44). The error is O(ε) in every
+//! amplitude.
 //!
-//! Past the paper, the eigenvalues of the slow flow have a closed form (51). It shows that on the right branch of the
-//! manifold, with damping, exactly the upper root of the quadratic is a stable fixed point.
+//! Past the paper, the eigenvalues of the slow flow have a closed form (51). It shows that on the
+//! right branch of the manifold, with damping, exactly the upper root of the quadratic is a stable
+//! fixed point.
 
 mod manifold;
 mod motion;
@@ -26,9 +29,9 @@ use std::f64::consts::PI;
 /// 8/π²: the first Fourier coefficient of the sawtooth, docs/theory.md (31).
 const SAWTOOTH_HARMONIC: f64 = 8.0 / (PI * PI);
 
-/// The slow flow of one parameter set, with everything that does not depend on the root prepared. The weak coupling is
-/// taken as α̂ = μ13 β², docs/theory.md (26), which equals [`Groups::alpha23`] for the paper's m3 = m2 and stays right for
-/// other m3.
+/// The slow flow of one parameter set, with everything that does not depend on the root prepared.
+/// The weak coupling is taken as α̂ = μ13 β², docs/theory.md (26), which equals [`Groups::alpha23`]
+/// for the paper's m3 = m2 and stays right for other m3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultipleScales {
     groups: Groups,
@@ -41,8 +44,8 @@ pub struct MultipleScales {
     a3_per_c: f64,
 }
 
-/// One fixed point of the slow flow, with its three tests. Amplitudes in units of L, phases in rad, eigenvalues
-/// per unit of the slow time τ1 = ετ.
+/// One fixed point of the slow flow, with its three tests. Amplitudes in units of L, phases in rad,
+/// eigenvalues per unit of the slow time τ1 = ετ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedPoint {
     /// C, the amplitude of the block's sawtooth.
@@ -63,23 +66,27 @@ pub struct FixedPoint {
     pub branch: Branch,
     /// The three tests.
     pub admissibility: Admissibility,
-    /// Eigenvalues of the slow flow's Jacobian: those of (B, ψ), then those of (A3, ψ3), docs/theory.md (51).
+    /// Eigenvalues of the slow flow's Jacobian: those of (B, ψ), then those of (A3, ψ3),
+    /// docs/theory.md (51).
     pub eigenvalues: [Complex<f64>; 4],
     /// Half-cycle multipliers of the periodic motion: the eigenvalues of D, docs/theory.md (53).
     pub multipliers: [Complex<f64>; 2],
     epsilon: f64,
 }
 
-/// For which amplitude f̂10 ≥ 0 of the force the quadratic has solutions, everything else held. Unit 1.
+/// For which amplitude f̂10 ≥ 0 of the force the quadratic has solutions, everything else held.
+/// Unit 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceRange {
     /// The fold: the roots are real from here on.
     pub real_from: f64,
     /// There is a root C > 0 from here on, without upper end.
     pub positive_from: f64,
-    /// There are two roots C > 0 up to here; equal to `positive_from` when there is never more than one.
+    /// There are two roots C > 0 up to here; equal to `positive_from` when there is never more than
+    /// one.
     pub two_until: f64,
-    /// The interval in which a root passes all three tests, if there is one; its lower end is excluded.
+    /// The interval in which a root passes all three tests, if there is one; its lower end is
+    /// excluded.
     pub admissible: Option<(f64, f64)>,
 }
 
@@ -95,8 +102,8 @@ impl MultipleScales {
     /// Prepares the slow flow of the groups.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] when γ̂3 = 0 and
-    /// σ̂30 - 2σ̂1 + α̂ = 0, where A3 has no bound.
+    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] when γ̂3
+    /// = 0 and σ̂30 - 2σ̂1 + α̂ = 0, where A3 has no bound.
     pub fn new(groups: &Groups) -> Result<Self> {
         check_groups(groups)?;
         let g = *groups;
@@ -156,8 +163,8 @@ impl MultipleScales {
         Some(Roots { lower: self.at(roots.lower), upper: self.at(roots.upper) })
     }
 
-    /// The fixed point at amplitude C, which must be a root of the quadratic: the force's phase is taken from αC + α₀, whatever
-    /// its amplitude.
+    /// The fixed point at amplitude C, which must be a root of the quadratic: the force's phase is
+    /// taken from αC + α₀, whatever its amplitude.
     fn at(&self, c: f64) -> FixedPoint {
         let g = &self.groups;
         let m = &self.manifold;
@@ -194,11 +201,12 @@ impl MultipleScales {
         self.quadratic.balance(c).norm()
     }
 
-    /// The ranges of f̂10 with solutions and with an admissible one, all other groups held: docs/theory.md (46) with the
-    /// limits (49) and (56) of C.
+    /// The ranges of f̂10 with solutions and with an admissible one, all other groups held:
+    /// docs/theory.md (46) with the limits (49) and (56) of C.
     ///
     /// # Errors
-    /// [`Error::Undefined`] where α = 0 (κ = 1, γ̂1 = 0, σ̂1 = -4/π²): the force does not decide the amplitude.
+    /// [`Error::Undefined`] where α = 0 (κ = 1, γ̂1 = 0, σ̂1 = -4/π²): the force does not decide
+    /// the amplitude.
     pub fn force_range(&self) -> Result<ForceRange> {
         let size = self.quadratic.alpha.norm();
         if size == 0.0 {
@@ -229,7 +237,8 @@ impl MultipleScales {
 impl FixedPoint {
     /// Amplitude of X1, its largest |value| over a cycle, in units of L: docs/theory.md (47).
     pub fn a1(&self) -> f64 {
-        // X1 = B sin η - eC(1 - 2s/π) with e = ε - ε² and η = s + Φ, over s ∈ [0, π]; it turns where B cos η = -2eC/π.
+        // X1 = B sin η - eC(1 - 2s/π) with e = ε - ε² and η = s + Φ, over s ∈ [0, π]; it turns
+        // where B cos η = -2eC/π.
         let (_, e) = inverse_mass_factors(self.epsilon);
         let (b, c, phase) = (self.b, self.c, self.impact_phase);
         let mut best = (b * phase.sin() - e * c).abs();

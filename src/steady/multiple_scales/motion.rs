@@ -4,7 +4,8 @@ use super::super::SteadyMotion;
 use super::{FixedPoint, sawtooth, sawtooth_slope};
 
 impl FixedPoint {
-    /// U, W, X1, X2, X3 and their derivatives at the phase η (rad), with η = 0 where U rises through zero.
+    /// U, W, X1, X2, X3 and their derivatives at the phase η (rad), with η = 0 where U rises
+    /// through zero.
     pub fn motion(&self, eta: f64) -> SteadyMotion {
         let (sin, cos) = eta.sin_cos();
         let since_impact = eta - self.impact_phase;

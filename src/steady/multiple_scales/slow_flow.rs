@@ -18,7 +18,8 @@ pub struct SlowState {
     pub psi3: f64,
 }
 
-/// What the flow and its Jacobian share: C on the branch, its slope C_B = B/m, docs/theory.md (38), and χ, (41).
+/// What the flow and its Jacobian share: C on the branch, its slope C_B = B/m, docs/theory.md (38),
+/// and χ, (41).
 struct Point {
     c: f64,
     c_b: f64,
@@ -41,11 +42,12 @@ impl MultipleScales {
         Ok(Point { c, c_b: state.b / self.manifold.slope(c), chi })
     }
 
-    /// Right-hand side of the slow flow, docs/theory.md (40) and (41): (B', ψ', A3', ψ3') per unit of τ1, with C on the given
-    /// branch.
+    /// Right-hand side of the slow flow, docs/theory.md (40) and (41): (B', ψ', A3', ψ3') per unit
+    /// of τ1, with C on the given branch.
     ///
     /// # Errors
-    /// [`Error::Undefined`] below B_min, at B = 0 and at A3 = 0, where amplitude and phase are no coordinates.
+    /// [`Error::Undefined`] below B_min, at B = 0 and at A3 = 0, where amplitude and phase are no
+    /// coordinates.
     pub fn slow_flow(&self, branch: Branch, state: &SlowState) -> Result<[f64; 4]> {
         let Point { c, chi, .. } = self.point(branch, state)?;
         let (g, rho, a) = (&self.groups, self.manifold.rho(), self.coupling);
@@ -60,7 +62,8 @@ impl MultipleScales {
         ])
     }
 
-    /// Jacobian of the slow flow, docs/theory.md (50), with rows and columns in the order B, ψ, A3, ψ3.
+    /// Jacobian of the slow flow, docs/theory.md (50), with rows and columns in the order B, ψ, A3,
+    /// ψ3.
     ///
     /// # Errors
     /// As [`Self::slow_flow`].
@@ -94,7 +97,8 @@ impl MultipleScales {
         ))
     }
 
-    /// Eigenvalues at the fixed point with this C in closed form, docs/theory.md (51). At C_min they are infinite.
+    /// Eigenvalues at the fixed point with this C in closed form, docs/theory.md (51). At C_min
+    /// they are infinite.
     pub(super) fn eigenvalues(&self, c: f64) -> [Complex<f64>; 4] {
         let (g, m) = (&self.groups, self.manifold.slope(c));
         let quadratic = &self.quadratic;

@@ -1,4 +1,5 @@
-//! The approximations against the exact orbit as ε → 0: amplitudes, multipliers and slow eigenvalues.
+//! The approximations against the exact orbit as ε → 0: amplitudes, multipliers and slow
+//! eigenvalues.
 
 use crate::parameters::{Groups, Scales};
 use crate::steady::exact_orbit::{self, ExactOrbit};
@@ -14,7 +15,8 @@ const LAST_SLOPE: f64 = 0.05;
 
 /// An ε so small that only the leading term of a multiplier's error is left.
 const TINY_EPSILON: f64 = 1e-4;
-/// Factor of ε in the error of a fast multiplier and of ε² in that of a slow one: bounds on the groups' sizes here.
+/// Factor of ε in the error of a fast multiplier and of ε² in that of a slow one: bounds on the
+/// groups' sizes here.
 const ERROR_FACTOR: f64 = 30.0;
 
 fn exact(g: &Groups) -> ExactOrbit {
@@ -69,8 +71,9 @@ fn second_method_strong_coupling_is_off_by_order_epsilon() {
     });
 }
 
-/// As ε → 0 two multipliers of the exact half map tend to those of the periodic motion, and four to 1 + επλ/Ω1 with
-/// λ the slow flow's eigenvalues: the exact orbit is the oracle of both stability tests.
+/// As ε → 0 two multipliers of the exact half map tend to those of the periodic motion, and four to
+/// 1 + επλ/Ω1 with λ the slow flow's eigenvalues: the exact orbit is the oracle of both stability
+/// tests.
 fn check_multipliers(orbit: &ExactOrbit, epsilon: f64, fast: [Complex<f64>; 2], slow: [Complex<f64>; 4]) {
     let expected = fast.into_iter().chain(slow.map(|e| Complex::new(1.0, 0.0) + epsilon * PI * e));
     let mut left = orbit.multipliers().to_vec();

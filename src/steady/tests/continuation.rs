@@ -1,4 +1,5 @@
-//! Branches against closed forms of their special points, and against families whose branches are known.
+//! Branches against closed forms of their special points, and against families whose branches are
+//! known.
 
 use crate::error::{Error, Result};
 use crate::parameters::{FIELDS, Groups, Parameters, Scales};
@@ -9,16 +10,19 @@ use crate::steady::{Bifurcation, Sheet, exact_orbit};
 /// Half a unit of the last digit printed for the stable range of the exact orbit.
 const GOLDEN_LOW: f64 = 5e-4;
 const GOLDEN_HIGH: f64 = 5e-3;
-/// At a located special point the multiplier itself; it moves at most a hundred times as fast as the parameter.
+/// At a located special point the multiplier itself; it moves at most a hundred times as fast as
+/// the parameter.
 const MULTIPLIER: f64 = 1e-9;
 /// A fold is square-root sharp: multipliers there are good to the root of the location.
 const AT_FOLD: f64 = 1e-4;
 
-/// Rounding of an impulse between a fold and its neighbour, where it moves with the square root of the parameter.
+/// Rounding of an impulse between a fold and its neighbour, where it moves with the square root of
+/// the parameter.
 const IMPULSE_ROUNDING: f64 = 1e-7;
 /// Largest step of the impulse between the nodes of a curve without jumps.
 const IMPULSE_STEP: f64 = 0.02;
-/// A located multiplier that is nearly double moves with the square root of the parameter, so it is found to fewer digits.
+/// A located multiplier that is nearly double moves with the square root of the parameter, so it is
+/// found to fewer digits.
 const LOCATED_PAIR: f64 = 1e-7;
 const LOCATED_BREAKING: f64 = 1e-6;
 
@@ -276,7 +280,8 @@ fn closed_form_of_a_branch_narrower_than_the_nodes() {
 
 #[test]
 fn closed_form_of_a_broken_isola_as_one_open_curve() {
-    // The lower half dips under zero: the curve starts and ends where the root vanishes, over both folds.
+    // The lower half dips under zero: the curve starts and ends where the root vanishes, over both
+    // folds.
     let branch = Circle::branch(1.0, 0.5, (-3.0, 3.0), 60);
     assert_eq!(branch.curves.len(), 1);
     let curve = &branch.curves[0];

@@ -1,4 +1,5 @@
-//! The exact orbit against direct integration by a classical method, and against the laws it must keep.
+//! The exact orbit against direct integration by a classical method, and against the laws it must
+//! keep.
 
 use crate::State;
 use crate::error::Error;
@@ -7,8 +8,8 @@ use crate::steady::Sheet;
 use crate::steady::exact_orbit::*;
 use std::f64::consts::{PI, TAU};
 
-/// Golden numbers of an earlier prototype: p/m2 and the radius have nine decimals, amplitudes seven, the second set ten (its
-/// radius eight).
+/// Golden numbers of an earlier prototype: p/m2 and the radius have nine decimals, amplitudes
+/// seven, the second set ten (its radius eight).
 const GOLDEN: f64 = 6e-10;
 /// The prototype sampled its amplitudes: each true maximum lies at or above its number.
 const GOLDEN_AMPLITUDE: f64 = 6e-8;
@@ -201,7 +202,8 @@ fn second_method_amplitudes_and_clearance_by_sampling() {
 
 #[test]
 fn second_method_multipliers_by_differences_of_the_map() {
-    // Perturb the state after the impact, fly to the lower stop by Runge-Kutta, reflect, and difference.
+    // Perturb the state after the impact, fly to the lower stop by Runge-Kutta, reflect, and
+    // difference.
     for p in [Parameters::default(), odd()] {
         let orbit = solve(&p).unwrap().upper.unwrap();
         let (length, speed) = (p.stop_gap, p.stop_gap * p.drive_frequency);
@@ -254,7 +256,8 @@ fn second_method_multipliers_by_differences_of_the_map() {
 
 #[test]
 fn closed_form_of_the_determinant_of_the_half_map() {
-    // Each impact multiplies volumes by κ², the flight by exp(-∫ damping): an invariant of the six multipliers.
+    // Each impact multiplies volumes by κ², the flight by exp(-∫ damping): an invariant of the six
+    // multipliers.
     for orbit in orbits() {
         let p = orbit.parameters();
         let damping = p.box_damping / p.box_mass + p.secondary_damping / p.secondary_mass;
@@ -267,7 +270,8 @@ fn closed_form_of_the_determinant_of_the_half_map() {
 
 #[test]
 fn closed_form_of_the_determinant_at_the_fold() {
-    // docs/theory.md (80): the slope of the quadratic tells on which side of one the real multipliers are.
+    // docs/theory.md (80): the slope of the quadratic tells on which side of one the real
+    // multipliers are.
     let mut lower = 0;
     for orbit in orbits() {
         let p = orbit.parameters();
@@ -293,7 +297,8 @@ fn closed_form_of_the_determinant_at_the_fold() {
 
 #[test]
 fn invariant_energy_balance_over_half_a_period() {
-    // Work of the drive = damping losses + impact loss, integrated by Simpson's rule on the orbit itself.
+    // Work of the drive = damping losses + impact loss, integrated by Simpson's rule on the orbit
+    // itself.
     let orbit = solve(&odd()).unwrap().upper.unwrap();
     let p = *orbit.parameters();
     let n = 2000;
@@ -348,8 +353,9 @@ fn invariant_plastic_and_elastic_impacts() {
     assert!((a.v[1] - a.v[0] + b.v[1] - b.v[0]).abs() < ROUNDING * 10.0);
 }
 
-/// With a strong damper half a period is thousands of Taylor pieces, and next to the resonance of a box without damper numbers of thousands
-/// of gaps cancel: the rounding of either must not pass for a stop that is met earlier.
+/// With a strong damper half a period is thousands of Taylor pieces, and next to the resonance of a
+/// box without damper numbers of thousands of gaps cancel: the rounding of either must not pass for
+/// a stop that is met earlier.
 #[test]
 fn second_method_orbits_of_more_rounding_are_those_of_the_simulator() {
     let p = Parameters {

@@ -1,4 +1,5 @@
-//! Tests that hold the methods of `steady` against each other, against golden numbers and against direct integration.
+//! Tests that hold the methods of `steady` against each other, against golden numbers and against
+//! direct integration.
 
 mod asymptotics;
 mod continuation;

@@ -12,14 +12,16 @@ const GOLDEN: f64 = 5e-10;
 const GOLDEN_RANGE: f64 = 5e-4;
 /// Closed forms of amplitudes of order one; conditioned by a few units.
 const ROUNDING: f64 = 1e-13;
-/// Central differences with step 1e-6: rounding 1e-10; third derivatives grow with powers of 1/B, at least 0.05 here.
+/// Central differences with step 1e-6: rounding 1e-10; third derivatives grow with powers of 1/B,
+/// at least 0.05 here.
 const DIFFERENCE: f64 = 1e-6;
 /// nalgebra's QR against closed form; eigenvalues of order one, some nearly double.
 const EIGENVALUE: f64 = 1e-9;
 
 /// Step of the central differences.
 const STEP: f64 = 1e-6;
-/// Just before an impact, and by how much slopes of order one change until then, with the rounding of the phase.
+/// Just before an impact, and by how much slopes of order one change until then, with the rounding
+/// of the phase.
 const BEFORE: f64 = 1e-9;
 const SLOPE: f64 = 1e-7;
 /// Rounding of an amplitude or of the gap by way of another phase.

@@ -1,4 +1,5 @@
-//! Strong coupling against multiple scales at no coupling, against its own equations, quadrature and sampling.
+//! Strong coupling against multiple scales at no coupling, against its own equations, quadrature
+//! and sampling.
 
 use crate::error::Error;
 use crate::parameters::Groups;
@@ -13,7 +14,8 @@ const EIGENVALUE: f64 = 1e-9;
 
 /// A nearly double pair of multipliers keeps half its digits.
 const MULTIPLIER: f64 = 1e-6;
-/// Just before an impact, and by how much slopes and the gap change until then, with the rounding of the phase.
+/// Just before an impact, and by how much slopes and the gap change until then, with the rounding
+/// of the phase.
 const BEFORE: f64 = 1e-10;
 const SLOPE: f64 = 1e-8;
 const RELATIVE: f64 = 1e-9;
@@ -22,10 +24,12 @@ const STEP: f64 = 1e-4;
 const SECOND_DIFFERENCE: f64 = 1e-6;
 /// The midpoint rule with 20,000 nodes.
 const QUADRATURE: f64 = 1e-7;
-/// Samples of an amplitude miss the maximum by the square of their spacing, and exceed it by rounding only.
+/// Samples of an amplitude miss the maximum by the square of their spacing, and exceed it by
+/// rounding only.
 const SAMPLING: f64 = 1e-6;
 const SAMPLE_ROUNDING: f64 = 1e-11;
-/// Distance of β from 1 on either side, and the difference of the amplitudes there: their slope is under fifty.
+/// Distance of β from 1 on either side, and the difference of the amplitudes there: their slope is
+/// under fifty.
 const NEAR_ONE: f64 = 1e-5;
 const LIMIT: f64 = 1e-3;
 
@@ -105,7 +109,8 @@ fn invariant_impact_law_and_equations_of_strong_coupling() {
 
 #[test]
 fn second_method_balance_of_harmonics_by_quadrature() {
-    // The solvability conditions by numerical Fourier integrals of the motion instead of the closed form.
+    // The solvability conditions by numerical Fourier integrals of the motion instead of the closed
+    // form.
     let g = strong();
     for p in points(&g) {
         let n = 20_000;

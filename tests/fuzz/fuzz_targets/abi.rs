@@ -1,8 +1,11 @@
-//! Any calls with any arguments through the C interface: no crash, no panic (`fmi2Fatal`), no status the standard does not
-//! have, nothing written beyond an array, and an instance that still answers.
+//! Any calls with any arguments through the C interface: no crash, no panic (`fmi2Fatal`), no
+//! status the standard does not have, nothing written beyond an array, and an instance that still
+//! answers.
 //!
-//! `cargo fuzz run --fuzz-dir tests/fuzz -s none abi -- -max_total_time=1800` on the stable toolchain; where there is a
-//! nightly one, `cargo +nightly fuzz run --fuzz-dir tests/fuzz abi -- -max_total_time=1800` looks with AddressSanitizer.
+//! `cargo fuzz run --fuzz-dir tests/fuzz -s none abi -- -max_total_time=1800` on the stable
+//! toolchain; where there is a nightly one,
+//! `cargo +nightly fuzz run --fuzz-dir tests/fuzz abi -- -max_total_time=1800` looks with
+//! AddressSanitizer.
 
 #![no_main]
 
@@ -19,8 +22,8 @@ use vibro_fmi::fmi2::description;
 use vibro_fmi::fmi2::types::FmiEventInfo;
 use vibro_fmi::component::variables::{VARIABLES, reference};
 
-/// Value references are taken modulo this, so that a new variable does not give the kept inputs another meaning; those
-/// beyond the table are bad references.
+/// Value references are taken modulo this, so that a new variable does not give the kept inputs
+/// another meaning; those beyond the table are bad references.
 const REFERENCES: u32 = 96;
 const _: () = {
     let mut i = 0;
@@ -193,7 +196,8 @@ impl Host {
 }
 
 fuzz_target!(|input: Input| {
-    // SAFETY: on the platforms of the fuzzer a variadic call without variadic arguments is an ordinary one.
+    // SAFETY: on the platforms of the fuzzer a variadic call without variadic arguments is an
+    // ordinary one.
     let logger = unsafe { std::mem::transmute::<Plain, FmiLogger>(log) };
     let functions = FmiCallbackFunctions {
         logger: Some(logger),

@@ -1,10 +1,13 @@
-//! Any calls with any arguments through the C interface of FMI 3.0, in both interface types, with any handling of events, with a
-//! callback that does what it likes: no crash, no panic (`fmi3Fatal`), no status the standard does not have, nothing written
-//! beyond an array, no number that is not finite, and an instance that still answers. Saved states go on in an instance of
-//! FMI 2.0.
+//! Any calls with any arguments through the C interface of FMI 3.0, in both interface types, with
+//! any handling of events, with a callback that does what it likes: no crash, no panic
+//! (`fmi3Fatal`), no status the standard does not have, nothing written beyond an array, no number
+//! that is not finite, and an instance that still answers. Saved states go on in an instance of FMI
+//! 2.0.
 //!
-//! `cargo fuzz run --fuzz-dir tests/fuzz -s none abi3 -- -max_total_time=1800` on the stable toolchain; where there is a
-//! nightly one, `cargo +nightly fuzz run --fuzz-dir tests/fuzz abi3 -- -max_total_time=1800` looks with AddressSanitizer.
+//! `cargo fuzz run --fuzz-dir tests/fuzz -s none abi3 -- -max_total_time=1800` on the stable
+//! toolchain; where there is a nightly one,
+//! `cargo +nightly fuzz run --fuzz-dir tests/fuzz abi3 -- -max_total_time=1800` looks with
+//! AddressSanitizer.
 
 #![no_main]
 
@@ -138,7 +141,8 @@ impl Host {
         // Inside the callback the time may not be asked for.
         let (time, longest) = if self.depth == 0 { (self.real("time"), self.longest()) } else { (0.0, 1.0) };
         let place = &mut self.states[usize::from(call.slot) % 3];
-        // SAFETY: buffers of as many elements as are not refused; states are this instance's or refused.
+        // SAFETY: buffers of as many elements as are not refused; states are this instance's or
+        // refused.
         let status = unsafe {
             match call.function % 72 {
                 0 => fmi3SetDebugLogging(c, call.flag, n.min(1), null()),

@@ -1,4 +1,5 @@
-//! The C interfaces of the doors' second component, the bouncing ball: the fuzzer's bytes choose calls and arguments.
+//! The C interfaces of the doors' second component, the bouncing ball: the fuzzer's bytes choose
+//! calls and arguments.
 #![no_main]
 #![allow(missing_docs)]
 

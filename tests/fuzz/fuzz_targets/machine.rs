@@ -1,4 +1,5 @@
-//! The C interfaces of described machines: the first byte chooses the machine and how it is used, the others calls and arguments.
+//! The C interfaces of described machines: the first byte chooses the machine and how it is used,
+//! the others calls and arguments.
 #![no_main]
 #![allow(missing_docs)]
 

@@ -1,6 +1,8 @@
-//! Any text as a machine's file: it is refused in words, or there is an instance that moves, whose values are numbers.
+//! Any text as a machine's file: it is refused in words, or there is an instance that moves, whose
+//! values are numbers.
 //!
-//! `cargo +nightly fuzz run --fuzz-dir tests/fuzz machine_file examples/assembly -- -only_ascii=1 -timeout=60` begins with the examples.
+//! `cargo +nightly fuzz run --fuzz-dir tests/fuzz machine_file examples/assembly -- -only_ascii=1 -timeout=60`
+//! begins with the examples.
 #![no_main]
 #![allow(missing_docs)]
 

@@ -1,8 +1,10 @@
-//! Any parameters, loads, steps and changes: no panic, no hang, no block outside the box, no lost energy, no error but the
-//! ones that are documented.
+//! Any parameters, loads, steps and changes: no panic, no hang, no block outside the box, no lost
+//! energy, no error but the ones that are documented.
 //!
-//! `cargo install cargo-fuzz`, then `cargo fuzz run --fuzz-dir tests/fuzz -s none simulator -- -max_total_time=1200`
-//! (without a sanitizer it runs on the stable toolchain; the library has no unsafe code outside the C interface).
+//! `cargo install cargo-fuzz`, then
+//! `cargo fuzz run --fuzz-dir tests/fuzz -s none simulator -- -max_total_time=1200` (without a
+//! sanitizer it runs on the stable toolchain; the library has no unsafe code outside the C
+//! interface).
 
 #![no_main]
 
@@ -54,8 +56,8 @@ struct Input {
 
 /// Sub-steps per step that are still worth an iteration; a longer step is cut.
 const WORK: f64 = 200.0;
-/// The same for nearly elastic stops, where up to 10⁶ impacts in each sub-step are followed one by one: true, and bounded,
-/// but the time of a sub-step is then a tenth of a second.
+/// The same for nearly elastic stops, where up to 10⁶ impacts in each sub-step are followed one by
+/// one: true, and bounded, but the time of a sub-step is then a tenth of a second.
 const ELASTIC_WORK: f64 = 5.0;
 /// Of the energy that passed, or is stored at the scale of the springs.
 const BALANCE: f64 = 1e-6;

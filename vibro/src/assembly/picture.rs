@@ -1,4 +1,5 @@
-//! The picture of a motion: coordinates, forces of stops and friction, and the speeds of impacts over time.
+//! The picture of a motion: coordinates, forces of stops and friction, and the speeds of impacts
+//! over time.
 
 use super::Record;
 use vibro_analysis::assembly::{Extreme, What};
@@ -73,7 +74,8 @@ struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    /// Samples and extremes in order of time: no peak is lost between samples, however few there are.
+    /// Samples and extremes in order of time: no peak is lost between samples, however few there
+    /// are.
     fn points(&self, record: &Record) -> Path {
         let stride = record.rows.len().div_ceil(POINTS);
         let samples = record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + self.column]));

@@ -12,8 +12,8 @@ use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::{Assembly, Motion};
 
-/// A real part or frequency counts as zero under this part of the largest: the rounding of eigenvalues, of which a double one has
-/// the square root.
+/// A real part or frequency counts as zero under this part of the largest: the rounding of
+/// eigenvalues, of which a double one has the square root.
 const ZERO: f64 = 1e-7;
 
 /// Six digits, for words.
@@ -35,8 +35,8 @@ fn units(dimension: Dimension) -> [&'static str; 3] {
     }
 }
 
-/// What a machine consists of and how it stands at the start: bodies, elements with their states, degrees of freedom, equilibrium,
-/// natural frequencies.
+/// What a machine consists of and how it stands at the start: bodies, elements with their states,
+/// degrees of freedom, equilibrium, natural frequencies.
 ///
 /// # Errors
 /// What the machine's matrices or its start refuse.

@@ -1,7 +1,7 @@
 //! The paper's statements of sections 3 to 5, each with a rule by which agreement is decided.
 //!
-//! The parameters are not the paper's own data set (docs/theory.md, end of section 4), so agreement means: the same kind of
-//! motion at about the same place.
+//! The parameters are not the paper's own data set (docs/theory.md, end of section 4), so agreement
+//! means: the same kind of motion at about the same place.
 
 use super::analytical::{accuracy, errors, figure_nine, limits, upper};
 use super::statement::{Found, Statement, Verdict};
@@ -85,7 +85,8 @@ fn listed(found: &Found, holds: impl Fn(&SweepPoint) -> bool) -> Vec<String> {
     words
 }
 
-/// Whether the block meets the stops at all: a motion without impacts coexists with those of the paper at small forces.
+/// Whether the block meets the stops at all: a motion without impacts coexists with those of the
+/// paper at small forces.
 fn meets(p: &SweepPoint) -> bool {
     p.attractor.impacts.iter().sum::<f64>() > 0.0
 }

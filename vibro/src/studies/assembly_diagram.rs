@@ -1,4 +1,5 @@
-//! Bifurcation diagrams of machines of the user's own: as those of the 3-DOF machine, by the names of bodies and elements.
+//! Bifurcation diagrams of machines of the user's own: as those of the 3-DOF machine, by the names
+//! of bodies and elements.
 
 use super::Study;
 use super::design_sweep::Told;
@@ -103,7 +104,8 @@ pub fn assembly_diagram(
     })
 }
 
-/// The largest exponent of a machine's motion after `discard` returns, over `periods` of them, as a table.
+/// The largest exponent of a machine's motion after `discard` returns, over `periods` of them, as a
+/// table.
 ///
 /// # Errors
 /// What the machine or its motion refuses.

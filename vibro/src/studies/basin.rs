@@ -13,7 +13,8 @@ use vibro_analysis::verdict::PROLONGED;
 use vibro_figures::canvas::palette::GREY;
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 
-/// Colours of the first attractors and of their mirror images. Each has a lightness of its own, as have those below.
+/// Colours of the first attractors and of their mirror images. Each has a lightness of its own, as
+/// have those below.
 pub const PAIRS: [[Colour; 2]; 8] = [
     [Colour(0, 65, 111), Colour(0, 145, 248)],
     [Colour(172, 57, 0), Colour(250, 167, 125)],
@@ -24,8 +25,9 @@ pub const PAIRS: [[Colour; 2]; 8] = [
     [Colour(180, 0, 0), Colour(246, 148, 148)],
     [Colour(0, 137, 137), Colour(0, 251, 251)],
 ];
-/// What is none of these: starts outside the stops, motions that have not settled, those that are on a chaotic attractor but on which
-/// one is undecided, and all attractors after those with colours of their own.
+/// What is none of these: starts outside the stops, motions that have not settled, those that are
+/// on a chaotic attractor but on which one is undecided, and all attractors after those with
+/// colours of their own.
 pub const OTHERS: [Colour; 4] =
     [Colour(235, 235, 235), Colour(132, 132, 132), Colour(45, 45, 45), Colour(20, 20, 20)];
 const OUTSIDE: Colour = OTHERS[0];
@@ -159,8 +161,8 @@ fn remarks(basin: &Basin) -> Vec<String> {
     lines
 }
 
-/// The code of a cell in the picture: four for what is no attractor or has no colour of its own, then two for each attractor and its
-/// mirror image.
+/// The code of a cell in the picture: four for what is no attractor or has no colour of its own,
+/// then two for each attractor and its mirror image.
 fn code(destination: &Destination) -> u8 {
     match *destination {
         Destination::Outside => 0,
@@ -183,8 +185,8 @@ fn cells(request: &Request, basin: &Basin) -> Shape {
     }
 }
 
-/// Entries of the legend: each attractor with a colour of its own, and its mirror image where there is one; the others together; then what
-/// is on no attractor that is known.
+/// Entries of the legend: each attractor with a colour of its own, and its mirror image where there
+/// is one; the others together; then what is on no attractor that is known.
 fn legend(basin: &Basin) -> Vec<Layer> {
     let entry = |name: &str, colour| Layer::band(name, colour, 1.0, Vec::new());
     let mut layers = Vec::new();
@@ -256,7 +258,8 @@ mod tests {
 
     #[test]
     fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
-        /// Of the lighter luminance over the darker, with some stray light: more than the eye tells apart.
+        /// Of the lighter luminance over the darker, with some stray light: more than the eye tells
+        /// apart.
         const APART: f64 = 1.02;
         let mut light: Vec<f64> =
             PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();

@@ -21,8 +21,8 @@ use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape, 
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
-/// A transient decays over a time of order 1/ε: this number of periods divided by ε brings it under round-off for dampings of
-/// order one.
+/// A transient decays over a time of order 1/ε: this number of periods divided by ε brings it under
+/// round-off for dampings of order one.
 const SETTLING: f64 = 60.0;
 /// Periods shown of a simulated steady motion.
 pub(super) const SHOWN: u32 = 2;
@@ -54,8 +54,9 @@ pub(super) fn simulate(parameters: &Parameters, near: &SteadyMotion) -> Result<S
     Ok(SimulatedMotion { amplitudes, samples: simulated(&flights, p), motion: observe(&mut simulator)? })
 }
 
-/// Why a theory's amplitudes are not those of the simulated motion, however exact the theory is: its motion is unstable, so
-/// that a simulation leaves it, or the simulated motion is of another kind. `None` where errors have a meaning.
+/// Why a theory's amplitudes are not those of the simulated motion, however exact the theory is:
+/// its motion is unstable, so that a simulation leaves it, or the simulated motion is of another
+/// kind. `None` where errors have a meaning.
 pub(super) fn not_compared(theory: &SteadyMotion, simulated: &SimulatedMotion) -> Option<String> {
     let mut reasons = Vec::new();
     if !theory.is_stable() {
@@ -77,7 +78,8 @@ pub(super) fn not_compared(theory: &SteadyMotion, simulated: &SimulatedMotion) -
     (!reasons.is_empty()).then(|| reasons.join("; "))
 }
 
-/// The theory's state at t = 0 in SI, with the block put between the stops, which an approximation may pass a little.
+/// The theory's state at t = 0 in SI, with the block put between the stops, which an approximation
+/// may pass a little.
 fn start(p: &Parameters, theory: &SteadyMotion) -> State {
     let at = theory.history(p, 1.0);
     let first = at.first().map_or(([0.0; 5], [0.0; 5]), |a| (a.x, a.v));
@@ -92,8 +94,8 @@ pub(super) fn no_motion(name: &str, theory: &str) -> Study {
     Study::without_figure(name, format!("no picture: {theory} has no motion with two symmetric impacts here"))
 }
 
-/// Amplitudes by theory and simulation with the theory's errors, as a table and in words; where they cannot be compared, the
-/// reason instead of errors.
+/// Amplitudes by theory and simulation with the theory's errors, as a table and in words; where
+/// they cannot be compared, the reason instead of errors.
 pub(super) fn amplitude_table(
     name: &str,
     analytical: [f64; 4],
@@ -143,8 +145,8 @@ pub fn histories(set: &ParameterSet) -> Result<Study> {
     Ok(Study::of("compare-8", what, &table, figure)?.with_remarks(remarks))
 }
 
-/// Figure 16: A2 over the excitation amplitude, by multiple scales and the exact orbit, over the maxima of X2 of a sweep
-/// up and down.
+/// Figure 16: A2 over the excitation amplitude, by multiple scales and the exact orbit, over the
+/// maxima of X2 of a sweep up and down.
 ///
 /// # Errors
 /// Ranges that are not allowed; what theory or simulator refuse.

@@ -17,7 +17,8 @@ use vibro_analysis::design_sweep::{Choice, Designs, Request, Row, SampledAxis, c
 use vibro_analysis::parts::Task;
 pub use words::Told;
 
-/// The study of a sweep whose parts are all in the task's store. Its tables are written apart, by [`write_tables`].
+/// The study of a sweep whose parts are all in the task's store. Its tables are written apart, by
+/// [`write_tables`].
 ///
 /// # Errors
 /// What the store refuses.

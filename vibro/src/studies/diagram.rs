@@ -1,4 +1,5 @@
-//! A bifurcation diagram's panel of maxima, and how it was made in words; shared by diagrams with exponents and those with orbits.
+//! A bifurcation diagram's panel of maxima, and how it was made in words; shared by diagrams with
+//! exponents and those with orbits.
 
 use super::lengths::Lengths;
 use crate::Result;
@@ -9,13 +10,15 @@ use vibro_analysis::plane::{AxisName, ParameterAxis};
 use vibro_figures::canvas::palette::{BLACK, HERE, SKY};
 use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
 
-/// Rows of cells in a diagram, and most columns: neighbouring values share one where there are more.
+/// Rows of cells in a diagram, and most columns: neighbouring values share one where there are
+/// more.
 const ROWS: usize = 380;
 const COLUMNS: usize = 1300;
 /// Shades by the part of the kept periods that fall into a cell: under 0.5 %, 3 %, 20 %, more.
 const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
 const SHADES: [Colour; 4] = [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
-/// Where the falling direction ends elsewhere: rare, frequent; lighter than any shade, so that grey shows it too.
+/// Where the falling direction ends elsewhere: rare, frequent; lighter than any shade, so that grey
+/// shows it too.
 const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
 
 /// Stroke of the curves over which others are drawn.
@@ -49,7 +52,8 @@ pub(super) fn reach<P: DiagramPoint>(diagram: &Diagram<P>, length: Length<'_, P>
     if low > high { (0.0, 1.0) } else { (low - 0.03 * (high - low) - air, high + 0.03 * (high - low) + air) }
 }
 
-/// Cells of the maxima: 0 paper, 1…4 the shades of the rising direction, 5 and 6 the falling one where it ends elsewhere.
+/// Cells of the maxima: 0 paper, 1…4 the shades of the rising direction, 5 and 6 the falling one
+/// where it ends elsewhere.
 fn cells<N: AxisName, P: DiagramPoint>(
     (axis, kept): (&ParameterAxis<N>, u32),
     diagram: &Diagram<P>,
@@ -160,8 +164,8 @@ pub(super) fn hysteresis(apart: Option<bool>) -> String {
     apart.map_or_else(|| "undecided".into(), |apart| apart.to_string())
 }
 
-/// What is worth saying of a diagram: ranges of one class with the value rising, where the directions part, what is missing. Without
-/// `apart` there is one direction.
+/// What is worth saying of a diagram: ranges of one class with the value rising, where the
+/// directions part, what is missing. Without `apart` there is one direction.
 pub(super) fn remarks<P: DiagramPoint>(
     name: &str,
     diagram: &Diagram<P>,
@@ -192,7 +196,8 @@ pub(super) fn remarks<P: DiagramPoint>(
     lines
 }
 
-/// The panel of all maxima: shaded by how often they come, the falling direction where it ends elsewhere, the set's own value.
+/// The panel of all maxima: shaded by how often they come, the falling direction where it ends
+/// elsewhere, the set's own value.
 pub(super) fn maxima_panel(
     set: &ParameterSet,
     sweep: &Sweep,

@@ -1,4 +1,5 @@
-//! The exact branches of periodic orbits over the points of a bifurcation diagram, and which of its rows they explain.
+//! The exact branches of periodic orbits over the points of a bifurcation diagram, and which of its
+//! rows they explain.
 
 mod drawn;
 
@@ -21,10 +22,11 @@ use vibro_orbits::{
     branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
 };
 
-/// Most values of a diagram at all of which motions are settled for the branches, in each direction.
+/// Most values of a diagram at all of which motions are settled for the branches, in each
+/// direction.
 const MOST_SEEDS: usize = 1001;
-/// Drive periods after which a row that no branch covers is looked at once more: what is left of a transient of a row next to a
-/// bifurcation dies out in so many.
+/// Drive periods after which a row that no branch covers is looked at once more: what is left of a
+/// transient of a row next to a bifurcation dies out in so many.
 const LATER: u32 = 20_000;
 /// Most sequences of doublings, and most uncovered rows, listed on the screen.
 const TOLD: usize = 12;
@@ -43,7 +45,8 @@ pub enum Covering {
         /// The distance of the motion's states from the orbit's, units of L and L ω10.
         distance: f64,
     },
-    /// The block rests at a stop in the course of the motion, which the impacts alone do not describe.
+    /// The block rests at a stop in the course of the motion, which the impacts alone do not
+    /// describe.
     Rests,
     /// The motion had not settled: later it lies on a stable branch.
     Transient,
@@ -82,7 +85,8 @@ pub struct DiagramOrbits {
 pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
     let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
     let family = Family::new(set, span)?;
-    // A free block and undamped modes are refused here, by any word; that there is no orbit with this one says nothing.
+    // A free block and undamped modes are refused here, by any word; that there is no orbit with
+    // this one says nothing.
     let middle = family.system(&[0.5 * (span.from + span.to)])?;
     match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {
         Ok(_) | Err(vibro_analysis::Error::NoOrbit { .. }) => Ok(family),
@@ -97,7 +101,8 @@ impl DiagramOrbits {
     /// What the machines refuse.
     pub fn new(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, options: &TreeOptions) -> Result<Self> {
         let family = sweep_family(set, sweep)?;
-        // The values of the diagram are among those from which branches start, so that a window of one value is not missed.
+        // The values of the diagram are among those from which branches start, so that a window of
+        // one value is not missed.
         let steps = sweep.axis.count.min(MOST_SEEDS) - 1;
         let seeds = steps * (options.seeds.saturating_sub(1)).div_ceil(steps).max(1) + 1;
         let mut tree = tree(&family, &TreeOptions { seeds, ..options.clone() }, &|_, _| ())?;
@@ -119,7 +124,8 @@ impl DiagramOrbits {
         Ok(Self { family, tree, rows })
     }
 
-    /// The range of the stable branch on which the motion at a value lies; `None` where it is not periodic or not covered.
+    /// The range of the stable branch on which the motion at a value lies; `None` where it is not
+    /// periodic or not covered.
     pub fn range_at(&self, direction: usize, value: f64) -> Option<&StableRange> {
         let row = self.rows.iter().find(|row| row.direction == direction && row.value == value)?;
         match &row.covering {
@@ -128,7 +134,8 @@ impl DiagramOrbits {
         }
     }
 
-    /// The ends of the stable ranges in which the first and the last covered row of a range of values are.
+    /// The ends of the stable ranges in which the first and the last covered row of a range of
+    /// values are.
     pub fn bounds(&self, direction: usize, (from, to): (f64, f64)) -> Option<(RangeEnd, RangeEnd)> {
         let inside = |row: &&CoveredRow| row.direction == direction && (from..=to).contains(&row.value);
         let range = |row: &CoveredRow| match &row.covering {
@@ -141,7 +148,8 @@ impl DiagramOrbits {
         Some((first.from, last.to))
     }
 
-    /// The periodic rows of which the transient has ended, and those of them that lie on a stable branch.
+    /// The periodic rows of which the transient has ended, and those of them that lie on a stable
+    /// branch.
     pub fn share(&self) -> (usize, usize) {
         let count =
             |holds: &dyn Fn(&Covering) -> bool| self.rows.iter().filter(|row| holds(&row.covering)).count();
@@ -180,8 +188,8 @@ impl DiagramOrbits {
         let name = self.family.span().name;
         sequences.map(|sequence| doublings_in_words(set, name, &sequence)).collect()
     }
-    /// The study: the branches over the points of the diagram, with tables of what is drawn, of the special points, the stable
-    /// ranges, the windows and the rows.
+    /// The study: the branches over the points of the diagram, with tables of what is drawn, of the
+    /// special points, the stable ranges, the windows and the rows.
     ///
     /// # Errors
     /// [`Error::Output`](crate::Error::Output).
@@ -225,7 +233,8 @@ impl DiagramOrbits {
         })
     }
 
-    /// The windows of periodic motion of the diagram with the stable ranges in which their first and last rows are.
+    /// The windows of periodic motion of the diagram with the stable ranges in which their first
+    /// and last rows are.
     fn window_table(&self, sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
         let name = sweep.axis.name.name();
         let (from, to) = (format!("{name}_from"), format!("{name}_to"));
@@ -312,8 +321,9 @@ fn located(set: &ParameterSet, name: Name, value: f64) -> String {
     }
 }
 
-/// Adds the branch of the stable orbit on which a motion of the diagram itself lies; false where there is none. A row may have settled
-/// where no start of the tree has: narrow windows are met by chance.
+/// Adds the branch of the stable orbit on which a motion of the diagram itself lies; false where
+/// there is none. A row may have settled where no start of the tree has: narrow windows are met by
+/// chance.
 fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bool> {
     let system = family.system(&[point.value])?;
     let Some(state) = point.attractor.states.first() else { return Ok(false) };

@@ -1,4 +1,5 @@
-//! Pictures and tables of simulated motion over a plane of two parameters, of a machine of either kind.
+//! Pictures and tables of simulated motion over a plane of two parameters, of a machine of either
+//! kind.
 
 mod assembly;
 mod three_dof;
@@ -27,7 +28,8 @@ pub struct Shown {
     /// Impacts, or impacts and first touches, a period.
     contacts: f64,
     rests: bool,
-    /// Whether it is of the kind of the closed forms: symmetric with one impact at each stop in each period.
+    /// Whether it is of the kind of the closed forms: symmetric with one impact at each stop in
+    /// each period.
     is_two_impact: bool,
 }
 
@@ -162,8 +164,8 @@ fn plane_axis<M: Told>(machine: &M, axis: &ParameterAxis<M::Name>) -> Axis {
     Axis { range: Some(axis.edges()), ..machine.axis(&axis.name) }
 }
 
-/// A panel whose cells have the colour of the entry that `code` gives, with the panel's letter before the entries' names; points
-/// without a motion are left white.
+/// A panel whose cells have the colour of the entry that `code` gives, with the panel's letter
+/// before the entries' names; points without a motion are left white.
 fn coloured<M: ShownPlane>(
     (machine, request, plane): (&M, &Request<M>, &Isoperiodic<M::Point>),
     title: &str,

@@ -1,4 +1,5 @@
-//! The unit in which pictures show lengths and speeds: units of L, or SI where the machine was given in SI.
+//! The unit in which pictures show lengths and speeds: units of L, or SI where the machine was
+//! given in SI.
 
 use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::chart::Axis;
@@ -16,7 +17,8 @@ pub(super) struct LengthUnit {
 }
 
 impl LengthUnit {
-    /// The unit in which the gap was written; mm for a small gap that was written in m or without a unit.
+    /// The unit in which the gap was written; mm for a small gap that was written in m or without a
+    /// unit.
     pub fn of(set: &ParameterSet) -> Self {
         let written = Name::find("stop.gap").ok().and_then(|gap| set.unit(gap));
         match written.map(|unit| (unit.number(1.0), unit.symbol())) {
@@ -26,7 +28,8 @@ impl LengthUnit {
         }
     }
 
-    /// The unit of length for rates as large as `speed`, m/s: a larger one where the numbers would be large.
+    /// The unit of length for rates as large as `speed`, m/s: a larger one where the numbers would
+    /// be large.
     pub fn of_rates(&self, speed: f64) -> Self {
         let larger =
             [(1e3, "mm"), (1.0, "m")].map(|(per_metre, symbol)| Self { per_metre, symbol: symbol.into() });
@@ -37,7 +40,8 @@ impl LengthUnit {
     }
 }
 
-/// How a picture shows lengths of which the data are in units of L, and their rates in units of L ω10.
+/// How a picture shows lengths of which the data are in units of L, and their rates in units of L
+/// ω10.
 #[derive(Clone, Debug)]
 pub(super) struct Lengths {
     /// `None`: as the data are.
@@ -56,7 +60,8 @@ impl Lengths {
         Self { unit, gap: p.stop_gap, speed: p.stop_gap * p.box_frequency() }
     }
 
-    /// An axis of lengths over its data, of a name as [`Self::displacements`] and [`Self::amplitude`] give.
+    /// An axis of lengths over its data, of a name as [`Self::displacements`] and
+    /// [`Self::amplitude`] give.
     pub fn axis(&self, name: &str) -> Axis {
         match &self.unit {
             None => Axis::new(format!("{name} (units of L)")),
@@ -98,8 +103,8 @@ impl Lengths {
         if self.unit.is_some() { format!("{symbol}·L") } else { symbol.into() }
     }
 
-    /// What lengths in units of L are multiplied by where a parameter has another value than the set's: in SI a length in
-    /// units of another gap is turned into one in units of the set's.
+    /// What lengths in units of L are multiplied by where a parameter has another value than the
+    /// set's: in SI a length in units of another gap is turned into one in units of the set's.
     pub fn ratio(&self, name: Name, value: f64) -> f64 {
         if self.unit.is_some() && name.name() == "stop.gap" { value / self.gap } else { 1.0 }
     }

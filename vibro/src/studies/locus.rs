@@ -70,7 +70,8 @@ const MARKS: [(LocusEnd, Mark); 5] = [
     (LocusEnd::NoConvergence, Mark::Plus),
 ];
 
-/// The study of curves over the two parameters of a family; `problems` tells of the points from which none could be followed.
+/// The study of curves over the two parameters of a family; `problems` tells of the points from
+/// which none could be followed.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).

@@ -1,4 +1,5 @@
-//! The slow invariant manifold: its shape (figure 2), its admissible part (7), its fixed points (9).
+//! The slow invariant manifold: its shape (figure 2), its admissible part (7), its fixed points
+//! (9).
 
 use super::Study;
 use super::lengths::Lengths;
@@ -118,10 +119,12 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
     )
 }
 
-/// The ranges of C, on the left and on the right branch, at which a fixed point is stable for the force that holds it
-/// there. With the closed forms of [`multiple_scales`](vibro_impact::steady::multiple_scales): on the right branch the determinant
-/// is positive beyond the quadratic's vertex and the trace always negative; on the left the determinant is positive
-/// before the vertex and the trace negative for C < γ̂1/(γ̂1 (1+ρ²) + (8/π²) ρ).
+/// The ranges of C, on the left and on the right branch, at which a fixed point is stable for the
+/// force that holds it there. With the closed forms of
+/// [`multiple_scales`](vibro_impact::steady::multiple_scales): on the right branch the determinant
+/// is positive beyond the quadratic's vertex and the trace always negative; on the left the
+/// determinant is positive before the vertex and the trace negative for C < γ̂1/(γ̂1 (1+ρ²) +
+/// (8/π²) ρ).
 fn stable_fixed_points(system: &MultipleScales) -> [(f64, f64); 2] {
     let (m, g) = (system.manifold(), system.groups());
     if g.gamma3 == 0.0 {
@@ -133,7 +136,8 @@ fn stable_fixed_points(system: &MultipleScales) -> [(f64, f64); 2] {
     [(f64::NEG_INFINITY, vertex.min(turn)), (m.c_min().max(vertex), f64::INFINITY)]
 }
 
-/// Figure 7: the parts of the manifold that pass each of the three tests, and the part that passes all.
+/// Figure 7: the parts of the manifold that pass each of the three tests, and the part that passes
+/// all.
 ///
 /// # Errors
 /// What multiple scales refuses.
@@ -191,8 +195,8 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
     )
 }
 
-/// The range of C that passes all three tests, given where fixed points on the right branch are stable; empty where its
-/// ends are not in order.
+/// The range of C that passes all three tests, given where fixed points on the right branch are
+/// stable; empty where its ends are not in order.
 fn admissible(m: &Manifold, right: (f64, f64)) -> (f64, f64) {
     (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1))
 }
@@ -223,7 +227,8 @@ fn ascii(name: &str) -> String {
     name.replace('₁', "1").replace('₂', "2")
 }
 
-/// Figure 9: the fixed points and the admissible part for several values of a parameter (f̂10 in the paper).
+/// Figure 9: the fixed points and the admissible part for several values of a parameter (f̂10 in
+/// the paper).
 ///
 /// # Errors
 /// Values that are not allowed, and what multiple scales refuses.

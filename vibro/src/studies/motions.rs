@@ -169,7 +169,8 @@ fn inside(p: &Parameters, s: &StroboscopicState) -> State {
     state
 }
 
-/// Figure 15: portraits of X2 at the values of a diagram nearest to `values`, from the states it settled on.
+/// Figure 15: portraits of X2 at the values of a diagram nearest to `values`, from the states it
+/// settled on.
 ///
 /// # Errors
 /// What the simulator refuses.
@@ -205,7 +206,8 @@ pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f6
     Study::of("figure-15", "phase portraits of X₂ as in figure 15", &table, figure)
 }
 
-/// A motion of a sweep over its period, or over [`WANDERING`] periods, from the state it settled on.
+/// A motion of a sweep over its period, or over [`WANDERING`] periods, from the state it settled
+/// on.
 fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
     let start = inside(p, &point.attractor.states[0]);
     let mut simulator = Simulator::new(p, &start, 0.0)?.without_energy_accounts();

@@ -1,4 +1,5 @@
-//! One periodic orbit: its impacts and multipliers as a table; gap, portrait and multipliers as a picture.
+//! One periodic orbit: its impacts and multipliers as a table; gap, portrait and multipliers as a
+//! picture.
 
 use super::Study;
 use super::lengths::Lengths;
@@ -115,7 +116,8 @@ fn multiplier_table(orbit: &Orbit) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// Parameters, loads and state at time 0 by the names of the FMU's variables: its start values for the motion on the orbit.
+/// Parameters, loads and state at time 0 by the names of the FMU's variables: its start values for
+/// the motion on the orbit.
 fn start_table(orbit: &Orbit) -> Result<Vec<u8>> {
     let mut table = CsvRows::new(["variable", "unit", "start"])?;
     let (parameters, start) = (orbit.system().parameters(), orbit.start_state());

@@ -30,7 +30,8 @@ pub(super) const MARKS: [(Label, &str, Mark); 8] = [
     (Label::UserValue, "UZ value asked for", Mark::Diamond),
 ];
 
-/// The study of branches over the one parameter of a family: `branches`, `special-points`, `search` of a tree, and a picture.
+/// The study of branches over the one parameter of a family: `branches`, `special-points`, `search`
+/// of a tree, and a picture.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -101,8 +102,8 @@ fn search_table(span: &Span, searched: &Searched) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// The largest X2 at each point, without loads of the orbit or of its mirror image, which is an orbit too; NaN where there is none,
-/// which is left out everywhere.
+/// The largest X2 at each point, without loads of the orbit or of its mirror image, which is an
+/// orbit too; NaN where there is none, which is left out everywhere.
 fn largest(family: &Family, branch: &Branch) -> Vec<f64> {
     let own = branch.maxima(family, BLOCK);
     let mirror = if family.is_symmetric() { BLOCK.map(|w| -w) } else { BLOCK };

@@ -46,7 +46,8 @@ pub fn planes(
     }
     let names: Vec<_> =
         pairs.iter().map(|(x, y)| format!("({}, {})", x.name.symbol(), y.name.symbol())).collect();
-    // Of one plane both axes are left out; of several each is told, since it holds in the other planes.
+    // Of one plane both axes are left out; of several each is told, since it holds in the other
+    // planes.
     let varied = if let [(x, y)] = pairs { vec![x.name, y.name] } else { Vec::new() };
     let figure = Figure {
         title: format!("Existence and stability, {} (cf. the paper's figure 12)", method.name()),

@@ -1,4 +1,5 @@
-//! Frequency and force response curves (figures 10, 11), and the response along any other parameter.
+//! Frequency and force response curves (figures 10, 11), and the response along any other
+//! parameter.
 
 use super::lengths::Lengths;
 use super::{PANEL, Study};
@@ -97,7 +98,8 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> Option<f64>) -> [Ve
     for curve in &response.curves {
         let mut state = None;
         for pair in curve.windows(2) {
-            // As in the paper only the right branch is shown. A solution that passes a stop is no motion.
+            // As in the paper only the right branch is shown. A solution that passes a stop is no
+            // motion.
             let shown = |p: &ResponsePoint| if p.right && p.clear { y(p) } else { None };
             let (Some(from), Some(to)) = (shown(&pair[0]), shown(&pair[1])) else {
                 state = None;
@@ -182,7 +184,8 @@ impl Panels<'_> {
                     over.push(lines(Dash::Solid, stable).stroke(THIN));
                     over.push(lines(Dash::Dotted, unstable).stroke(THIN));
                 } else {
-                    // The name stands beside the part with more points: where there is one, and more room.
+                    // The name stands beside the part with more points: where there is one, and
+                    // more room.
                     let mut curves = [lines(Dash::Solid, stable), lines(Dash::Dotted, unstable)];
                     let more = curves[1].extent().len() > curves[0].extent().len();
                     let named = &mut curves[usize::from(more)];
@@ -243,15 +246,16 @@ struct ResponseFigure<'a> {
     /// The parameter along the curves, and its range.
     along: Name,
     range: (f64, f64),
-    /// The families of curves: the parameter that differs between the members, what they are, and its values.
+    /// The families of curves: the parameter that differs between the members, what they are, and
+    /// its values.
     families: &'a [(Name, &'a str, &'a [f64])],
     /// The coordinate whose amplitude is shown; the paper's C and A3 where there is none.
     of: Option<Displacement>,
 }
 
 impl ResponseFigure<'_> {
-    /// The amplitudes of each family. A family without a value is left out, and so is one whose only curve, that of the set
-    /// itself, is in another family already.
+    /// The amplitudes of each family. A family without a value is left out, and so is one whose
+    /// only curve, that of the set itself, is in another family already.
     fn study(&self, set: &ParameterSet) -> Result<Study> {
         let (along, range) = (self.along, self.range);
         let own = |family: &(Name, &str, &[f64])| family.2 == [family.0.value(set)];
@@ -262,7 +266,8 @@ impl ResponseFigure<'_> {
         let families =
             shown.iter().map(|f| family(set, along, range, (f.0, f.2))).collect::<Result<Vec<_>>>()?;
         let panels = Panels { set, lengths: Lengths::of(set), along, range };
-        // Between the families of one figure other parameters differ: each panel tells those of the other families.
+        // Between the families of one figure other parameters differ: each panel tells those of the
+        // other families.
         let elsewhere = |name: Name| {
             let others = shown.iter().map(|f| f.0).filter(|other| *other != name);
             others.map(|o| format!("; {}", set.told(o, o.value(set)))).collect::<String>()
@@ -299,7 +304,8 @@ impl ResponseFigure<'_> {
     }
 }
 
-/// Figure 10: C and A3, or the amplitude of a coordinate, over the detuning σ̂1, for some f̂10 and for some γ̂1.
+/// Figure 10: C and A3, or the amplitude of a coordinate, over the detuning σ̂1, for some f̂10 and
+/// for some γ̂1.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
@@ -324,8 +330,8 @@ pub fn frequency(
     .study(set)
 }
 
-/// Figure 11: C and A3, or the amplitude of a coordinate, over the excitation amplitude f̂10, for some detunings σ̂1, those
-/// above resonance first.
+/// Figure 11: C and A3, or the amplitude of a coordinate, over the excitation amplitude f̂10, for
+/// some detunings σ̂1, those above resonance first.
 ///
 /// # Errors
 /// Ranges and values that are not allowed.
@@ -375,7 +381,8 @@ pub fn along(
 mod tests {
     use super::*;
 
-    /// A curve does not hold the amplitude of a sum: nothing is drawn for it, and no other amplitude in its place.
+    /// A curve does not hold the amplitude of a sum: nothing is drawn for it, and no other
+    /// amplitude in its place.
     #[test]
     fn an_amplitude_that_a_point_does_not_hold_is_not_shown() {
         let point = ResponsePoint {

@@ -24,7 +24,8 @@ use vibro_impact::simulator::{Contact, Simulator, State};
 const DISCARD: u32 = 400;
 /// Drive periods recorded where nothing else is asked for.
 const PERIODS: u32 = 20;
-/// Least steps in a drive period: cubic interpolation between them is good to about 1e-8 of the amplitudes.
+/// Least steps in a drive period: cubic interpolation between them is good to about 1e-8 of the
+/// amplitudes.
 const LEAST: u32 = 128;
 /// Most steps of a run, a few hundred megabytes.
 const MOST: u32 = 3_000_000;
@@ -47,14 +48,15 @@ pub enum Length {
 pub struct Request {
     /// How long.
     pub length: Length,
-    /// Drive periods discarded before the run begins, without loads; 400 unless given, and none where a start or a load is
-    /// given.
+    /// Drive periods discarded before the run begins, without loads; 400 unless given, and none
+    /// where a start or a load is given.
     pub discard: Option<u32>,
     /// The start, before what is discarded; the moving block unless given.
     pub start: Option<StartRule>,
     /// Rows of the table in a drive period.
     pub samples: u32,
-    /// The loads that change, whose time 0 is the beginning of the run. Constant ones are among the parameters.
+    /// The loads that change, whose time 0 is the beginning of the run. Constant ones are among the
+    /// parameters.
     pub loads: Vec<Load>,
 }
 
@@ -282,7 +284,8 @@ mod tests {
 
     #[test]
     fn closed_form_of_a_free_box_under_a_constant_load() {
-        // x1 = f t²/2m up to the end of the record: largest x there, rms x(T)/√5; no impacts, since the gap is wide.
+        // x1 = f t²/2m up to the end of the record: largest x there, rms x(T)/√5; no impacts, since
+        // the gap is wide.
         let p = Parameters {
             box_stiffness: 0.0,
             box_damping: 0.0,

@@ -32,7 +32,8 @@ fn steps(from: f64, to: f64, count: u32) -> Vec<f64> {
     (0..=count).map(|i| from + (to - from) * f64::from(i) / f64::from(count)).collect()
 }
 
-/// The least and largest C (A2 in its units) of stable exact orbits along the force. `None` where there is none.
+/// The least and largest C (A2 in its units) of stable exact orbits along the force. `None` where
+/// there is none.
 fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     let along = find_group("f10")?;
     let found = response(set, along, FORCES, Method::ExactOrbit, NODES)?;
@@ -42,8 +43,8 @@ fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     Ok((least < most).then_some([least, most]))
 }
 
-/// C of the motions that multiple scales find for the force that was set; none where none was, since the regions are those over all
-/// forces.
+/// C of the motions that multiple scales find for the force that was set; none where none was,
+/// since the regions are those over all forces.
 fn own_motions(set: &ParameterSet) -> Result<Vec<FixedPoint>> {
     if !set.is_set(find_group("f10")?.into()) {
         return Ok(Vec::new());
@@ -59,7 +60,8 @@ struct Regions {
     manifolds: Vec<Manifold>,
     /// Multiple scales at the set's own κ.
     own: Manifold,
-    /// On the planes (κ, C) and (ε, C): the value, and the least and largest stable C of the exact orbit.
+    /// On the planes (κ, C) and (ε, C): the value, and the least and largest stable C of the exact
+    /// orbit.
     exact: [Vec<(f64, [f64; 2])>; 2],
     /// The set's own ε and motions.
     epsilon: f64,
@@ -181,8 +183,8 @@ fn region_layers(
     layers
 }
 
-/// Figure 5: the region of stable periodic motions on the planes (κ, C) and (ε, C), with the limits of the exact orbit. They
-/// hold for all forces; the motions of a force that was set are marked.
+/// Figure 5: the region of stable periodic motions on the planes (κ, C) and (ε, C), with the limits
+/// of the exact orbit. They hold for all forces; the motions of a force that was set are marked.
 ///
 /// # Errors
 /// What the theories refuse.
@@ -244,8 +246,8 @@ fn own_epsilon(set: &ParameterSet) -> Result<f64> {
     Ok(if set.is_set(find_group("epsilon")?.into()) { set.groups().epsilon } else { MASRI_EPSILON })
 }
 
-/// Figure 6: Masri's plane, ξ = k1 L/F10 over κ (docs/theory.md (57)), at σ̂1 = 0, ε = 0.05, ζ = 0.01 and m3 = m2, as far as
-/// these were not set. The scale of ξ is this program's choice.
+/// Figure 6: Masri's plane, ξ = k1 L/F10 over κ (docs/theory.md (57)), at σ̂1 = 0, ε = 0.05, ζ =
+/// 0.01 and m3 = m2, as far as these were not set. The scale of ξ is this program's choice.
 ///
 /// # Errors
 /// What the theories refuse.

@@ -55,8 +55,8 @@ impl Rows {
     }
 }
 
-/// The table as the screen shows it. The file keeps the identifiers of the bifurcations, for programs that read it; a
-/// reader gets their names.
+/// The table as the screen shows it. The file keeps the identifiers of the bifurcations, for
+/// programs that read it; a reader gets their names.
 fn readable(mut table: Table) -> Table {
     use Bifurcation::{NeimarkSacker, PeriodDoubling, SaddleNode, SymmetryBreaking};
     for row in table.rows.iter_mut().filter(|row| row[0] == HEADS_FOR) {
@@ -75,10 +75,12 @@ fn root_name(sheet: Sheet) -> &'static str {
     }
 }
 
-/// All steady-state values; a picture of the admissible motion of multiple scales with the exact orbit over it.
+/// All steady-state values; a picture of the admissible motion of multiple scales with the exact
+/// orbit over it.
 ///
 /// # Errors
-/// What multiple scales or the exact orbit refuse. Where strong coupling is singular it is left out with a remark.
+/// What multiple scales or the exact orbit refuse. Where strong coupling is singular it is left out
+/// with a remark.
 pub fn steady(set: &ParameterSet) -> Result<Study> {
     let mut rows = Rows(Table::new(&["quantity", "unit", "theory", "root", "value"]));
     let mut remarks = Vec::new();
@@ -257,8 +259,8 @@ pub(super) fn four_panels(
     }
 }
 
-/// Curves of one motion in wide pale strokes and, over them, of another in thin dashes, both in the colours of their bodies,
-/// whose symbols stand beside the curves.
+/// Curves of one motion in wide pale strokes and, over them, of another in thin dashes, both in the
+/// colours of their bodies, whose symbols stand beside the curves.
 pub(super) fn comparison_panel(
     title: &str,
     lengths: &Lengths,

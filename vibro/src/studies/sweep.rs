@@ -1,4 +1,5 @@
-//! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the maxima (figure 16).
+//! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the
+//! maxima (figure 16).
 
 use super::Study;
 use super::diagram::{
@@ -128,8 +129,8 @@ fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) 
     table
 }
 
-/// Table 2: spectra at selected values (the nearest of the sweep), value rising; with the ends of the stable range of each motion's
-/// branch where branches were followed.
+/// Table 2: spectra at selected values (the nearest of the sweep), value rising; with the ends of
+/// the stable range of each motion's branch where branches were followed.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -180,8 +181,8 @@ pub fn spectra(
     Ok((page, study))
 }
 
-/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10, which are in the table of the
-/// sweep itself.
+/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10,
+/// which are in the table of the sweep itself.
 ///
 /// # Errors
 /// What the theories refuse, [`Error::Output`](crate::Error::Output).
@@ -229,7 +230,8 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
     Study::of(name, what, &table, figure)
 }
 
-/// The ranges of periodic motion of a direction, single gaps of one class of value closed: from, to.
+/// The ranges of periodic motion of a direction, single gaps of one class of value closed: from,
+/// to.
 pub fn periodic_ranges(points: &[Option<SweepPoint>]) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut open = false;

@@ -46,9 +46,10 @@ impl Guide {
         found
     }
 
-    /// Writes the page's files (blocks with a name after the language) and runs its `vibro` commands, in the order of the page, in a
-    /// fresh folder. `shortened` are words of commands that are replaced so that the test is quick; each must be there. Returns what
-    /// the commands have said.
+    /// Writes the page's files (blocks with a name after the language) and runs its `vibro`
+    /// commands, in the order of the page, in a fresh folder. `shortened` are words of commands
+    /// that are replaced so that the test is quick; each must be there. Returns what the commands
+    /// have said.
     pub fn perform(&self, name: &str, shortened: &[(&str, &str)]) -> Vec<String> {
         let home = home(name);
         // Absent on the first run.

@@ -67,8 +67,8 @@ pub fn parts(out: &Path, study: &str) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// All files of a folder and of its folders by their names in it, with their bytes; what a program at work renames between the
-/// listing and the reading is left out.
+/// All files of a folder and of its folders by their names in it, with their bytes; what a program
+/// at work renames between the listing and the reading is left out.
 pub fn files(home: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(home).expect("a folder") {

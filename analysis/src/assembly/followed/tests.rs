@@ -7,7 +7,8 @@ use vibro_assembly::{Assembly, file};
 
 /// Roundings of a motion of a few dozen events.
 const ROUNDING: f64 = 1e-11;
-/// Bounces that are cut off are under 1e-9 of the first; what they would have carried is of that size.
+/// Bounces that are cut off are under 1e-9 of the first; what they would have carried is of that
+/// size.
 const CUT: f64 = 1e-8;
 
 fn text(text: &str) -> Motion {

@@ -47,7 +47,8 @@ fn closed_form_a_shaft_that_always_slips_has_the_exponent_zero_and_what_turns_wi
     }
 }
 
-/// A car that friction brakes beside an oscillator: it has a period when it stands, and none before.
+/// A car that friction brakes beside an oscillator: it has a period when it stands, and none
+/// before.
 #[test]
 fn closed_form_what_friction_brakes_has_no_period_before_it_stands() {
     let of = |drag: f64| {
@@ -91,8 +92,8 @@ fn closed_form_what_rests_on_a_table_for_ever_has_the_tables_period_and_no_expon
     assert!((exponent_of(&found) + 0.5).abs() < EXACT, "{found:?}");
 }
 
-/// Where the ball's 1T motion, which hits the table once a period, meets it: the table's place, and sine and
-/// cosine of its phase. The speed at which it leaves is g T/2, and as much it comes with.
+/// Where the ball's 1T motion, which hits the table once a period, meets it: the table's place, and
+/// sine and cosine of its phase. The speed at which it leaves is g T/2, and as much it comes with.
 fn ball_phase(amplitude: f64) -> [f64; 2] {
     // g T/2 = (1 + e) p' + e g T/2.
     let cosine = G * PERIOD / 2.0 * (1.0 - E) / (1.0 + E) / (amplitude * TAU / PERIOD);
@@ -123,8 +124,8 @@ fn ball_multiplier(amplitude: f64) -> f64 {
     let w = TAU / PERIOD;
     let (speed, acceleration) = (amplitude * w * cosine, -amplitude * w * w * sine);
     let after = G * PERIOD / 2.0;
-    // From an impact at t with v after it to the next at t': p(t) + v s - g s²/2 = p(t') with s = t' - t, of
-    // which the derivatives are p' δt + s δv + (v - g s)(δt' - δt) = p' δt'.
+    // From an impact at t with v after it to the next at t': p(t) + v s - g s²/2 = p(t') with s =
+    // t' - t, of which the derivatives are p' δt + s δv + (v - g s)(δt' - δt) = p' δt'.
     let closing = after - G * PERIOD - speed;
     let [dt_t, dt_v] = [(after - G * PERIOD - speed) / closing, -PERIOD / closing];
     let [v_t, v_v] = [-G * (dt_t - 1.0), 1.0 - G * dt_v];
@@ -178,7 +179,8 @@ fn second_method_a_ripple_of_microseconds_is_no_period_of_a_slow_motion() {
     assert!(matches!(verdict(&text(belt), 8).class, MotionClass::Periodic(1)));
 }
 
-/// Exponents of linear machines, whose multipliers are those of exp(A T), by a characteristic polynomial.
+/// Exponents of linear machines, whose multipliers are those of exp(A T), by a characteristic
+/// polynomial.
 #[test]
 fn closed_form_exponents_of_oscillators_that_turn_against_the_section() {
     for k in 0..12 {
@@ -195,8 +197,8 @@ fn closed_form_exponents_of_oscillators_that_turn_against_the_section() {
     }
 }
 
-/// The ball's 1T motion by a table whose phase lets it hit the table at whole periods: rounding says on which
-/// side of the section an impact comes.
+/// The ball's 1T motion by a table whose phase lets it hit the table at whole periods: rounding
+/// says on which side of the section an impact comes.
 #[test]
 fn closed_form_a_ball_that_hits_the_table_at_the_section_has_its_period_and_multiplier() {
     for amplitude in [0.55e-3, 0.58e-3] {
@@ -229,8 +231,9 @@ fn invariant_what_is_not_decided_is_no_hysteresis() {
     assert_eq!((chaotic.differs(&chaotic), chaotic.differs(&decided)), (None, Some(true)));
 }
 
-/// Three bodies whose returns are within 1e-5 of their sizes, by chatter that ends one bounce earlier or later: from states that are 1e-6 apart
-/// the motion parts by 1.57 a return up to there (computed by runs from changed starts).
+/// Three bodies whose returns are within 1e-5 of their sizes, by chatter that ends one bounce
+/// earlier or later: from states that are 1e-6 apart the motion parts by 1.57 a return up to there
+/// (computed by runs from changed starts).
 const SMALL_CHAOS: &str = r#"
 name = "M565"
 [body.a]
@@ -278,7 +281,8 @@ fn second_method_returns_to_the_size_of_a_small_chaos_are_no_period() {
     assert!((0.3..1.2).contains(&exponent_of(&found)), "{found:?}");
 }
 
-/// Without damping what starts swings on beside the drive: two frequencies, and a zero exponent of either.
+/// Without damping what starts swings on beside the drive: two frequencies, and a zero exponent of
+/// either.
 #[test]
 fn closed_form_an_undamped_oscillator_beside_its_drive_is_quasi_periodic() {
     let file = OSCILLATOR

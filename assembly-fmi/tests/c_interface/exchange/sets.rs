@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// A host's solver leaves a closed stop a little off, on either side, where that moves: neither violates it nor opens it.
+/// A host's solver leaves a closed stop a little off, on either side, where that moves: neither
+/// violates it nor opens it.
 #[test]
 fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
     let text = "name = \"Shaken\"\ngravity = 10.0\n[body.base]\nmotion = { amplitude = 0.1, frequency = 0.5, phase = 0.5 }\n\
@@ -70,7 +71,8 @@ fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
     }
 }
 
-/// Work and losses of a step after an input that a host has set between events, by the motion from rest against a dashpot.
+/// Work and losses of a step after an input that a host has set between events, by the motion from
+/// rest against a dashpot.
 #[test]
 fn closed_form_losses_after_an_input_that_is_set_between_events() {
     // Of a polynomial of degree 5 in place of the exponential: some (0.1 / 2)^6 / 6! of 1 J.

@@ -31,7 +31,8 @@ impl Selection<'_> {
             if rate < 0.0 {
                 return Stop::Is(StopState::Below);
             }
-            // What has drifted further from its edge than counts as zero, however slowly, is no longer there.
+            // What has drifted further from its edge than counts as zero, however slowly, is no
+            // longer there.
             if excess == 0.0 {
                 return Stop::AtEdge;
             }

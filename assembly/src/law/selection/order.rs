@@ -128,7 +128,8 @@ impl Selection<'_> {
         }
     }
 
-    /// The contacts whose force lies strictly inside its bounds come before those that leave a bound at a later order.
+    /// The contacts whose force lies strictly inside its bounds come before those that leave a
+    /// bound at a later order.
     pub(super) fn prefer(&mut self, contacts: &[Contact], problem: &Problem, solution: &Solution) {
         for &k in &solution.free {
             let (contact, force) = (contacts[k], solution.lambda[k]);
@@ -141,7 +142,8 @@ impl Selection<'_> {
     }
 }
 
-/// The accelerations' rows along a direction. Of one or two terms, as most directions have, the others are left out, which are zeros.
+/// The accelerations' rows along a direction. Of one or two terms, as most directions have, the
+/// others are left out, which are zeros.
 fn along(free: &DMatrix<f64>, w: &DVector<f64>) -> Row {
     let mut terms = w.iter().enumerate().filter(|(_, w)| **w != 0.0);
     let two = [terms.next(), terms.next()];

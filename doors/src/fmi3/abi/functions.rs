@@ -1,7 +1,8 @@
 //! The functions that a library exports, but those of values (FMI 3.0.2, 2.2, 2.3, 3.2 and 4.2).
 
-/// Exports a [`Component`](crate::Component) by FMI 3.0: all functions of the standard, each a public function by its C name.
-/// The macro belongs into a module of the library that hosts load, where the type is in scope.
+/// Exports a [`Component`](crate::Component) by FMI 3.0: all functions of the standard, each a
+/// public function by its C name. The macro belongs into a module of the library that hosts load,
+/// where the type is in scope.
 #[macro_export]
 macro_rules! export_fmi3 {
     ($component:ty) => {
@@ -143,12 +144,13 @@ macro_rules! __instances_of_fmi3 {
             c"3.0".as_ptr()
         }
 
-        /// `fmi3InstantiateModelExchange` (FMI 3.0.2, 2.3.1): a new instance, or null and a log message. Instances are independent
-        /// of each other and may be used from different threads, each from one at a time.
+        /// `fmi3InstantiateModelExchange` (FMI 3.0.2, 2.3.1): a new instance, or null and a log
+        /// message. Instances are independent of each other and may be used from different threads,
+        /// each from one at a time.
         ///
         /// # Safety
-        /// `instanceName`, `instantiationToken` and `resourcePath` are null or C strings; logger and environment stay valid until
-        /// the instance is freed.
+        /// `instanceName`, `instantiationToken` and `resourcePath` are null or C strings; logger
+        /// and environment stay valid until the instance is freed.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi3InstantiateModelExchange(
@@ -175,8 +177,9 @@ macro_rules! __instances_of_fmi3 {
         /// `fmi3InstantiateCoSimulation` (FMI 3.0.2, 2.3.1): as [`fmi3InstantiateModelExchange`].
         ///
         /// # Safety
-        /// As for [`fmi3InstantiateModelExchange`]; `requiredIntermediateVariables` is null or has as many elements as the count
-        /// says; `intermediateUpdate` stays valid until the instance is freed.
+        /// As for [`fmi3InstantiateModelExchange`]; `requiredIntermediateVariables` is null or has
+        /// as many elements as the count says; `intermediateUpdate` stays valid until the instance
+        /// is freed.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case, clippy::too_many_arguments)] // the standard's
         pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
@@ -214,7 +217,8 @@ macro_rules! __instances_of_fmi3 {
             }
         }
 
-        /// `fmi3InstantiateScheduledExecution` (FMI 3.0.2, 2.3.1): always null and a log message, since the model has no partitions.
+        /// `fmi3InstantiateScheduledExecution` (FMI 3.0.2, 2.3.1): always null and a log message,
+        /// since the model has no partitions.
         ///
         /// # Safety
         /// As for [`fmi3InstantiateModelExchange`].
@@ -244,11 +248,12 @@ macro_rules! __instances_of_fmi3 {
             unsafe { $crate::fmi3::abi::instantiate_scheduled::<$component>(request) }
         }
 
-        /// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1); also frees FMU states that were not. Null is ignored, and so is a call from
-        /// inside the instance's own logger or callback.
+        /// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1); also frees FMU states that were not. Null is
+        /// ignored, and so is a call from inside the instance's own logger or callback.
         ///
         /// # Safety
-        /// `instance` is null or from an instantiation and not freed; nothing uses it or its FMU states afterwards.
+        /// `instance` is null or from an instantiation and not freed; nothing uses it or its FMU
+        /// states afterwards.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi3FreeInstance(instance: $crate::fmi3::abi::FmiInstance) {
@@ -256,11 +261,12 @@ macro_rules! __instances_of_fmi3 {
             unsafe { $crate::fmi3::abi::free::<$component>(instance) }
         }
 
-        /// `fmi3DoStep` (FMI 3.0.2, 4.2.1). `lastSuccessfulTime` is given in any case, also beside an error.
+        /// `fmi3DoStep` (FMI 3.0.2, 4.2.1). `lastSuccessfulTime` is given in any case, also beside
+        /// an error.
         ///
         /// # Safety
-        /// The instance is null or from an instantiation and not freed, and no call on it is running in another thread. Every
-        /// other pointer is null or valid for one element.
+        /// The instance is null or from an instantiation and not freed, and no call on it is
+        /// running in another thread. Every other pointer is null or valid for one element.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case, clippy::too_many_arguments)] // the standard's
         pub unsafe extern "C" fn fmi3DoStep(

@@ -27,7 +27,8 @@ pub struct Request {
 type Who<'a> = (&'a str, (&'a str, Option<&'a str>));
 
 impl Request {
-    /// A new instance as `make` makes it of name, token, resources and log categories; or null and a log message.
+    /// A new instance as `make` makes it of name, token, resources and log categories; or null and
+    /// a log message.
     ///
     /// # Safety
     /// Name, token and resources are null or C strings.
@@ -71,7 +72,8 @@ impl Request {
 /// `fmi3InstantiateModelExchange` (FMI 3.0.2, 2.3.1).
 ///
 /// # Safety
-/// The strings of the request are null or C strings; logger and environment stay valid until the instance is freed.
+/// The strings of the request are null or C strings; logger and environment stay valid until the
+/// instance is freed.
 pub unsafe fn instantiate_model_exchange<C: Component>(request: Request) -> FmiInstance {
     let handling = EventHandling { event_mode: true, early_return: false };
     // SAFETY: as the caller says.
@@ -86,8 +88,8 @@ pub unsafe fn instantiate_model_exchange<C: Component>(request: Request) -> FmiI
 /// `requiredIntermediateVariables` and their number.
 ///
 /// # Safety
-/// As for [`instantiate_model_exchange`]; the required variables are null or as many as the count says; the callback stays valid
-/// until the instance is freed.
+/// As for [`instantiate_model_exchange`]; the required variables are null or as many as the count
+/// says; the callback stays valid until the instance is freed.
 pub unsafe fn instantiate_co_simulation<C: Component>(
     request: Request,
     (event_mode, early_return): (FmiBoolean, FmiBoolean),

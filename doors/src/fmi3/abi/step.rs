@@ -52,11 +52,12 @@ fn put<T>(place: Place<'_, T>, value: T) {
     }
 }
 
-/// `fmi3DoStep` (FMI 3.0.2, 4.2.1) of a point and a size. `last_successful_time` is given in any case, also beside an error.
+/// `fmi3DoStep` (FMI 3.0.2, 4.2.1) of a point and a size. `last_successful_time` is given in any
+/// case, also beside an error.
 ///
 /// # Safety
-/// The instance is null or from an instantiation of the same component and not freed, and no call on it is running in another
-/// thread. Every other pointer is null or valid for one element.
+/// The instance is null or from an instantiation of the same component and not freed, and no call
+/// on it is running in another thread. Every other pointer is null or valid for one element.
 #[inline]
 pub unsafe fn do_step<C: Component>(
     instance: FmiInstance,

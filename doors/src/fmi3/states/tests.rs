@@ -1,13 +1,15 @@
-//! The table against the standard's lists of allowed calls, transcribed a second time from its text.
+//! The table against the standard's lists of allowed calls, transcribed a second time from its
+//! text.
 
 use super::*;
 
-/// "Allowed Function Calls" of FMI 3.0.2, states in this order. Model Exchange: Instantiated, Initialization Mode, Event Mode,
-/// Continuous-Time Mode, Terminated, fatal; Co-Simulation: Instantiated, Initialization Mode, Event Mode, Step Mode,
-/// Intermediate Update Mode, Terminated, fatal.
+/// "Allowed Function Calls" of FMI 3.0.2, states in this order. Model Exchange: Instantiated,
+/// Initialization Mode, Event Mode, Continuous-Time Mode, Terminated, fatal; Co-Simulation:
+/// Instantiated, Initialization Mode, Event Mode, Step Mode, Intermediate Update Mode, Terminated,
+/// fatal.
 ///
-/// x: listed, and allowed here. l: not listed, and allowed here. n: listed for FMUs with structural parameters, input clocks or
-/// `providesEvaluateDiscreteStates`, which this is not. -: neither.
+/// x: listed, and allowed here. l: not listed, and allowed here. n: listed for FMUs with structural
+/// parameters, input clocks or `providesEvaluateDiscreteStates`, which this is not. -: neither.
 const STANDARD: &str = "
     fmi3SetDebugLogging                 xxxxx- xxxxlx-
     fmi3FreeInstance                    xxxxx- xxxx-x-

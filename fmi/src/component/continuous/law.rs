@@ -4,20 +4,22 @@ use super::Continuous;
 use vibro_impact::model::{Augmented, BOX_RATE, Impact, RELATIVE_RATE, SmoothMode};
 use vibro_impact::simulator::{Contact, Event};
 
-/// A block this near to a stop, in gaps, is at it: a solver's root finding leaves it about 1e-10 off. A bounce lower than
-/// this cannot be told from resting, so there a chatter run ends.
+/// A block this near to a stop, in gaps, is at it: a solver's root finding leaves it about 1e-10
+/// off. A bounce lower than this cannot be told from resting, so there a chatter run ends.
 const CONTACT: f64 = 1e-9;
-/// After an event the block is put this far inside the stop, in gaps, so that no event indicator restarts at zero,
-/// where a host could not tell a crossing; it is far below [`CONTACT`] and above the rounding of displacements up to a thousand gaps.
+/// After an event the block is put this far inside the stop, in gaps, so that no event indicator
+/// restarts at zero, where a host could not tell a crossing; it is far below [`CONTACT`] and above
+/// the rounding of displacements up to a thousand gaps.
 const SHIFT: f64 = 1e-12;
-/// Where the bodies have gone farther, it is so many units in the last place of their displacements, since w is their difference.
+/// Where the bodies have gone farther, it is so many units in the last place of their
+/// displacements, since w is their difference.
 const SHIFT_UNITS: f64 = 4.0;
 /// And a block is at a stop within so many of these shifts.
 const CONTACT_SHIFTS: f64 = 2.0;
 
 impl Continuous {
-    /// The laws at an event: impact, rest or release, as far as the present point calls for one; reports them and returns
-    /// whether states changed.
+    /// The laws at an event: impact, rest or release, as far as the present point calls for one;
+    /// reports them and returns whether states changed.
     pub(crate) fn handle_event(&mut self, report: &mut dyn FnMut(&Event)) -> bool {
         let before = self.data.state;
         match self.data.contact {
@@ -41,8 +43,9 @@ impl Continuous {
         self.data.state != before
     }
 
-    /// At stop `side`: an impact when it is approached, rest when it is pressed on without bouncing. A block that leaves from just
-    /// inside the stop, where the last call has put it, is left alone: a further call at an event does nothing.
+    /// At stop `side`: an impact when it is approached, rest when it is pressed on without
+    /// bouncing. A block that leaves from just inside the stop, where the last call has put it, is
+    /// left alone: a further call at an event does nothing.
     fn touch(&mut self, side: f64, report: &mut dyn FnMut(&Event)) {
         let (time, stop) = (self.data.time, side as i8);
         let mut z = self.augmented();
@@ -57,16 +60,17 @@ impl Continuous {
         }
         let rebound = -side * z[RELATIVE_RATE];
         let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).free;
-        // Height of the bounce: rebound²/(2 pressing), of which the block is to make up the way past the stop to which the host's
-        // solver has let it go. Dampers bring that of an elastic block down too.
+        // Height of the bounce: rebound²/(2 pressing), of which the block is to make up the way
+        // past the stop to which the host's solver has let it go. Dampers bring that of an elastic
+        // block down too.
         let low = pressing > 0.0 && rebound * rebound <= 2.0 * pressing * (self.contact_width() + past);
         if low && self.rest(z, side) {
             report(&Event::Rest { time, side: stop });
             return;
         }
         if pressing > 0.0 {
-            // On its way to where it is put the block loses speed, of which it has enough by the height above: else low bounces would grow
-            // by that way, each of them.
+            // On its way to where it is put the block loses speed, of which it has enough by the
+            // height above: else low bounces would grow by that way, each of them.
             let slower = (rebound * rebound - 2.0 * pressing * way).max(0.0).sqrt();
             let change = side * (rebound - slower);
             z[RELATIVE_RATE] += change;
@@ -77,7 +81,8 @@ impl Continuous {
         self.keep_off(side);
     }
 
-    /// Merges box and block on stop `side` where the stop presses on them then; else nothing happens.
+    /// Merges box and block on stop `side` where the stop presses on them then; else nothing
+    /// happens.
     fn rest(&mut self, mut z: Augmented, side: f64) -> bool {
         let before = self.data;
         self.data.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];

@@ -11,7 +11,8 @@ impl Continuous {
         let (p, z) = (&self.data.parameters, self.augmented());
         let drive = (z[DRIVE_SIN], z[DRIVE_COS]);
         let mut rates = variation(&self.model, p, self.data.contact, &self.data.state, drive, along);
-        // The open interval's energy varies with its end, and with the slope of the forces at both ends.
+        // The open interval's energy varies with its end, and with the slope of the forces at both
+        // ends.
         let (from, now) = (self.data.accepted, self.now());
         let h = now.time - from.time;
         if h != 0.0 {
@@ -38,8 +39,8 @@ impl Continuous {
         rates
     }
 
-    /// How the damped energy varies with the time of the open interval's end, the state there held: differences of fourth order
-    /// of the quadrature.
+    /// How the damped energy varies with the time of the open interval's end, the state there held:
+    /// differences of fourth order of the quadrature.
     fn damped_with_time(&self, h: f64) -> f64 {
         const PART: f64 = 1e-3; // of the interval
         let at = |places: f64| {

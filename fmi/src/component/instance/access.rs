@@ -13,7 +13,8 @@ use crate::component::variables::{
 pub(super) const NO_LOADS: &str = "0 in a closed-form mode";
 /// Highest order of input derivatives.
 const INPUT_ORDER: i32 = 3;
-/// Highest order of output derivatives: the displacements' fifth is known, so accelerations have three.
+/// Highest order of output derivatives: the displacements' fifth is known, so accelerations have
+/// three.
 const OUTPUT_ORDER: i32 = 3;
 
 #[cold]
@@ -46,11 +47,12 @@ impl Instance {
         self.look_up(reference, Bases::ANY)
     }
 
-    /// Hands value `i` to `write`: those of the variables in their order, of an array in row-major order.
+    /// Hands value `i` to `write`: those of the variables in their order, of an array in row-major
+    /// order.
     ///
     /// # Errors
-    /// Before anything is written: a reference that is not of these types, or, in initialization, a start that is not
-    /// possible.
+    /// Before anything is written: a reference that is not of these types, or, in initialization, a
+    /// start that is not possible.
     #[inline]
     pub fn get(&mut self, bases: Bases, references: &[u32], mut write: impl FnMut(usize, f64)) -> Outcome {
         let numbering = self.numbering;
@@ -104,7 +106,8 @@ impl Instance {
     /// Takes the value of variable `i` from `read`. All are checked before the first is set.
     ///
     /// # Errors
-    /// A wrong reference, a variable that cannot be set now, a value outside its range; nothing has changed then.
+    /// A wrong reference, a variable that cannot be set now, a value outside its range; nothing has
+    /// changed then.
     #[inline]
     pub fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome {
         let numbering = self.numbering;
@@ -185,7 +188,8 @@ impl Instance {
         if variable.input {
             let slopes = (self.slopes_set != [false; 3]).then_some(settings.loads.derivatives);
             set(settings, value);
-            // Derivatives set for this communication point hold whichever of the two calls comes first.
+            // Derivatives set for this communication point hold whichever of the two calls comes
+            // first.
             if let Some(slopes) = slopes {
                 for body in (0..3).filter(|body| self.slopes_set[*body]) {
                     settings.loads.derivatives[body][1..].copy_from_slice(&slopes[body][1..]);
@@ -235,7 +239,8 @@ impl Instance {
     /// Time derivatives of inputs, orders 1 to 3, at the coming step's start.
     ///
     /// # Errors
-    /// A reference that is no input, an order outside 1…3, a value that is not finite; nothing has changed then.
+    /// A reference that is no input, an order outside 1…3, a value that is not finite; nothing has
+    /// changed then.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let variable = self.look_up(reference, Bases::REAL)?;
@@ -266,12 +271,13 @@ impl Instance {
         Ok(())
     }
 
-    /// Time derivatives of continuous outputs, orders 1 to 3, at the present time, exact inside a smooth piece of the motion: at an
-    /// event those before it, or those after it where that is what is read.
+    /// Time derivatives of continuous outputs, orders 1 to 3, at the present time, exact inside a
+    /// smooth piece of the motion: at an event those before it, or those after it where that is
+    /// what is read.
     ///
     /// # Errors
-    /// A reference that is no continuous output, an order outside 1…3, [`Problem::Overflow`] for a derivative that is not finite;
-    /// nothing is written then.
+    /// A reference that is no continuous output, an order outside 1…3, [`Problem::Overflow`] for a
+    /// derivative that is not finite; nothing is written then.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],

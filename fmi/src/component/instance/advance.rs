@@ -17,7 +17,8 @@ use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simul
 pub(super) enum AtEvent {
     /// Applies its law and goes on.
     Pass,
-    /// Applies its law and goes on; what changes at events only is shown when the host handles events.
+    /// Applies its law and goes on; what changes at events only is shown when the host handles
+    /// events.
     Latch,
     /// Applies its law and ends.
     EndAfter,
@@ -47,8 +48,9 @@ pub(super) fn side_of(event: &Event, before: i8) -> i8 {
 }
 
 impl Instance {
-    /// From the present time towards `point + size`. Own time is the truth; `point` may be off by rounding. What a step does
-    /// at an event is decided by the [`EventHandling`](crate::component::EventHandling) and the setting `stop_at_impact`:
+    /// From the present time towards `point + size`. Own time is the truth; `point` may be off by
+    /// rounding. What a step does at an event is decided by the
+    /// [`EventHandling`](crate::component::EventHandling) and the setting `stop_at_impact`:
     ///
     /// | event mode | early return, stop | at an event |
     /// |---|---|---|
@@ -57,7 +59,8 @@ impl Instance {
     /// | yes | yes | the step ends before its law |
     /// | yes | no | its law is applied and the step goes on; discrete outputs change when the host handles events |
     ///
-    /// An event at the step's end but for rounding ends it there: with event mode before the law, else after it.
+    /// An event at the step's end but for rounding ends it there: with event mode before the law,
+    /// else after it.
     ///
     /// # Errors
     /// [`Problem`] when the step was not carried out at all; the component stands where it stood.

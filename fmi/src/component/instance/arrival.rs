@@ -1,4 +1,5 @@
-//! Where a step leads: to its end, which own time may be past by rounding, with an event a little behind it; or back to its beginning.
+//! Where a step leads: to its end, which own time may be past by rounding, with an event a little
+//! behind it; or back to its beginning.
 
 use super::Problem;
 use vibro_impact::State;
@@ -6,7 +7,8 @@ use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{AdvanceOutcome, Contact, EventObserver, Pause, Simulator, Snapshot};
 
-/// Advances to an end, which own time may be past by the rounding that `point` is allowed: nothing is left to do then.
+/// Advances to an end, which own time may be past by the rounding that `point` is allowed: nothing
+/// is left to do then.
 pub(super) fn advance(
     simulator: &mut Simulator,
     end: DoubleDouble,
@@ -19,8 +21,8 @@ pub(super) fn advance(
     }
 }
 
-/// Goes on to an event that lies past a step's end by rounding alone and stands before it; without one nothing happens. A
-/// host that comes to the time of an event it was told must find it there.
+/// Goes on to an event that lies past a step's end by rounding alone and stands before it; without
+/// one nothing happens. A host that comes to the time of an event it was told must find it there.
 pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Error> {
     if is_clear(simulator, rounding(end)) {
         return Ok(false);
@@ -34,8 +36,9 @@ pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Err
     Ok(false)
 }
 
-/// Carries out an event that lies past a step's end by rounding alone. A master that comes to the time of an event it was
-/// told must have it behind itself: else its next step would end where it began, and it would not progress.
+/// Carries out an event that lies past a step's end by rounding alone. A master that comes to the
+/// time of an event it was told must have it behind itself: else its next step would end where it
+/// began, and it would not progress.
 pub(super) fn pass_event_at_end(
     simulator: &mut Simulator,
     end: f64,
@@ -47,8 +50,9 @@ pub(super) fn pass_event_at_end(
     Ok(())
 }
 
-/// Whether no event can come within the rounding of a time: the block in flight is so far from the stops that its acceleration moves
-/// it by far less than the margin in that, or it is pressed on by far more than the force can lose.
+/// Whether no event can come within the rounding of a time: the block in flight is so far from the
+/// stops that its acceleration moves it by far less than the margin in that, or it is pressed on by
+/// far more than the force can lose.
 fn is_clear(simulator: &Simulator, late: f64) -> bool {
     const MARGIN: f64 = 1e-6; // gaps, and parts of the forces that sizes and rates of the motion make
     let ((w, rate), parameters) = (simulator.relative_motion(), simulator.parameters());
@@ -63,21 +67,24 @@ fn is_clear(simulator: &Simulator, late: f64) -> bool {
     simulator.contact_force() > (MARGIN + 8.0 * late * fastest) * forces
 }
 
-/// How far off a step's end an impact still is at its end, s: a master's sum of time and step size may be off by this.
+/// How far off a step's end an impact still is at its end, s: a master's sum of time and step size
+/// may be off by this.
 pub(super) fn rounding(end: f64) -> f64 {
     const UNITS: f64 = 4.0; // of the last place
     UNITS * f64::EPSILON * end.abs()
 }
 
-/// How far past a step's end an event still is at its end, s. To the rounding of times comes that of w, which moves the time of an
-/// impact by as much over the speed (docs/numerics.md, section 2, *The root*): a slow block that is a few units in the last place
-/// before a stop at the time that a master was told is at it.
+/// How far past a step's end an event still is at its end, s. To the rounding of times comes that
+/// of w, which moves the time of an impact by as much over the speed (docs/numerics.md, section 2,
+/// *The root*): a slow block that is a few units in the last place before a stop at the time that a
+/// master was told is at it.
 fn lateness(simulator: &Simulator, end: f64) -> f64 {
-    /// Of the last place of w, which each sub-step since the time was told may have moved by a unit where it is another than on the way
-    /// on which the time was found.
+    /// Of the last place of w, which each sub-step since the time was told may have moved by a unit
+    /// where it is another than on the way on which the time was found.
     const UNITS: f64 = 256.0;
-    /// At most so long, in parts of the fastest time constant: the slower bounces are the last of a chatter run. Also in parts of a
-    /// master's time, of which it is a tenth of what own time may be off ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).
+    /// At most so long, in parts of the fastest time constant: the slower bounces are the last of a
+    /// chatter run. Also in parts of a master's time, of which it is a tenth of what own time may
+    /// be off ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).
     const LONGEST: f64 = 1e-10;
     let (_, rate) = simulator.relative_motion();
     let longest = LONGEST * end.abs().max(1.0).min(1.0 / simulator.fastest_rate());

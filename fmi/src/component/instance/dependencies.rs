@@ -15,8 +15,9 @@ use vibro_impact::simulator::{Contact, State};
 const CONTACTS: [Contact; 3] = [Contact::Flight, Contact::RestUpper, Contact::RestLower];
 
 impl Instance {
-    /// What a variable depends on: before the end of initialization that of its initial value; later what it depends on in the
-    /// present contact, which is less than what is declared: at rest box and block feel each other's loads, in flight not.
+    /// What a variable depends on: before the end of initialization that of its initial value;
+    /// later what it depends on in the present contact, which is less than what is declared: at
+    /// rest box and block feel each other's loads, in flight not.
     ///
     /// # Errors
     /// [`Reference`](fmi_doors::Problem::Reference) when there is no such variable.
@@ -84,7 +85,8 @@ fn matters(value: &dyn Fn(&OutputValues) -> f64, known: &Variable, contact: Cont
     }
 }
 
-/// Parameters, states and loads without zeros or equal numbers; in rest the block presses on the stop.
+/// Parameters, states and loads without zeros or equal numbers; in rest the block presses on the
+/// stop.
 fn generic(contact: Contact) -> Settings {
     let mut settings = Settings::default();
     for (i, field) in FIELDS.iter().enumerate() {

@@ -15,22 +15,24 @@ use vibro_impact::model::Model;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{self, Contact};
 
-/// Step of differences, in parts of what a known is measured by ([`measure`](Instance::measure)): the fourth-order formula leaves about
-/// its fourth power of truncation, over as high a power of the width of a resonance, and 1e-16 over it of rounding.
+/// Step of differences, in parts of what a known is measured by ([`measure`](Instance::measure)):
+/// the fourth-order formula leaves about its fourth power of truncation, over as high a power of
+/// the width of a resonance, and 1e-16 over it of rounding.
 const STEP: f64 = 1e-4;
-/// What a stiffness or a damper is measured by at least, in parts of what is of that kind in the machine: a resonance is narrow where
-/// it is small.
+/// What a stiffness or a damper is measured by at least, in parts of what is of that kind in the
+/// machine: a resonance is narrow where it is small.
 const LEAST: f64 = 0.1;
 /// And the rate by which that is measured at least, in parts of the fastest.
 const SLOWEST: f64 = 1e-2;
-/// What the drive's frequency is measured by at least, in parts of the fastest rate, and its amplitude, in parts of the forces on the
-/// box: a steady state at the frequency of a slow drive knows nothing of a part that is much faster.
+/// What the drive's frequency is measured by at least, in parts of the fastest rate, and its
+/// amplitude, in parts of the forces on the box: a steady state at the frequency of a slow drive
+/// knows nothing of a part that is much faster.
 const FAINT: (f64, f64) = (1e-6, 1e-3);
 /// By how much the drive may turn since the time 0 where a measure of its frequency is added, rad.
 const TURN: f64 = 10.0;
-/// Shorter steps of a closed form, in parts of that, where neither side is free of impacts: they leave 1e-10 of rounding. With each how
-/// far from now samples are taken, in periods: where no step will do, the derivative is drawn out from there, which leaves the square
-/// of that.
+/// Shorter steps of a closed form, in parts of that, where neither side is free of impacts: they
+/// leave 1e-10 of rounding. With each how far from now samples are taken, in periods: where no step
+/// will do, the derivative is drawn out from there, which leaves the square of that.
 const ATTEMPTS: [(f64, f64); 6] =
     [(1.0, 0.0), (1e-2, 0.0), (1e-2, 1e-5), (1e-2, -1e-5), (1e-2, 1e-3), (1e-2, -1e-3)];
 
@@ -38,14 +40,15 @@ const ATTEMPTS: [(f64, f64); 6] =
 type Sample = (OutputValues, Derived);
 
 impl Instance {
-    /// The derivative of unknowns along `seed` in the space of knowns. Once there is a motion: of Real outputs and state
-    /// derivatives with respect to inputs and continuous states, and in an extended description to tunable parameters and time,
-    /// exactly (of a closed form with respect to parameters by differences of fourth order). Before: of calculated outputs and
-    /// parameters with respect to inputs and Reals whose initial value is exact, by such differences.
+    /// The derivative of unknowns along `seed` in the space of knowns. Once there is a motion: of
+    /// Real outputs and state derivatives with respect to inputs and continuous states, and in an
+    /// extended description to tunable parameters and time, exactly (of a closed form with respect
+    /// to parameters by differences of fourth order). Before: of calculated outputs and parameters
+    /// with respect to inputs and Reals whose initial value is exact, by such differences.
     ///
     /// # Errors
-    /// A reference that is no unknown or known here, a seed or a derivative that is not finite, or that overflows on the way, as with seeds
-    /// near the largest doubles; nothing is written then.
+    /// A reference that is no unknown or known here, a seed or a derivative that is not finite, or
+    /// that overflows on the way, as with seeds near the largest doubles; nothing is written then.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -145,9 +148,10 @@ impl Instance {
         self.differences(&parameters, &along)
     }
 
-    /// Weighted samples whose sum is the derivative: central differences, or one-sided where a range ends, or where an impact of a closed
-    /// form lies between, which jumps: beside it samples on one side have it on the same side. Where a range ends just there, the
-    /// derivative is drawn out from two moments a little away from the impact.
+    /// Weighted samples whose sum is the derivative: central differences, or one-sided where a
+    /// range ends, or where an impact of a closed form lies between, which jumps: beside it samples
+    /// on one side have it on the same side. Where a range ends just there, the derivative is drawn
+    /// out from two moments a little away from the impact.
     fn differences(&self, knowns: &[u32], seed: &[f64]) -> Outcome<Vec<(f64, Sample)>> {
         const FORMULAS: [&[(f64, f64)]; 3] = [
             &[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)],
@@ -201,8 +205,8 @@ impl Instance {
         Err(refused.unwrap_or_else(|| Problem::sequence("there is nothing to differentiate")))
     }
 
-    /// What a known is measured by: its value, or where that is less what is of its kind in this machine. An angle is measured by
-    /// one radian, however many turns it has.
+    /// What a known is measured by: its value, or where that is less what is of its kind in this
+    /// machine. An angle is measured by one radian, however many turns it has.
     fn measure(&self, variable: &Variable) -> f64 {
         let (p, at_start) = (&self.settings.parameters, matches!(self.engine, Engine::None));
         let fastest = Model::new(p).map_or(1.0, |model| model.rate);
@@ -307,7 +311,8 @@ fn add(settings: &mut Settings, variable: &Variable, value: f64) {
     }
 }
 
-/// The derivative of a variable from what varies; what changes at events only, and what is set, does not.
+/// The derivative of a variable from what varies; what changes at events only, and what is set,
+/// does not.
 fn rate(variable: &Variable, values: &OutputValues<Varied>) -> f64 {
     match variable.access {
         Access::Output(reading) | Access::Start { now: reading, .. } => {

@@ -1,5 +1,6 @@
-//! Events of co-simulation as a host sees them that handles them itself: the component pauses before an event, shows both of
-//! its limits, and applies its law when it is told to. A solver's events (Model Exchange) are handled in the same two calls.
+//! Events of co-simulation as a host sees them that handles them itself: the component pauses
+//! before an event, shows both of its limits, and applies its law when it is told to. A solver's
+//! events (Model Exchange) are handled in the same two calls.
 
 use super::arrival::take_back;
 use super::{Engine, EventHandling, Instance, Outcome, Phase, Problem};
@@ -44,7 +45,8 @@ impl<'a> Changes<'a> {
         self.parameters.is_some() || self.loads.is_some()
     }
 
-    /// Lets the simulator take them over; true where that has changed the contact, which is reported.
+    /// Lets the simulator take them over; true where that has changed the contact, which is
+    /// reported.
     ///
     /// # Errors
     /// As the simulator's; the first may have been taken over then.
@@ -64,7 +66,8 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// Reports the rest or release that has come of what was set from outside; true where there was one.
+/// Reports the rest or release that has come of what was set from outside; true where there was
+/// one.
 pub(super) fn report_contact(before: Contact, simulator: &Simulator, report: EventObserver<'_, '_>) -> bool {
     let (time, now) = (simulator.time(), simulator.contact());
     if now == before {
@@ -145,7 +148,8 @@ impl Instance {
         })
     }
 
-    /// The steady state after the impact at which it stands, with the parameters that were set since.
+    /// The steady state after the impact at which it stands, with the parameters that were set
+    /// since.
     fn form_after_event(&self, form: &ClosedForm, report: EventObserver<'_, '_>) -> Outcome<ClosedForm> {
         let (mut ahead, mut impact) = (form.clone(), None);
         ahead.apply_due_event(Some(&mut |event| impact = Some(*event)));
@@ -158,7 +162,8 @@ impl Instance {
         Ok(ahead)
     }
 
-    /// The host comes to handle an event: what changes at events only is shown from now on. There need not be one.
+    /// The host comes to handle an event: what changes at events only is shown from now on. There
+    /// need not be one.
     ///
     /// # Errors
     /// [`Sequence`](fmi_doors::Problem::Sequence) before initialization.
@@ -202,8 +207,8 @@ impl Instance {
         }
     }
 
-    /// What the clock of impacts shows, the values being up to date: while it ticks, the impact after the event; else that of the
-    /// last tick.
+    /// What the clock of impacts shows, the values being up to date: while it ticks, the impact
+    /// after the event; else that of the last tick.
     pub(super) fn present_tick(&self) -> Tick {
         if !self.tick.active {
             return self.tick;
@@ -222,11 +227,13 @@ impl Instance {
         Ok(())
     }
 
-    /// The impact law, rest or release where the present point calls for it, with inputs and parameters as set now; returns
-    /// what has changed. One call does all that happens at an instant; a further one does nothing.
+    /// The impact law, rest or release where the present point calls for it, with inputs and
+    /// parameters as set now; returns what has changed. One call does all that happens at an
+    /// instant; a further one does nothing.
     ///
     /// # Errors
-    /// [`Sequence`](fmi_doors::Problem::Sequence) before initialization; what was set and is not possible. Nothing has changed then.
+    /// [`Sequence`](fmi_doors::Problem::Sequence) before initialization; what was set and is not
+    /// possible. Nothing has changed then.
     pub fn handle_events(&mut self, log: &mut dyn Log) -> Outcome<Handled> {
         self.end_tick()?;
         let wanted = log.wants(Category::Events);
@@ -256,8 +263,8 @@ impl Instance {
         Ok(changed)
     }
 
-    /// Ends the simulation. An event that has been shown but not been updated has taken place, so that what was read stays and is saved; one
-    /// that is not possible has not.
+    /// Ends the simulation. An event that has been shown but not been updated has taken place, so
+    /// that what was read stays and is saved; one that is not possible has not.
     pub fn terminate(&mut self) {
         if self.looks_past_the_event() && self.carry_out_event(None).is_err() {
             self.invalidate();
@@ -265,8 +272,9 @@ impl Instance {
         self.life.phase = Phase::Terminated;
     }
 
-    /// An error has ended the simulation. An event that has been shown but not been updated has not taken place: neither here nor in a state saved now.
-    /// A clock that ticks there has ticked: what it has shown stays as that of its last tick.
+    /// An error has ended the simulation. An event that has been shown but not been updated has not
+    /// taken place: neither here nor in a state saved now. A clock that ticks there has ticked:
+    /// what it has shown stays as that of its last tick.
     pub fn fail(&mut self) {
         if self.end_tick().is_err() {
             self.tick.active = false;

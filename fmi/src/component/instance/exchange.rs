@@ -14,8 +14,8 @@ impl Instance {
         self.life.phase = Phase::Continuous;
     }
 
-    /// Accepts a step of the host's solver: the energy accounts are carried on. Returns whether the host has passed over an
-    /// event.
+    /// Accepts a step of the host's solver: the energy accounts are carried on. Returns whether the
+    /// host has passed over an event.
     ///
     /// # Errors
     /// [`Sequence`](fmi_doors::Problem::Sequence) before initialization.
@@ -30,7 +30,8 @@ impl Instance {
     /// Sets the time; at an event only to the present time, as some hosts do.
     ///
     /// # Errors
-    /// [`Value`](fmi_doors::Problem::Value) for a time that is not finite, or at an event another than the present; one too large to resolve.
+    /// [`Value`](fmi_doors::Problem::Value) for a time that is not finite, or at an event another
+    /// than the present; one too large to resolve.
     pub fn set_time(&mut self, time: f64) -> Outcome {
         let refuse = |allowed| Err(Problem::value("time", time, allowed));
         if !time.is_finite() {
@@ -74,7 +75,8 @@ impl Instance {
         self.with_continuous(DERIVATIVES, Continuous::derivatives)
     }
 
-    /// Distances to both stops in flight, pressing acceleration in rest: an event is where one becomes negative.
+    /// Distances to both stops in flight, pressing acceleration in rest: an event is where one
+    /// becomes negative.
     ///
     /// # Errors
     /// In initialization when the start is not possible; [`Problem::Overflow`].
@@ -82,8 +84,8 @@ impl Instance {
         self.with_continuous(["an event indicator"; EVENT_INDICATORS], Continuous::indicators)
     }
 
-    /// Nominal values of the continuous states, by the parameters as they are set: the gap, and the gap times the drive's
-    /// frequency. Each is positive and finite.
+    /// Nominal values of the continuous states, by the parameters as they are set: the gap, and the
+    /// gap times the drive's frequency. Each is positive and finite.
     pub fn nominals(&self) -> [f64; 6] {
         let parameters = &self.settings.parameters;
         let positive = |value: f64| value.clamp(f64::MIN_POSITIVE, f64::MAX);
@@ -95,8 +97,8 @@ impl Instance {
         [length, length, length, speed, speed, speed]
     }
 
-    /// Whether the nominal values differ from those at the last event, which are from now on the present ones. Of interest to a
-    /// host's solver alone.
+    /// Whether the nominal values differ from those at the last event, which are from now on the
+    /// present ones. Of interest to a host's solver alone.
     pub(super) fn nominals_changed(&mut self) -> bool {
         if self.life.interface != Interface::ModelExchange {
             return false;
@@ -113,7 +115,8 @@ impl Instance {
         }
     }
 
-    /// Evaluates numbers of the model; in initialization at the start. None of them is ever not finite.
+    /// Evaluates numbers of the model; in initialization at the start. None of them is ever not
+    /// finite.
     fn with_continuous<const N: usize>(
         &self,
         names: [&'static str; N],

@@ -16,8 +16,8 @@ pub(super) struct LastStep {
 }
 
 impl LastStep {
-    /// Keeps where a step begins. It is written in its place, since a step without an event takes little longer than a copy
-    /// of it would.
+    /// Keeps where a step begins. It is written in its place, since a step without an event takes
+    /// little longer than a copy of it would.
     #[inline]
     pub(super) fn begin<'a>(
         place: &'a mut Option<Self>,
@@ -33,8 +33,9 @@ impl LastStep {
 }
 
 impl Instance {
-    /// Brings the derivatives over the last step up to date, with the law of an impact at its end once that is shown. Without
-    /// such a step, of a closed form, and where the motion cannot be replayed, they are those of a step without length.
+    /// Brings the derivatives over the last step up to date, with the law of an impact at its end
+    /// once that is shown. Without such a step, of a closed form, and where the motion cannot be
+    /// replayed, they are those of a step without length.
     pub(super) fn refresh_step_matrices(&mut self) {
         if self.step_matrices.is_none() {
             self.step_matrices = Some(self.last_step_matrices().unwrap_or_default());

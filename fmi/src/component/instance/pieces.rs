@@ -1,4 +1,5 @@
-//! A step in pieces from event to event, for a host that looks into it, sets inputs for its course, or ends it early.
+//! A step in pieces from event to event, for a host that looks into it, sets inputs for its course,
+//! or ends it early.
 
 use super::advance::{AtEvent, side_of};
 use super::arrival::{advance, is_at_end, rounding, take_back};
@@ -63,7 +64,8 @@ impl Instance {
         self.settings.loads.derivatives[body][0]
     }
 
-    /// Lets the load on a body follow the cubic through `values` at 0, 1/3, 2/3 and 3/3 of the next `span` s.
+    /// Lets the load on a body follow the cubic through `values` at 0, 1/3, 2/3 and 3/3 of the next
+    /// `span` s.
     pub fn interpolate_load(&mut self, body: usize, values: [f64; 4], span: f64) {
         let [u0, u1, u2, u3] = values;
         let (first, second, third) =
@@ -94,7 +96,8 @@ impl Instance {
         }
     }
 
-    /// Lets each load that has followed a polynomial through a step hold from its end on the value that it has there.
+    /// Lets each load that has followed a polynomial through a step hold from its end on the value
+    /// that it has there.
     pub(super) fn hold_loads(&mut self) {
         let Engine::Simulation(simulator) = &self.engine else { return };
         for body in 0..3 {
@@ -106,7 +109,8 @@ impl Instance {
         }
     }
 
-    /// Takes over what was set; where that has changed the contact, the step of a host that handles events ends here.
+    /// Takes over what was set; where that has changed the contact, the step of a host that handles
+    /// events ends here.
     ///
     /// # Errors
     /// For what is not possible; the step has been taken back then.
@@ -187,7 +191,8 @@ impl Instance {
         pieces.at_event == AtEvent::EndBefore
     }
 
-    /// Applies the law of the event before which the last piece has ended; true where the step ends after it.
+    /// Applies the law of the event before which the last piece has ended; true where the step ends
+    /// after it.
     pub fn pass_event(&mut self, pieces: &mut Pieces, log: &mut dyn Log) -> bool {
         let wanted = log.wants(Category::Events);
         let mut side = pieces.side;
@@ -241,7 +246,8 @@ impl Instance {
         self.restore(&pieces.before)
     }
 
-    /// Takes a step back that has met a problem; the problem, or that the step could not be taken back.
+    /// Takes a step back that has met a problem; the problem, or that the step could not be taken
+    /// back.
     fn take_back_for(&mut self, pieces: &Pieces, problem: Problem) -> Problem {
         match self.take_pieces_back(pieces) {
             Ok(()) => problem,

@@ -7,10 +7,11 @@ use vibro_impact::model::Model;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Event, Simulator};
 
-/// How far a prediction looks, in drive periods: motions near the two-impact orbit have four impacts in it.
+/// How far a prediction looks, in drive periods: motions near the two-impact orbit have four
+/// impacts in it.
 const PERIODS: f64 = 2.0;
-/// The same in the fastest time constant of the system, for a drive that is very slow or stands still: what has not
-/// happened by then is not worth the time of looking for it.
+/// The same in the fastest time constant of the system, for a drive that is very slow or stands
+/// still: what has not happened by then is not worth the time of looking for it.
 const TIME_CONSTANTS: f64 = 1e4;
 
 impl Instance {
@@ -27,8 +28,9 @@ impl Instance {
         }
     }
 
-    /// The next impact, rest or release with the inputs and parameters as they are set. A host's solver makes its own motion,
-    /// so in Model Exchange nothing is predicted; nor is it where the motion ahead cannot be computed.
+    /// The next impact, rest or release with the inputs and parameters as they are set. A host's
+    /// solver makes its own motion, so in Model Exchange nothing is predicted; nor is it where the
+    /// motion ahead cannot be computed.
     fn predict(&self) -> Prediction {
         let now = self.time();
         let horizon = now + span(&self.settings.parameters);

@@ -10,8 +10,9 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator};
 
 impl Instance {
-    /// From the present time to `point + size` exactly. Own time is the truth; `point` may be off by rounding. Where the
-    /// step ends early at an impact, the phase is then [`Phase::StoppedEarly`], and the next step may begin there.
+    /// From the present time to `point + size` exactly. Own time is the truth; `point` may be off
+    /// by rounding. Where the step ends early at an impact, the phase is then
+    /// [`Phase::StoppedEarly`], and the next step may begin there.
     ///
     /// # Errors
     /// [`Problem`] when the step was not carried out at all; the component stands where it stood.

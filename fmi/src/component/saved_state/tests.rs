@@ -18,7 +18,8 @@ fn set(instance: &mut Instance, name: &str, value: f64) {
     instance.set(any, &[reference(name)], |_| value).unwrap();
 }
 
-/// A state with the given way to move, in which no field is what it is by default and few are equal.
+/// A state with the given way to move, in which no field is what it is by default and few are
+/// equal.
 fn state(interface: Interface, start: &[(&str, f64)], initialized: bool) -> SavedState {
     let mut instance = Instance::new(interface);
     for (name, value) in [("box.k", 1.5), ("block.m", 0.125), ("drive.phase", 0.25)].iter().chain(start) {
@@ -44,7 +45,8 @@ fn states() -> [(&'static str, SavedState); 4] {
     ]
 }
 
-/// The golden file: bytes of one state of each kind, and below them how they read. Bytes of a version never change.
+/// The golden file: bytes of one state of each kind, and below them how they read. Bytes of a
+/// version never change.
 fn golden() -> PathBuf {
     let name = format!("tests/data/saved_state.v{VERSION}.txt");
     std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
@@ -59,8 +61,8 @@ fn bytes_of(text: &str) -> Vec<u8> {
     pairs.map(|pair| u8::from_str_radix(std::str::from_utf8(pair).unwrap(), 16).unwrap()).collect()
 }
 
-/// A field added, removed, renamed, moved or of another type reads the old bytes as something else. Arithmetic plays no
-/// part: states are not stepped, and only read.
+/// A field added, removed, renamed, moved or of another type reads the old bytes as something else.
+/// Arithmetic plays no part: states are not stepped, and only read.
 #[test]
 fn golden_file_of_the_layout() {
     let file = golden();
@@ -101,7 +103,8 @@ fn invariant_every_state_comes_back_from_its_bytes() {
     }
 }
 
-/// Bits of every kind of double: -0, a number below the normal ones, infinity, NaN with sign and payload.
+/// Bits of every kind of double: -0, a number below the normal ones, infinity, NaN with sign and
+/// payload.
 #[test]
 fn invariant_every_bit_of_a_double_comes_back() {
     let (_, mut state) = states().into_iter().next().unwrap();
@@ -144,8 +147,8 @@ fn bytes_of_others_are_refused_with_the_reason() {
     assert!(SavedState::deserialize(b"short").unwrap_err().to_string().contains("too few"));
 }
 
-/// A state with one bit altered is refused or carried on, in bounded time and without a panic. Of each byte the lowest bit,
-/// which turns Booleans and enumerations, and one other are altered.
+/// A state with one bit altered is refused or carried on, in bounded time and without a panic. Of
+/// each byte the lowest bit, which turns Booleans and enumerations, and one other are altered.
 #[test]
 fn invariant_no_bit_of_a_saved_state_makes_a_panic() {
     /// A step ends within a second or two, on a busy machine too.
@@ -187,7 +190,8 @@ fn invariant_no_bit_of_a_saved_state_makes_a_panic() {
     assert!(found.is_empty(), "{} found: {:#?}", found.len(), &found[..found.len().min(12)]);
 }
 
-/// Of every combination of phase, interface type and what moves only those are taken that an instance can write.
+/// Of every combination of phase, interface type and what moves only those are taken that an
+/// instance can write.
 #[test]
 fn states_whose_phase_does_not_go_with_what_moves_are_refused() {
     use Phase::*;
@@ -222,7 +226,8 @@ fn states_in_which_the_other_interface_types_motion_moves_are_refused() {
     }
 }
 
-/// The order of departure counts coefficients that are divided out: one that no motion has is refused.
+/// The order of departure counts coefficients that are divided out: one that no motion has is
+/// refused.
 #[test]
 fn a_snapshot_with_an_impossible_departure_is_refused() {
     use vibro_impact::{Parameters, Simulator, State};

@@ -46,12 +46,13 @@ pub struct Reading {
     pub value: fn(&OutputValues) -> f64,
     /// The same expression on numbers that vary; none for what changes at events only.
     pub varied: Option<fn(&OutputValues<Varied>) -> Varied>,
-    /// The same expression on numbers with their time derivatives; none for what changes at events only.
+    /// The same expression on numbers with their time derivatives; none for what changes at events
+    /// only.
     pub jet: Option<fn(&OutputValues<Jet>) -> Jet>,
 }
 
-/// Where a variable's value lives. All values travel as `f64`: Integers and enumerations are exact in it, Booleans
-/// are 0 and 1.
+/// Where a variable's value lives. All values travel as `f64`: Integers and enumerations are exact
+/// in it, Booleans are 0 and 1.
 #[derive(Clone, Copy, Debug)]
 pub enum Access {
     /// Kept in the settings.
@@ -87,30 +88,32 @@ pub enum Access {
 /// Knowns by name, and how an unknown depends on each.
 pub type Knowns = &'static [(&'static str, DependencyKind)];
 
-/// What a variable depends on: an output at any one moment on inputs, continuous states and time; a calculated parameter on
-/// parameters.
+/// What a variable depends on: an output at any one moment on inputs, continuous states and time; a
+/// calculated parameter on parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dependencies {
-    /// It is no unknown of the model's structure: it is set, it is time, or it tells of the last step or of what is to come.
+    /// It is no unknown of the model's structure: it is set, it is time, or it tells of the last
+    /// step or of what is to come.
     NotUnknown,
     /// On these and no others.
     On(Knowns),
 }
 
-/// What an unknown depends on in initialization, where inputs, start values, parameters and time are the knowns.
+/// What an unknown depends on in initialization, where inputs, start values, parameters and time
+/// are the knowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Initially {
     /// On what it depends on at any other time.
     AsLater,
-    /// Beside that on all that a closed form follows, [`START`](super::START), since the start may be taken from one, and on
-    /// these.
+    /// Beside that on all that a closed form follows, [`START`](super::START), since the start may
+    /// be taken from one, and on these.
     OnStartAnd(&'static [&'static str]),
     /// On these alone.
     On(&'static [&'static str]),
 }
 
-/// One variable: every column of its row. Who needs to know something of a variable reads a column; nothing is told from
-/// a name.
+/// One variable: every column of its row. Who needs to know something of a variable reads a column;
+/// nothing is told from a name.
 #[derive(Clone, Copy, Debug)]
 pub struct Variable {
     /// Value reference: given once, in the table, and never to another variable.
@@ -139,7 +142,8 @@ pub struct Variable {
     pub access: Access,
     /// What it depends on.
     pub dependencies: Dependencies,
-    /// Names of further knowns, in descriptions that count parameters, and what decides on contact at an event, among them.
+    /// Names of further knowns, in descriptions that count parameters, and what decides on contact
+    /// at an event, among them.
     pub further: &'static [&'static str],
     /// What it depends on in initialization.
     pub initially: Initially,
@@ -169,7 +173,8 @@ impl Variable {
         size
     }
 
-    /// Start value, for every variable that has one: parameters, inputs and those whose initial value is exact.
+    /// Start value, for every variable that has one: parameters, inputs and those whose initial
+    /// value is exact.
     pub fn start(&self) -> Option<f64> {
         self.start_in(&Settings::default())
     }

@@ -1,4 +1,5 @@
-//! Constructors of rows that came after the first version: of what is no output, and of what one description alone has.
+//! Constructors of rows that came after the first version: of what is no output, and of what one
+//! description alone has.
 
 use super::bases::Edition;
 use super::columns::{Access, Causality, Dependencies, Kind, Knowns, Reading, Variability, Variable};
@@ -79,7 +80,8 @@ pub(super) const fn bodies(
     Variable { edition: Edition::Arrays, dimensions: &[3], ..row }
 }
 
-/// A matrix of derivatives over the last step. It is continuous, since discrete variables change at events only.
+/// A matrix of derivatives over the last step. It is continuous, since discrete variables change at
+/// events only.
 pub(super) const fn step_matrix(
     name: &'static str,
     description: &'static str,

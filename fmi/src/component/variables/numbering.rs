@@ -1,8 +1,9 @@
 //! Value references of a description: which variable each stands for.
 //!
-//! A variable's own reference is a column of the table, [`Variable::reference`]: it is given once and never to another variable,
-//! also when the first has been taken out. A description either has these, or counts its variables in their order, for
-//! importers that take a reference for a place; then it may change with every build, as places do.
+//! A variable's own reference is a column of the table, [`Variable::reference`]: it is given once
+//! and never to another variable, also when the first has been taken out. A description either has
+//! these, or counts its variables in their order, for importers that take a reference for a place;
+//! then it may change with every build, as places do.
 
 use super::bases::Edition;
 use super::columns::Variable;
@@ -51,7 +52,8 @@ impl Numbering {
         }
     }
 
-    /// Place of the variable that a reference stands for; [`COUNT`] or more where it stands for none.
+    /// Place of the variable that a reference stands for; [`COUNT`] or more where it stands for
+    /// none.
     #[inline]
     pub(crate) fn place(self, reference: u32) -> usize {
         match self.places.get(reference as usize) {

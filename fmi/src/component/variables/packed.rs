@@ -98,7 +98,8 @@ pub(crate) struct Writer {
     when: u8,
     /// Whether it is an input.
     pub(crate) input: bool,
-    /// Smallest and largest value that needs no closer look; the smallest is above the largest where every value does.
+    /// Smallest and largest value that needs no closer look; the smallest is above the largest
+    /// where every value does.
     range: (f64, f64),
     /// How to write it.
     pub(crate) set: Set,
@@ -113,11 +114,12 @@ impl Writer {
     pub(crate) const CONTINUOUS: u8 = 2;
     /// At communication points and events.
     pub(crate) const EVENT: u8 = 4;
-    /// At events of a host's solver, in protocols that let it set the states there that events do not change.
+    /// At events of a host's solver, in protocols that let it set the states there that events do
+    /// not change.
     pub(crate) const UNCHANGED_STATES: u8 = 8;
 
-    /// What may be set when. Inputs are also taken before initialization, where the standards have their start values stand:
-    /// several hosts set them there.
+    /// What may be set when. Inputs are also taken before initialization, where the standards have
+    /// their start values stand: several hosts set them there.
     const fn of(variable: &Variable) -> Self {
         let input = matches!(variable.causality, Causality::Input);
         let parameter = matches!(variable.causality, Causality::Parameter);

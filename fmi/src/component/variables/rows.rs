@@ -1,5 +1,5 @@
-//! Constructors of the table's rows. Each asks for every column that its kind of variable must have, so that a row that
-//! leaves one out does not compile.
+//! Constructors of the table's rows. Each asks for every column that its kind of variable must
+//! have, so that a row that leaves one out does not compile.
 
 use super::bases::Edition;
 use super::columns::DependencyKind::Dependent;
@@ -12,7 +12,8 @@ use crate::component::units::{self, RealType};
 use crate::component::values::OutputValues;
 use vibro_impact::parameters::{FIELDS, Range};
 
-/// An output's [`Reading`] from one expression: `reading!(|m| m.contact_force * m.v[1])`. It may add, subtract and multiply.
+/// An output's [`Reading`] from one expression: `reading!(|m| m.contact_force * m.v[1])`. It may
+/// add, subtract and multiply.
 macro_rules! reading {
     (|$m:ident| $value:expr) => {
         $crate::component::variables::columns::Reading {
@@ -147,8 +148,8 @@ pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'s
     }
 }
 
-/// Displacement of a body; impacts may shift box and block by round-off to keep the gap exact. Like every state, it depends
-/// on itself alone.
+/// Displacement of a body; impacts may shift box and block by round-off to keep the gap exact. Like
+/// every state, it depends on itself alone.
 pub(super) const fn position<const BODY: usize>(
     name: &'static str,
     description: &'static str,
@@ -199,8 +200,8 @@ const fn moving(
     output(Section::Motion, name, description, kind, reading, knowns)
 }
 
-/// An output that changes any time. `knowns` are the inputs, continuous states and time it depends on; its
-/// derivatives follow from its reading.
+/// An output that changes any time. `knowns` are the inputs, continuous states and time it depends
+/// on; its derivatives follow from its reading.
 pub(super) const fn output(
     section: Section,
     name: &'static str,
@@ -212,7 +213,8 @@ pub(super) const fn output(
     row(section, name, description, kind, Access::Output(reading), Dependencies::On(knowns))
 }
 
-/// An output that changes at events only: it holds what the last event made of it, and depends on nothing else.
+/// An output that changes at events only: it holds what the last event made of it, and depends on
+/// nothing else.
 pub(super) const fn event_output(
     section: Section,
     name: &'static str,
@@ -293,7 +295,8 @@ pub(super) const fn at_start(initially: Initially, row: Variable) -> Variable {
     Variable { initially, ..row }
 }
 
-/// Parameters of box and block, of the secondary oscillator, of the coupling, of the stops, of the drive.
+/// Parameters of box and block, of the secondary oscillator, of the coupling, of the stops, of the
+/// drive.
 pub(super) const OF_PAIR: [&str; 4] = ["box.m", "box.k", "box.c", "block.m"];
 pub(super) const OF_SECONDARY: [&str; 3] = ["secondary.m", "secondary.k", "secondary.c"];
 pub(super) const OF_COUPLING: [&str; 1] = ["coupling.k"];
@@ -316,7 +319,8 @@ pub(super) const fn join<const N: usize>(lists: &[&[&'static str]]) -> [&'static
     all
 }
 
-/// The parameters that decide on a steady state: all but the drive's phase, which only says when it passes where.
+/// The parameters that decide on a steady state: all but the drive's phase, which only says when it
+/// passes where.
 const DECIDING: [&str; 12] =
     join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_STOPS, &["drive.amplitude", "drive.frequency"]]);
 
@@ -331,7 +335,8 @@ const STEADY: Knowns = &{
     knowns
 };
 
-/// What a closed form follows: in its modes, and with `startOnOrbit`, these decide on the start, and not the start values.
+/// What a closed form follows: in its modes, and with `startOnOrbit`, these decide on the start,
+/// and not the start values.
 pub const START: &[&str] = &join::<16>(&[&DECIDING, &["time", "drive.phase", "mode", "startOnOrbit"]]);
 
 /// Everything: accumulated work and energies.

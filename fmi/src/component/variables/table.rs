@@ -1,5 +1,6 @@
-//! The table itself, in the order of the descriptions. The number before a row is its value reference: a new row takes the next one
-//! of `tests/data/value_references.txt`, wherever it stands.
+//! The table itself, in the order of the descriptions. The number before a row is its value
+//! reference: a new row takes the next one of `tests/data/value_references.txt`, wherever it
+//! stands.
 
 use super::columns::DependencyKind::{
     Constant, Dependent, Discrete as AtEvents, Fixed as OfFixed, Tunable as OfTunable,
@@ -50,10 +51,12 @@ const SECONDARY: Knowns = &[
     ("secondary.v", OfTunable),
 ];
 
-/// The parameters in the box's acceleration: in rest those of both bodies, by multiple scales those of its amplitude.
+/// The parameters in the box's acceleration: in rest those of both bodies, by multiple scales those
+/// of its amplitude.
 const BOX: [&str; 11] = join(&[&OF_PAIR, &OF_COUPLING, &OF_STOPS, &OF_DRIVE, &["mode"]]);
 
-/// The parameters in the block's acceleration: in rest those of both bodies; by multiple scales it is zero.
+/// The parameters in the block's acceleration: in rest those of both bodies; by multiple scales it
+/// is zero.
 const BLOCK: [&str; 9] = join(&[&OF_PAIR, &OF_COUPLING, &OF_DRIVE, &["mode"]]);
 
 /// The parameters in the contact force.
@@ -78,14 +81,17 @@ const CONTACT: [&str; 18] = join(&[
 /// The parameters of an impact.
 const OF_IMPACT: &[&str] = &["box.m", "block.m", "stop.restitution"];
 
-/// The parameters in the dampers' work since the last accepted step of a host's solver; with them, in the work of the inputs.
+/// The parameters in the dampers' work since the last accepted step of a host's solver; with them,
+/// in the work of the inputs.
 const DAMPED: [&str; 11] = join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_DRIVE]);
 
-/// At the start the block's velocity too decides on accelerations and contact force: with it the block rests, or leaves.
+/// At the start the block's velocity too decides on accelerations and contact force: with it the
+/// block rests, or leaves.
 const MOTION_AT_START: Initially = Initially::OnStartAnd(&["block.v"]);
 
-/// Where box and block stand still beside each other at a stop without a pressing force, the first derivative that is not
-/// zero decides whether they stay so, and in the higher ones stands everything that moves.
+/// Where box and block stand still beside each other at a stop without a pressing force, the first
+/// derivative that is not zero decides whether they stay so, and in the higher ones stands
+/// everything that moves.
 const CONTACT_AT_START: Initially = Initially::OnStartAnd(&[
     "box.f",
     "block.f",

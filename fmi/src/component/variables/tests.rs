@@ -1,12 +1,14 @@
 use super::*;
 
-/// Every value reference that was ever given, with its variable: a line stays when the variable is taken out.
+/// Every value reference that was ever given, with its variable: a line stays when the variable is
+/// taken out.
 const GIVEN: &str = include_str!("../../../tests/data/value_references.txt");
-/// How many of the lines have been released, and their FNV-1a hash: what is released is never given to another variable.
+/// How many of the lines have been released, and their FNV-1a hash: what is released is never given
+/// to another variable.
 const RELEASED: (usize, u128) = (92, 0xb5d6_d64b_7044_1ad2_49fd_53a5_0e67_b5ae);
 
-/// A reference belongs to one name for ever: the list counts without a gap, what was released of it stays as it is, and the
-/// table has each of its variables under the list's reference.
+/// A reference belongs to one name for ever: the list counts without a gap, what was released of it
+/// stays as it is, and the table has each of its variables under the list's reference.
 #[test]
 fn golden_file_of_the_value_references() {
     let given: Vec<(u32, &str)> = GIVEN
@@ -29,8 +31,9 @@ fn golden_file_of_the_value_references() {
     assert_eq!(fmi_doors::identifier::fnv1a(released.as_bytes()), RELEASED.1, "released lines never change");
 }
 
-/// The table can grow and shrink: wherever a row is put in with the next reference of the list, or taken out, all others keep theirs, and
-/// the numbers of a description that counts its rows go on without a gap.
+/// The table can grow and shrink: wherever a row is put in with the next reference of the list, or
+/// taken out, all others keep theirs, and the numbers of a description that counts its rows go on
+/// without a gap.
 #[test]
 fn invariant_value_references_stay_where_rows_are_put_in_or_taken_out() {
     /// More than any reference of a table of one row more.
@@ -117,7 +120,8 @@ fn references_are_known_at_compile_time() {
     assert_eq!(TIME, 0);
 }
 
-/// An array has as many elements as its dimensions say, and only what reads elements has dimensions.
+/// An array has as many elements as its dimensions say, and only what reads elements has
+/// dimensions.
 #[test]
 fn invariant_arrays_have_dimensions_and_scalars_have_none() {
     for v in &VARIABLES {
@@ -127,8 +131,9 @@ fn invariant_arrays_have_dimensions_and_scalars_have_none() {
     }
 }
 
-/// Some hosts take value references for places: a description that counts its variables has no gap, wherever in the table the
-/// variables of others stand. References and places lead to each other in every numbering.
+/// Some hosts take value references for places: a description that counts its variables has no gap,
+/// wherever in the table the variables of others stand. References and places lead to each other in
+/// every numbering.
 #[test]
 fn invariant_numberings_are_one_to_one_and_the_counted_ones_have_no_gap() {
     for edition in Edition::ALL {

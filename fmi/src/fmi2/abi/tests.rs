@@ -17,7 +17,8 @@ const OK: FmiStatus = 0;
 const DISCARD: FmiStatus = 2;
 const ERROR: FmiStatus = 3;
 
-/// Stands in for a host's logger: the arguments that are always there are those of the variadic one.
+/// Stands in for a host's logger: the arguments that are always there are those of the variadic
+/// one.
 unsafe extern "C" fn keep_message(
     environment: *mut c_void,
     name: *const c_char,
@@ -32,8 +33,8 @@ unsafe extern "C" fn keep_message(
 
 type Plain = unsafe extern "C" fn(*mut c_void, *const c_char, FmiStatus, *const c_char, *const c_char);
 
-/// Callbacks with that logger and nothing else. On the platforms of the tests a variadic call without variadic arguments
-/// is an ordinary one.
+/// Callbacks with that logger and nothing else. On the platforms of the tests a variadic call
+/// without variadic arguments is an ordinary one.
 unsafe fn callbacks(logger: Plain, environment: *mut c_void) -> FmiCallbackFunctions {
     FmiCallbackFunctions {
         // Miri knows the difference, and there is no other way to write one in stable Rust.
@@ -313,7 +314,8 @@ fn a_step_after_an_impact_names_the_way_back() {
     }
 }
 
-/// As fmusim does, with a load of its own; the same motion as of a host that goes back to the state it saved.
+/// As fmusim does, with a load of its own; the same motion as of a host that goes back to the state
+/// it saved.
 #[test]
 fn a_host_goes_on_from_an_impact_where_the_motion_stands() {
     const END: f64 = 60.0;

@@ -9,9 +9,10 @@ use pulp::Simd;
 /// The coordinates that are transposed at a time.
 const GROUP: usize = 4;
 
-/// The states of some lanes at the centres of intervals. Since the interval differs from lane to lane, so does the matrix that leads
-/// there, and each state is one product. Motion by motion the states are written as the products leave them, and the vectors are
-/// transposed when they are read.
+/// The states of some lanes at the centres of intervals. Since the interval differs from lane to
+/// lane, so does the matrix that leads there, and each state is one product. Motion by motion the
+/// states are written as the products leave them, and the vectors are transposed when they are
+/// read.
 #[repr(align(64))]
 pub(super) struct Centres {
     /// The states by halves: `[half][place][coordinate]`.
@@ -37,7 +38,8 @@ impl Centres {
         numbered
     }
 
-    /// Computes the state of a lane at the centre of an interval of the sub-step that begins with its state in `rows`.
+    /// Computes the state of a lane at the centre of an interval of the sub-step that begins with
+    /// its state in `rows`.
     #[inline(always)]
     pub(super) fn put<S: Simd>(
         &mut self,

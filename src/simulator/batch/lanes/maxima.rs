@@ -1,11 +1,13 @@
-//! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples of it.
+//! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples
+//! of it.
 //!
-//! q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from above to below zero: at a root
-//! within a sub-step, which [`turns`] finds with the same proof as the simulator's events, or at an impact that reverses the
-//! rate. A maximum that lasts, of w while the block rests at the upper stop, counts once, where it ends.
+//! q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from
+//! above to below zero: at a root within a sub-step, which [`turns`] finds with the same proof as
+//! the simulator's events, or at an impact that reverses the rate. A maximum that lasts, of w while
+//! the block rests at the upper stop, counts once, where it ends.
 //!
-//! Over a sub-step of flight 16 values of the rate and a bound on its second derivative leave few intervals to be searched, as they
-//! do for the gap.
+//! Over a sub-step of flight 16 values of the rate and a bound on its second derivative leave few
+//! intervals to be searched, as they do for the gap.
 
 use crate::events::turns;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, expand_along, weighted_sum};
@@ -92,8 +94,8 @@ impl MaximumFinder {
                 break;
             }
             let (before, after) = (if i == 0 { start } else { rates.0[i - 1] }, rates.0[i]);
-            // A rate that goes up by more than four margins rises throughout, so that it passes zero once. Where that is in a
-            // whole interval, the minimum need not be found.
+            // A rate that goes up by more than four margins rises throughout, so that it passes
+            // zero once. Where that is in a whole interval, the minimum need not be found.
             if !self.rising && i != last && before < 0.0 && after > 0.0 && after - before > 4.0 * margin {
                 self.rising = true;
             } else {
@@ -116,7 +118,8 @@ impl MaximumFinder {
     ) {
         let model = &simulator.model;
         if index == 0 {
-            // About the start itself: a block that leaves a stop has its maximum of w there, exactly.
+            // About the start itself: a block that leaves a stop has its maximum of w there,
+            // exactly.
             let series = Series::<ANCHORED>::expand(model, SmoothMode::Flight, z, None, end);
             return self.search_series(&series, (0.0, 1.0), (time, end), found);
         }
@@ -169,8 +172,8 @@ impl MaximumFinder {
     }
 }
 
-/// The intervals of a sub-step, the first one's bit the lowest, at both of whose ends the rate is above `margin`, and those at both of
-/// whose ends it is below minus `margin`.
+/// The intervals of a sub-step, the first one's bit the lowest, at both of whose ends the rate is
+/// above `margin`, and those at both of whose ends it is below minus `margin`.
 #[inline(always)]
 fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &Row, margin: f64) -> [u64; 2] {
     let (mut above, mut below) = (u64::from(start > margin), u64::from(-start > margin));

@@ -1,5 +1,5 @@
-//! Free flights about the centre of an interval, one in each lane: their series, the gap's first zero with its proof, and the
-//! state there.
+//! Free flights about the centre of an interval, one in each lane: their series, the gap's first
+//! zero with its proof, and the state there.
 
 use super::rows::LaneSystems;
 use crate::flow::{CENTRED, remainder};
@@ -17,13 +17,14 @@ const FACTORIALS: [f64; CENTRED] = {
     }
     r
 };
-/// How far from its centre a series serves, in half intervals. A tenth of an interval beyond the end its remainder,
-/// 0.09¹⁰/9!, is still under the rounding of a double (docs/numerics.md, section 1), and a gap that is only just short of the stop
-/// at the end can be followed into the next interval.
+/// How far from its centre a series serves, in half intervals. A tenth of an interval beyond the
+/// end its remainder, 0.09¹⁰/9!, is still under the rounding of a double (docs/numerics.md, section
+/// 1), and a gap that is only just short of the stop at the end can be followed into the next
+/// interval.
 pub(super) const REACH: f64 = 6.0 / 5.0;
 const _: () = assert!(remainder(CENTRED, 0.075 * REACH) < 9.8e-17);
-/// How far the first iterate of a search may be, in half intervals: up to here the bounds up to [`REACH`] still tell enough
-/// (docs/numerics.md, section 7).
+/// How far the first iterate of a search may be, in half intervals: up to here the bounds up to
+/// [`REACH`] still tell enough (docs/numerics.md, section 7).
 const BEYOND: f64 = 5.0 / 4.0;
 /// REACH^k.
 const POWERS: [f64; CENTRED] = {
@@ -35,14 +36,16 @@ const POWERS: [f64; CENTRED] = {
     }
     r
 };
-/// A root counts as found when the proof bounds its error by this part of half an interval: the rounding of 1.
+/// A root counts as found when the proof bounds its error by this part of half an interval: the
+/// rounding of 1.
 const RESOLUTION: f64 = 0.5 * f64::EPSILON;
 
 /// The derivatives at the centre in the time unit of half an interval.
 pub(super) struct CentredFlights<S: Simd> {
     /// x1, w, x3.
     positions: [Wide<S>; 3],
-    /// Derivatives of their rates, `[order][coordinate]`, which are those of the positions one order on.
+    /// Derivatives of their rates, `[order][coordinate]`, which are those of the positions one
+    /// order on.
     rates: [[Wide<S>; 3]; CENTRED],
     /// cos θ and sin θ.
     cos: Wide<S>,
@@ -50,8 +53,9 @@ pub(super) struct CentredFlights<S: Simd> {
 }
 
 impl<S: Simd> CentredFlights<S> {
-    /// Order after order from the equations of motion, docs/theory.md (6) and (8). `Series::expand` does the same for one
-    /// motion; it is written again for vectors of systems, and `second_method_flights_are_the_series` holds the two together.
+    /// Order after order from the equations of motion, docs/theory.md (6) and (8). `Series::expand`
+    /// does the same for one motion; it is written again for vectors of systems, and
+    /// `second_method_flights_are_the_series` holds the two together.
     #[inline(always)]
     pub(super) fn expand(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Self {
         let load = |row: &Row| Wide::load(simd, row, v);
@@ -61,7 +65,8 @@ impl<S: Simd> CentredFlights<S> {
         let positions = [z[BOX], z[RELATIVE], z[SECONDARY]];
         let mut rates =
             [[z[BOX_RATE] * radius, z[RELATIVE_RATE] * radius, z[SECONDARY_RATE] * radius]; CENTRED];
-        // The drive's derivatives of even and odd order: each is the one two orders before times -ω².
+        // The drive's derivatives of even and odd order: each is the one two orders before times
+        // -ω².
         let square = -(omega * omega);
         let mut push = [drive * z[DRIVE_SIN], drive * omega * z[DRIVE_COS]];
         let mut x = positions;
@@ -166,12 +171,13 @@ impl<S: Simd> Excess<S> {
         }
     }
 
-    /// The lanes in which the polynomials are proved to stay below zero and above -2 `gap`, so that the block meets neither stop,
-    /// from `from` to [`REACH`].
+    /// The lanes in which the polynomials are proved to stay below zero and above -2 `gap`, so that
+    /// the block meets neither stop, from `from` to [`REACH`].
     ///
-    /// Two proofs are tried. The parabola of the first three orders is largest at an end or at its vertex, and the sizes of the
-    /// other terms bound what they add. Or, for `from` = 0, the polynomial is at most what is left of it without the negative
-    /// terms of order two and more; that is convex, so it is enough that it is negative at both ends.
+    /// Two proofs are tried. The parabola of the first three orders is largest at an end or at its
+    /// vertex, and the sizes of the other terms bound what they add. Or, for `from` = 0, the
+    /// polynomial is at most what is left of it without the negative terms of order two and more;
+    /// that is convex, so it is enough that it is negative at both ends.
     #[inline(always)]
     pub(super) fn stays_negative(&self, from: Wide<S>, gap: Wide<S>) -> Mask<S> {
         let c = &self.c;
@@ -194,9 +200,9 @@ impl<S: Simd> Excess<S> {
         (low | convex) & path.less_than(gap)
     }
 
-    /// The first zero in (`from`, [`REACH`]), proved as in [`crate::events::flight_crossing`], which does the same for one motion.
-    /// It is found only for a path that rises and is nearly straight; `second_method_crossings_and_their_absence` holds the
-    /// two together.
+    /// The first zero in (`from`, [`REACH`]), proved as in [`crate::events::flight_crossing`],
+    /// which does the same for one motion. It is found only for a path that rises and is nearly
+    /// straight; `second_method_crossings_and_their_absence` holds the two together.
     #[inline(always)]
     pub(super) fn upward_crossing(&self, from: Wide<S>, gap: Wide<S>) -> Crossing<S> {
         let Self { c, d } = self;
@@ -220,19 +226,20 @@ impl<S: Simd> Excess<S> {
         let (bend, twist) = (c[2] * scale, c[3] * scale);
         let inner = (bend + bend).mul_add(bend, -twist);
         let start = linear * linear.neg_mul_add(linear.neg_mul_add(inner, bend), one);
-        // With K = `squares` the error after a step m is at most 4 K m² for K m ≤ 1; where K m > 1, `last` is large and nothing is
-        // found (docs/numerics.md, section 7).
+        // With K = `squares` the error after a step m is at most 4 K m² for K m ≤ 1; where K m > 1,
+        // `last` is large and nothing is found (docs/numerics.md, section 7).
         let step = polynomial(c, start) / polynomial(d, start);
         let error = splat(4.0) * squares * step * step;
         let once = start - step;
         let inverse = one / polynomial(d, once);
         let twice = once - polynomial(c, once) * inverse;
         let rest = squares * error * error;
-        // The third step uses the slope of the second, taken at most error + rest away from the zero: it is wrong by at most |p''|
-        // times that distance.
+        // The third step uses the slope of the second, taken at most error + rest away from the
+        // zero: it is wrong by at most |p''| times that distance.
         let thrice = twice - polynomial(c, twice) * inverse;
         let last = (squares + squares) * (error + rest) * rest;
-        // The last bounces of a chatter run are found with as many digits as the first: from the start on, relatively to u.
+        // The last bounces of a chatter run are found with as many digits as the first: from the
+        // start on, relatively to u.
         let centred = from.at_most(-one);
         let resolution = splat(RESOLUTION) * centred.select(one, once.abs());
         let (enough, soon) = (rest.at_most(resolution), error.at_most(resolution));
@@ -240,8 +247,9 @@ impl<S: Simd> Excess<S> {
         let reach = splat(REACH);
         let near = start.abs().less_than(reach) & once.abs().less_than(splat(BEYOND));
         let inside = near & from.less_than(u) & u.less_than(reach);
-        // What rises from c[0] to zero stays in between. Where a zero at the start was divided out, the block is at most REACH
-        // times |c[0]| away from its stop until it returns, so it does not come to the other one.
+        // What rises from c[0] to zero stays in between. Where a zero at the start was divided out,
+        // the block is at most REACH times |c[0]| away from its stop until it returns, so it does
+        // not come to the other one.
         let alone = centred | (-c[0]).less_than(gap);
         Crossing {
             u,

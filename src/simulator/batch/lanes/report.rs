@@ -1,4 +1,5 @@
-//! What is reported of motions on the way: samples, events and maxima, of sub-steps in lanes and alone.
+//! What is reported of motions on the way: samples, events and maxima, of sub-steps in lanes and
+//! alone.
 
 use super::maxima::MaximumFinder;
 use super::passage::CentredFlights;
@@ -45,8 +46,8 @@ impl Reporter {
     /// For a motion that is about to begin; it keeps no energy accounts from now on.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] under loads other than the constant ones of the parameters, and for samples without a time
-    /// between them or more than can be numbered.
+    /// [`Error::OutOfRange`] under loads other than the constant ones of the parameters, and for
+    /// samples without a time between them or more than can be numbered.
     pub(super) fn new(simulator: &mut Simulator, reports: Reports, end: f64) -> Result<Self> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(simulator.hybrid.loads) {
@@ -117,8 +118,8 @@ impl Reporter {
         asked.is_some()
     }
 
-    /// Reports a sub-step that began at `from`, brought `events` and ended, after their law, in the state `after`. Breaks where no
-    /// more is asked of the motion.
+    /// Reports a sub-step that began at `from`, brought `events` and ended, after their law, in the
+    /// state `after`. Breaks where no more is asked of the motion.
     #[inline(always)]
     pub(super) fn report_alone(
         &mut self,
@@ -156,10 +157,12 @@ impl Reporter {
 }
 
 impl Simulator {
-    /// The state `dt` s after the start of a sub-step, from the tables and the series about an interval's centre.
+    /// The state `dt` s after the start of a sub-step, from the tables and the series about an
+    /// interval's centre.
     fn state_after(&self, from: &Piece, dt: f64) -> Augmented {
         if from.forces.is_some() {
-            // One series over the whole sub-step, whose remainder is under round-off (docs/numerics.md).
+            // One series over the whole sub-step, whose remainder is under round-off
+            // (docs/numerics.md).
             let h = self.substep;
             let series = Series::<WHOLE>::expand(&self.model, from.mode, &from.z, from.forces.as_ref(), h);
             let mut z = series.at(dt / h);
@@ -186,8 +189,8 @@ impl Simulator {
         z
     }
 
-    /// The interval in which a time `dt` after the start of a sub-step lies, and its place about the interval's centre in half
-    /// intervals.
+    /// The interval in which a time `dt` after the start of a sub-step lies, and its place about
+    /// the interval's centre in half intervals.
     #[inline(always)]
     fn place_in_substep(&self, dt: f64) -> (usize, f64) {
         let place = dt / self.interval();
@@ -250,9 +253,9 @@ impl Rounds<'_> {
         }
     }
 
-    /// Takes a sample of each of the motions `due` within its latest sub-step: about the centre of the sample's interval, which
-    /// differs from lane to lane, the flights of all lanes are expanded side by side. Returns the lanes of whose motions no more is
-    /// asked.
+    /// Takes a sample of each of the motions `due` within its latest sub-step: about the centre of
+    /// the sample's interval, which differs from lane to lane, the flights of all lanes are
+    /// expanded side by side. Returns the lanes of whose motions no more is asked.
     #[inline(always)]
     fn take_samples<S: Simd>(&mut self, simd: S, due: LaneSet) -> LaneSet {
         let (mut places, mut ended) = (Row::ZERO, 0);

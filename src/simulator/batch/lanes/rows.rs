@@ -19,7 +19,8 @@ const GROUNDED: f64 = f64::INFINITY;
 
 /// What stays the same while a motion is under way.
 pub(super) struct LaneSystems {
-    /// The parameters for which each lane is filled. A new motion with the same finds the rows filled.
+    /// The parameters for which each lane is filled. A new motion with the same finds the rows
+    /// filled.
     parameters: [Option<Parameters>; ROW],
     /// The tables of the motion in each lane.
     tables: [Option<Arc<ModeTables>>; ROW],
@@ -36,19 +37,20 @@ pub(super) struct LaneSystems {
     pub(super) interval: Row,
     /// L.
     pub(super) gap: Row,
-    /// The largest path in an interval with which it is searched as a whole, as in `Simulator::exceeds_reach`, m.
+    /// The largest path in an interval with which it is searched as a whole, as in
+    /// `Simulator::exceeds_reach`, m.
     pub(super) reach: Row,
-    /// A chatter run is not closed while the square of the rebound speed exceeds this times a bound on the acceleration, m:
-    /// `Simulator::chatter_closing_limit`.
+    /// A chatter run is not closed while the square of the rebound speed exceeds this times a bound
+    /// on the acceleration, m: `Simulator::chatter_closing_limit`.
     pub(super) closing: Row,
-    /// κ, and the factors of `Model::impact_factors`: of the approach speed for the box's change of velocity and for the
-    /// impulse, of its square for the energy lost.
+    /// κ, and the factors of `Model::impact_factors`: of the approach speed for the box's change of
+    /// velocity and for the impulse, of its square for the energy lost.
     pub(super) restitution: Row,
     pub(super) kick: Row,
     pub(super) impulse: Row,
     pub(super) loss: Row,
-    /// Half an interval, s: the time unit of the coefficients below, which are those of docs/theory.md (6) and the drive's
-    /// frequency.
+    /// Half an interval, s: the time unit of the coefficients below, which are those of
+    /// docs/theory.md (6) and the drive's frequency.
     pub(super) radius: Row,
     pub(super) k1: Row,
     pub(super) c1: Row,
@@ -91,7 +93,8 @@ impl LaneSystems {
         }
     }
 
-    /// Lets go of the tables of the motion in a lane, so that its simulator may fill them for another system without copying them.
+    /// Lets go of the tables of the motion in a lane, so that its simulator may fill them for
+    /// another system without copying them.
     pub(super) fn release_tables(&mut self, lane: usize) {
         self.tables[lane] = None;
     }
@@ -325,7 +328,8 @@ impl LaneStates {
         due
     }
 
-    /// The lanes in which the next sample is due at most two sub-steps from now: more than one of them reaches.
+    /// The lanes in which the next sample is due at most two sub-steps from now: more than one of
+    /// them reaches.
     #[inline(always)]
     pub(super) fn near_sample<S: Simd>(&self, simd: S, systems: &LaneSystems) -> LaneSet {
         let mut near = 0;

@@ -1,4 +1,5 @@
-//! One sub-step of all active lanes: free flight for the whole of it, or to its first impact and through that.
+//! One sub-step of all active lanes: free flight for the whole of it, or to its first impact and
+//! through that.
 
 use super::centres::Centres;
 use super::passage::{CentredFlights, REACH};
@@ -17,12 +18,13 @@ pub(super) struct Progress {
     pub(super) through: LaneSet,
     /// The proof of the common case failed; these motions have not moved.
     pub(super) unproved: LaneSet,
-    /// These have moved to a stop and stand before an impact that ends in rest, or may; its law is not yet applied.
+    /// These have moved to a stop and stand before an impact that ends in rest, or may; its law is
+    /// not yet applied.
     pub(super) at_stop: LaneSet,
 }
 
-/// Advances each of the `active` motions by a sub-step, to its end or through its first impact. Where a motion of the set
-/// `reading` moves, `starts` keeps where it was.
+/// Advances each of the `active` motions by a sub-step, to its end or through its first impact.
+/// Where a motion of the set `reading` moves, `starts` keeps where it was.
 #[inline(always)]
 pub(super) fn flight_substep<S: Simd>(
     simd: S,
@@ -98,8 +100,9 @@ struct DisplacementSamples<S: Simd> {
     near_start: Mask<S>,
 }
 
-/// Samples the gap at the ends of the intervals, as `Simulator::sample_displacement` does: a gap that stays a margin, which bounds the
-/// bend of its path, away from the stops at both ends of an interval does not reach them in between.
+/// Samples the gap at the ends of the intervals, as `Simulator::sample_displacement` does: a gap
+/// that stays a margin, which bounds the bend of its path, away from the stops at both ends of an
+/// interval does not reach them in between.
 #[inline(always)]
 fn sample_displacement<S: Simd>(
     simd: S,
@@ -136,7 +139,8 @@ fn sample_displacement<S: Simd>(
         gap = near.select(g, gap);
     }
     index.store(&mut searched.index, v);
-    // A block that leaves a stop may be too slow to be sure of leaving the first interval, or of leaving its end far behind.
+    // A block that leaves a stop may be too slow to be sure of leaving the first interval, or of
+    // leaving its end far behind.
     let near_start = (leaving & (speed.at_most(change) | index.at_most(zero)))
         | (inside & limit.at_most(z[RELATIVE].abs()));
     let nearest = near_start.select(z[RELATIVE], gap);
@@ -207,8 +211,9 @@ fn add<S: Simd>(simd: S, row: &mut Row, v: usize, more: Wide<S>) {
     (Wide::load(simd, row, v) + more).store(row, v);
 }
 
-/// Advances the motions `chosen` in vector `v` through the impact in their searched interval, if it is proved to be the first,
-/// or past the stop, if that is proved. `near_start` are those whose interval begins with the sub-step.
+/// Advances the motions `chosen` in vector `v` through the impact in their searched interval, if it
+/// is proved to be the first, or past the stop, if that is proved. `near_start` are those whose
+/// interval begins with the sub-step.
 #[inline(always)]
 fn advance_in_interval<S: Simd>(
     simd: S,
@@ -269,8 +274,8 @@ struct Arrival<S: Simd> {
     iterations: Wide<S>,
 }
 
-/// Finds the first impact in the searched interval, or proves that there is none; then the flight goes on as far as its series
-/// serves.
+/// Finds the first impact in the searched interval, or proves that there is none; then the flight
+/// goes on as far as its series serves.
 #[inline(always)]
 fn arrive<S: Simd>(
     simd: S,
@@ -283,8 +288,8 @@ fn arrive<S: Simd>(
 ) -> Arrival<S> {
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
-    // From a start close to a stop the flight is expanded about the start itself. Off the stop, the gap's zero at the start is
-    // divided out.
+    // From a start close to a stop the flight is expanded about the start itself. Off the stop, the
+    // gap's zero at the start is divided out.
     let about_start = Mask::from_bits(simd, near_start);
     let mut centre = searched.centres.load(simd, v);
     for (centre, now) in centre.iter_mut().zip(now) {
@@ -319,8 +324,9 @@ struct Rebound<S: Simd> {
     z: [Wide<S>; 8],
 }
 
-/// The impact law, docs/theory.md (11), for states `z` at the stops `side`. `Model::impact` states it for one motion; it is
-/// written again for vectors of systems, and `second_method_together_as_one_by_one` in tests/batch.rs holds the two together.
+/// The impact law, docs/theory.md (11), for states `z` at the stops `side`. `Model::impact` states
+/// it for one motion; it is written again for vectors of systems, and
+/// `second_method_together_as_one_by_one` in tests/batch.rs holds the two together.
 #[inline(always)]
 fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: &[Wide<S>; 8]) -> Rebound<S> {
     let load = |row: &Row| Wide::load(simd, row, v);
@@ -334,8 +340,8 @@ fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: 
     Rebound { approach, speed, z }
 }
 
-/// Records the impacts of the motions `through`, with their stop and approach speed, at `time`: the energy lost, docs/theory.md
-/// (12), and what `ImpactRecord::count` keeps.
+/// Records the impacts of the motions `through`, with their stop and approach speed, at `time`: the
+/// energy lost, docs/theory.md (12), and what `ImpactRecord::count` keeps.
 #[inline(always)]
 fn record_impact<S: Simd>(
     simd: S,

@@ -1,13 +1,15 @@
-//! The transition over a whole sub-step, of all motions in lanes: the entries of the matrix that are not zero.
+//! The transition over a whole sub-step, of all motions in lanes: the entries of the matrix that
+//! are not zero.
 
 use crate::model::{
     Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
 };
 use crate::simulator::batch::vectors::Row;
 
-/// The entries, other than zero, of the matrix that gives the state after a whole sub-step, for each body those of its displacement
-/// and of its rate. In free flight, docs/theory.md (6), the drive moves the box, whatever the block does; both move w = x2 - x1; and
-/// the secondary body follows the block alone.
+/// The entries, other than zero, of the matrix that gives the state after a whole sub-step, for
+/// each body those of its displacement and of its rate. In free flight, docs/theory.md (6), the
+/// drive moves the box, whatever the block does; both move w = x2 - x1; and the secondary body
+/// follows the block alone.
 pub(super) struct Transition {
     /// Of x1, v1, cos θ and sin θ in the box.
     pub(super) driven: [[Row; 4]; 2],

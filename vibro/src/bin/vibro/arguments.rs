@@ -64,8 +64,8 @@ NUMBERS
   Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
   Names of parameters are the file's own: docs/assemblies.md.";
 
-/// The command line as clap has it. The help of every command names what that command takes; those of the 3-DOF machine end with its
-/// limits.
+/// The command line as clap has it. The help of every command names what that command takes; those
+/// of the 3-DOF machine end with its limits.
 pub fn command() -> clap::Command {
     let with_limits = |command: clap::Command| {
         let own = command.get_after_help().map(|help| format!("{help}\n\n")).unwrap_or_default();
@@ -85,7 +85,8 @@ pub fn command() -> clap::Command {
     })
 }
 
-/// A command whose help does not name some of the shared options. It refuses or ignores them as before.
+/// A command whose help does not name some of the shared options. It refuses or ignores them as
+/// before.
 fn without(command: clap::Command, shared: &[clap::Arg], names: &[&str]) -> clap::Command {
     let hidden = shared.iter().filter(|arg| names.contains(&arg.get_id().as_str()));
     hidden.fold(command, |command, arg| command.arg(arg.clone().hide(true)))
@@ -135,7 +136,8 @@ pub struct Arguments {
 pub enum Command {
     /// All steady-state values of one parameter set, by three theories (figure 8)
     Steady,
-    /// A machine of your own from a text file: bodies, springs, links, stops, friction, loads; its check and its exact motion
+    /// A machine of your own from a text file: bodies, springs, links, stops, friction, loads; its
+    /// check and its exact motion
     #[command(subcommand)]
     Assembly(AssemblyCommand),
     /// A motion of the machine, with loads from files: table, impacts, picture, powers
@@ -148,13 +150,16 @@ pub enum Command {
     Stability(Stability),
     /// Where a stable motion exists, over two parameters, by theory (figure 12)
     Plane(Plane),
-    /// Theory against simulation: histories, maxima, errors over the mass ratio (figures 8, 16 to 19)
+    /// Theory against simulation: histories, maxima, errors over the mass ratio (figures 8, 16 to
+    /// 19)
     Compare(Compare),
-    /// Bifurcation diagram: local maxima of X2 or of another coordinate over a parameter, both directions (figure 14)
+    /// Bifurcation diagram: local maxima of X2 or of another coordinate over a parameter, both
+    /// directions (figure 14)
     ///
-    /// Each value starts from the last state of the value before. This chain cannot be divided, so every shard repeats it, which is
-    /// about a fifth of the work. Only what is computed at each value is divided, so that more than about four shards hardly help.
-    /// `lyapunov` and the planes gain from more.
+    /// Each value starts from the last state of the value before. This chain cannot be divided, so
+    /// every shard repeats it, which is about a fifth of the work. Only what is computed at each
+    /// value is divided, so that more than about four shards hardly help. `lyapunov` and the planes
+    /// gain from more.
     Bifurcation(Bifurcation),
     /// Bifurcation diagram with all Lyapunov exponents (figure 14, table 2)
     Lyapunov(Lyapunov),
@@ -164,17 +169,20 @@ pub enum Command {
     Isoperiodic(Isoperiodic),
     /// Amplitudes, impacts, losses and more of many designs: a grid, a list or a Sobol sequence
     ///
-    /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in several motions: from several
-    /// starts, and over a band such as that of the drive's frequency (--over). The row then has the least, mean and largest values.
-    /// A design that cannot be simulated has a row with the reason.
+    /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in
+    /// several motions: from several starts, and over a band such as that of the drive's frequency
+    /// (--over). The row then has the least, mean and largest values. A design that cannot be
+    /// simulated has a row with the reason.
     #[command(after_help = crate::sweep_arguments::EXAMPLES)]
     Sweep(Box<Sweep>),
     /// Branches of periodic orbits over a parameter, stable or not, with their bifurcations
     ///
-    /// Without --tree it follows one branch, which begins at the settled motion or at the orbit with a given word (--word).
-    /// `special-points.csv` lists the special points of the branches: LP fold, BP branch point, PD period doubling, NS
-    /// Neimark-Sacker, GR touch, CH chatter, EP end of the range, MX not followed further. `vibro locus` follows the first six over
-    /// two parameters. With --tree `orbits-search.csv` lists at which values, and from how many starts, orbits were sought.
+    /// Without --tree it follows one branch, which begins at the settled motion or at the orbit
+    /// with a given word (--word). `special-points.csv` lists the special points of the branches:
+    /// LP fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, CH chatter, EP
+    /// end of the range, MX not followed further. `vibro locus` follows the first six over two
+    /// parameters. With --tree `orbits-search.csv` lists at which values, and from how many starts,
+    /// orbits were sought.
     Orbits(Box<Orbits>),
     /// One periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),

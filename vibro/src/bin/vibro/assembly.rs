@@ -21,7 +21,8 @@ use vibro_sketch::Sketch;
 /// Stem of the manifest of a motion.
 const RESULT: &str = "assembly-run";
 
-/// Carries out the command. `false` where a motion was interrupted, and all that was computed is written.
+/// Carries out the command. `false` where a motion was interrupted, and all that was computed is
+/// written.
 ///
 /// # Errors
 /// What is wrong with the file, its parameters or its motion; [`Error::File`].
@@ -96,7 +97,8 @@ fn follow(a: &Motion, common: &Common) -> Result<bool> {
     }
 }
 
-/// What the motion is computed from: the machine's numbers by their names, and the file of the whole machine.
+/// What the motion is computed from: the machine's numbers by their names, and the file of the
+/// whole machine.
 fn manifest(machine: &Description, times: &[f64], common: &Common) -> Manifest {
     let si = machine.parameters().into_iter().map(|p| (p.name, p.value)).collect();
     let mut invocation: Invocation = common.invocation.clone();
@@ -114,7 +116,8 @@ fn manifest(machine: &Description, times: &[f64], common: &Common) -> Manifest {
     }
 }
 
-/// The folder where the result can be written: the named one, or one of its own beside another result of the default folder.
+/// The folder where the result can be written: the named one, or one of its own beside another
+/// result of the default folder.
 fn place(common: &Common, manifest: &Manifest) -> Result<PathBuf> {
     let refusal =
         |out: &Path| if common.replace { Ok(None) } else { destination::other_result(out, manifest) };

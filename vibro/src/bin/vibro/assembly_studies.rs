@@ -47,7 +47,8 @@ fn split(text: &str) -> Result<(String, Vec<&str>, bool)> {
     Ok((name.trim().into(), numbers, is_range))
 }
 
-/// Numbers of a parameter, with or without units: at all or at none. Without, they are in that in which the parameter was written.
+/// Numbers of a parameter, with or without units: at all or at none. Without, they are in that in
+/// which the parameter was written.
 fn numbers(machine: &mut Machine, name: &str, texts: &[&str], whole: &str) -> Result<Vec<f64>> {
     let read = texts.iter().map(|text| Ok(machine.quantity(name, text)?)).collect::<Result<Vec<_>>>()?;
     let is_bare = |text: &&str| text.parse::<f64>().is_ok();

@@ -20,8 +20,9 @@ pub struct Common {
     pub set: Vec<String>,
     /// Folder for pictures (SVG, PNG) and tables (CSV)
     ///
-    /// A folder with results or parts of another run (other parameters, other options) is refused if it is named here. In the
-    /// default folder the new run gets a folder of its own, named after the command and a digest of its parameters.
+    /// A folder with results or parts of another run (other parameters, other options) is refused
+    /// if it is named here. In the default folder the new run gets a folder of its own, named after
+    /// the command and a digest of its parameters.
     #[arg(long, global = true, value_name = "FOLDER", default_value = DEFAULT_OUT)]
     pub out: PathBuf,
     /// Overwrite finished results of other parameters in the folder
@@ -41,9 +42,10 @@ pub struct Common {
 /// Loads that do not change.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ConstantLoads {
-    /// Constant force on box, block or secondary, in N or with a unit. May be repeated; forces on one body add. Gravity on a block
-    /// of 0.6 kg in a vertical machine is block=-5.9N. A gap that is off centre by d is the pair block=-k23*d, secondary=k23*d. As
-    /// an axis the force is the parameter load.block. Loads from files: `vibro run`
+    /// Constant force on box, block or secondary, in N or with a unit. May be repeated; forces on
+    /// one body add. Gravity on a block of 0.6 kg in a vertical machine is block=-5.9N. A gap that
+    /// is off centre by d is the pair block=-k23*d, secondary=k23*d. As an axis the force is the
+    /// parameter load.block. Loads from files: `vibro run`
     #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
     pub load: Vec<LoadArgument>,
 }

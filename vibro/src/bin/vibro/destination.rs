@@ -1,10 +1,10 @@
 //! Where results go, so that a run never destroys what another one has written.
 //!
-//! Every result has a manifest beside it, and so has every folder of parts. A run overwrites what the same command with
-//! the same parameters has left, and nothing else. In a folder that the user names, everything else is refused before
-//! work begins: a script finds there what it asked for, or an exit code. The default folder is everybody's: there a run
-//! that meets results or parts of another one gets a folder of its own, with a digest of its options and parameters in
-//! the name.
+//! Every result has a manifest beside it, and so has every folder of parts. A run overwrites what
+//! the same command with the same parameters has left, and nothing else. In a folder that the user
+//! names, everything else is refused before work begins: a script finds there what it asked for, or
+//! an exit code. The default folder is everybody's: there a run that meets results or parts of
+//! another one gets a folder of its own, with a digest of its options and parameters in the name.
 
 use crate::common_arguments::{Common, DEFAULT_OUT};
 use std::fs::File;
@@ -49,8 +49,8 @@ impl<'a> Destination<'a> {
     /// The folder where all that is claimed can be written.
     ///
     /// # Errors
-    /// [`Error::Config`] where a folder that the user named holds results or parts of another run, and where a manifest
-    /// is damaged; [`Error::File`].
+    /// [`Error::Config`] where a folder that the user named holds results or parts of another run,
+    /// and where a manifest is damaged; [`Error::File`].
     pub fn place(&self, claims: &[Claim]) -> Result<PathBuf> {
         let out = &self.common.out;
         let (own, foreign) = self.occupancy(out, claims)?;
@@ -134,7 +134,8 @@ impl<'a> Destination<'a> {
         Ok(path)
     }
 
-    /// Tables are in SI; a parameter that was written in another unit has a column in that unit too.
+    /// Tables are in SI; a parameter that was written in another unit has a column in that unit
+    /// too.
     fn write_tables(&self, study: &Study, out: &Path) -> Result<()> {
         let subject = self.subject_of(study);
         let write = |(name, csv): &(String, Vec<u8>)| {
@@ -198,7 +199,8 @@ pub fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
     Ok(Some(Error::Config { path: out.into(), problem }))
 }
 
-/// Holds off other programs while the folder is looked at and written; `None` where the system cannot lock a folder.
+/// Holds off other programs while the folder is looked at and written; `None` where the system
+/// cannot lock a folder.
 pub fn hold(out: &Path) -> Option<File> {
     std::fs::create_dir_all(out).ok()?;
     let folder = File::open(out).ok()?;

@@ -20,8 +20,9 @@ struct Work {
 static WORK: Mutex<Option<Work>> = Mutex::new(None);
 static HANDLER: Once = Once::new();
 
-/// From now on Ctrl-C ends the program with the number of parts that are kept of `count`, which is 0 where it is not known. They are in `folders`, which are
-/// `home` or are in it. Finished parts are whole files already, so nothing has to be saved then.
+/// From now on Ctrl-C ends the program with the number of parts that are kept of `count`, which is
+/// 0 where it is not known. They are in `folders`, which are `home` or are in it. Finished parts
+/// are whole files already, so nothing has to be saved then.
 pub fn announce(name: &str, home: PathBuf, folders: Vec<PathBuf>, count: usize) {
     if let Ok(mut work) = WORK.lock() {
         *work = Some(Work { name: name.into(), home, folders, count });

@@ -1,4 +1,5 @@
-//! What was asked for, as manifests keep it: the command, its options with their defaults, and the command line.
+//! What was asked for, as manifests keep it: the command, its options with their defaults, and the
+//! command line.
 
 use crate::arguments::Arguments;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
@@ -12,8 +13,8 @@ use vibro_analysis::basin::InitialValueRange;
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, number};
 
-/// Options on which the numbers of a result do not depend. `figure` and `kind` choose which results are made, and
-/// `folders` are those of `merge`; `list` only tells names.
+/// Options on which the numbers of a result do not depend. `figure` and `kind` choose which results
+/// are made, and `folders` are those of `merge`; `list` only tells names.
 const APART: [&str; 5] = ["shard", "figure", "kind", "folders", "list"];
 /// Arguments that a manifest's command line leaves out: where, how fast, and which share.
 const LEFT_OUT: [&str; 3] = ["--out", "--threads", "--shard"];
@@ -42,8 +43,9 @@ pub fn invocation(matches: &ArgMatches) -> Invocation {
     found
 }
 
-/// The value of an option in words that depend on the value alone: `2:3` and `2.0:3` are one range, and so are 5mm:30mm and
-/// 0.005:0.03. A file counts by what is in it. What is not read here stays as it was typed.
+/// The value of an option in words that depend on the value alone: `2:3` and `2.0:3` are one range,
+/// and so are 5mm:30mm and 0.005:0.03. A file counts by what is in it. What is not read here stays
+/// as it was typed.
 fn canonical(id: &str, text: &str, at: Option<Name>) -> String {
     fn read<T: FromStr + Display>(text: &str) -> Option<String> {
         text.parse::<T>().ok().map(|value| value.to_string())

@@ -6,7 +6,8 @@ use vibro::load_file::{LoadArgument, files};
 use vibro::{Error, Result};
 use vibro_analysis::{Name, ParameterSet};
 
-/// The loads given to a command by `--load`; those from files are for `vibro run`, which reads them.
+/// The loads given to a command by `--load`; those from files are for `vibro run`, which reads
+/// them.
 ///
 /// # Errors
 /// For a load from a file.
@@ -32,7 +33,8 @@ pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
     }
 }
 
-/// Refuses constant loads for the commands of the theories, which are those of the symmetric machine.
+/// Refuses constant loads for the commands of the theories, which are those of the symmetric
+/// machine.
 ///
 /// # Errors
 /// The load by its name.

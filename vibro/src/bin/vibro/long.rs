@@ -1,4 +1,5 @@
-//! Long studies: computed in parts that are kept on disk, divided into shards, merged, and all at once.
+//! Long studies: computed in parts that are kept on disk, divided into shards, merged, and all at
+//! once.
 
 use crate::common_arguments::Common;
 use crate::destination::{Claim, Destination};
@@ -38,7 +39,8 @@ fn kind(axis: ParameterAxis, a: &Bifurcation, exponents: Option<SpectrumOptions>
     StudyKind::Sweep { sweep, at, orbits: a.orbits.then(TreeOptions::default) }
 }
 
-/// The values at which spectra are listed: those given; else the one that was set; else what suits the axis.
+/// The values at which spectra are listed: those given; else the one that was set; else what suits
+/// the axis.
 fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<Vec<f64>> {
     if !given.is_empty() {
         let texts: Vec<&str> = given.iter().map(String::as_str).collect();

@@ -137,8 +137,8 @@ fn configured(mut set: ParameterSet, common: &Common) -> Result<ParameterSet> {
     Ok(set)
 }
 
-/// The values of `--set` without a unit that were read in the unit in which the file, or a value before them, wrote their
-/// parameter.
+/// The values of `--set` without a unit that were read in the unit in which the file, or a value
+/// before them, wrote their parameter.
 fn units_taken(common: &Common) -> Result<Vec<String>> {
     let mut set = ParameterSet::basic();
     if let Some(path) = &common.config {

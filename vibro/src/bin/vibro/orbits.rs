@@ -21,8 +21,8 @@ const TRIES: u32 = 400;
 const SETTLE: u32 = 2000;
 
 impl Which {
-    /// The orbits of the word, those that no shorter word has first, and of these those nearest to stability; or the one of the
-    /// settled motion.
+    /// The orbits of the word, those that no shorter word has first, and of these those nearest to
+    /// stability; or the one of the settled motion.
     fn orbits(&self, system: &System) -> Result<Vec<Orbit>> {
         let Some(text) = &self.word else {
             let state = settle(system, &moving_block(system.parameters()), SETTLE)?;
@@ -92,7 +92,8 @@ fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
     perform_as(&LongStudy::new("orbits", kind, set), common, &common.invocation, None)
 }
 
-/// The branches of single orbits; `None` where all branches are asked for, which are computed and written in parts.
+/// The branches of single orbits; `None` where all branches are asked for, which are computed and
+/// written in parts.
 pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<Study>> {
     if a.tree {
         return whole_tree(set, common, a).map(|()| None);

@@ -1,4 +1,5 @@
-//! Ranges, lists and pairs of parameters, and shares of a study, as arguments: `drive.frequency=9Hz:11Hz:200`, `f10=0.6,1.2`, `block.m,stop.gap`.
+//! Ranges, lists and pairs of parameters, and shares of a study, as arguments:
+//! `drive.frequency=9Hz:11Hz:200`, `f10=0.6,1.2`, `block.m,stop.gap`.
 
 use clap::Args;
 use std::cmp::Ordering;
@@ -24,8 +25,8 @@ pub struct Share {
 pub struct ParameterRange {
     /// The parameter.
     pub name: Name,
-    /// Its ends in its SI unit, the lower one first; both are allowed values. Ends without a unit are as typed until
-    /// [`read_in_written_unit`](InWrittenUnit::read_in_written_unit).
+    /// Its ends in its SI unit, the lower one first; both are allowed values. Ends without a unit
+    /// are as typed until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit).
     pub ends: (f64, f64),
     /// The number of values, if it was given.
     pub count: Option<usize>,
@@ -38,7 +39,8 @@ pub struct ParameterRange {
 pub struct ParameterValues {
     /// The parameter.
     pub name: Name,
-    /// The values in its SI unit, as given; all are allowed. Those without a unit are as typed, as in a range.
+    /// The values in its SI unit, as given; all are allowed. Those without a unit are as typed, as
+    /// in a range.
     pub values: Vec<f64>,
     /// The unit in which they were written.
     pub unit: Option<&'static Unit>,
@@ -67,7 +69,8 @@ where
     }
 }
 
-/// For `map_err` on a value that is read after the command line: what is wrong with it, with the option that it was given for.
+/// For `map_err` on a value that is read after the command line: what is wrong with it, with the
+/// option that it was given for.
 pub fn in_option<E: fmt::Display>(option: &'static str) -> impl FnOnce(E) -> Error {
     move |error| Error::Refused { what: option.into(), problem: error.to_string() }
 }
@@ -130,7 +133,8 @@ impl FromStr for ParameterPair {
     }
 }
 
-// In SI and by the parameter's own name, so that the same range has the same words however it was typed.
+// In SI and by the parameter's own name, so that the same range has the same words however it was
+// typed.
 impl fmt::Display for ParameterRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}={}:{}", self.name.name(), self.ends.0, self.ends.1)?;
@@ -151,14 +155,15 @@ impl fmt::Display for ParameterPair {
     }
 }
 
-/// A range that pictures show unless told otherwise, widened so that it holds the value that was set.
+/// A range that pictures show unless told otherwise, widened so that it holds the value that was
+/// set.
 pub fn shown(set: &ParameterSet, name: Name, default: (f64, f64)) -> ParameterRange {
     let own = if set.is_set(name) { name.value(set) } else { default.0 };
     ParameterRange { name, ends: (default.0.min(own), default.1.max(own)), count: None, unit: None }
 }
 
-/// Values of a parameter on an axis. A number without a unit is in the unit in which that parameter was written, by the machine's
-/// file or `--set`, which is known only once these are read.
+/// Values of a parameter on an axis. A number without a unit is in the unit in which that parameter
+/// was written, by the machine's file or `--set`, which is known only once these are read.
 pub trait InWrittenUnit: fmt::Display {
     /// The parameter.
     fn name(&self) -> Name;
@@ -169,8 +174,8 @@ pub trait InWrittenUnit: fmt::Display {
     /// The values.
     fn values(&mut self) -> Vec<&mut f64>;
 
-    /// Takes the values for numbers in the unit in which the parameter was written, if they have none of their own; returns words
-    /// that say so where it makes a difference.
+    /// Takes the values for numbers in the unit in which the parameter was written, if they have
+    /// none of their own; returns words that say so where it makes a difference.
     ///
     /// # Errors
     /// The range of a value.

@@ -20,16 +20,18 @@ pub struct Run {
     /// Time recorded, in s, with a unit (2s, 500 ms) or in drive periods ("200 periods")
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub duration: Option<Duration>,
-    /// Drive periods discarded before the record begins, without the loads from files [default: 400; 0 with --start or a load from
-    /// a file]
+    /// Drive periods discarded before the record begins, without the loads from files
+    /// [default: 400; 0 with --start or a load from a file]
     #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub discard: Option<u32>,
-    /// Start: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v secondary.v in SI; each also with a unit
-    /// (block.s=5mm). A coordinate that is not named is zero. "orbit" starts on the exact orbit where it is stable [default: v2=1]
+    /// Start: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v
+    /// secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is not named is
+    /// zero. "orbit" starts on the exact orbit where it is stable [default: v2=1]
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
     pub start: Option<StartRule>,
-    /// Load on box, block or secondary: a constant force (block=-3.4N), or a CSV file of time (s) and force (N). A constant force acts
-    /// from the start on; time 0 of a file is the beginning of the record. May be repeated; loads on one body add
+    /// Load on box, block or secondary: a constant force (block=-3.4N), or a CSV file of time (s)
+    /// and force (N). A constant force acts from the start on; time 0 of a file is the beginning of
+    /// the record. May be repeated; loads on one body add
     #[arg(long, value_name = "BODY=FORCE|FILE", allow_hyphen_values = true)]
     pub load: Vec<LoadArgument>,
     /// Interpolation of the force between two samples

@@ -20,7 +20,8 @@ fn range_of(set: &ParameterSet, given: &[ParameterRange], name: Name, default: (
     found.copied().unwrap_or_else(|| shown(set, name, default))
 }
 
-/// The members of a family of curves: the value that was set, and those listed; the default where there is neither.
+/// The members of a family of curves: the value that was set, and those listed; the default where
+/// there is neither.
 fn members<'a>(
     set: &ParameterSet,
     name: Name,
@@ -69,8 +70,9 @@ fn wants(figures: &[String], figure: &str) -> bool {
     figures.is_empty() || figures.iter().any(|f| f == figure)
 }
 
-/// The results of a command whose names are known before it has worked; those of long studies are looked at with their parts.
-/// The result for figure 19 has parameters of its own and is looked at when it is there.
+/// The results of a command whose names are known before it has worked; those of long studies are
+/// looked at with their parts. The result for figure 19 has parameters of its own and is looked at
+/// when it is there.
 pub fn names(command: &Command) -> Vec<String> {
     let figures = |stem: &str, all: &[&str], asked: &[String]| {
         all.iter().filter(|f| wants(asked, f)).map(|f| format!("{stem}-{f}")).collect()
@@ -98,8 +100,8 @@ pub fn names(command: &Command) -> Vec<String> {
     }
 }
 
-/// The parameters of the command's ranges and lists with the units in which these were written, for labels; where there are
-/// several of one parameter, the last holds.
+/// The parameters of the command's ranges and lists with the units in which these were written, for
+/// labels; where there are several of one parameter, the last holds.
 pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
     let (ranges, values): (&[ParameterRange], &[ParameterValues]) = match command {
         Command::Response(a) => (&a.range, &a.values),

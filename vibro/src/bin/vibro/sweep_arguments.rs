@@ -38,41 +38,48 @@ values between those of --over were looked at. A design that may be the best has
 /// Arguments of `sweep`.
 #[derive(Args, Debug)]
 pub struct Sweep {
-    /// A parameter and its values, as a range or a list. May be repeated; all combinations are run, the last parameter fastest
+    /// A parameter and its values, as a range or a list. May be repeated; all combinations are run,
+    /// the last parameter fastest
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub vary: Vec<AxisArgument>,
     /// Number of values of a range without a count
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = whole::<u32>(2..=1_000_000))]
     pub resolution: u32,
-    /// Run the first N points of the Sobol sequence in the ranges of --vary instead of all combinations
+    /// Run the first N points of the Sobol sequence in the ranges of --vary instead of all
+    /// combinations
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
     pub sobol: Option<u32>,
     /// Designs from a CSV file: a header with names of parameters, a row for each design
     #[arg(long, value_name = "FILE", conflicts_with_all = ["vary", "sobol"])]
     pub design: Option<PathBuf>,
-    /// A parameter over which each design is measured as a whole, e.g. the drive's frequency in a band; between the values of a range
-    /// is looked for designs that may be the best. May be repeated
+    /// A parameter over which each design is measured as a whole, e.g. the drive's frequency in a
+    /// band; between the values of a range is looked for designs that may be the best. May be
+    /// repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub over: Vec<AxisArgument>,
     /// What is measured: names from `vibro sweep --list`, separated by commas. May be repeated
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = DEFAULT)]
     pub output: Vec<Measure>,
-    /// Start of the motions: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v secondary.v in SI; each
-    /// also with a unit (block.s=5mm). A coordinate that is not named is zero. "orbit" starts on the exact orbit where it is stable.
-    /// May be repeated: every design is run from each start [default: v2=1]
+    /// Start of the motions: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v
+    /// block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is not
+    /// named is zero. "orbit" starts on the exact orbit where it is stable. May be repeated: every
+    /// design is run from each start [default: v2=1]
     #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
     pub start: Vec<StartRule>,
-    /// Number of further starts, spread evenly over displacements up to 2 L and velocities up to 2 L omega10
+    /// Number of further starts, spread evenly over displacements up to 2 L and velocities up to 2
+    /// L omega10
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=10_000))]
     pub starts: u32,
     /// Drive periods discarded before a motion is measured
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
-    /// Drive periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T motions
+    /// Drive periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T
+    /// motions
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     pub periods: u32,
-    /// Periods of motion that may be spent on measuring again, longer and between the values of --over, the designs that may have the
-    /// least of the first output, until one is the best by its error bar; 0 for none
+    /// Periods of motion that may be spent on measuring again, longer and between the values of
+    /// --over, the designs that may have the least of the first output, until one is the best by
+    /// its error bar; 0 for none
     #[arg(long, value_name = "N", default_value_t = ParameterSet::AGAIN, value_parser = whole::<u64>(0..=u64::MAX))]
     pub again: u64,
     /// List the names of all outputs, with unit and meaning

@@ -1,4 +1,5 @@
-//! Numbers without a unit on a command's axes: they are in the units in which the machine was written.
+//! Numbers without a unit on a command's axes: they are in the units in which the machine was
+//! written.
 
 use crate::arguments::Command;
 use crate::ranges::{self, InWrittenUnit, ParameterRange};
@@ -15,7 +16,8 @@ pub struct Words {
     pub remark: Option<String>,
 }
 
-/// Reads the numbers on the axes of a command in the units in which its machine was written, where they have none.
+/// Reads the numbers on the axes of a command in the units in which its machine was written, where
+/// they have none.
 ///
 /// # Errors
 /// The range of a value.
@@ -64,7 +66,8 @@ fn dynamic<'a, T: InWrittenUnit + 'a>(
     axes.into_iter().map(|axis| axis as &mut dyn InWrittenUnit).collect()
 }
 
-/// Gives the numbers of a list that is read later the unit of their axis, where none of them has one.
+/// Gives the numbers of a list that is read later the unit of their axis, where none of them has
+/// one.
 fn read_list(
     option: &'static str,
     name: Name,

@@ -1,4 +1,5 @@
-//! What is kept of a sweep's rows while they pass: values for the picture, and what is worth saying.
+//! What is kept of a sweep's rows while they pass: values for the picture, and what is worth
+//! saying.
 
 use super::words::Told;
 use vibro_analysis::design_sweep::{Request, Row, Summary};
@@ -53,7 +54,8 @@ pub(super) struct Collected<M: Told> {
     pub records: Vec<MeasureRecord<M>>,
     draws: bool,
     count: usize,
-    /// Designs that lack values, that have none at all, that were measured before they had settled, and the first reasons.
+    /// Designs that lack values, that have none at all, that were measured before they had settled,
+    /// and the first reasons.
     bad: usize,
     empty: usize,
     unsettled: usize,
@@ -221,7 +223,8 @@ fn design_or_none(reason: &str) -> &str {
     reason.strip_prefix(": ").unwrap_or(reason)
 }
 
-/// A design in words, in the units in which the machine was written: `block.m = 1.2 kg, stop.gap = 10 mm`.
+/// A design in words, in the units in which the machine was written:
+/// `block.m = 1.2 kg, stop.gap = 10 mm`.
 fn design_in_words<M: Told>(set: &M, names: &[M::Name], values: &[f64]) -> String {
     let told =
         |(name, value): (&M::Name, &f64)| format!("{} = {}", M::name(name), set.with_unit(name, *value));

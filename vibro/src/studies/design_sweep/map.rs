@@ -6,7 +6,8 @@ use vibro_analysis::significant;
 use vibro_figures::canvas::palette::{BLACK, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Layer, Mark, Panel, Shape};
 
-/// Colours from the least to the largest value: darker and darker, so that they are told apart in grey too (viridis).
+/// Colours from the least to the largest value: darker and darker, so that they are told apart in
+/// grey too (viridis).
 const SCALE: [Colour; 8] = [
     Colour(253, 231, 37),
     Colour(160, 218, 57),
@@ -24,7 +25,8 @@ const NOTHING: Colour = Colour(200, 200, 200);
 /// Values of an axis have equal distances to this part of its length.
 const EVEN: f64 = 1e-9;
 
-/// Round numbers at equal distances that enclose a range in at most as many steps as there are colours.
+/// Round numbers at equal distances that enclose a range in at most as many steps as there are
+/// colours.
 fn steps(least: f64, largest: f64) -> Vec<f64> {
     if least >= largest {
         return vec![least];
@@ -36,13 +38,14 @@ fn steps(least: f64, largest: f64) -> Vec<f64> {
         let limits = || (0..=count as u32).map(|k| (from + f64::from(k)) * step).collect();
         (count <= SCALE.len() as f64).then(limits)
     };
-    // 20 times the power is at least twice the range's eighth, which suffices wherever the range lies.
+    // 20 times the power is at least twice the range's eighth, which suffices wherever the range
+    // lies.
     let found = [1.0, 2.0, 5.0, 10.0, 20.0].into_iter().find_map(|times| enclosing(times * power));
     found.unwrap_or_else(|| vec![least, largest])
 }
 
-/// The axis of a map, the range of its cells, and the place of each value. Values at unequal distances have cells of equal
-/// size with their names.
+/// The axis of a map, the range of its cells, and the place of each value. Values at unequal
+/// distances have cells of equal size with their names.
 fn axis<M: Told>(set: &M, of: &SampledAxis<M::Name>) -> (Axis, (f64, f64), Vec<f64>) {
     let (values, count) = (&of.values, of.values.len());
     let (first, last) = (values[0], values[count - 1]);
@@ -75,7 +78,8 @@ pub(in crate::studies) fn limits<'a>(values: impl IntoIterator<Item = &'a Option
     if least <= largest { steps(least, largest) } else { Vec::new() }
 }
 
-/// A map: `values` by the second axis within the first, as designs are numbered, in steps between these limits.
+/// A map: `values` by the second axis within the first, as designs are numbered, in steps between
+/// these limits.
 pub(in crate::studies) fn map<M: Told>(
     set: &M,
     title: String,

@@ -1,5 +1,5 @@
-//! The picture of a sweep: lines over one parameter, maps over two, for more the best over the others, marks over each
-//! parameter for designs that are no grid.
+//! The picture of a sweep: lines over one parameter, maps over two, for more the best over the
+//! others, marks over each parameter for designs that are no grid.
 
 use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{LEAST, limits, map};
@@ -71,7 +71,8 @@ fn title<M: Told>(measure: &M::Measure, request: &Request<M>) -> String {
     }
 }
 
-/// Whether a measure is the same at all designs, and what it is. Where a design has no value, it is not.
+/// Whether a measure is the same at all designs, and what it is. Where a design has no value, it is
+/// not.
 fn constant<M: Told>(record: &MeasureRecord<M>) -> Option<f64> {
     let all: Option<Vec<(f64, f64)>> = record.reaches.iter().copied().collect();
     let ends = all?.into_iter().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
@@ -102,8 +103,8 @@ fn unbounded_axis<M: Told>(set: &M, name: &M::Name) -> Axis {
     Axis { range: None, ..set.axis(name) }
 }
 
-/// Over one parameter: a panel for each kind of measure. Of several motions the largest value is drawn over the pale area down
-/// to the least.
+/// Over one parameter: a panel for each kind of measure. Of several motions the largest value is
+/// drawn over the pale area down to the least.
 fn lines<M: Told>(
     set: &M,
     axis: &SampledAxis<M::Name>,
@@ -217,7 +218,8 @@ fn maps<M: Told>(
     records.iter().take(PANELS).map(panel).collect()
 }
 
-/// Over more parameters: for each pair the least of the first measure over the others, all on one scale.
+/// Over more parameters: for each pair the least of the first measure over the others, all on one
+/// scale.
 fn projections<M: Told>(
     set: &M,
     axes: &[&SampledAxis<M::Name>],

@@ -46,8 +46,9 @@ impl Cell {
     }
 }
 
-/// The columns: parameters, outputs, reason; the spreads of outputs, the periods over which they were measured and how many values
-/// between those asked for were looked at. Of several motions an output has its least, mean and largest value and says where the largest is.
+/// The columns: parameters, outputs, reason; the spreads of outputs, the periods over which they
+/// were measured and how many values between those asked for were looked at. Of several motions an
+/// output has its least, mean and largest value and says where the largest is.
 fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<Column> {
     let number = |name: String, unit: &str| Column { name, unit: Some(unit.into()) };
     let text = |name: String| Column { name, unit: None };
@@ -79,8 +80,8 @@ fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<Column> {
     all
 }
 
-/// The columns of parameters that were written in another unit than SI, by their places, with that unit and the name of the column
-/// in it.
+/// The columns of parameters that were written in another unit than SI, by their places, with that
+/// unit and the name of the column in it.
 fn written(set: &dyn Subject, columns: &[Column]) -> Vec<(usize, &'static Unit, String)> {
     let unit = |(i, c): (usize, &Column)| {
         let unit = set.unit_of_column(&c.name)?;
@@ -127,7 +128,8 @@ fn cells<M: Told>(request: &Request<M>, written: &[(usize, &'static Unit, String
     all
 }
 
-/// Writes the tables of a sweep whose parts are all in the task's store: `stem.csv` and `stem.parquet`.
+/// Writes the tables of a sweep whose parts are all in the task's store: `stem.csv` and
+/// `stem.parquet`.
 ///
 /// # Errors
 /// [`Error::File`], [`Error::Output`].

@@ -24,7 +24,8 @@ pub trait Told: Machine + Subject {
     fn symbol_is(&self, name: &Self::Name, value: f64) -> String;
     /// The machine's parameters in a line, without some.
     fn caption_but(&self, names: &[Self::Name]) -> String;
-    /// The machine in a line, where these parameters vary and so make that of the machine as it is wrong.
+    /// The machine in a line, where these parameters vary and so make that of the machine as it is
+    /// wrong.
     fn caption_of_all(&self, names: &[Self::Name]) -> Option<String>;
     /// A measure in words.
     fn words(measure: &Self::Measure) -> String;
@@ -234,7 +235,8 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// Lengths in the unit of the machine's lengths, speeds in that of its speeds, all others in SI.
+    /// Lengths in the unit of the machine's lengths, speeds in that of its speeds, all others in
+    /// SI.
     fn of(set: &ParameterSet, measure: Measure) -> Self {
         let (p, lengths) = (set.parameters(), LengthUnit::of(set));
         match measure.unit() {

@@ -1,4 +1,5 @@
-//! How branches look over a diagram: curves of their local maxima, stable and unstable, and marks where stability changes.
+//! How branches look over a diagram: curves of their local maxima, stable and unstable, and marks
+//! where stability changes.
 
 use crate::Result;
 use crate::studies::diagram::maxima_panel;
@@ -15,7 +16,8 @@ use vibro_orbits::{Branch, Family};
 
 /// Part of white in the points under the branches, so that the branches stand out.
 const PALE: f64 = 0.55;
-/// The longest period of an orbit that is drawn where it is unstable: there are hundreds of longer ones, and they hide all.
+/// The longest period of an orbit that is drawn where it is unstable: there are hundreds of longer
+/// ones, and they hide all.
 pub(super) const UNSTABLE: u32 = 2;
 /// The same for a branch that is stable nowhere.
 pub(super) const NEVER_STABLE: u32 = 1;
@@ -52,8 +54,8 @@ impl Drawn {
         let found: Vec<(Vec<Curve>, Vec<Place>)> = shown
             .par_iter()
             .map(|branch| {
-                // Of an orbit without symmetry the mirror image is another one, of which the maxima are minima of this one. Under
-                // constant loads there is none.
+                // Of an orbit without symmetry the mirror image is another one, of which the maxima
+                // are minima of this one. Under constant loads there is none.
                 let mut sides = vec![scaled(branch, weights)];
                 if branch.word.closing() > 0 && family.is_symmetric() {
                     sides.push(scaled(branch, weights.map(|w| -w)));
@@ -157,7 +159,8 @@ fn period_name(period: u32) -> String {
     if period as usize <= COLOURED { format!("{period}T") } else { "longer".into() }
 }
 
-/// The ends of a branch's stable ranges with their kind: at the largest maximum of the orbit and of its mirror image.
+/// The ends of a branch's stable ranges with their kind: at the largest maximum of the orbit and of
+/// its mirror image.
 fn marks(branch: &Branch, sides: &[Vec<Vec<f64>>]) -> Vec<Place> {
     let ranges = branch.stable_ranges();
     let ends = ranges.iter().flat_map(|range| [range.points.0, range.points.1]);
@@ -174,7 +177,8 @@ fn marks(branch: &Branch, sides: &[Vec<Vec<f64>>]) -> Vec<Place> {
         .collect()
 }
 
-/// Connects the local maxima along a branch to curves, which end where stability changes and where a maximum appears or vanishes.
+/// Connects the local maxima along a branch to curves, which end where stability changes and where
+/// a maximum appears or vanishes.
 fn curves(branch: &Branch, maxima: &[Vec<f64>]) -> Vec<Curve> {
     let mut found = Vec::new();
     let mut open: Vec<Path> = Vec::new();
@@ -207,7 +211,8 @@ fn curves(branch: &Branch, maxima: &[Vec<f64>]) -> Vec<Curve> {
     found
 }
 
-/// For each of the maxima at a point the one at the point before that continues into it, the nearest pairs first; both lists fall.
+/// For each of the maxima at a point the one at the point before that continues into it, the
+/// nearest pairs first; both lists fall.
 fn partners(before: &[f64], after: &[f64]) -> Vec<Option<usize>> {
     if before.len() == after.len() {
         return (0..after.len()).map(Some).collect();

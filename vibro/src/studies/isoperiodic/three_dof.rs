@@ -9,7 +9,8 @@ use vibro_analysis::plane::SteadyStateClass;
 use vibro_figures::canvas::palette::HERE;
 use vibro_figures::chart::{Colour, Dash, LINE, Layer, Panel, Path, THIN};
 
-/// The most that a point takes in the table and in the codes of the two pictures, bytes: a row with all numbers in full has 167.
+/// The most that a point takes in the table and in the codes of the two pictures, bytes: a row with
+/// all numbers in full has 167.
 pub const POINT_IN_TABLE: usize = 180;
 
 impl ShownPlane for ParameterSet {

@@ -1,4 +1,5 @@
-//! What a panel keeps of a long record: envelopes, thinned curves, and whether a quantity changes at all.
+//! What a panel keeps of a long record: envelopes, thinned curves, and whether a quantity changes
+//! at all.
 
 use vibro_figures::chart::Path;
 
@@ -6,7 +7,8 @@ use vibro_figures::chart::Path;
 const WINDOWS: f64 = 400.0;
 /// Most columns into which a curve is thinned; a panel has fewer pixels.
 pub(super) const COLUMNS: usize = 1500;
-/// A quantity that changes by less than this part of its scale is told in words: a panel has fewer pixels.
+/// A quantity that changes by less than this part of its scale is told in words: a panel has fewer
+/// pixels.
 const CHANGE: f64 = 1e-3;
 
 /// Least and largest value from a time on: a point of an envelope.
@@ -25,8 +27,9 @@ pub(super) fn in_words(period: f64, end: f64) -> String {
     }
 }
 
-/// The least and largest value in each window of whole drive periods, as steps: each window gives a point at its beginning
-/// and one at its end. A window without a value ends a piece. The points are in order of time, the first window begins at 0.
+/// The least and largest value in each window of whole drive periods, as steps: each window gives a
+/// point at its beginning and one at its end. A window without a value ends a piece. The points are
+/// in order of time, the first window begins at 0.
 pub(super) fn envelope(
     points: impl Iterator<Item = (f64, f64)>,
     period: f64,
@@ -51,7 +54,8 @@ pub(super) fn envelope(
     runs.map(|run| run.iter().flat_map(steps).collect::<Vec<_>>()).filter(|p| !p.is_empty()).collect()
 }
 
-/// A curve with, in each of many columns, its first, lowest, highest and last point only: it looks the same.
+/// A curve with, in each of many columns, its first, lowest, highest and last point only: it looks
+/// the same.
 pub(super) fn thinned(path: Path) -> Path {
     let (Some(first), Some(last)) = (path.first(), path.last()) else { return path };
     if path.len() <= 4 * COLUMNS {
@@ -72,8 +76,8 @@ pub(super) fn thinned(path: Path) -> Path {
     found
 }
 
-/// The value of a quantity that does not change by more than a picture of that scale could show; `None` where it does, and
-/// where there is no value.
+/// The value of a quantity that does not change by more than a picture of that scale could show;
+/// `None` where it does, and where there is no value.
 pub(super) fn constant(values: impl Iterator<Item = f64>, scale: f64) -> Option<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     (low <= high && high - low <= CHANGE * scale.abs()).then_some(0.5 * (low + high))

@@ -1,11 +1,13 @@
-//! The record of a run: the motion sampled and cut at its events, its impacts, and what follows from them.
+//! The record of a run: the motion sampled and cut at its events, its impacts, and what follows
+//! from them.
 
 use crate::Result;
 use vibro_impact::load::Load;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{AdvanceOutcome, Contact, EnergyAccounts, Event, Pause, Simulator};
 
-/// Nodes of Gauss and Legendre on [0, 1] and their weights: exact up to degree 7, and the square of a cubic has 6.
+/// Nodes of Gauss and Legendre on [0, 1] and their weights: exact up to degree 7, and the square of
+/// a cubic has 6.
 const NODES: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
@@ -141,7 +143,8 @@ impl History {
         self.pieces.iter().flatten()
     }
 
-    /// Extent of the displacement of an index (x1, x2, x3, w), by cubic interpolation between the instants.
+    /// Extent of the displacement of an index (x1, x2, x3, w), by cubic interpolation between the
+    /// instants.
     pub fn extent(&self, index: usize) -> Extent {
         let (mut amplitude, mut square) = (0.0f64, 0.0);
         for pair in self.pieces.iter().flat_map(|piece| piece.windows(2)) {

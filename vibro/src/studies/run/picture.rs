@@ -1,5 +1,6 @@
-//! The picture of a run: histories with impacts marked, the phase portrait between the stops, impact speeds, loads. Of a run of
-//! many drive periods the whole is drawn by envelopes and its end in detail. What does not change is told in the caption.
+//! The picture of a run: histories with impacts marked, the phase portrait between the stops,
+//! impact speeds, loads. Of a run of many drive periods the whole is drawn by envelopes and its end
+//! in detail. What does not change is told in the caption.
 
 use super::envelope::{Extremes, constant, envelope, thinned};
 use super::history::{History, RunImpact, RunInstant};
@@ -14,12 +15,14 @@ use vibro_impact::simulator::Contact;
 
 /// Drive periods up to which a run is drawn as a whole; more would run into one black bar.
 const DRAWN: f64 = 40.0;
-/// Drive periods at the end of a longer run that are drawn in detail, and those of its phase portrait.
+/// Drive periods at the end of a longer run that are drawn in detail, and those of its phase
+/// portrait.
 const DETAIL: f64 = 10.0;
 const PORTRAIT: f64 = 60.0;
 /// Most instants of a portrait.
 const INSTANTS: usize = 12_000;
-/// Most marks of a panel: more impacts are drawn by their least and largest speeds. Many are drawn small.
+/// Most marks of a panel: more impacts are drawn by their least and largest speeds. Many are drawn
+/// small.
 const MARKS: usize = 1500;
 const MANY: usize = 200;
 /// Half the size of the marks of impacts.

@@ -41,7 +41,8 @@ fn follow(mut fmu: Instance, by_step: bool, until: f64) -> (usize, usize) {
     (events, leaves(&messages))
 }
 
-/// By each protocol the event is behind the step that ends at its announced time, releases too, and is logged once.
+/// By each protocol the event is behind the step that ends at its announced time, releases too, and
+/// is logged once.
 #[test]
 fn second_method_announced_events_of_a_plastic_block_happen_by_each_protocol() {
     const UNTIL: f64 = 120.0;
@@ -58,7 +59,8 @@ fn second_method_announced_events_of_a_plastic_block_happen_by_each_protocol() {
     assert!(found.iter().all(|other| *other == found[0]), "{found:?}");
 }
 
-/// Near the time 0 times are rounded by far less than a step's sums, so that own time may be past the end of a step that stops.
+/// Near the time 0 times are rounded by far less than a step's sums, so that own time may be past
+/// the end of a step that stops.
 #[test]
 fn a_step_to_an_announced_impact_near_the_time_zero_is_carried_out() {
     let start = [
@@ -82,8 +84,8 @@ fn a_step_to_an_announced_impact_near_the_time_zero_is_carried_out() {
     assert_eq!(get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower"), 2.0);
 }
 
-/// Where the announcement was read some steps ago, each of them has moved the state by rounding, here that of a machine a hundred
-/// gaps from its origin.
+/// Where the announcement was read some steps ago, each of them has moved the state by rounding,
+/// here that of a machine a hundred gaps from its origin.
 #[test]
 fn an_announced_impact_is_behind_the_last_of_several_steps_to_it() {
     let mut met = 0;
@@ -112,7 +114,8 @@ fn an_announced_impact_is_behind_the_last_of_several_steps_to_it() {
     assert!(met > 1000, "{met}");
 }
 
-/// A block that an input lets go of between two steps is logged as any other that leaves, in whatever way steps are made.
+/// A block that an input lets go of between two steps is logged as any other that leaves, in
+/// whatever way steps are made.
 #[test]
 fn a_release_by_an_input_is_logged_by_each_protocol() {
     let held = [("block.s", 1.0), ("block.f", 0.5), ("drive.amplitude", 0.0)];
@@ -139,7 +142,8 @@ fn a_release_by_an_input_is_logged_by_each_protocol() {
     assert_eq!(leaves(&messages), 1, "{:?}", messages.0);
 }
 
-/// The impacts of a closed form too are behind the step that ends at their announced time, late starts among them.
+/// The impacts of a closed form too are behind the step that ends at their announced time, late
+/// starts among them.
 #[test]
 fn announced_impacts_of_a_closed_form_are_behind_the_step_by_each_protocol() {
     const BEGIN: f64 = 7244.0;

@@ -198,7 +198,8 @@ fn a_played_state_comes_back_bit_by_bit() {
     }
 }
 
-/// At a time that no motion has impacts cannot be counted one by one: a step from there would never end.
+/// At a time that no motion has impacts cannot be counted one by one: a step from there would never
+/// end.
 #[test]
 fn a_played_state_of_a_damaged_time_is_refused() {
     let mut fmu = closed(2.0);
@@ -297,8 +298,8 @@ fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_othe
     }
 }
 
-/// After a plastic impact box and block have one velocity, before it they approach with the speed that is reported; rounding of the
-/// relative velocity does not tell which of the two is shown.
+/// After a plastic impact box and block have one velocity, before it they approach with the speed
+/// that is reported; rounding of the relative velocity does not tell which of the two is shown.
 #[test]
 fn closed_form_both_limits_of_a_plastic_impact_are_shown() {
     /// Of speeds of order one.
@@ -322,7 +323,8 @@ fn closed_form_both_limits_of_a_plastic_impact_are_shown() {
     }
 }
 
-/// An impact that is not carried out, since parameters that were set at it leave no steady state, is not logged.
+/// An impact that is not carried out, since parameters that were set at it leave no steady state,
+/// is not logged.
 #[test]
 fn an_impact_of_a_refused_update_is_logged_when_it_is_carried_out() {
     let mut fmu = with_handling(true, true, &[("mode", 3.0), ("stopAtImpact", 1.0)]);
@@ -337,7 +339,8 @@ fn an_impact_of_a_refused_update_is_logged_when_it_is_carried_out() {
     assert_eq!(messages.0.len(), 1, "{:?}", messages.0);
 }
 
-/// A host that handles no events has no place for the side of an impact: it comes back as the same bytes that were saved.
+/// A host that handles no events has no place for the side of an impact: it comes back as the same
+/// bytes that were saved.
 #[test]
 fn a_steady_state_is_saved_again_as_it_was_restored() {
     for mode in [2.0, 3.0] {

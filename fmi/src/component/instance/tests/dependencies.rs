@@ -1,4 +1,5 @@
-//! The lists of dependencies against the numbers: what is not listed must not move, what is listed must move somewhere.
+//! The lists of dependencies against the numbers: what is not listed must not move, what is listed
+//! must move somewhere.
 
 use super::*;
 use crate::component::closed_form::ClosedForm;
@@ -52,7 +53,8 @@ fn starts() -> Vec<Start> {
     // Nothing presses: the secondary oscillator's motion decides which way the block goes.
     let balanced = vec![("drive.amplitude", 0.0), ("block.s", 1.0), ("secondary.s", 1.0)];
     let pushed: Vec<_> = balanced.iter().copied().chain([("secondary.f", 0.1)]).collect();
-    // x3' of the block's own kind of motion, so that the third order vanishes and dampers come in with the fourth.
+    // x3' of the block's own kind of motion, so that the third order vanishes and dampers come in
+    // with the fourth.
     let driven = vec![
         ("drive.amplitude", 0.25),
         ("drive.frequency", 1.0),
@@ -67,7 +69,8 @@ fn starts() -> Vec<Start> {
     let singular = vec![("secondary.c", 0.0), ("coupling.k", 0.008)];
     let nearly = vec![("secondary.c", 1e-18), ("coupling.k", 0.008)];
     let detuned = vec![("secondary.k", 0.12)];
-    // An orbit of plastic impacts that passes through the stops would rest, and is started on just then.
+    // An orbit of plastic impacts that passes through the stops would rest, and is started on just
+    // then.
     let parameters = Parameters { stop_restitution: 0.0, drive_amplitude: 0.4, ..Parameters::default() };
     let phase = exact_orbit::solve(&parameters).unwrap().upper.unwrap().drive_phase();
     let plastic = vec![
@@ -201,7 +204,8 @@ fn second_method_initial_unknowns_move_with_what_they_list_alone() {
     check(&structure::initial_unknowns(Edition::Clocked), listed, moves, &knowns);
 }
 
-/// The outputs of a motion in a given contact at time 0 and later, the states being given: what a solver would see.
+/// The outputs of a motion in a given contact at time 0 and later, the states being given: what a
+/// solver would see.
 fn held(parameters: &Parameters, contact: Contact) -> Vec<OutputValues> {
     let w = if contact == Contact::Flight { 0.3 } else { contact.side() };
     let start = State { x: [0.1, 0.1 + w, 0.2], v: [0.4, 0.4, 0.5] };
@@ -213,7 +217,8 @@ fn held(parameters: &Parameters, contact: Contact) -> Vec<OutputValues> {
     read
 }
 
-/// The outputs after an event at the upper stop: an impact that leaves the block in rest or not, hardly pressed as it is.
+/// The outputs after an event at the upper stop: an impact that leaves the block in rest or not,
+/// hardly pressed as it is.
 fn after_event(parameters: &Parameters) -> OutputValues {
     const PRESSURE: f64 = 1e-6;
     let state = State { x: [0.1, 1.1, 0.2], v: [0.1, 0.4, 0.5] };
@@ -298,7 +303,8 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
     check(&structure::event_indicators(), listed, moves, &knowns);
 }
 
-/// Before the law of an event is carried out the values after it are shown, and the dependencies are theirs.
+/// Before the law of an event is carried out the values after it are shown, and the dependencies
+/// are theirs.
 #[test]
 fn dependencies_at_an_event_are_those_after_it() {
     let start = [("stop.restitution", 0.0), ("drive.amplitude", 1.0), ("stopAtImpact", 1.0)];
@@ -346,9 +352,10 @@ fn shown(parameters: &Parameters, contact: Contact, at: Point) -> OutputValues {
     Continuous::at(parameters, start, at.time, contact, at.forces).unwrap().values()
 }
 
-/// A factor that is said to change with the contact at most is the same at all states, loads and times; one of tunable parameters in all
-/// contacts, too, one of fixed parameters whatever the tunable ones are: second derivatives vanish, mixed ones too. Every unknown and every
-/// known is taken from the table.
+/// A factor that is said to change with the contact at most is the same at all states, loads and
+/// times; one of tunable parameters in all contacts, too, one of fixed parameters whatever the
+/// tunable ones are: second derivatives vanish, mixed ones too. Every unknown and every known is
+/// taken from the table.
 #[test]
 fn second_method_kinds_by_second_derivatives() {
     const STEP: f64 = 0.25;

@@ -54,7 +54,8 @@ fn sampled(fmu: &mut Instance, step: f64) -> Vec<f64> {
 fn against_differences(fmu: &mut Instance) {
     let names = outputs();
     let exact = derivative(fmu, &names, &KNOWNS, &SEED);
-    // The outputs are polynomials of degree 2 in states and loads, the quadrature of the damped energy too: no truncation.
+    // The outputs are polynomials of degree 2 in states and loads, the quadrature of the damped
+    // energy too: no truncation.
     let (plus, minus) = (sampled(fmu, 0.125), sampled(fmu, -0.125));
     for (i, name) in names.iter().enumerate() {
         let difference = (plus[i] - minus[i]) / 0.25;
@@ -169,7 +170,8 @@ fn closed_form_derivatives_at_values_of_any_size_and_at_late_starts() {
     }
 }
 
-/// A secondary oscillator or a damper that is much faster than the drive does not widen the steps of the drive's parameters.
+/// A secondary oscillator or a damper that is much faster than the drive does not widen the steps
+/// of the drive's parameters.
 #[test]
 fn second_method_derivatives_by_the_drive_beside_a_part_that_is_much_faster() {
     let fast = [
@@ -199,7 +201,8 @@ fn second_method_derivatives_by_the_drive_beside_a_part_that_is_much_faster() {
     }
 }
 
-/// Where a parameter is 0 a closed form's derivative is one of the machine's own scale, in any units.
+/// Where a parameter is 0 a closed form's derivative is one of the machine's own scale, in any
+/// units.
 #[test]
 fn second_method_derivatives_of_a_closed_form_by_a_parameter_that_is_0() {
     let names = ["box.s", "block.s", "box.v", "stop.v"];
@@ -273,7 +276,8 @@ fn wrong_unknowns_and_knowns_are_refused() {
     }
 }
 
-/// `ModelStructure/Outputs` lists a known where, and only where, an output's derivative with respect to it is not zero.
+/// `ModelStructure/Outputs` lists a known where, and only where, an output's derivative with
+/// respect to it is not zero.
 #[test]
 fn dependencies_are_those_of_the_derivatives() {
     let mut flight = exchange(|fmu| {
@@ -310,7 +314,8 @@ fn dependencies_are_those_of_the_derivatives() {
     }
 }
 
-/// At a point that a solver has just accepted nothing has been damped since, but it will be from there on.
+/// At a point that a solver has just accepted nothing has been damped since, but it will be from
+/// there on.
 #[test]
 fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
     const STEP: f64 = 1e-3; // s
@@ -349,8 +354,8 @@ fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
     }
 }
 
-/// Beside an impact of a closed form differences do not reach over it: the derivatives are those of the motion on this side, which change
-/// steadily with time.
+/// Beside an impact of a closed form differences do not reach over it: the derivatives are those of
+/// the motion on this side, which change steadily with time.
 #[test]
 fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
     /// Between two moments 10 ms apart, of derivatives of order one.
@@ -381,7 +386,8 @@ fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
     }
 }
 
-/// Before the law of an impact getters show the limit before it, and derivatives are those of that limit.
+/// Before the law of an impact getters show the limit before it, and derivatives are those of that
+/// limit.
 #[test]
 fn second_method_derivatives_before_the_law_of_an_impact_are_those_before_it() {
     /// Between the impact and 1 ms before, of derivatives of order one.
@@ -409,7 +415,8 @@ fn second_method_derivatives_before_the_law_of_an_impact_are_those_before_it() {
     }
 }
 
-/// At an impact there is a derivative with respect to a parameter at the end of its range too, before and after the start of a motion.
+/// At an impact there is a derivative with respect to a parameter at the end of its range too,
+/// before and after the start of a motion.
 #[test]
 fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
     /// Of derivatives of order one, between the impact and 10 ms later.
@@ -440,7 +447,8 @@ fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
     }
 }
 
-/// A seed near the largest doubles, before the motion and in it: no derivative is NaN or infinite, and nothing is written.
+/// A seed near the largest doubles, before the motion and in it: no derivative is NaN or infinite,
+/// and nothing is written.
 #[test]
 fn derivatives_beyond_doubles_are_refused_by_name() {
     for (mut fmu, unknown, known) in

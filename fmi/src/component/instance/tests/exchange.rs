@@ -1,4 +1,5 @@
-//! Model Exchange, driven by a small solver: classical Runge–Kutta and bisection on the event indicators.
+//! Model Exchange, driven by a small solver: classical Runge–Kutta and bisection on the event
+//! indicators.
 
 use super::*;
 use vibro_impact::parameters::Parameters;
@@ -78,7 +79,8 @@ fn run_within(late: f64, fmu: &mut Instance, stop: f64, messages: &mut Messages)
     }
 }
 
-/// Compares a run with co-simulation; returns how often it came to rest and how often it left again.
+/// Compares a run with co-simulation; returns how often it came to rest and how often it left
+/// again.
 fn compare(prepare: impl Fn(&mut Instance), stop: f64, bound: f64) -> (usize, usize, usize) {
     let (mut host, mut own) = (exchange(), instance());
     let mut messages = Messages::default();
@@ -91,8 +93,8 @@ fn compare(prepare: impl Fn(&mut Instance), stop: f64, bound: f64) -> (usize, us
     assert_eq!(host.phase(), Phase::Event);
     let events = run(&mut host, stop, &mut messages);
     step(&mut own, 0.0, stop).unwrap();
-    // A chatter run ends at bounces of 1e-9 gaps here, at round-off there: then the counts differ, and what is impulse and what
-    // contact force.
+    // A chatter run ends at bounces of 1e-9 gaps here, at round-off there: then the counts differ,
+    // and what is impulse and what contact force.
     let count = |part: &str| messages.0.iter().filter(|(_, text)| text.contains(part)).count();
     let (rests, releases) = (count("comes to rest"), count("leaves"));
     let chatters = rests > 0;
@@ -108,8 +110,9 @@ fn compare(prepare: impl Fn(&mut Instance), stop: f64, bound: f64) -> (usize, us
     (events, rests, releases)
 }
 
-/// The motion is the host's: what a coarse solver puts in by its errors is counted as input, so that the balance closes by definition
-/// (docs/theory.md, section 12). The work that drive and loads do in truth is another number.
+/// The motion is the host's: what a coarse solver puts in by its errors is counted as input, so
+/// that the balance closes by definition (docs/theory.md, section 12). The work that drive and
+/// loads do in truth is another number.
 #[test]
 fn invariant_the_input_is_what_the_balance_leaves() {
     /// Of a sum of energies of order one, J.
@@ -166,8 +169,9 @@ fn chatter_rest_and_release_agree_with_co_simulation() {
     assert!(rests >= 2 && releases >= 2, "{rests} {releases}");
 }
 
-/// A machine that has gone 1e5 gaps from its origin, where w is a difference of doubles 1e-11 gaps apart: after each event the block is
-/// so far off the stop that the next crossing is seen, and the chatter run ends.
+/// A machine that has gone 1e5 gaps from its origin, where w is a difference of doubles 1e-11 gaps
+/// apart: after each event the block is so far off the stop that the next crossing is seen, and the
+/// chatter run ends.
 #[test]
 fn chatter_far_from_the_origin_agrees_with_co_simulation() {
     const FAR: f64 = 1e5;
@@ -188,20 +192,22 @@ fn chatter_far_from_the_origin_agrees_with_co_simulation() {
             set(fmu, name, value).unwrap();
         }
     };
-    /// Energies of 5 J in the box's soft spring are rounded to 1e-15 J; forces follow displacements to 1e-10 m.
+    /// Energies of 5 J in the box's soft spring are rounded to 1e-15 J; forces follow displacements
+    /// to 1e-10 m.
     const SAME: f64 = 1e-7;
     let (events, rests, _) = compare(start, 6.0, SAME);
     assert!(rests == 1 && events < 20, "{events} {rests}");
 }
 
-/// Bounces lower than what a solver can follow end also without a loss at the stop, since dampers bring any bounce down: else a host
-/// would be given ever more events in ever less time. Higher ones keep their height, though each begins a little inside the stop.
+/// Bounces lower than what a solver can follow end also without a loss at the stop, since dampers
+/// bring any bounce down: else a host would be given ever more events in ever less time. Higher
+/// ones keep their height, though each begins a little inside the stop.
 #[test]
 fn low_bounces_of_an_elastic_block_end_in_rest() {
     /// What the damper of the box takes in 0.1 s, of the speed.
     const DAMPED: f64 = 2e-3;
-    // Pressed on with 0.44 m/s², bounces of these speeds are 1.1e-10 and 2.8e-9 gaps high. A host that finds impacts late lets the block
-    // go past the stop, from where it is put back.
+    // Pressed on with 0.44 m/s², bounces of these speeds are 1.1e-10 and 2.8e-9 gaps high. A host
+    // that finds impacts late lets the block go past the stop, from where it is put back.
     for (speed, late, rests) in [(1e-5, 1e-13, true), (5e-5, 1e-13, false), (5e-5, 1e-7, false)] {
         let mut fmu = exchange();
         for (name, value) in [
@@ -315,8 +321,8 @@ fn an_event_that_the_host_passes_over_is_asked_for() {
     assert!(!fmu.complete_integrator_step().unwrap());
 }
 
-/// Nominal values are the machine's own lengths and speeds, positive and finite whatever the parameters; a change of the drive's
-/// frequency at an event is told.
+/// Nominal values are the machine's own lengths and speeds, positive and finite whatever the
+/// parameters; a change of the drive's frequency at an event is told.
 #[test]
 fn nominals_follow_gap_and_frequency() {
     let mut fmu = Instance::new(Interface::ModelExchange);
@@ -341,8 +347,9 @@ fn nominals_follow_gap_and_frequency() {
     }
 }
 
-/// docs/theory.md (115): the step up to which Euler's rule damps what a damper damps is c/k for a body on a spring and a damper;
-/// the default step is below half of it, for the box and for the secondary oscillator with its coupling.
+/// docs/theory.md (115): the step up to which Euler's rule damps what a damper damps is c/k for a
+/// body on a spring and a damper; the default step is below half of it, for the box and for the
+/// secondary oscillator with its coupling.
 #[test]
 fn closed_form_the_default_step_is_within_the_limit_of_eulers_rule() {
     let (p, step) = (Parameters::default(), crate::component::identity::default_experiment().step_size);
@@ -351,8 +358,9 @@ fn closed_form_the_default_step_is_within_the_limit_of_eulers_rule() {
     assert!(step < 0.6 * box_limit.min(secondary_limit), "{step} {box_limit} {secondary_limit}");
 }
 
-/// A host without a better solver takes Euler's rule and the default step: over the whole default experiment the motion stays that
-/// of the machine, some gaps wide. With a step four times as long the secondary oscillator grows without end.
+/// A host without a better solver takes Euler's rule and the default step: over the whole default
+/// experiment the motion stays that of the machine, some gaps wide. With a step four times as long
+/// the secondary oscillator grows without end.
 #[test]
 fn invariant_eulers_rule_stays_bounded_over_the_default_experiment() {
     let experiment = crate::component::identity::default_experiment();
@@ -417,8 +425,8 @@ fn invariant_changed_nominal_values_are_told_after_a_restored_state_too() {
     }
 }
 
-/// One call does all that happens at an instant: wherever a host puts the block at a stop, and however it is pressed, a second call finds
-/// nothing to do, and what is at rest is pressed on.
+/// One call does all that happens at an instant: wherever a host puts the block at a stop, and
+/// however it is pressed, a second call finds nothing to do, and what is at rest is pressed on.
 #[test]
 fn invariant_a_second_call_at_an_event_does_nothing() {
     const CASES: usize = 20_000;

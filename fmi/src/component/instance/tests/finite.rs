@@ -96,7 +96,8 @@ proptest! {
     }
 }
 
-/// Where there is no steady state its numbers are 0, the flags say so, and what needs no steady state is still there.
+/// Where there is no steady state its numbers are 0, the flags say so, and what needs no steady
+/// state is still there.
 #[test]
 fn without_a_steady_state_its_numbers_are_zero_and_the_flags_say_so() {
     const NUMBERS: [&str; 6] = ["A3", "phase", "A1", "A2", "impulse", "spectralRadius"];

@@ -64,7 +64,8 @@ fn initialize(mut instance: Instance) -> Instance {
     instance
 }
 
-/// A component with start values of its own, for a host that handles events, takes early returns, or neither; in Step Mode.
+/// A component with start values of its own, for a host that handles events, takes early returns,
+/// or neither; in Step Mode.
 fn with_handling(event_mode: bool, early_return: bool, start: &[(&str, f64)]) -> Instance {
     let handling = EventHandling { event_mode, early_return };
     stepping(Protocol { handling, ..Protocol::default() }, start)

@@ -1,16 +1,19 @@
-//! Momentum: `box.impulse` and `block.impulse` are what the stops give to either body (docs/theory.md (114)).
+//! Momentum: `box.impulse` and `block.impulse` are what the stops give to either body
+//! (docs/theory.md (114)).
 
 use super::*;
 use crate::component::variables::Numbering;
 
-/// Impulses of 0.1 N·s and momenta of 1 N·s, some dozens of them added: rounding, carried on by the impacts.
+/// Impulses of 0.1 N·s and momenta of 1 N·s, some dozens of them added: rounding, carried on by the
+/// impacts.
 const ROUNDING: f64 = 1e-12;
 const BOX_MASS: f64 = 1.0;
 const BLOCK_MASS: f64 = 0.1;
 const SPEED: f64 = 2.0;
 
-/// A box and a block without springs and dampers: drive, constant loads and stops are all that changes their momenta. The stops
-/// are elastic, so that the block never rests and no contact force lasts.
+/// A box and a block without springs and dampers: drive, constant loads and stops are all that
+/// changes their momenta. The stops are elastic, so that the block never rests and no contact force
+/// lasts.
 const FREE: [(&str, f64); 11] = [
     ("stop.restitution", 1.0),
     ("box.k", 0.0),
@@ -69,7 +72,8 @@ fn assert_balanced(fmu: &mut Instance, what: &str) {
     }
 }
 
-/// At communication points of any distance, where steps end at impacts, and on both sides of events; also after a saved state.
+/// At communication points of any distance, where steps end at impacts, and on both sides of
+/// events; also after a saved state.
 #[test]
 fn closed_form_momenta_of_a_free_box_and_block() {
     for (event_mode, early_return) in [(false, false), (false, true), (true, true)] {
@@ -106,8 +110,8 @@ fn closed_form_momenta_of_a_free_box_and_block() {
     }
 }
 
-/// Differences telescope: over any steps they add up to the difference over all of it, and a step that was taken back leaves
-/// nothing.
+/// Differences telescope: over any steps they add up to the difference over all of it, and a step
+/// that was taken back leaves nothing.
 #[test]
 fn invariant_impulses_do_not_depend_on_the_steps() {
     let run = |size: f64, again: bool| {
@@ -133,8 +137,8 @@ fn invariant_impulses_do_not_depend_on_the_steps() {
     }
 }
 
-/// Starts whose events are impacts, captures with and without bounces, releases; the last is a chatter run that is closed by the
-/// height of its bounces, where speeds of 1e-6 m/s are left.
+/// Starts whose events are impacts, captures with and without bounces, releases; the last is a
+/// chatter run that is closed by the height of its bounces, where speeds of 1e-6 m/s are left.
 const EVENTS: [&[(&str, f64)]; 4] = [
     &[("block.s", 0.9), ("block.v", 0.5)],
     &[("stop.restitution", 0.3), ("drive.amplitude", 0.4), ("block.v", 0.3), ("block.f", 0.02)],
@@ -177,7 +181,8 @@ fn invariant_impulses_are_the_jumps_of_momentum() {
     }
 }
 
-/// Where the host handles events but takes no early return, the impulses are told when it does, as all discrete outputs.
+/// Where the host handles events but takes no early return, the impulses are told when it does, as
+/// all discrete outputs.
 #[test]
 fn impulses_are_shown_at_the_event_when_steps_go_on() {
     let handling = EventHandling { event_mode: true, early_return: false };
@@ -235,7 +240,8 @@ fn second_method_impulses_of_the_played_orbit() {
     }
 }
 
-/// What presses nothing is exactly zero, without a sign, in flight after rests on either stop and in every way to move.
+/// What presses nothing is exactly zero, without a sign, in flight after rests on either stop and
+/// in every way to move.
 #[test]
 fn invariant_the_contact_force_of_flight_is_plus_zero() {
     let mut flights = 0;

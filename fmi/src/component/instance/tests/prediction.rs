@@ -13,8 +13,8 @@ fn horizon(time: f64) -> f64 {
     time + 2.0 * Parameters::default().period()
 }
 
-/// Steps to the announced time and returns how it differs from the time at which the impact is recorded to have happened, in
-/// units of the last place.
+/// Steps to the announced time and returns how it differs from the time at which the impact is
+/// recorded to have happened, in units of the last place.
 fn missed(fmu: &mut Instance) -> f64 {
     let impacts = |fmu: &mut Instance| get(fmu, "impacts.upper") + get(fmu, "impacts.lower");
     let (time, before) = (get(fmu, "time"), impacts(fmu));
@@ -122,7 +122,8 @@ fn arrays_are_their_scalars_in_order() {
     assert_eq!(values, scalars);
 }
 
-/// In both engines the same function of the state; in rest it is the contact force over what scales it.
+/// In both engines the same function of the state; in rest it is the contact force over what scales
+/// it.
 #[test]
 fn second_method_of_the_indicators() {
     const ROUNDING: f64 = 1e-15;

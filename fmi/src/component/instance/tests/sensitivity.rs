@@ -1,4 +1,5 @@
-//! Derivatives over a step: against differences of steps, against each other, and against the exact orbit's stability.
+//! Derivatives over a step: against differences of steps, against each other, and against the exact
+//! orbit's stability.
 
 use super::*;
 use crate::component::variables::Edition;
@@ -56,7 +57,8 @@ fn norm(a: &Matrix) -> f64 {
     a.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Differences of fourth order leave the fourth power of their step times a fifth derivative, and rounding over the step.
+/// Differences of fourth order leave the fourth power of their step times a fifth derivative, and
+/// rounding over the step.
 const STEP: f64 = 3e-5;
 const DIFFERENCE: f64 = 1e-7;
 
@@ -133,8 +135,8 @@ fn second_method_response_to_loads_by_differences() {
     }
 }
 
-/// Steps that end before each law: read after the event, their product is the matrix of the whole step; before it, it lacks
-/// the jump.
+/// Steps that end before each law: read after the event, their product is the matrix of the whole
+/// step; before it, it lacks the jump.
 #[test]
 fn invariant_products_of_steps_between_impacts() {
     const ROUNDING: f64 = 1e-9;
@@ -165,8 +167,8 @@ fn invariant_products_of_steps_between_impacts() {
     }
 }
 
-/// Over half a period of the exact orbit the matrix is the half-cycle map's, seen at another section: its spectral radius is the
-/// one that `steady` finds from closed forms.
+/// Over half a period of the exact orbit the matrix is the half-cycle map's, seen at another
+/// section: its spectral radius is the one that `steady` finds from closed forms.
 #[test]
 fn second_method_spectral_radius_of_the_exact_orbit() {
     const SAME: f64 = 1e-8;
@@ -190,7 +192,8 @@ fn second_method_spectral_radius_of_the_exact_orbit() {
     }
 }
 
-/// In resting contact only motion of both together is left; through release and the flight after it, too.
+/// In resting contact only motion of both together is left; through release and the flight after
+/// it, too.
 #[test]
 fn second_method_through_rest_and_release() {
     let rest = [

@@ -26,7 +26,8 @@ fn time_may_be_off_by_rounding_but_not_by_more() {
     let before = motion(&mut fmu);
     let error = step(&mut fmu, 101.1, 1.0).unwrap_err().to_string();
     assert!(error.contains("101.1 s") && error.contains("t = 101.00000005 s"), "{error}");
-    // A step that ends before own time, by less than the allowed mismatch, is a valid one and does nothing.
+    // A step that ends before own time, by less than the allowed mismatch, is a valid one and does
+    // nothing.
     step(&mut fmu, 101.0, 1e-9).unwrap();
     for size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(step(&mut fmu, 101.0, size).is_err(), "{size}");
@@ -146,7 +147,8 @@ fn a_master_gets_from_impact_to_impact() {
     }
 }
 
-/// A slow impact is found no better than w is rounded. It too is behind a step that ends at the time that was told.
+/// A slow impact is found no better than w is rounded. It too is behind a step that ends at the
+/// time that was told.
 #[test]
 fn a_slow_impact_is_behind_the_step_that_ends_at_its_announced_time() {
     for k in 0..40 {
@@ -162,7 +164,8 @@ fn a_slow_impact_is_behind_the_step_that_ends_at_its_announced_time() {
     }
 }
 
-/// A step is taken back by restoring the state before it. Where that state is refused the failure is reported with its cause.
+/// A step is taken back by restoring the state before it. Where that state is refused the failure
+/// is reported with its cause.
 #[test]
 fn a_step_that_cannot_be_taken_back_is_reported() {
     use crate::component::instance::arrival::take_back;
@@ -174,7 +177,8 @@ fn a_step_that_cannot_be_taken_back_is_reported() {
     let cause = || Error::Step { time: 1.0, end: 0.5 };
     let problem = take_back(&mut simulator, &before, cause());
     assert!(matches!(problem, Problem::Model(Error::Step { .. })), "{problem}");
-    // A snapshot that no simulator has made: behind its parameters and its time stand x1 and w, which is past the stop here.
+    // A snapshot that no simulator has made: behind its parameters and its time stand x1 and w,
+    // which is past the stop here.
     let mut bytes = postcard::to_stdvec(&before).unwrap();
     let w = size_of::<Parameters>() + 24;
     bytes[w..w + 8].copy_from_slice(&1.5f64.to_le_bytes());
@@ -186,7 +190,8 @@ fn a_step_that_cannot_be_taken_back_is_reported() {
     assert_eq!(simulator.snapshot(), before);
 }
 
-/// A step that a closed form refuses leaves the parameters for the next one, and the motion as it was.
+/// A step that a closed form refuses leaves the parameters for the next one, and the motion as it
+/// was.
 #[test]
 fn a_refused_step_of_a_closed_form_is_taken_back() {
     for mode in [2.0, 3.0] {
@@ -208,7 +213,8 @@ fn a_refused_step_of_a_closed_form_is_taken_back() {
     }
 }
 
-/// An input that followed a polynomial through a step is held from its end on, unless its derivatives are set again.
+/// An input that followed a polynomial through a step is held from its end on, unless its
+/// derivatives are set again.
 #[test]
 fn an_input_with_derivatives_is_held_after_its_step() {
     let mut fmu = initialized();
@@ -227,7 +233,8 @@ fn an_input_with_derivatives_is_held_after_its_step() {
     assert_eq!(motion(&mut fmu), motion(&mut held));
 }
 
-/// A step that stops at an impact is not at its end: the rest of it follows the same polynomial, as without the stop.
+/// A step that stops at an impact is not at its end: the rest of it follows the same polynomial, as
+/// without the stop.
 #[test]
 fn an_input_with_derivatives_goes_on_after_an_impact_in_its_step() {
     /// Of loads and places of order one after a few impacts.

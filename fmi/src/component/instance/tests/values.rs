@@ -256,8 +256,9 @@ fn invariant_the_contact_force_is_plus_zero_in_flight_and_never_negative() {
     assert!(pressed.iter().all(|steps| *steps > 10), "{pressed:?}");
 }
 
-/// A host that sets the mass of its machine and leaves the rest has half a machine: it is told what belongs to another one. A
-/// machine that is given whole, and one that keeps its scales, are not spoken of.
+/// A host that sets the mass of its machine and leaves the rest has half a machine: it is told what
+/// belongs to another one. A machine that is given whole, and one that keeps its scales, are not
+/// spoken of.
 #[test]
 fn half_a_machine_is_told_in_the_log() {
     let warnings = |set_by_host: &[(&str, f64)]| {

@@ -25,7 +25,8 @@ unsafe extern "C-unwind" fn misbehave(
     environment.statuses.push(status);
 }
 
-/// A step with that callback: its status, the last successful time, the statuses inside, and the instance.
+/// A step with that callback: its status, the last successful time, the statuses inside, and the
+/// instance.
 fn step(what: fn(FmiInstance) -> FmiStatus) -> (FmiStatus, f64, Vec<FmiStatus>, FmiInstance) {
     let mut environment = Box::new(Environment { c: null_mut(), what, statuses: Vec::new() });
     let required = [vr("box.f")];
@@ -60,7 +61,8 @@ fn calls_back(c: FmiInstance) -> FmiStatus {
     unsafe { fmi3DoStep(c, 0.0, 0.5, 1, event, terminate, early, &mut time) }
 }
 
-/// Steps, resets, and states of the whole FMU inside are errors; the step is taken back, and Reset leads out.
+/// Steps, resets, and states of the whole FMU inside are errors; the step is taken back, and Reset
+/// leads out.
 #[test]
 fn calls_that_change_the_step_are_refused() {
     let cases: [fn(FmiInstance) -> FmiStatus; 6] = [

@@ -1,4 +1,5 @@
-//! Random calls with random arguments: no crash, no panic, nothing but finite numbers, and the instance answers afterwards.
+//! Random calls with random arguments: no crash, no panic, nothing but finite numbers, and the
+//! instance answers afterwards.
 
 use super::*;
 use crate::component::variables::{Base, COUNT};
@@ -7,7 +8,8 @@ use std::cell::Cell;
 
 const ROOM: usize = 128;
 
-/// Buffers of a call: as many elements as any variable has, and more than any count that is not refused asks for.
+/// Buffers of a call: as many elements as any variable has, and more than any count that is not
+/// refused asks for.
 struct Call {
     references: Cell<[u32; 8]>,
     reals: Cell<[f64; ROOM]>,
@@ -134,7 +136,8 @@ unsafe fn random_call(
     }
 }
 
-/// No number that can be read is NaN or infinite; reading may be refused, which leaves the instance Terminated.
+/// No number that can be read is NaN or infinite; reading may be refused, which leaves the instance
+/// Terminated.
 fn assert_finite(host: &Box3) {
     let variables = description::variables(description::MAIN);
     for (r, variable) in variables.filter(|(_, variable)| variable.base() == Base::Real) {

@@ -96,7 +96,8 @@ unsafe fn play(c: FmiInstance, function: Function) -> FmiStatus {
     }
 }
 
-/// An instance brought to a state by calls where there is a way, else put there; none where there is no such state.
+/// An instance brought to a state by calls where there is a way, else put there; none where there
+/// is no such state.
 fn brought_to(interface: Interface, stage: Stage) -> Option<Box3> {
     use Function as F;
     let phase = match (interface, stage) {

@@ -2,7 +2,8 @@ use super::*;
 
 /// What is no number, and no text of any other form that an option takes.
 const NONE: [&str; 8] = ["abc", "1.5.2", "-", "1e", "0x1", "½", "1 000", "nan"];
-/// Options that are read once the machine and its axis are known, or a file: the tests of the whole program have their errors.
+/// Options that are read once the machine and its axis are known, or a file: the tests of the whole
+/// program have their errors.
 const READ_LATER: [&str; 4] = ["at", "mark", "set", "from"];
 /// How help names what options take that are read with the command line, besides numbers.
 const FORMS: [&str; 11] = [
@@ -25,7 +26,8 @@ fn error(path: &[String], option: &str, value: &str) -> String {
     command().try_get_matches_from(words).map_or_else(|error| error.to_string(), |_| "taken".into())
 }
 
-/// Calls `look` for each option of each command that takes a value, with the words that lead to the command.
+/// Calls `look` for each option of each command that takes a value, with the words that lead to the
+/// command.
 fn each_option(command: &clap::Command, path: &[String], look: &mut dyn FnMut(&[String], &clap::Arg)) {
     let path: Vec<String> = path.iter().cloned().chain([command.get_name().to_owned()]).collect();
     let takes = |arg: &&clap::Arg| arg.get_action().takes_values() && !arg.is_positional();

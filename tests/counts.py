@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Counts of the source by which its size and its words are watched.
+
+    python3 tests/counts.py [--names] [--wide]
+
+`--names` lists the types that share a name, `--wide` the comments wider than 100 columns. Tests are files named tests.rs or in a
+folder of tests, and what stands behind `#[cfg(test)]`.
+"""
+
+import argparse
+import collections
+import pathlib
+import re
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+WIDTH = 100
+# A name that so many types share is counted.
+ALIKE = 4
+
+
+def files(*patterns):
+    """Paths and texts of the files that git knows."""
+    listed = subprocess.run(["git", "ls-files", *patterns], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    return {name: (ROOT / name).read_text() for name in listed.split("\n") if name and (ROOT / name).exists()}
+
+
+def without_tests(texts):
+    """Files without those of tests, cut where their unit tests begin."""
+    is_test = re.compile(r"(^|/)(tests?|benches|examples)(/|\.rs$)")
+    return {f: t.split("#[cfg(test)]\nmod ")[0] for f, t in texts.items() if not is_test.search(f)}
+
+
+def lines_of(texts):
+    return sum(t.count("\n") for t in texts.values())
+
+
+def wide_comments(texts):
+    """Places of comment lines wider than WIDTH; tables and links of documentation cannot be broken."""
+    return [
+        f"{f}:{number}"
+        for f, text in texts.items()
+        for number, line in enumerate(text.split("\n"), 1)
+        if len(line) > WIDTH and re.match(r"\s*(//[/!]?|#) (?!\||\[[^\]]*\]: )", line)
+    ]
+
+
+def same(texts):
+    """Documentation comments whose first words are "The same"."""
+    return sum(len(re.findall(r"(?:^|\n)(?![ \t]*///)[^\n]*\n[ \t]*//[/!] The same\b", t)) for t in texts.values())
+
+
+def types_alike(texts):
+    """Names of types by how often they are declared, where more than one is."""
+    names = collections.defaultdict(list)
+    for f, text in texts.items():
+        for name in re.findall(r"^\s*(?:pub(?:\(\w+\))? )?(?:struct|enum|trait|type) (\w+)(?=[^=;]*[{;=(])", text, re.M):
+            if f"type {name} = " not in text or re.search(rf"^(?:pub(?:\(\w+\))? )?type {name}\b", text, re.M):
+                names[name].append(f)
+    return {name: where for name, where in names.items() if len(where) >= ALIKE}
+
+
+def functions_of_trait(text, name):
+    """Functions of a trait in a file."""
+    body = re.search(rf"^pub trait {name}\b[^{{]*\{{(.*?)^\}}", text, re.M | re.S).group(1)
+    return len(re.findall(r"^    fn ", body, re.M))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--names", action="store_true")
+    parser.add_argument("--wide", action="store_true")
+    args = parser.parse_args()
+    both = files("*.rs", "*.py")
+    rust = files("*.rs")
+    code = without_tests(rust)
+    alike = types_alike(code)
+    lists = {f for f, t in code.items() if re.search(r"\b(frictions|Friction)\b", t)}
+    rows = [
+        ("lines of Rust and Python", lines_of(both)),
+        ("of these no tests, benches, examples (Rust)", lines_of(code)),
+        ("lines of doors/src, fmi/src, assembly-fmi/src", sum(lines_of(files(f"{d}/*.rs")) for d in ("doors/src", "fmi/src", "assembly-fmi/src"))),
+        ("Rust files beyond 400 lines", sum(t.count("\n") > 400 for t in rust.values())),
+        (f"comment lines wider than {WIDTH} columns", len(wide_comments(both))),
+        ('documentation that begins "The same"', same(rust)),
+        (f"names that {ALIKE} or more types share", len(alike)),
+        ("files without tests that name frictions beside the other elements", len(lists)),
+        ("functions of the doors' trait Component", functions_of_trait(both["doors/src/component.rs"], "Component")),
+        ("words of README.md", len((ROOT / "README.md").read_text().split())),
+        ("packages in Cargo.lock", (ROOT / "Cargo.lock").read_text().count("[[package]]")),
+    ]
+    for what, count in rows:
+        print(f"{count:8}  {what}")
+    if args.names:
+        for name, where in sorted(alike.items(), key=lambda pair: -len(pair[1])):
+            print(f"{len(where):3} {name}: {' '.join(where)}")
+    if args.wide:
+        print("\n".join(wide_comments(both)))
+
+
+if __name__ == "__main__":
+    main()
