@@ -83,19 +83,19 @@ impl Plan {
 
     /// The states' coordinates, rates or accelerations, by the order of the derivative.
     fn states(&self, order: usize) -> impl Iterator<Item = (u32, Quantity)> {
-        let quantities = self.assembly.states().iter().map(move |&body| Quantity::Body(body, order));
+        let quantities = self.assembly.states().iter().map(move |&body| Quantity::of_body(body, order));
         quantities.filter_map(|quantity| Some((self.table.reference_of(quantity)?, quantity)))
     }
 
     /// The row of a state or of the derivative of one: the derivative's state, and the nominal
     /// value.
     fn in_exchange(&self, row: &Row, variable: Variable) -> Variable {
-        let Quantity::Body(body, order) = row.quantity else { return variable };
+        let Some((body, order)) = row.quantity.as_body() else { return variable };
         let states = self.assembly.states();
         let Some(place) = states.iter().position(|&state| state == body) else { return variable };
         let mut variable = match order {
             0 => variable.reinitialized(),
-            _ => match self.table.reference_of(Quantity::Body(body, order - 1)) {
+            _ => match self.table.reference_of(Quantity::of_body(body, order - 1)) {
                 Some(state) if order == 1 => variable.derivative_of(state).reinitialized(),
                 Some(state) => variable.derivative_of(state),
                 None => variable,
@@ -146,7 +146,7 @@ impl Plan {
                 }
             }
             (_, Base::Integer) => real.counting(),
-            (Quantity::Body(..), _) => self.in_exchange(row, real),
+            _ if row.quantity.as_body().is_some() => self.in_exchange(row, real),
             _ if row.role == Role::Discrete => Variable { variability: Variability::Discrete, ..real },
             _ => real,
         }

@@ -3,9 +3,9 @@
 
 use fmi_doors::description::Experiment;
 use std::f64::consts::{PI, TAU};
-use vibro_assembly::description::{BodyKind, Signal, StopLaw};
+use vibro_assembly::Assembly;
+use vibro_assembly::description::{BodyKind, Signal};
 use vibro_assembly::system::StopRows;
-use vibro_assembly::{Assembly, Description};
 
 /// Periods of the slowest harmonic or own motion.
 const PERIODS: f64 = 20.0;
@@ -22,14 +22,14 @@ const NONE: f64 = 1e-12;
 pub(crate) fn experiment(assembly: &Assembly) -> Experiment {
     let machine = &assembly.description;
     let own = own_periods(assembly);
-    let driven = signals(machine).flat_map(|signal| &signal.harmonics).map(|h| 1.0 / h.frequency);
+    let driven = machine.signals().flat_map(|of| &of.signal.harmonics).map(|h| 1.0 / h.frequency);
     let periods: Vec<f64> = own.into_iter().chain(driven).filter(|period| is_time(*period)).collect();
     let contacts: Vec<f64> = contact_times(assembly).filter(|time| is_time(*time)).collect();
     let longest = |times: &[f64]| times.iter().copied().reduce(f64::max);
     // Without periods there are flights from contact to contact.
     let flights: Vec<f64> = flights(assembly).filter(|time| is_time(*time)).collect();
     let slowest = longest(&periods).or(longest(&[&contacts[..], &flights[..]].concat()));
-    let knots = signals(machine).filter_map(last_knot).fold(0.0, f64::max);
+    let knots = machine.signals().filter_map(|of| last_knot(of.signal)).fold(0.0, f64::max);
     let stop_time = rounded(slowest.map_or(DURATION, |slowest| PERIODS * slowest).max(knots));
     let fastest = periods.iter().chain(&contacts).copied().fold(f64::INFINITY, f64::min);
     let steps = (PARTS * stop_time / fastest).clamp(STEPS[0], STEPS[1]);
@@ -53,15 +53,6 @@ fn rounded(time: f64) -> f64 {
     let exponent: i32 = text.split('e').nth(1).and_then(|exponent| exponent.parse().ok()).unwrap_or_default();
     let digits = (time * (1.0 - ROUNDING) / 10.0f64.powi(exponent - 1)).ceil();
     format!("{digits}e{}", exponent - 1).parse().unwrap_or(time)
-}
-
-fn signals(machine: &Description) -> impl Iterator<Item = &Signal> {
-    let motions = machine.bodies.iter().filter_map(|body| match &body.kind {
-        BodyKind::Prescribed { motion, .. } => Some(motion),
-        BodyKind::Free(_) => None,
-    });
-    let levels = machine.frictions.iter().flat_map(|f| std::iter::once(&f.force).chain(&f.static_force));
-    motions.chain(machine.loads.iter().map(|load| &load.force)).chain(levels)
 }
 
 /// The last step or knot of a record, s.
@@ -88,13 +79,8 @@ fn own_periods(assembly: &Assembly) -> Vec<f64> {
 
 /// How long a compliant stop is pressed in a single contact of its bodies alone, s.
 fn contact_times(assembly: &Assembly) -> impl Iterator<Item = f64> {
-    let stops = assembly.description.stops.iter().zip(&assembly.system().stops);
-    stops.filter_map(|(stop, rows)| match stop.law {
-        StopLaw::Compliant { stiffness, .. } => {
-            Some(PI / (stiffness * rows.elongation.column.norm_squared()).sqrt())
-        }
-        StopLaw::Rigid { .. } => None,
-    })
+    let time = |stop: &StopRows| PI / (stop.stiffness() * stop.elongation.column.norm_squared()).sqrt();
+    assembly.system().stops.iter().filter(|stop| stop.restitution().is_none()).map(time)
 }
 
 /// How long each stop's elongation takes to its gap from the start, by its rate and the

@@ -202,7 +202,7 @@ impl Machine {
 
     /// The place of a quantity among the states of a host's solver, if it is one.
     fn state_of(&self, quantity: Quantity) -> Option<usize> {
-        let Quantity::Body(body, order @ 0..2) = quantity else { return None };
+        let (body, order) = quantity.as_body().filter(|(_, order)| *order < 2)?;
         let bodies = self.plan.assembly.states();
         Some(order * bodies.len() + bodies.iter().position(|&state| state == body)?)
     }
@@ -212,7 +212,7 @@ impl Machine {
         let at_event = self.life.phase == Phase::Event;
         let state = self.state_of(quantity);
         match (quantity, &mut self.moving) {
-            (Quantity::Body(..), Some(moving)) => {
+            (Quantity::Column(_), Some(moving)) => {
                 let mut states = moving.motion.states().to_vec();
                 if let Some(place) = state {
                     states[place] = value;

@@ -14,10 +14,12 @@ use crate::table::{Energy, Quantity, Role};
 use fmi_doors::DependencyKind;
 use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
 use fmi_doors::description::Unknown;
-use groups::{Group, groups, is_free};
+use groups::{Group, groups, holds, is_free};
 use knowns::{Knowns, join, put};
 use std::collections::HashMap;
-use vibro_assembly::description::{Arms, BodyKind, Description, Signal, StopLaw};
+use vibro_assembly::description::{Arms, BodyKind, Description, Signal};
+use vibro_assembly::elements::Action;
+use vibro_assembly::{Element, Owner, What};
 
 /// Entries of all lists of one kind together, at most, so that a description stays readable: about
 /// 10 bytes each. Lists of an unknown that depends on most of a large machine are left out first,
@@ -28,6 +30,7 @@ const ENTRIES: usize = 200_000;
 pub(crate) struct Structure<'a> {
     plan: &'a Plan,
     machine: &'a Description,
+    elements: Vec<Element<'a>>,
     /// By section and name, as `body.box`: value references of parameters, and what follows that in
     /// their names.
     parameters: HashMap<&'a str, Vec<(u32, &'a str)>>,
@@ -56,13 +59,19 @@ impl<'a> Structure<'a> {
                 _ => {}
             }
         }
-        let links: Vec<&Arms> = machine.links.iter().map(|link| &link.arms).collect();
-        let rigid = machine.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. }));
-        let holding = rigid.map(|stop| &stop.arms).chain(machine.frictions.iter().map(|f| &f.arms));
-        let holding: Vec<&Arms> = links.iter().copied().chain(holding).collect();
-        let (linked, group_of) = (groups(machine, &links), groups(machine, &holding));
+        let elements: Vec<Element> = machine.elements().collect();
+        let arms = |is: &dyn Fn(Action) -> bool| -> Vec<&Arms> {
+            elements
+                .iter()
+                .filter(|element| is(element.action()))
+                .filter_map(|element| element.arms())
+                .collect()
+        };
+        let linked = groups(machine, &arms(&|action| action == Action::Tying));
+        let group_of = groups(machine, &arms(&holds));
         let groups = HashMap::new();
-        let mut structure = Self { plan, machine, parameters, references, inputs, group_of, linked, groups };
+        let mut structure =
+            Self { plan, machine, elements, parameters, references, inputs, group_of, linked, groups };
         structure.find_groups();
         structure
     }
@@ -122,19 +131,11 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    fn load(&self, i: usize) -> Knowns {
-        let (mut knowns, load) = (Knowns::new(), &self.machine.loads[i]);
-        self.signal(&load.force, 0.0, &format!("load.{}.input", load.name), 0, &mut knowns);
-        self.of_section(&format!("load.{}", load.name), &mut knowns);
-        knowns
-    }
-
-    fn levels(&self, i: usize) -> Knowns {
-        let (mut knowns, friction) = (Knowns::new(), &self.machine.frictions[i]);
-        let section = format!("friction.{}", friction.name);
-        self.signal(&friction.force, 0.0, &format!("{section}.force.input"), 0, &mut knowns);
-        if let Some(level) = &friction.static_force {
-            self.signal(level, 0.0, &format!("{section}.static.input"), 0, &mut knowns);
+    /// What the signals of an element depend on, and its numbers.
+    fn signals(&self, element: Element) -> Knowns {
+        let (mut knowns, section) = (Knowns::new(), element.dotted());
+        for (key, signal) in element.signals() {
+            self.signal(signal, 0.0, &format!("{section}{key}.input"), 0, &mut knowns);
         }
         self.of_section(&section, &mut knowns);
         knowns
@@ -148,7 +149,7 @@ impl<'a> Structure<'a> {
         let mut knowns = Knowns::new();
         let states = self.plan.assembly.states();
         if states.contains(&body) {
-            put(&mut knowns, self.references[&Quantity::Body(body, order)], Constant);
+            put(&mut knowns, self.references[&Quantity::of_body(body, order)], Constant);
         } else {
             self.by_links(body, order, &mut knowns);
         }
@@ -162,13 +163,14 @@ impl<'a> Structure<'a> {
     fn by_links(&self, body: usize, order: usize, knowns: &mut Knowns) {
         let own = self.linked[body];
         for &state in self.plan.assembly.states().iter().filter(|&&state| self.linked[state] == own) {
-            put(knowns, self.references[&Quantity::Body(state, order)], Fixed);
+            put(knowns, self.references[&Quantity::of_body(state, order)], Fixed);
         }
-        for link in &self.machine.links {
-            let mut bodies = link.arms.terms.iter().map(|term| term.0);
+        for &link in self.elements.iter().filter(|element| element.action() == Action::Tying) {
+            let Some(arms) = link.arms() else { continue };
+            let mut bodies = arms.terms.iter().map(|term| term.0);
             if bodies.any(|body| is_free(self.machine, body) && self.linked[body] == own) {
-                self.of_section(&format!("link.{}", link.name), knowns);
-                let all = link.arms.terms.iter().map(|term| term.0);
+                self.of_section(&link.dotted(), knowns);
+                let all = arms.terms.iter().map(|term| term.0);
                 for other in all.filter(|&body| !is_free(self.machine, body)) {
                     join(knowns, &self.prescribed(other, order), Fixed);
                 }
@@ -176,92 +178,84 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// An elongation (order 0) or its rate (1) of an element of this section.
-    fn elongation(&self, arms: &Arms, section: &str, order: usize, knowns: &mut Knowns) {
+    /// The elongation (order 0) of an element or its rate (1).
+    fn elongation(&self, element: Element, order: usize, knowns: &mut Knowns) {
+        let Some(arms) = element.arms() else { return };
         for &(body, _) in &arms.terms {
             let times = if arms.levers { Fixed } else { Constant };
             join(knowns, &self.coordinate(body, order), times);
         }
-        let parameters = self.parameters.get(section).into_iter().flatten();
+        let parameters = self.parameters.get(element.dotted().as_str()).into_iter().flatten();
         let levers = parameters.filter(|(_, rest)| rest.starts_with(".arms."));
         levers.for_each(|(reference, _)| put(knowns, *reference, Dependent));
     }
 
-    /// The force of a spring or of a compliant stop, by what its factors change with.
-    fn elastic(&self, arms: &Arms, section: &str, times: DependencyKind) -> Knowns {
+    /// The force of an element.
+    fn force(&self, element: Element) -> Knowns {
+        match element.action() {
+            Action::Linear => self.elastic(element, Tunable),
+            Action::Switching => self.elastic(element, Discrete),
+            Action::Hitting => self.holding(element),
+            Action::Rubbing => {
+                let mut knowns = self.holding(element);
+                join(&mut knowns, &self.signals(element), Discrete);
+                knowns
+            }
+            Action::Tying | Action::Driving => self.signals(element),
+        }
+    }
+
+    /// A force that follows from elongation and rate, by what its factors change with.
+    fn elastic(&self, element: Element, times: DependencyKind) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
-        (0..2).for_each(|order| self.elongation(arms, section, order, &mut own));
+        (0..2).for_each(|order| self.elongation(element, order, &mut own));
         join(&mut knowns, &own, times);
-        self.of_section(section, &mut knowns);
+        self.of_section(&element.dotted(), &mut knowns);
         knowns
     }
 
-    /// The force of a rigid stop or of a friction: what holds the accelerations of those whom it
-    /// touches.
-    fn holding(&self, arms: &Arms, section: &str) -> Knowns {
+    /// A constraint force: what holds the accelerations of the bodies that it acts on.
+    fn holding(&self, element: Element) -> Knowns {
         let mut knowns = Knowns::new();
-        for &(body, _) in &arms.terms {
+        for &(body, _) in element.arms().iter().flat_map(|arms| &arms.terms) {
             match self.groups.get(&self.group_of[body]) {
                 Some(group) => join(&mut knowns, &group.forces, Discrete),
                 None => join(&mut knowns, &self.prescribed(body, 2), Discrete),
             }
         }
-        self.of_section(section, &mut knowns);
+        self.of_section(&element.dotted(), &mut knowns);
         knowns
     }
 
-    fn stop(&self, i: usize) -> Knowns {
-        let stop = &self.machine.stops[i];
-        let section = format!("stop.{}", stop.name);
-        match stop.law {
-            StopLaw::Rigid { .. } => self.holding(&stop.arms, &section),
-            StopLaw::Compliant { .. } => self.elastic(&stop.arms, &section, Discrete),
+    /// Elongation, rate and force of an element, as orders 0 to 2.
+    fn of_element(&self, element: Element, order: usize) -> Knowns {
+        let mut knowns = Knowns::new();
+        match order {
+            0 | 1 => self.elongation(element, order, &mut knowns),
+            _ => return self.force(element),
         }
-    }
-
-    fn spring(&self, i: usize) -> Knowns {
-        let spring = &self.machine.springs[i];
-        self.elastic(&spring.arms, &format!("spring.{}", spring.name), Tunable)
-    }
-
-    fn friction(&self, i: usize) -> Knowns {
-        let friction = &self.machine.frictions[i];
-        let mut knowns = self.holding(&friction.arms, &format!("friction.{}", friction.name));
-        join(&mut knowns, &self.levels(i), Discrete);
         knowns
+    }
+
+    /// The elements that are stops, and those that are frictions, by places of their own.
+    fn nth(&self, is: fn(&Element) -> bool, i: usize) -> Option<Element<'a>> {
+        self.elements.iter().copied().filter(is).nth(i)
     }
 
     /// What a variable depends on.
     pub(crate) fn of(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
-        let section = |kind: &str, name: &str| format!("{kind}.{name}");
         match quantity {
-            Quantity::Body(body, 2) if is_free(self.machine, body) => {
-                return self.groups[&self.group_of[body]].forces.clone();
-            }
-            Quantity::Body(body, 2) => return self.prescribed(body, 2),
-            Quantity::Body(body, order) => return self.coordinate(body, order),
-            Quantity::Spring(i, 2) => return self.spring(i),
-            Quantity::Stop(i, 2) => return self.stop(i),
-            Quantity::Friction(i, 2) => return self.friction(i),
-            Quantity::Load(i) => return self.load(i),
-            Quantity::Spring(i, order) => {
-                let spring = &self.machine.springs[i];
-                self.elongation(&spring.arms, &section("spring", &spring.name), order, &mut knowns);
-            }
-            Quantity::Stop(i, order) => {
-                let stop = &self.machine.stops[i];
-                self.elongation(&stop.arms, &section("stop", &stop.name), order, &mut knowns);
-            }
-            Quantity::Friction(i, order) => {
-                let friction = &self.machine.frictions[i];
-                self.elongation(&friction.arms, &section("friction", &friction.name), order, &mut knowns);
-            }
+            Quantity::Column(column) => return self.column(column),
             Quantity::StopState(i) | Quantity::Impacts(i) | Quantity::Impulse(i) => {
-                (0..3).for_each(|k| join(&mut knowns, &self.of(Quantity::Stop(i, k)), Dependent));
+                let stop = self.nth(|element| matches!(element, Element::Stop(_)), i);
+                let all = stop.into_iter().flat_map(|stop| (0..3).map(move |k| self.of_element(stop, k)));
+                all.for_each(|of| join(&mut knowns, &of, Dependent));
             }
             Quantity::FrictionState(i) => {
-                (1..3).for_each(|k| join(&mut knowns, &self.of(Quantity::Friction(i, k)), Dependent));
+                let friction = self.nth(|element| matches!(element, Element::Friction(_)), i);
+                let all = friction.into_iter().flat_map(|own| (1..3).map(move |k| self.of_element(own, k)));
+                all.for_each(|of| join(&mut knowns, &of, Dependent));
             }
             Quantity::Energy(energy) => self.energy(energy, &mut knowns),
             Quantity::Indicator(place) => self.indicator(place, &mut knowns),
@@ -274,6 +268,19 @@ impl<'a> Structure<'a> {
         knowns
     }
 
+    fn column(&self, column: vibro_assembly::Quantity) -> Knowns {
+        match (column.owner, column.what) {
+            (Owner::Body(body), What::A) if is_free(self.machine, body) => {
+                self.groups[&self.group_of[body]].forces.clone()
+            }
+            (Owner::Body(body), What::A) => self.prescribed(body, 2),
+            (Owner::Body(body), what) => self.coordinate(body, usize::from(what == What::V)),
+            (Owner::Element(i), What::E) => self.of_element(self.elements[i], 0),
+            (Owner::Element(i), What::Rate) => self.of_element(self.elements[i], 1),
+            (Owner::Element(i), _) => self.of_element(self.elements[i], 2),
+        }
+    }
+
     fn energy(&self, energy: Energy, knowns: &mut Knowns) {
         let free = (0..self.machine.bodies.len()).filter(|&body| is_free(self.machine, body));
         match energy {
@@ -284,19 +291,19 @@ impl<'a> Structure<'a> {
                     self.of_body_section(body, knowns);
                 }
                 if order == 0 {
-                    (0..self.machine.springs.len())
-                        .for_each(|i| join(knowns, &self.of(Quantity::Spring(i, 0)), Dependent));
-                    (0..self.machine.stops.len())
-                        .for_each(|i| join(knowns, &self.of(Quantity::Stop(i, 0)), Dependent));
-                    let springs = self.machine.springs.iter().map(|x| format!("spring.{}", x.name));
-                    let stops = self.machine.stops.iter().map(|x| format!("stop.{}", x.name));
-                    springs.chain(stops).for_each(|section| self.of_section(&section, knowns));
+                    let stores = |e: &&Element| {
+                        matches!(e.action(), Action::Linear | Action::Switching | Action::Hitting)
+                    };
+                    for &element in self.elements.iter().filter(stores) {
+                        join(knowns, &self.of_element(element, 0), Dependent);
+                        self.of_section(&element.dotted(), knowns);
+                    }
                 }
             }
             // Accounts of all that happens.
             Energy::Work | Energy::Lost | Energy::Residual => {
                 let states = self.plan.assembly.states().iter();
-                let states = states.flat_map(|&body| [0, 1].map(|order| Quantity::Body(body, order)));
+                let states = states.flat_map(|&body| [0, 1].map(|order| Quantity::of_body(body, order)));
                 states.for_each(|state| put(knowns, self.references[&state], Dependent));
                 self.anything_set(knowns);
                 put(knowns, self.references[&Quantity::Time], Dependent);
@@ -313,16 +320,18 @@ impl<'a> Structure<'a> {
     /// An indicator is measured by the sizes of what it watches, which follow from all numbers and
     /// from what inputs have been.
     fn indicator(&self, place: usize, knowns: &mut Knowns) {
-        let stops = self.machine.stops.iter().enumerate().flat_map(|(i, stop)| {
-            let count = if let StopLaw::Rigid { .. } = stop.law { 1 } else { 2 };
-            vec![(Quantity::Stop(i, 0), [Quantity::Stop(i, 1), Quantity::Stop(i, 2)]); count]
-        });
-        let frictions = (0..self.machine.frictions.len()).flat_map(|i| {
-            vec![(Quantity::Friction(i, 1), [Quantity::Friction(i, 1), Quantity::Friction(i, 2)]); 3]
-        });
-        if let Some((first, others)) = stops.chain(frictions).nth(place) {
+        let of_element = |element: &Element<'a>| {
+            let (count, first) = match element.action() {
+                Action::Hitting => (1, 0),
+                Action::Switching => (2, 0),
+                Action::Rubbing => (3, 1),
+                Action::Linear | Action::Tying | Action::Driving => (0, 0),
+            };
+            vec![(*element, first); count]
+        };
+        if let Some((element, first)) = self.elements.iter().flat_map(of_element).nth(place) {
             let times = if self.inputs.is_empty() { Discrete } else { Dependent };
-            [first].iter().chain(&others).for_each(|q| join(knowns, &self.of(*q), times));
+            (first..3).for_each(|order| join(knowns, &self.of_element(element, order), times));
         }
         self.anything_set(knowns);
     }

@@ -15,8 +15,9 @@
 //! share a name.
 
 use fmi_doors::{Base, Bases, Problem};
-use vibro_assembly::description::{BodyKind, Dimension, Signal, StopLaw};
-use vibro_assembly::{Description, Parameter};
+use vibro_assembly::description::{Dimension, Stop, StopLaw};
+use vibro_assembly::elements::NamedSignal;
+use vibro_assembly::{Description, Element, Owner, Parameter, What};
 
 /// What a variable is read from, by the places of bodies and elements in the description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -27,16 +28,8 @@ pub enum Quantity {
     Parameter(usize),
     /// An input, by its place among all.
     Input(usize),
-    /// A body's coordinate, rate or acceleration.
-    Body(usize, usize),
-    /// A spring's elongation, its rate or its force.
-    Spring(usize, usize),
-    /// A stop's elongation, its rate or its force.
-    Stop(usize, usize),
-    /// A friction's elongation, its rate or its force.
-    Friction(usize, usize),
-    /// A load's force.
-    Load(usize),
+    /// A column of the motion.
+    Column(vibro_assembly::Quantity),
     /// The state of a stop.
     StopState(usize),
     /// Impacts of a stop so far.
@@ -53,6 +46,21 @@ pub enum Quantity {
     Transition,
     /// The same by the inputs.
     Response,
+}
+
+impl Quantity {
+    /// A body's coordinate (order 0), its rate (1) or its acceleration.
+    pub fn of_body(body: usize, order: usize) -> Self {
+        Self::Column(vibro_assembly::Quantity::of_body(body, [What::S, What::V, What::A][order.min(2)]))
+    }
+
+    /// The body and the order, of a body's quantity.
+    pub fn as_body(self) -> Option<(usize, usize)> {
+        let Self::Column(vibro_assembly::Quantity { owner: Owner::Body(body), what }) = self else {
+            return None;
+        };
+        Some((body, What::OF_BODIES.iter().position(|own| *own == what)?))
+    }
 }
 
 /// A part of the energy balance, J.
@@ -137,10 +145,6 @@ fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
 
 /// Of matrices whose elements have different units.
 pub(crate) const NO_UNIT: &str = "";
-const LENGTH: [&str; 2] = ["m", "rad"];
-const RATE: [&str; 2] = ["m/s", "rad/s"];
-const ACCELERATION: [&str; 2] = ["m/s2", "rad/s2"];
-const FORCE: [&str; 2] = ["N", "N.m"];
 const IMPULSE: [&str; 2] = ["N.s", "N.m.s"];
 
 impl Table {
@@ -154,12 +158,14 @@ impl Table {
             let role = if is_tunable(&name) { Role::Tunable } else { Role::Parameter };
             table.push(name, meaning, unit, role, Quantity::Parameter(place));
         }
-        for (place, (name, unit)) in inputs(machine).into_iter().enumerate() {
+        let inputs = machine.signals().filter(|named| named.signal.input);
+        for (place, NamedSignal { name, dimension, is_motion, .. }) in inputs.enumerate() {
+            let unit = if is_motion { What::S.unit(dimension) } else { What::F.unit(dimension) };
+            let name = format!("{name}.input");
             table.push(name, "Added to the signal", unit, Role::Input, Quantity::Input(place));
             table.inputs.push(table.rows.len() as u32);
         }
-        table.bodies(machine);
-        table.elements(machine);
+        table.columns(machine);
         table.energies();
         table.indicators(machine);
         table
@@ -182,60 +188,43 @@ impl Table {
         });
     }
 
-    fn bodies(&mut self, machine: &Description) {
-        for (i, body) in machine.bodies.iter().enumerate() {
-            let (name, d) = (&body.name, body.dimension);
-            let mut push = |what: &str, meaning: &str, units, k| {
-                self.push(
-                    format!("{name}.{what}"),
-                    meaning,
-                    of(d, units),
-                    Role::Output,
-                    Quantity::Body(i, k),
-                );
-            };
-            push("s", "Coordinate", LENGTH, 0);
-            push("v", "Rate of the coordinate", RATE, 1);
-            push("a", "Acceleration", ACCELERATION, 2);
-        }
-    }
-
-    fn element(&mut self, name: &str, d: Dimension, quantity: impl Fn(usize) -> Quantity) {
-        let texts = [
-            ("e", "Elongation", LENGTH),
-            ("rate", "Rate of the elongation", RATE),
-            ("f", "Force against the elongation", FORCE),
-        ];
-        for (k, (what, meaning, units)) in texts.into_iter().enumerate() {
-            self.push(format!("{name}.{what}"), meaning, of(d, units), Role::Output, quantity(k));
-        }
-    }
-
-    fn elements(&mut self, machine: &Description) {
-        for (i, spring) in machine.springs.iter().enumerate() {
-            self.element(&spring.name, spring.arms.dimension, |k| Quantity::Spring(i, k));
-        }
-        for (i, stop) in machine.stops.iter().enumerate() {
-            let (name, d) = (&stop.name, stop.arms.dimension);
-            self.element(name, d, |k| Quantity::Stop(i, k));
-            let mut push = |what: &str, meaning: &str, unit, quantity| {
-                self.push(format!("{name}.{what}"), meaning, unit, Role::Discrete, quantity);
-            };
-            push("state", "State of the stop", "1", Quantity::StopState(i));
-            if let StopLaw::Rigid { .. } = stop.law {
-                push("impacts", "Impacts so far", "1", Quantity::Impacts(i));
-                push("impulse", "Impulse of the last impact", of(d, IMPULSE), Quantity::Impulse(i));
+    /// The columns of the motion, each element's followed by what changes with its events.
+    fn columns(&mut self, machine: &Description) {
+        let mut columns = machine.named_quantities().into_iter().peekable();
+        let mut push_those_of = |table: &mut Self, owner: Owner| {
+            while let Some(column) = columns.next_if(|column| column.quantity.owner == owner) {
+                let quantity = Quantity::Column(column.quantity);
+                table.push(column.name, column.meaning, column.unit, Role::Output, quantity);
+            }
+        };
+        (0..machine.bodies.len()).for_each(|i| push_those_of(self, Owner::Body(i)));
+        let (mut stops, mut frictions) = (0, 0);
+        for (i, element) in machine.elements().enumerate() {
+            push_those_of(self, Owner::Element(i));
+            match element {
+                Element::Stop(stop) => {
+                    self.stop(stop, stops);
+                    stops += 1;
+                }
+                Element::Friction(friction) => {
+                    let (name, state) = (&friction.name, Quantity::FrictionState(frictions));
+                    self.push(format!("{name}.state"), "State of the friction", "1", Role::Discrete, state);
+                    frictions += 1;
+                }
+                _ => {}
             }
         }
-        for (i, friction) in machine.frictions.iter().enumerate() {
-            self.element(&friction.name, friction.arms.dimension, |k| Quantity::Friction(i, k));
-            let name = format!("{}.state", friction.name);
-            self.push(name, "State of the friction", "1", Role::Discrete, Quantity::FrictionState(i));
-        }
-        for (i, load) in machine.loads.iter().enumerate() {
-            let d = machine.bodies.get(load.body).map_or(Dimension::Translation, |body| body.dimension);
-            let name = format!("{}.f", load.name);
-            self.push(name, "Force or torque", of(d, FORCE), Role::Output, Quantity::Load(i));
+    }
+
+    fn stop(&mut self, stop: &Stop, i: usize) {
+        let mut push = |what: &str, meaning: &str, unit, quantity| {
+            self.push(format!("{}.{what}", stop.name), meaning, unit, Role::Discrete, quantity);
+        };
+        push("state", "State of the stop", "1", Quantity::StopState(i));
+        if let StopLaw::Rigid { .. } = stop.law {
+            push("impacts", "Impacts so far", "1", Quantity::Impacts(i));
+            let unit = of(stop.arms.dimension, IMPULSE);
+            push("impulse", "Impulse of the last impact", unit, Quantity::Impulse(i));
         }
     }
 
@@ -329,32 +318,4 @@ impl Table {
 /// coordinates depend.
 fn is_tunable(name: &str) -> bool {
     !name.contains(".start.") && !name.contains(".arms.")
-}
-
-/// Names and units of the inputs, in the engine's order: motions of bodies, loads, levels of
-/// friction.
-fn inputs(machine: &Description) -> Vec<(String, &'static str)> {
-    let mut all = Vec::new();
-    let mut add = |name: String, signal: &Signal, unit| {
-        if signal.input {
-            all.push((format!("{name}.input"), unit));
-        }
-    };
-    for body in &machine.bodies {
-        if let BodyKind::Prescribed { motion, .. } = &body.kind {
-            add(format!("body.{}.motion", body.name), motion, of(body.dimension, LENGTH));
-        }
-    }
-    for load in &machine.loads {
-        let d = machine.bodies.get(load.body).map_or(Dimension::Translation, |body| body.dimension);
-        add(format!("load.{}", load.name), &load.force, of(d, FORCE));
-    }
-    for friction in &machine.frictions {
-        let unit = of(friction.arms.dimension, FORCE);
-        add(format!("friction.{}.force", friction.name), &friction.force, unit);
-        if let Some(level) = &friction.static_force {
-            add(format!("friction.{}.static", friction.name), level, unit);
-        }
-    }
-    all
 }

@@ -143,7 +143,7 @@ fn invariant_states_are_described_with_their_nominals_and_derivatives() {
         for variable in plan.description().variables {
             let quantity = plan.table.rows[variable.reference as usize - 1].quantity;
             let Kind::Real { nominal, derivative_of, reinit, .. } = variable.kind else { continue };
-            let Quantity::Body(body, order) = quantity else {
+            let Some((body, order)) = quantity.as_body() else {
                 assert_eq!((nominal, derivative_of, reinit), (None, None, false), "{}", variable.name);
                 continue;
             };

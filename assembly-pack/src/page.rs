@@ -49,16 +49,8 @@ pub fn page(plan: &Plan) -> Result<String> {
     let sketch = sketch.find("<svg").map_or("", |from| &sketch[from..]);
     let width: f64 = sketch.split('"').nth(1).and_then(|width| width.parse().ok()).unwrap_or_default();
     let sketch = sketch.replacen("<svg", &format!("<svg style=\"min-width:{:.0}px\"", LEAST * width), 1);
-    let counts = [
-        (machine.bodies.len(), "bodies"),
-        (machine.springs.len(), "springs"),
-        (machine.stops.len(), "stops"),
-        (machine.frictions.len(), "frictions"),
-        (machine.links.len(), "links"),
-        (machine.loads.len(), "loads"),
-    ];
-    let counts =
-        counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what}: {count}"));
+    let counts = machine.counts().into_iter();
+    let counts = counts.filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what}: {count}"));
     let mut text = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{name}</title><style>{STYLE}</style></head>\n\
          <body>\n<h1>{name}</h1>\n<figure>\n{sketch}</figure>\n<p>{}.</p>\n\

@@ -1,7 +1,7 @@
 //! What each element ties together, and how it is drawn.
 
-use vibro_assembly::Description;
 use vibro_assembly::description::{Arms, StopLaw};
+use vibro_assembly::{Description, Element};
 
 /// How an element is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,16 +57,15 @@ fn number(x: f64) -> String {
 
 /// Every element but loads.
 pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
-    let springs = machine.springs.iter().map(|spring| {
-        let dashpot = spring.damping > 0.0;
-        let zigzag = spring.stiffness > 0.0 || !dashpot;
-        Connection::new(&spring.name, Symbol::Spring { zigzag, dashpot }, &spring.arms)
-    });
-    let stops = machine.stops.iter().map(|stop| {
-        let compliant = matches!(stop.law, StopLaw::Compliant { .. });
-        Connection::new(&stop.name, Symbol::Stop { compliant }, &stop.arms)
-    });
-    let frictions = machine.frictions.iter().map(|f| Connection::new(&f.name, Symbol::Friction, &f.arms));
-    let links = machine.links.iter().map(|link| Connection::new(&link.name, Symbol::Link, &link.arms));
-    springs.chain(stops).chain(frictions).chain(links).collect()
+    let symbol = |element: Element| match element {
+        Element::Spring(spring) => {
+            let dashpot = spring.damping > 0.0;
+            Symbol::Spring { zigzag: spring.stiffness > 0.0 || !dashpot, dashpot }
+        }
+        Element::Stop(stop) => Symbol::Stop { compliant: matches!(stop.law, StopLaw::Compliant { .. }) },
+        Element::Friction(_) => Symbol::Friction,
+        Element::Link(_) | Element::Load(_) => Symbol::Link,
+    };
+    let connection = |e: Element| Some(Connection::new(e.name(), symbol(e), e.arms()?));
+    machine.elements().filter_map(connection).collect()
 }

@@ -1,11 +1,12 @@
 //! A machine that was checked: immutable, ready to move.
 
 use crate::description::{Body, BodyKind, Description};
+use crate::elements::Element;
 use crate::error::Error;
 use crate::mode::Watch;
 use crate::rates;
 use crate::rest::equilibrium;
-use crate::system::System;
+use crate::system::{Part, System};
 use nalgebra::DVector;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
@@ -65,12 +66,25 @@ impl Assembly {
     pub(crate) fn name_of(&self, watch: Watch) -> String {
         match watch {
             Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
-                format!("stop.{}", self.description.stops[i].name)
+                self.name_of_stop(i)
             }
-            Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => {
-                format!("friction.{}", self.description.frictions[i].name)
-            }
+            Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => self.name_of_friction(i),
         }
+    }
+
+    /// The dotted name of the element that has a stop, by the stop's place.
+    pub fn name_of_stop(&self, i: usize) -> String {
+        self.name_of_part(Part::Stop(i))
+    }
+
+    /// The dotted name of the element that has a friction, by the friction's place.
+    pub fn name_of_friction(&self, i: usize) -> String {
+        self.name_of_part(Part::Friction(i))
+    }
+
+    fn name_of_part(&self, part: Part) -> String {
+        let element = self.description.elements().nth(self.system.element_of(part));
+        element.map_or_else(String::new, Element::dotted)
     }
 
     /// The matrices.

@@ -6,6 +6,7 @@ mod names;
 mod starts;
 
 use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal};
+use crate::elements::Element;
 use crate::refusal::{Problem, Refusal};
 use crate::slots::slots;
 
@@ -56,8 +57,12 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
             problems.push(refused(slot.name, *slot.value, format!("allowed is {}", slot.kind.range.allowed)));
         }
     }
-    arms(machine).for_each(|(name, arms)| check_arms(machine, &name, arms, &mut problems));
-    signals(machine).for_each(|(name, signal)| check_signal(&name, signal, &mut problems));
+    for element in machine.elements() {
+        if let Some(arms) = element.arms() {
+            check_arms(machine, &element.dotted(), arms, &mut problems);
+        }
+    }
+    machine.signals().for_each(|of| check_signal(&of.name, of.signal, &mut problems));
     loads(machine, &mut problems);
     if !problems.is_empty() {
         return problems;
@@ -71,15 +76,6 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
 /// A problem of a number.
 fn refused(name: impl Into<String>, value: f64, text: impl Into<String>) -> Problem {
     Problem::new(name, Some(format!("{value:?}")), text)
-}
-
-/// The elongation of every element that has one, with the element's dotted name.
-fn arms(machine: &Description) -> impl Iterator<Item = (String, &Arms)> {
-    let springs = machine.springs.iter().map(|s| (format!("spring.{}", s.name), &s.arms));
-    let stops = machine.stops.iter().map(|s| (format!("stop.{}", s.name), &s.arms));
-    let frictions = machine.frictions.iter().map(|f| (format!("friction.{}", f.name), &f.arms));
-    let links = machine.links.iter().map(|l| (format!("link.{}", l.name), &l.arms));
-    springs.chain(stops).chain(frictions).chain(links)
 }
 
 fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec<Problem>) {
@@ -115,20 +111,6 @@ fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec
             Some(_) => {}
         }
     }
-}
-
-/// Every signal, with its dotted name.
-fn signals(machine: &Description) -> impl Iterator<Item = (String, &Signal)> {
-    let motions = machine.bodies.iter().filter_map(|b| match &b.kind {
-        BodyKind::Prescribed { motion, .. } => Some((format!("body.{}.motion", b.name), motion)),
-        BodyKind::Free(_) => None,
-    });
-    let levels = machine.frictions.iter().map(|f| (format!("friction.{}.force", f.name), &f.force));
-    let largest = machine.frictions.iter();
-    let largest =
-        largest.filter_map(|f| Some((format!("friction.{}.static", f.name), f.static_force.as_ref()?)));
-    let loads = machine.loads.iter().map(|l| (format!("load.{}", l.name), &l.force));
-    motions.chain(levels).chain(largest).chain(loads)
 }
 
 fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
@@ -190,7 +172,11 @@ fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
         problems.push(Problem::new("body", None, "allowed is a machine of one or more bodies"));
     }
     let mut touched = vec![false; machine.bodies.len()];
-    arms(machine).for_each(|(_, arms)| arms.terms.iter().for_each(|term| touched[term.0] = true));
+    machine
+        .elements()
+        .filter_map(Element::arms)
+        .flat_map(|arms| &arms.terms)
+        .for_each(|t| touched[t.0] = true);
     machine.loads.iter().for_each(|load| touched[load.body] = true);
     for (body, touched) in machine.bodies.iter().zip(touched) {
         let name = format!("body.{}", body.name);

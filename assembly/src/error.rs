@@ -38,10 +38,10 @@ pub enum Error {
     },
     /// A rigid stop is violated by a jump of a prescribed motion or an input.
     #[error(
-        "stop.{stop} at t = {time} s: e - gap = {excess} after a jump of a prescribed motion or a change of numbers; allowed is at most 0"
+        "{stop} at t = {time} s: e - gap = {excess} after a jump of a prescribed motion or a change of numbers; allowed is at most 0"
     )]
     Violated {
-        /// Name of the stop.
+        /// The stop, as `stop.NAME`.
         stop: String,
         /// s.
         time: f64,

@@ -33,6 +33,7 @@ pub use records::{no_records, records_beside};
 
 use crate::check::check;
 use crate::description::{Description, Dimension};
+use crate::elements::SECTIONS;
 use crate::kinds;
 use crate::refusal::{Problem, Refusal};
 use reading::{Reading, Table};
@@ -45,9 +46,6 @@ pub type Records<'a> = &'a dyn Fn(&str) -> io::Result<String>;
 
 /// Bytes of a file or of a record, at most.
 const MOST_BYTES: u64 = 64 << 20;
-
-/// The sections of a file.
-const SECTIONS: [&str; 6] = ["body", "spring", "stop", "friction", "link", "load"];
 
 /// Reads the machine in a file; records are read from its folder.
 ///
@@ -93,8 +91,8 @@ pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Re
 }
 
 fn machine(reading: &mut Reading, root: &Table) -> Description {
-    let mut keys = vec!["name", "gravity", "start"];
-    keys.extend(SECTIONS);
+    let mut keys = vec!["name", "gravity", "start", "body"];
+    keys.extend(SECTIONS.iter().map(|(section, _)| section));
     reading.known(root, &keys);
     let mut machine = Description::default();
     if let Some(entry) = reading.required(root, "name", "allowed is a name, such as \"Damper\"") {

@@ -12,6 +12,7 @@
 pub mod assembly;
 mod check;
 pub mod description;
+pub mod elements;
 pub mod energy;
 pub mod error;
 pub mod file;
@@ -23,6 +24,7 @@ pub mod mode;
 pub mod motion;
 pub mod neutral;
 pub mod parameters;
+pub mod quantity;
 mod rates;
 pub mod refusal;
 pub mod rest;
@@ -32,7 +34,9 @@ pub mod system;
 
 pub use assembly::Assembly;
 pub use description::Description;
+pub use elements::Element;
 pub use error::Error;
 pub use motion::Motion;
 pub use parameters::Parameter;
+pub use quantity::{Owner, Quantity, What};
 pub use refusal::{Problem, Refusal};

@@ -35,7 +35,7 @@ pub struct Mode {
 
 /// An element in a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Element {
+pub enum ElementState {
     /// A stop, by its place.
     Stop(usize, StopState),
     /// A friction, by its place.
@@ -44,10 +44,10 @@ pub enum Element {
 
 impl Mode {
     /// The state of the same element.
-    pub fn state_of(&self, element: Element) -> Element {
+    pub fn state_of(&self, element: ElementState) -> ElementState {
         match element {
-            Element::Stop(i, _) => Element::Stop(i, self.stops[i]),
-            Element::Friction(i, _) => Element::Friction(i, self.frictions[i]),
+            ElementState::Stop(i, _) => ElementState::Stop(i, self.stops[i]),
+            ElementState::Friction(i, _) => ElementState::Friction(i, self.frictions[i]),
         }
     }
 
@@ -94,13 +94,13 @@ pub enum Watch {
 
 impl Watch {
     /// Whether it is a functional of an element.
-    pub fn is_of(self, element: Element) -> bool {
+    pub fn is_of(self, element: ElementState) -> bool {
         match self {
             Self::Meets(i) | Self::Opens(i) | Self::Presses(i) | Self::Changes(i) | Self::Leaves(i) => {
-                matches!(element, Element::Stop(own, _) if own == i)
+                matches!(element, ElementState::Stop(own, _) if own == i)
             }
             Self::Stops(i) | Self::Slips(i, _) | Self::Level(i) => {
-                matches!(element, Element::Friction(own, _) if own == i)
+                matches!(element, ElementState::Friction(own, _) if own == i)
             }
         }
     }
@@ -212,11 +212,11 @@ impl System {
     }
 
     /// The mode in which an element has another state.
-    pub fn with_element(&self, mode: &Mode, element: Element) -> Mode {
+    pub fn with_element(&self, mode: &Mode, element: ElementState) -> Mode {
         let mut mode = mode.clone();
         match element {
-            Element::Stop(i, state) => mode.stops[i] = state,
-            Element::Friction(i, state) => mode.frictions[i] = state,
+            ElementState::Stop(i, state) => mode.stops[i] = state,
+            ElementState::Friction(i, state) => mode.frictions[i] = state,
         }
         mode.basis = self.independent(&mode.contacts().collect::<Vec<_>>());
         mode

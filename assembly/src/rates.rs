@@ -1,9 +1,10 @@
 //! Rates beyond what doubles carry: a machine that has them would move by numbers that are none, or
 //! never.
 
-use crate::description::{BodyKind, Description, Signal, StopLaw};
+use crate::description::{Description, StopLaw};
+use crate::elements::NamedSignal;
 use crate::error::Error;
-use crate::system::{Elongation, System};
+use crate::system::{Elongation, Part, System};
 
 /// The highest rate, rad/s, or frequency, Hz: its square times the largest coordinate, 1e100, is a
 /// number.
@@ -15,49 +16,44 @@ const MOST_RATE: f64 = 1e100;
 /// # Errors
 /// [`Error::TooFast`].
 pub(crate) fn check(machine: &Description, system: &System) -> Result<(), Error> {
-    for (spring, rows) in machine.springs.iter().zip(&system.springs) {
-        check_force(("spring", &spring.name), &rows.elongation, [spring.stiffness, spring.damping])?;
-    }
-    for (stop, rows) in machine.stops.iter().zip(&system.stops) {
-        if let StopLaw::Compliant { stiffness, damping, .. } = stop.law {
-            check_force(("stop", &stop.name), &rows.elongation, [stiffness, damping])?;
+    for (element, parts) in machine.elements().zip(&system.parts) {
+        for &part in parts {
+            if let (Some(elongation), Some(factors)) =
+                (system.elongation_of_part(part), factors(system, part))
+            {
+                check_force(&element.dotted(), elongation, factors)?;
+            }
         }
     }
-    signals(machine).try_for_each(|(name, signal)| {
+    machine.signals().try_for_each(|NamedSignal { name, signal, .. }| {
         let fast = signal.harmonics.iter().map(|h| h.frequency).find(|f| *f > MOST_RATE);
         fast.map_or(Ok(()), |value| Err(Error::TooFast { name: format!("{name}: frequency"), value }))
     })
 }
 
+/// Stiffness and damping of a part whose force follows from its elongation.
+fn factors(system: &System, part: Part) -> Option<[f64; 2]> {
+    match part {
+        Part::Spring(i) => Some([system.springs[i].stiffness, system.springs[i].damping]),
+        Part::Stop(i) => match system.stops[i].law {
+            StopLaw::Compliant { stiffness, damping, .. } => Some([stiffness, damping]),
+            StopLaw::Rigid { .. } => None,
+        },
+        Part::Friction(_) | Part::Load(_) => None,
+    }
+}
+
 /// The rates that a stiffness and a damping would make by themselves. What is linked to a light
 /// body moves with it, and makes them lower.
-fn check_force(
-    (kind, name): (&str, &str),
-    elongation: &Elongation,
-    [stiffness, damping]: [f64; 2],
-) -> Result<(), Error> {
+fn check_force(name: &str, elongation: &Elongation, [stiffness, damping]: [f64; 2]) -> Result<(), Error> {
     let compliance = elongation.column.norm_squared();
     let rate = |force: f64| if force > 0.0 { force * compliance } else { 0.0 };
     for (what, value, rate) in
         [("stiffness", stiffness, rate(stiffness).sqrt()), ("damping", damping, rate(damping))]
     {
         if rate.is_nan() || rate > MOST_RATE {
-            return Err(Error::TooFast { name: format!("{kind}.{name}.{what}"), value });
+            return Err(Error::TooFast { name: format!("{name}.{what}"), value });
         }
     }
     Ok(())
-}
-
-/// Every signal, with the name of what it belongs to.
-fn signals(machine: &Description) -> impl Iterator<Item = (String, &Signal)> {
-    let motions = machine.bodies.iter().filter_map(|b| match &b.kind {
-        BodyKind::Prescribed { motion, .. } => Some((format!("body.{}", b.name), motion)),
-        BodyKind::Free(_) => None,
-    });
-    let levels = machine.frictions.iter().flat_map(|f| {
-        let all = std::iter::once(&f.force).chain(&f.static_force);
-        all.map(|signal| (format!("friction.{}", f.name), signal))
-    });
-    let loads = machine.loads.iter().map(|l| (format!("load.{}", l.name), &l.force));
-    motions.chain(levels).chain(loads)
 }

@@ -1,12 +1,15 @@
 //! The machine as matrices: minimal coordinates, inertia, and every elongation, rate and force as a
 //! row that acts on the augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to (A4)).
 
+mod parts;
 mod rows;
 mod stiff;
 
+pub use parts::Part;
 pub use rows::{BodyRows, Elongation, FrictionRows, Functional, Row, SpringRows, StopRows};
 
 use crate::description::{Arms, BodyKind, Description, StopLaw};
+use crate::elements::Element;
 use crate::error::Error;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -38,6 +41,8 @@ pub struct System {
     soft: Option<DMatrix<f64>>,
     /// All bodies.
     pub bodies: Vec<BodyRows>,
+    /// What each element of the description consists of, by its place among all.
+    pub parts: Vec<Vec<Part>>,
     /// Springs.
     pub springs: Vec<SpringRows>,
     /// Stops.
@@ -178,6 +183,7 @@ impl System {
             is_diagonal: mass == DMatrix::from_diagonal(&mass.diagonal()),
             mass,
             bodies,
+            parts: Vec::new(),
             springs: Vec::new(),
             stops: Vec::new(),
             frictions: Vec::new(),
@@ -224,36 +230,58 @@ impl System {
         Elongation { e, rate: Functional::of(rate), w, drift, column, mobility }
     }
 
+    /// The parts of every element, in the description's order.
     fn add_elements(&mut self, d: &Description, levels: &[(usize, Option<usize>)], rows: &[Row]) {
-        for spring in &d.springs {
-            let elongation = self.elongation(&spring.arms);
-            let force = self.constant(spring.preload)
-                + spring.stiffness * &elongation.e
-                + spring.damping * &*elongation.rate;
-            let (stiffness, damping, preload) = (spring.stiffness, spring.damping, spring.preload);
-            self.springs.push(SpringRows { elongation, stiffness, damping, preload, force });
-        }
-        for stop in &d.stops {
-            let elongation = self.elongation(&stop.arms);
-            let excess = &elongation.e - self.constant(stop.gap);
-            let (stiffness, damping) = match stop.law {
-                StopLaw::Compliant { stiffness, damping, .. } => (stiffness, damping),
-                StopLaw::Rigid { .. } => (0.0, 0.0),
+        let mut loads = 0;
+        for element in d.elements() {
+            let parts = match element {
+                Element::Spring(spring) => {
+                    self.add_spring(&spring.arms, spring.stiffness, spring.damping, spring.preload)
+                }
+                Element::Stop(stop) => self.add_stop(&stop.arms, stop.gap, stop.law),
+                Element::Friction(friction) => {
+                    let (level, static_level) = levels[self.frictions.len()];
+                    self.add_friction(&friction.arms, &rows[level], static_level.map(|i| &rows[i]))
+                }
+                Element::Load(_) => {
+                    loads += 1;
+                    vec![Part::Load(loads - 1)]
+                }
+                Element::Link(_) => Vec::new(),
             };
-            let spring = stiffness * &excess;
-            let force = &spring + damping * &*elongation.rate;
-            let [excess, force, spring] = [excess, force, spring].map(Functional::of);
-            self.stops.push(StopRows { elongation, excess, law: stop.law, force, spring });
+            self.parts.push(parts);
         }
-        for (friction, (level, static_level)) in d.frictions.iter().zip(levels) {
-            let (level, static_row) = (rows[*level].clone(), rows[static_level.unwrap_or(*level)].clone());
-            self.frictions.push(FrictionRows {
-                elongation: self.elongation(&friction.arms),
-                level,
-                static_level: static_row,
-                has_static: static_level.is_some(),
-            });
-        }
+    }
+
+    fn add_spring(&mut self, arms: &Arms, stiffness: f64, damping: f64, preload: f64) -> Vec<Part> {
+        let elongation = self.elongation(arms);
+        let force = self.constant(preload) + stiffness * &elongation.e + damping * &*elongation.rate;
+        self.springs.push(SpringRows { elongation, stiffness, damping, preload, force });
+        vec![Part::Spring(self.springs.len() - 1)]
+    }
+
+    fn add_stop(&mut self, arms: &Arms, gap: f64, law: StopLaw) -> Vec<Part> {
+        let elongation = self.elongation(arms);
+        let excess = &elongation.e - self.constant(gap);
+        let (stiffness, damping) = match law {
+            StopLaw::Compliant { stiffness, damping, .. } => (stiffness, damping),
+            StopLaw::Rigid { .. } => (0.0, 0.0),
+        };
+        let spring = stiffness * &excess;
+        let force = &spring + damping * &*elongation.rate;
+        let [excess, force, spring] = [excess, force, spring].map(Functional::of);
+        self.stops.push(StopRows { elongation, excess, law, force, spring });
+        vec![Part::Stop(self.stops.len() - 1)]
+    }
+
+    fn add_friction(&mut self, arms: &Arms, level: &Row, static_level: Option<&Row>) -> Vec<Part> {
+        self.frictions.push(FrictionRows {
+            elongation: self.elongation(arms),
+            level: level.clone(),
+            static_level: static_level.unwrap_or(level).clone(),
+            has_static: static_level.is_some(),
+        });
+        vec![Part::Friction(self.frictions.len() - 1)]
     }
 
     /// The forces that always act but for those of stiff springs.

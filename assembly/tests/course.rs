@@ -391,6 +391,6 @@ fn closed_form_a_stop_gives_way_or_is_violated_where_its_gap_changes() {
     assert!((falling.body(0)[0] - 0.05).abs() < 1e-15 && falling.stop(0)[2] == 0.0);
     let risen = Description { bodies: vec![heavy("ball", 2.0, 1.0, -1.0, 0.0)], ..machine(-0.5, 10.0) };
     let refused = resting.changed(Arc::new(Assembly::new(risen).unwrap())).unwrap_err();
-    assert!(matches!(&refused, Error::Violated { stop, .. } if stop == "floor"), "{refused}");
+    assert!(matches!(&refused, Error::Violated { stop, .. } if stop == "stop.floor"), "{refused}");
     presses(&resting, 20.0);
 }

@@ -159,7 +159,7 @@ pub fn simulate_assembly<'py>(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<AssemblyRun<'py>> {
     let (own, times) = (machine.clone(), numbers(&t)?);
-    let (samples, energies, events) = compute(py, progress, move |control| {
+    let (samples, energies, events, told) = compute(py, progress, move |control| {
         let mut events: Vec<Event> = Vec::new();
         let mut motion = own.motion_observed(&mut |event| events.push(event.clone()))?;
         let (mut samples, mut energies) = (Vec::new(), Vec::new());
@@ -172,12 +172,11 @@ pub fn simulate_assembly<'py>(
             energies.push([kinetic, stored, motion.energy().balance()]);
             control.add(1);
         }
-        Ok((samples, energies, events))
+        let told: Vec<_> = events.iter().map(|event| named(motion.assembly(), &event.kind)).collect();
+        Ok((samples, energies, events, told))
     })?;
-    let d = &machine.description;
-    let told: Vec<_> = events.iter().map(|event| named(d, &event.kind)).collect();
     Ok(AssemblyRun {
-        values: plane(py, &samples.concat(), samples.len(), columns(d).len())?,
+        values: plane(py, &samples.concat(), samples.len(), machine.description.quantities().count())?,
         t: column(py, &events.iter().map(|e| e.time).collect::<Vec<_>>()),
         kind: told.iter().map(|e| e.kind).collect(),
         value: column(py, &told.iter().map(|e| e.value.unwrap_or(0.0)).collect::<Vec<_>>()),
@@ -196,7 +195,7 @@ pub fn simulate_assemblies<'py>(
     until: f64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Table<'py, f64>> {
-    let count = machines.first().map_or(0, |m| columns(&m.description).len());
+    let count = machines.first().map_or(0, |m| m.description.quantities().count());
     let machines = clones(&machines);
     let ends = each_of(py, machines.len(), progress, move |_, index| {
         let mut motion = machines[index].motion()?.without_energy_accounts();

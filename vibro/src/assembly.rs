@@ -14,13 +14,13 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_analysis::assembly::{
-    self, Contact, Contacts, Extreme, Extremes, Followed, Machine, NamedEvent, Place, What, columns, named,
-    values,
+    Contact, Contacts, Extreme, Extremes, Followed, Machine, NamedEvent, columns, named, values,
 };
 use vibro_assembly::description::Description;
+use vibro_assembly::elements::Action;
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::{Assembly, Motion};
-use vibro_impact::quantities::{Quantity, Unit};
+use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
+use vibro_impact::quantities::{self, Unit};
 
 /// Most samples of a motion, a few gigabytes of a table.
 const MOST: usize = 10_000_000;
@@ -49,7 +49,7 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
 
 /// Words that say in which unit numbers without one were read, where it makes a difference; `read`
 /// is one of them.
-pub fn taken(numbers: &[&str], read: &Quantity, typed: &str) -> Option<String> {
+pub fn taken(numbers: &[&str], read: &quantities::Quantity, typed: &str) -> Option<String> {
     let bare = |number: &&str| number.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
     let unit = read.unit.filter(|unit| !unit.is_si() && numbers.iter().any(bare))?;
     Some(read_in(typed, unit))
@@ -158,8 +158,8 @@ pub fn record(
     let columns = columns(&assembly.description);
     let end = times.last().copied().unwrap_or(0.0);
     let extremes =
-        Extremes::new(&watched(&assembly.description)?, (times.first().copied().unwrap_or(0.0), end));
-    let followed = Followed::new(Contacts::new(&motion, &events)?, extremes);
+        Extremes::new(&watched(&assembly.description), (times.first().copied().unwrap_or(0.0), end));
+    let followed = Followed::new(Contacts::new(&motion, &events), extremes);
     let mut record =
         Record { assembly, columns, rows: Vec::new(), events, followed, motion, start, ended: None };
     for &time in times {
@@ -178,21 +178,24 @@ pub fn record(
     Ok(record)
 }
 
-/// The quantities whose extremes are told or drawn: coordinates and rates of bodies, forces of
-/// stops and friction.
-fn watched(d: &Description) -> Result<Vec<Place>> {
-    let of = |name: &String, what| assembly::Quantity { of: name.clone(), what };
-    let contacts = d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
-    let all = d.bodies.iter().map(|b| of(&b.name, What::S));
-    let all = all.chain(contacts.map(|name| of(name, What::F)));
-    let all = all.chain(d.bodies.iter().map(|b| of(&b.name, What::V)));
-    all.map(|quantity| Ok(quantity.place(d)?)).collect()
+/// The quantities whose extremes are told or drawn: coordinates of bodies, forces of stops and
+/// friction, rates of bodies.
+fn watched(d: &Description) -> Vec<Quantity> {
+    let bodies = |what| (0..d.bodies.len()).map(move |i| Quantity::of_body(i, what));
+    let forces = d.elements().enumerate().filter(|(_, element)| is_contact(*element));
+    let forces = forces.map(|(i, _)| Quantity::of_element(i, What::F));
+    bodies(What::S).chain(forces).chain(bodies(What::V)).collect()
+}
+
+/// Whether an element is a stop or a friction, which acts at some times only.
+pub(crate) fn is_contact(element: Element) -> bool {
+    matches!(element.action(), Action::Hitting | Action::Switching | Action::Rubbing)
 }
 
 /// Kind, element and value of an event, and how many stops took part: the columns of `events.csv`
 /// after the time.
-pub fn event_in_words(d: &Description, kind: &EventKind) -> [String; 4] {
-    let NamedEvent { kind, element, value, stops } = named(d, kind);
+pub fn event_in_words(assembly: &Assembly, kind: &EventKind) -> [String; 4] {
+    let NamedEvent { kind, element, value, stops } = named(assembly, kind);
     [kind.into(), element, value.map_or(String::new(), exact), stops.map_or(String::new(), |n| n.to_string())]
 }
 
@@ -216,16 +219,9 @@ impl Record {
         }
     }
 
-    /// The extremes of a body's coordinate or rate.
-    fn body(&self, i: usize, what: What) -> &Extreme {
-        let d = &self.assembly.description;
-        let first = if what == What::S { 0 } else { d.bodies.len() + d.stops.len() + d.frictions.len() };
-        &self.followed.extremes.all[first + i]
-    }
-
-    /// The extremes of the force of a stop or, after all stops, of a friction.
-    fn force(&self, i: usize) -> &Extreme {
-        &self.followed.extremes.all[self.assembly.description.bodies.len() + i]
+    /// The extremes of a quantity that was watched.
+    fn extreme(&self, quantity: Quantity) -> Option<&Extreme> {
+        self.followed.extremes.all.iter().find(|extreme| extreme.quantity == quantity)
     }
 
     /// The text of `contacts.csv`.
@@ -238,7 +234,7 @@ impl Record {
         let cell = |value: Option<f64>| value.map_or(String::new(), exact);
         for contact in self.followed.contacts.all() {
             let Contact { begin, end, peak, impulse, speed, lost, .. } = contact;
-            let element = contact.element(&self.assembly.description);
+            let element = contact.element(&self.assembly);
             csv.push([
                 element,
                 exact(begin),
@@ -271,7 +267,7 @@ impl Record {
     pub fn events(&self, knots: bool) -> Result<Vec<u8>> {
         let mut csv = CsvRows::new(["time", "kind", "element", "value", "stops"])?;
         for event in self.events.iter().filter(|event| knots || event.kind != EventKind::Knot) {
-            let [kind, element, value, stops] = event_in_words(&self.assembly.description, &event.kind);
+            let [kind, element, value, stops] = event_in_words(&self.assembly, &event.kind);
             csv.push([exact(event.time), kind, element, value, stops])?;
         }
         csv.text()

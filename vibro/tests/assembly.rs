@@ -135,7 +135,6 @@ fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
         vibro::assembly::record(description, &times, &Arc::default(), &mut |_| ()).unwrap()
     };
     let (few, many) = (run(10), run(20_000));
-    let d = &many.assembly.description;
     let column = many.columns.iter().position(|c| c == "buffer.f").unwrap();
     let sampled = many.rows.iter().map(|row| row[1 + column]).fold(0.0, f64::max);
     let drawn = vibro::assembly::figure(&few, Vec::new()).unwrap();
@@ -144,7 +143,7 @@ fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
     let top = pieces.iter().flatten().map(|point| point.1).fold(0.0, f64::max);
     // 20,000 samples miss a half-sine of 1.3 ms by up to 0.2 %, and never exceed it.
     assert!(top >= sampled && top < 1.003 * sampled, "{top} {sampled}");
-    for contact in few.followed.contacts.all().iter().filter(|c| c.element(d) == "stop.buffer") {
+    for contact in few.followed.contacts.all().iter().filter(|c| c.element(&few.assembly) == "stop.buffer") {
         let (peak, end) = (contact.peak.unwrap(), contact.end.unwrap_or(1.0));
         let within = |point: &&(f64, f64)| (contact.begin - 1e-3..=end + 1e-3).contains(&point.0);
         let highest = pieces.iter().flatten().filter(within).map(|p| p.1).fold(0.0, f64::max);

@@ -1,25 +1,19 @@
-//! A described machine's motion as columns: of each body s, v, a; of each spring, stop and friction
-//! e, rate, f; of each load f. The command line, FMUs and Python name them so.
+//! A described machine's motion as columns: the quantities of its bodies and elements. The command
+//! line, FMUs and Python name them so.
 
-use vibro_assembly::Motion;
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::EventKind;
+use vibro_assembly::{Assembly, Motion};
 
 /// Names of the columns, after the time.
 pub fn columns(d: &Description) -> Vec<String> {
-    super::Quantity::all(d).into_iter().map(|quantity| quantity.to_string()).collect()
+    d.named_quantities().into_iter().map(|quantity| quantity.name).collect()
 }
 
 /// Their values now.
 pub fn values(m: &Motion) -> Vec<f64> {
-    let d = &m.assembly().description;
-    let bodies = (0..d.bodies.len()).flat_map(|i| m.body(i));
-    let springs = (0..d.springs.len()).flat_map(|i| m.spring(i));
-    let stops = (0..d.stops.len()).flat_map(|i| m.stop(i));
-    let frictions = (0..d.frictions.len()).flat_map(|i| m.friction(i));
-    let loads = (0..d.loads.len()).map(|i| m.load(i));
     // Zero without a sign.
-    bodies.chain(springs).chain(stops).chain(frictions).chain(loads).map(|x| x + 0.0).collect()
+    m.assembly().description.quantities().map(|quantity| m.value(quantity) + 0.0).collect()
 }
 
 /// An event by the names of things.
@@ -36,9 +30,9 @@ pub struct NamedEvent {
 }
 
 /// An event by the names of things.
-pub fn named(d: &Description, kind: &EventKind) -> NamedEvent {
-    let stop = |i: usize| format!("stop.{}", d.stops[i].name);
-    let friction = |i: usize| format!("friction.{}", d.frictions[i].name);
+pub fn named(assembly: &Assembly, kind: &EventKind) -> NamedEvent {
+    let stop = |i: usize| assembly.name_of_stop(i);
+    let friction = |i: usize| assembly.name_of_friction(i);
     let event = |kind, element, value, stops| NamedEvent { kind, element, value, stops };
     match *kind {
         EventKind::Impact { stop: i, speed, stops, .. } => event("impact", stop(i), Some(speed), Some(stops)),

@@ -1,17 +1,13 @@
 //! The contacts of a motion one by one: impacts and rests on rigid stops, contacts with compliant
 //! ones.
 
-use super::Place;
 use super::flight::{Flow, value_at};
-use super::quantity::{Quantity, What};
 use super::rows::Sparse;
-use crate::error::Result;
-use vibro_assembly::Motion;
-use vibro_assembly::description::Description;
 use vibro_assembly::energy::NODES;
 use vibro_assembly::mode::StopState;
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::system::System;
+use vibro_assembly::system::{Part, System};
+use vibro_assembly::{Assembly, Motion};
 
 /// A contact of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +37,6 @@ pub struct Contacts {
     all: Vec<Contact>,
     /// By stop the place of its contact that lasts, or whose loss does.
     current: Vec<Option<usize>>,
-    forces: Vec<Place>,
     /// The stops with force or loss in the mode, with their functionals.
     acting: Vec<Acting>,
 }
@@ -56,15 +51,9 @@ struct Acting {
 
 impl Contacts {
     /// Of a motion at its start, with the events that were told of it.
-    ///
-    /// # Errors
-    /// None for the motion of a machine that was read.
-    pub fn new(motion: &Motion, told: &[Event]) -> Result<Self> {
-        let d = &motion.assembly().description;
-        let force = |name: &String| Quantity { of: name.clone(), what: What::F }.place(d);
-        let forces = d.stops.iter().map(|stop| force(&stop.name)).collect::<Result<_>>()?;
-        let current = vec![None; d.stops.len()];
-        let mut contacts = Self { all: Vec::new(), current, forces, acting: Vec::new() };
+    pub fn new(motion: &Motion, told: &[Event]) -> Self {
+        let current = vec![None; motion.mode().stops.len()];
+        let mut contacts = Self { all: Vec::new(), current, acting: Vec::new() };
         contacts.meet(motion.assembly().system(), told, Some(motion.energy().impacts.value()));
         for (i, state) in motion.mode().stops.iter().enumerate() {
             if holds(*state) && contacts.current[i].is_none() {
@@ -72,7 +61,7 @@ impl Contacts {
                 contacts.begin(i, motion.time(), speed);
             }
         }
-        Ok(contacts)
+        contacts
     }
 
     /// The contacts so far, by their begin.
@@ -136,13 +125,13 @@ impl Contacts {
             if !holds(state) && state != StopState::Free {
                 continue;
             }
-            let force = self.forces[stop].row(system, flow);
+            let force = system.force_row(Part::Stop(stop), &flow.mode, &flow.lambda);
             let rows = &system.stops[stop];
             let loss = (state != StopState::Closed).then(|| {
                 let beyond = force.iter().zip(rows.spring.iter()).map(|(f, k)| f - k);
                 (Sparse::of(beyond), Sparse::of(rows.elongation.rate.iter().copied()))
             });
-            self.acting.push(Acting { stop, force: Sparse::of(force), loss });
+            self.acting.push(Acting { stop, force: Sparse::of(force.iter().copied()), loss });
         }
     }
 
@@ -193,7 +182,7 @@ fn holds(state: StopState) -> bool {
 
 impl Contact {
     /// `stop.NAME`.
-    pub fn element(&self, d: &Description) -> String {
-        format!("stop.{}", d.stops[self.stop].name)
+    pub fn element(&self, assembly: &Assembly) -> String {
+        assembly.name_of_stop(self.stop)
     }
 }

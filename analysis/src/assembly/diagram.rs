@@ -12,7 +12,7 @@ use super::flight::Flows;
 use super::settled::{Settled, settled};
 use super::timescales::{runs_on_beyond, settle};
 use super::watch::{Maxima, Watcher};
-use super::{Machine, Quantity, Section, Start, now};
+use super::{Machine, QuantityName, Section, Start, now};
 use crate::attractor::MotionClass;
 use crate::bifurcation::{self, Diagram, DiagramPoint, chained, in_both_directions};
 use crate::error::{Error, Result};
@@ -32,7 +32,7 @@ pub struct Request {
     /// The parameter and its values, SI.
     pub axis: ParameterAxis<String>,
     /// The quantity that is drawn.
-    pub of: Quantity,
+    pub of: QuantityName,
     /// Whether its values at the section are drawn, and not its local maxima.
     pub at_section: bool,
     /// Returns discarded at each value; fewer where the motion has settled.
@@ -97,7 +97,7 @@ impl Request {
     /// Names that the machine does not have, ends that are not allowed, a machine without a section
     /// or a motion from its start.
     pub fn check(&self, machine: &Machine) -> Result<()> {
-        self.of.place(&machine.description)?;
+        self.of.find(&machine.description)?;
         for end in [self.axis.from, self.axis.to] {
             self.at(machine, end)?;
         }
@@ -179,17 +179,17 @@ fn observe(machine: &Machine, request: &Request, value: f64, start: &Start) -> R
         None => (request.keep, 1),
     };
     let mut flows = Flows::default();
-    let place = request.of.place(&motion.assembly().description)?;
-    let stops = motion.assembly().description.stops.len();
+    let quantity = request.of.find(&motion.assembly().description)?.quantity;
+    let stops = motion.mode().stops.len();
     let mut values = Vec::new();
     let mut watcher = Watcher::of(&[], stops);
     if request.at_section {
         for _ in 0..length {
             section.follow(&mut motion, &mut flows, &mut [])?;
-            values.push(flows.value(&motion, &place));
+            values.push(flows.value(&motion, quantity));
         }
     } else {
-        watcher.maxima = Some(Maxima::new(place));
+        watcher.maxima = Some(Maxima::new(quantity));
         // The first period shows whether the quantity rises where the second begins.
         section.follow(&mut motion, &mut flows, &mut [&mut watcher])?;
         watcher.maxima.iter_mut().for_each(|m| m.found.clear());

@@ -1,8 +1,8 @@
 //! How far quantities go in a motion, between the samples too, and what a picture needs of them.
 
-use super::Place;
 use super::flight::{Flow, turning_points};
 use super::rows::Sparse;
+use vibro_assembly::Quantity;
 use vibro_assembly::system::System;
 
 /// Parts of the time of which a curve keeps the least and the largest value; a picture has fewer
@@ -14,7 +14,8 @@ const CURVES: usize = 64;
 /// A quantity's extremes.
 #[derive(Clone, Debug)]
 pub struct Extreme {
-    place: Place,
+    /// Which one.
+    pub quantity: Quantity,
     row: Sparse,
     /// The largest absolute value.
     pub largest: f64,
@@ -35,20 +36,20 @@ pub struct Extremes {
 
 impl Extremes {
     /// Of these quantities; curves are kept between two times, s.
-    pub fn new(places: &[Place], times: (f64, f64)) -> Self {
-        let extreme = |&place: &Place| Extreme {
-            place,
+    pub fn new(quantities: &[Quantity], times: (f64, f64)) -> Self {
+        let extreme = |&quantity: &Quantity| Extreme {
+            quantity,
             row: Sparse::default(),
             largest: 0.0,
             curve: Vec::new(),
             was_zero: false,
         };
-        Self { all: places.iter().map(extreme).collect(), times }
+        Self { all: quantities.iter().map(extreme).collect(), times }
     }
 
     /// A mode begins.
     pub(super) fn enter(&mut self, system: &System, flow: &Flow) {
-        self.all.iter_mut().for_each(|e| e.row = Sparse::of(e.place.row(system, flow)));
+        self.all.iter_mut().for_each(|e| e.row = Sparse::of(flow.row_of(system, e.quantity)));
     }
 
     /// A stretch of a flight that begins at `time`, of this length in s.

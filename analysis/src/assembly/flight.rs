@@ -12,7 +12,7 @@ use vibro_assembly::flow::{ORDERS, SparseMatrix, rate_bound};
 use vibro_assembly::mode::{Linear, Mode, Watch};
 use vibro_assembly::motion::{Event, Outcome};
 use vibro_assembly::system::{Row, System};
-use vibro_assembly::{Error, Motion};
+use vibro_assembly::{Error, Motion, Quantity};
 use vibro_impact::events::turns;
 
 /// The bound of A times the length of a stretch: a series to [`ORDERS`] terms leaves out less than
@@ -222,10 +222,10 @@ impl Flows {
 
 impl Flows {
     /// The value of a quantity now.
-    pub fn value(&mut self, motion: &Motion, place: &super::Place) -> f64 {
+    pub fn value(&mut self, motion: &Motion, quantity: Quantity) -> f64 {
         let system = motion.assembly().system();
         let flow = self.of(system, motion.mode());
-        dot(&place.row(system, &flow), motion.state().as_slice())
+        dot(&flow.row_of(system, quantity), motion.state().as_slice())
     }
 }
 

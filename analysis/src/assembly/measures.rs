@@ -6,7 +6,7 @@
 //! the engine's accounts, those of rigid stops ½ (1 - ε) u P an impact.
 
 use super::flight::Flows;
-use super::quantity::{Owner, Place, Quantity, owners, unknown};
+use super::quantity::{QuantityName, unknown};
 use super::returns::Record;
 use super::section::Section;
 use super::settled::settled;
@@ -18,8 +18,10 @@ use crate::measures::{Measured, is_on_its_way, spread_of};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
-use vibro_assembly::Motion;
 use vibro_assembly::description::{Description, Dimension, StopLaw};
+use vibro_assembly::elements::Action;
+use vibro_assembly::system::Part;
+use vibro_assembly::{Assembly, Element, Motion, Quantity};
 
 /// Returns over which the exponent is counted.
 const EXPONENT_RETURNS: u32 = 400;
@@ -29,13 +31,13 @@ const EXPONENT_RETURNS: u32 = 400;
 #[serde(try_from = "String", into = "String")]
 pub enum Measure {
     /// Largest |q|: `amplitude.box.s`.
-    Amplitude(Quantity),
+    Amplitude(QuantityName),
     /// √(mean of q²): `rms.box.a`.
-    Rms(Quantity),
+    Rms(QuantityName),
     /// Largest less least q: `peak_to_peak.box.s`.
-    PeakToPeak(Quantity),
+    PeakToPeak(QuantityName),
     /// Largest q: `maximum.buffer.f`.
-    Maximum(Quantity),
+    Maximum(QuantityName),
     /// Impacts and first touches of a stop, or of all, from one return to the next:
     /// `impacts.steel`, `impacts`.
     Impacts(Option<String>),
@@ -57,7 +59,7 @@ pub enum Measure {
 }
 
 /// A kind of measure of a quantity: its word and what makes it.
-type OfQuantity = (&'static str, fn(Quantity) -> Measure);
+type OfQuantity = (&'static str, fn(QuantityName) -> Measure);
 
 const OF_QUANTITIES: [OfQuantity; 4] = [
     ("amplitude", Measure::Amplitude),
@@ -126,6 +128,11 @@ impl fmt::Display for Measure {
 
 crate::text::written_as_text!(Measure);
 
+/// The elements that take or give energy.
+fn with_power(d: &Description) -> impl Iterator<Item = Element<'_>> {
+    d.elements().filter(|element| element.action() != Action::Tying)
+}
+
 /// The place of a stop by its name.
 fn stop(d: &Description, name: &str) -> Option<usize> {
     d.stops.iter().position(|s| s.name == name)
@@ -133,7 +140,7 @@ fn stop(d: &Description, name: &str) -> Option<usize> {
 
 impl Measure {
     /// The quantity that it is read off, if there is one.
-    pub fn quantity(&self) -> Option<&Quantity> {
+    pub fn quantity(&self) -> Option<&QuantityName> {
         match self {
             Self::Amplitude(q) | Self::Rms(q) | Self::PeakToPeak(q) | Self::Maximum(q) => Some(q),
             _ => None,
@@ -146,7 +153,7 @@ impl Measure {
     /// [`Error::Described`] with the nearest name.
     pub fn check(&self, d: &Description) -> Result<()> {
         if let Some(quantity) = self.quantity() {
-            return quantity.place(d).map(drop);
+            return quantity.find(d).map(drop);
         }
         let (name, known): (&str, Vec<String>) = match self {
             Self::Impacts(Some(name)) | Self::ImpactRate(Some(name)) | Self::ImpactSpeed(name) => {
@@ -156,10 +163,7 @@ impl Measure {
                 let rigid = d.stops.iter().filter(|s| matches!(s.law, StopLaw::Rigid { .. }));
                 (name, rigid.map(|s| s.name.clone()).collect())
             }
-            Self::Power(name) => {
-                let all = owners(d).into_iter().filter(|o| !matches!(o.1, Owner::Body(_)));
-                (name, all.map(|o| o.0.to_owned()).collect())
-            }
+            Self::Power(name) => (name, with_power(d).map(|element| element.name().to_owned()).collect()),
             _ => return Ok(()),
         };
         if known.iter().any(|k| k == name) { Ok(()) } else { Err(unknown(name, &known)) }
@@ -177,7 +181,7 @@ impl Measure {
             Self::ImpactRate(_) | Self::Exponent => "1/s",
             Self::Power(_) | Self::PowerLost => "W",
             Self::Impacts(_) | Self::Class => "1",
-            other => other.quantity().and_then(|q| q.place(d).ok()).map_or("1", |place| place.unit()),
+            other => other.quantity().and_then(|q| q.find(d).ok()).map_or("1", |found| found.unit),
         }
     }
 
@@ -198,7 +202,8 @@ impl Measure {
 
     /// All measures of a machine.
     pub fn all(d: &Description) -> Vec<Self> {
-        let quantities = Quantity::all(d);
+        let quantities: Vec<QuantityName> =
+            d.named_quantities().iter().filter_map(|q| q.name.parse().ok()).collect();
         let mut all: Vec<Self> =
             OF_QUANTITIES.iter().flat_map(|(_, kind)| quantities.iter().cloned().map(kind)).collect();
         all.extend([Self::Impacts(None), Self::ImpactRate(None)]);
@@ -213,8 +218,7 @@ impl Measure {
                 all.push(Self::ImpactImpulse(name()));
             }
         }
-        let elements = owners(d).into_iter().filter(|o| !matches!(o.1, Owner::Body(_)));
-        all.extend(elements.map(|o| Self::Power(o.0.to_owned())));
+        all.extend(with_power(d).map(|element| Self::Power(element.name().to_owned())));
         all.extend([Self::PowerLost, Self::Class, Self::Exponent]);
         all
     }
@@ -295,12 +299,14 @@ impl Seen for Window {
 }
 
 impl Window {
-    fn number(&self, measure: &Measure, d: &Description, quantities: &[&Quantity]) -> f64 {
-        let extent = |q: &Quantity| {
+    fn number(&self, measure: &Measure, assembly: &Assembly, quantities: &[&QuantityName]) -> f64 {
+        let (d, system) = (&assembly.description, assembly.system());
+        let extent = |q: &QuantityName| {
             let place = quantities.iter().position(|own| *own == q);
             place.map(|k| &self.watcher.extents[k])
         };
-        let of = |q: &Quantity, value: &dyn Fn(&super::watch::Extent) -> f64| extent(q).map_or(0.0, value);
+        let of =
+            |q: &QuantityName, value: &dyn Fn(&super::watch::Extent) -> f64| extent(q).map_or(0.0, value);
         let contacts = |name: &String| stop(d, name).map(|i| self.watcher.contacts[i]).unwrap_or_default();
         let count = |name: &Option<String>| match name {
             Some(name) => f64::from(contacts(name).count),
@@ -317,15 +323,14 @@ impl Window {
             Measure::ImpactSpeed(name) => contacts(name).speed,
             Measure::ImpactImpulse(name) => contacts(name).impulse,
             Measure::Power(name) => {
-                let found = owners(d).into_iter().find(|o| o.0 == name && !matches!(o.1, Owner::Body(_)));
-                let energy = match found.map(|o| o.1) {
-                    Some(Owner::Spring(i)) => dashpots[i],
-                    Some(Owner::Stop(i)) => stops[i] + self.watcher.contacts[i].lost,
-                    Some(Owner::Friction(i)) => frictions[i],
-                    Some(Owner::Load(i)) => loads[i],
-                    Some(Owner::Body(_)) | None => 0.0,
+                let parts = d.elements().position(|element| element.name() == name).map(|i| &system.parts[i]);
+                let energy = |part: &Part| match *part {
+                    Part::Spring(i) => dashpots[i],
+                    Part::Stop(i) => stops[i] + self.watcher.contacts[i].lost,
+                    Part::Friction(i) => frictions[i],
+                    Part::Load(i) => loads[i],
                 };
-                energy / self.duration
+                parts.into_iter().flatten().map(energy).sum::<f64>() / self.duration
             }
             Measure::PowerLost => {
                 let smooth: f64 = [dashpots, stops, frictions].into_iter().flatten().sum();
@@ -357,13 +362,13 @@ pub fn measure(
     let assembly = motion.assembly().clone();
     let d = &assembly.description;
     measures.iter().try_for_each(|m| m.check(d))?;
-    let mut quantities: Vec<&Quantity> = Vec::new();
+    let mut quantities: Vec<&QuantityName> = Vec::new();
     for quantity in measures.iter().filter_map(Measure::quantity) {
         if !quantities.contains(&quantity) {
             quantities.push(quantity);
         }
     }
-    let places = quantities.iter().map(|q| q.place(d)).collect::<Result<Vec<_>>>()?;
+    let places = quantities.iter().map(|q| Ok(q.find(d)?.quantity)).collect::<Result<Vec<_>>>()?;
     let wants = |sought: &Measure| measures.contains(sought);
     let verdict = [Measure::Class, Measure::Exponent].into_iter().find(wants);
     if let (Some(verdict), Some(why)) = (&verdict, runs_on(d, motion.time())) {
@@ -384,10 +389,11 @@ pub fn measure(
     let number = |m: &Measure| match m {
         Measure::Class => None,
         Measure::Exponent => exponent.map(|e| e.value),
-        other => Some(window.number(other, d, &quantities)),
+        other => Some(window.number(other, &assembly, &quantities)),
     };
-    let of_parts =
-        |m: &Measure| -> Vec<f64> { parts.iter().map(|part| part.number(m, d, &quantities)).collect() };
+    let of_parts = |m: &Measure| -> Vec<f64> {
+        parts.iter().map(|part| part.number(m, &assembly, &quantities)).collect()
+    };
     let spread = |m: &Measure| match m {
         Measure::Class => 0.0,
         Measure::Exponent => exponent.map_or(0.0, |e| e.error),
@@ -406,11 +412,11 @@ pub fn measure(
 fn windows(
     motion: &mut Motion,
     section: &Section,
-    places: &[Place],
+    quantities: &[Quantity],
     periods: u32,
 ) -> Result<(Vec<Window>, bool)> {
-    let stops = motion.assembly().description.stops.len();
-    let mut watcher = Watcher::of(places, stops);
+    let stops = motion.mode().stops.len();
+    let mut watcher = Watcher::of(quantities, stops);
     let (mut flows, mut parts) = (Flows::default(), Parts::new());
     let mut passed = Passed::new(motion, needed(motion, section, periods)?, periods);
     let mut record = Record::new(motion, section);

@@ -35,7 +35,7 @@ pub use extremes::{Extreme, Extremes};
 pub use followed::Followed;
 pub use measures::{Measure, measure};
 pub use plane::PlanePoint;
-pub use quantity::{Place, Quantity, What};
+pub use quantity::QuantityName;
 pub use section::{Section, SectionRule, common_period};
 pub use settled::{Settled, discard, settled};
 

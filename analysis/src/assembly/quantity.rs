@@ -1,47 +1,28 @@
-//! What can be looked at in a described machine, by the names of the columns of its motion:
-//! `box.s`, `upper.f`, `shaker.f`.
+//! Quantities of described machines by the names of the columns of their motion: `box.s`, `upper.f`,
+//! `shaker.f`.
 
 use super::flight::Flow;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
-use vibro_assembly::description::{Description, Dimension};
-use vibro_assembly::mode::{Contact, StopState};
+use vibro_assembly::description::Description;
+use vibro_assembly::quantity::NamedQuantity;
 use vibro_assembly::system::System;
+use vibro_assembly::{Owner, Quantity, What};
 
-/// A body's or an element's quantity by its name, such as `box.s`; whether a machine has it is
-/// known by [`Quantity::place`].
+/// A quantity by its name, such as `box.s`; whether a machine has it is known by
+/// [`QuantityName::find`].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct Quantity {
+pub struct QuantityName {
     /// The body or element.
     pub of: String,
     /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `f` of a load.
     pub what: What,
 }
 
-/// What of a body or an element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum What {
-    /// A body's coordinate.
-    S,
-    /// Its rate.
-    V,
-    /// Its acceleration.
-    A,
-    /// An element's elongation.
-    E,
-    /// Its rate.
-    Rate,
-    /// Its force.
-    F,
-}
-
-const WORDS: [(What, &str); 6] =
-    [(What::S, "s"), (What::V, "v"), (What::A, "a"), (What::E, "e"), (What::Rate, "rate"), (What::F, "f")];
-
-impl FromStr for Quantity {
+impl FromStr for QuantityName {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
@@ -53,54 +34,18 @@ impl FromStr for Quantity {
         let (of, what) = text.trim().rsplit_once('.').ok_or_else(form)?;
         // The section may be named, as in parameters.
         let of = of.split_once('.').map_or(of, |(_, name)| name);
-        let what = WORDS.iter().find(|w| w.1 == what).ok_or_else(form)?.0;
+        let what = What::ALL.into_iter().find(|w| w.word() == what).ok_or_else(form)?;
         Ok(Self { of: of.into(), what })
     }
 }
 
-impl fmt::Display for Quantity {
+impl fmt::Display for QuantityName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let word = WORDS.iter().find(|w| w.0 == self.what).map_or("", |w| w.1);
-        write!(f, "{}.{word}", self.of)
+        write!(f, "{}.{}", self.of, self.what.word())
     }
 }
 
-crate::text::written_as_text!(Quantity);
-
-/// Whose quantity it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Owner {
-    /// A body.
-    Body(usize),
-    /// A spring.
-    Spring(usize),
-    /// A stop.
-    Stop(usize),
-    /// A friction.
-    Friction(usize),
-    /// A load.
-    Load(usize),
-}
-
-/// The bodies and elements of a machine by their names.
-pub fn owners(d: &Description) -> Vec<(&str, Owner, Dimension)> {
-    let mut all = Vec::new();
-    all.extend(d.bodies.iter().enumerate().map(|(i, b)| (b.name.as_str(), Owner::Body(i), b.dimension)));
-    all.extend(
-        d.springs.iter().enumerate().map(|(i, s)| (s.name.as_str(), Owner::Spring(i), s.arms.dimension)),
-    );
-    all.extend(d.stops.iter().enumerate().map(|(i, s)| (s.name.as_str(), Owner::Stop(i), s.arms.dimension)));
-    all.extend(
-        d.frictions.iter().enumerate().map(|(i, f)| (f.name.as_str(), Owner::Friction(i), f.arms.dimension)),
-    );
-    all.extend(
-        d.loads
-            .iter()
-            .enumerate()
-            .map(|(i, l)| (l.name.as_str(), Owner::Load(i), d.bodies[l.body].dimension)),
-    );
-    all
-}
+crate::text::written_as_text!(QuantityName);
 
 /// The refusal of a name that a machine does not have, with the nearest one.
 pub fn unknown(text: &str, known: &[String]) -> Error {
@@ -111,97 +56,47 @@ pub fn unknown(text: &str, known: &[String]) -> Error {
     Error::Described { problem: format!("the machine has no `{text}`; {advice}") }
 }
 
-/// A quantity of a given machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
-    owner: Owner,
-    what: What,
-    dimension: Dimension,
-}
-
-impl Quantity {
-    /// All quantities of a machine.
-    pub fn all(d: &Description) -> Vec<Self> {
-        let of = |(name, owner, _): (&str, Owner, Dimension)| {
-            let all: &[What] = match owner {
-                Owner::Body(_) => &[What::S, What::V, What::A],
-                Owner::Load(_) => &[What::F],
-                _ => &[What::E, What::Rate, What::F],
-            };
-            all.iter().map(|&what| Self { of: name.into(), what }).collect::<Vec<_>>()
-        };
-        owners(d).into_iter().flat_map(of).collect()
-    }
-
-    /// Which quantity of a machine it is.
+impl QuantityName {
+    /// The quantity of a machine that has this name.
     ///
     /// # Errors
     /// [`Error::Described`] with the nearest name.
-    pub fn place(&self, d: &Description) -> Result<Place> {
-        let all = Self::all(d);
-        if !all.contains(self) {
-            let known: Vec<String> = all.iter().map(ToString::to_string).collect();
-            return Err(unknown(&self.to_string(), &known));
+    pub fn find(&self, d: &Description) -> Result<NamedQuantity> {
+        let (name, mut all) = (self.to_string(), d.named_quantities());
+        match all.iter().position(|quantity| quantity.name == name) {
+            Some(place) => Ok(all.swap_remove(place)),
+            None => Err(unknown(&name, &all.into_iter().map(|q| q.name).collect::<Vec<_>>())),
         }
-        let is_body = matches!(self.what, What::S | What::V | What::A);
-        let found = owners(d)
-            .into_iter()
-            .find(|(name, owner, _)| *name == self.of && matches!(owner, Owner::Body(_)) == is_body);
-        let (_, owner, dimension) = found.ok_or_else(|| unknown(&self.to_string(), &[]))?;
-        Ok(Place { owner, what: self.what, dimension })
     }
 }
 
-impl Place {
-    /// Its SI unit.
-    pub fn unit(&self) -> &'static str {
-        let rotates = self.dimension == Dimension::Rotation;
-        let units = match self.what {
-            What::S | What::E => ["m", "rad"],
-            What::V | What::Rate => ["m/s", "rad/s"],
-            What::A => ["m/s2", "rad/s2"],
-            What::F => ["N", "N.m"],
-        };
-        units[usize::from(rotates)]
-    }
-
-    /// Its row in a mode: the quantity is the row times the augmented state.
-    pub fn row(&self, system: &System, flow: &Flow) -> Vec<f64> {
+impl Flow {
+    /// The row of a quantity in the mode of this flow: its product with the augmented state is the
+    /// quantity.
+    pub(super) fn row_of(&self, system: &System, quantity: Quantity) -> Vec<f64> {
         let n = system.coordinates;
-        let contact = |contact: Contact| {
-            let place = flow.mode.basis.iter().position(|&c| c == contact);
-            place.map(|k| flow.lambda[k].clone())
-        };
-        let zero = || nalgebra::DVector::zeros(system.signals.size);
-        let row = match (self.owner, self.what) {
-            (Owner::Body(i), What::S) => system.bodies[i].s.clone(),
+        let i = match (quantity.owner, quantity.what) {
+            (Owner::Body(i), What::S) => return system.bodies[i].s.as_slice().to_vec(),
             (Owner::Body(i), What::A) => {
                 let body = &system.bodies[i];
                 let mut rates = vec![0.0; system.signals.size];
                 rates[n..2 * n].copy_from_slice(body.weights.as_slice());
-                return flow.rate_of(&rates).iter().zip(body.drift.iter()).map(|(a, b)| a + b).collect();
+                return self.rate_of(&rates).iter().zip(body.drift.iter()).map(|(a, b)| a + b).collect();
             }
-            (Owner::Body(i), _) => system.bodies[i].v.clone(),
-            (Owner::Spring(i), What::F) => system.springs[i].force.clone(),
-            (Owner::Stop(i), What::F) => match flow.mode.stops[i] {
-                StopState::Closed => contact(Contact::Stop(i)).unwrap_or_else(zero),
-                state => system.stop_force(i, state).unwrap_or_else(zero),
-            },
-            (Owner::Friction(i), What::F) => {
-                let state = flow.mode.frictions[i];
-                system.friction_force(i, state).or_else(|| contact(Contact::Friction(i))).unwrap_or_else(zero)
-            }
-            (Owner::Load(i), _) => system.loads[i].clone(),
-            (owner, what) => {
-                let e = match owner {
-                    Owner::Spring(i) => &system.springs[i].elongation,
-                    Owner::Stop(i) => &system.stops[i].elongation,
-                    Owner::Friction(i) => &system.frictions[i].elongation,
-                    Owner::Body(_) | Owner::Load(_) => return zero().as_slice().to_vec(),
-                };
-                if what == What::Rate { (*e.rate).clone() } else { e.e.clone() }
-            }
+            (Owner::Body(i), _) => return system.bodies[i].v.as_slice().to_vec(),
+            (Owner::Element(i), _) => i,
         };
-        row.as_slice().to_vec()
+        let parts = &system.parts[i];
+        let elongation = || parts.first().and_then(|part| system.elongation_of_part(*part));
+        let mut sum = vec![0.0; system.signals.size];
+        let mut add = |row: &[f64]| sum.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+        match quantity.what {
+            What::F => parts
+                .iter()
+                .for_each(|part| add(system.force_row(*part, &self.mode, &self.lambda).as_slice())),
+            What::E => elongation().into_iter().for_each(|own| add(own.e.as_slice())),
+            _ => elongation().into_iter().for_each(|own| add(own.rate.as_slice())),
+        }
+        sum
     }
 }

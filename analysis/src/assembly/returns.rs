@@ -8,9 +8,9 @@ use super::section::{Section, harmonics};
 use crate::attractor::{LONGEST, RETURN, least_period, nears};
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
-use vibro_assembly::description::{Arms, Description, Dimension, StopLaw};
+use vibro_assembly::description::{Description, Dimension};
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::system::{Elongation, Row, System};
+use vibro_assembly::system::{Elongation, Part, Row, System};
 
 /// Contacts slower than this part of the fastest are chatter, of which the number does not make a
 /// period.
@@ -45,7 +45,6 @@ pub struct Functionals {
 impl Functionals {
     /// Those of a machine that is looked at in a section.
     pub fn of(d: &Description, system: &System, section: &Section) -> Self {
-        let rotates = |arms: &Arms| usize::from(arms.dimension == Dimension::Rotation);
         let (mut all, mut kinds, mut stiff) = (Vec::new(), Vec::new(), Vec::new());
         let mut push = |row: &Row, kind: usize, stiffness: Option<(&Elongation, f64)>| {
             let frequency = |(e, k): (&Elongation, f64)| (k * e.w.dot(&e.mobility)).max(0.0).sqrt();
@@ -53,28 +52,23 @@ impl Functionals {
             all.push(row.clone());
             kinds.push(kind);
         };
-        for (own, rows) in d.springs.iter().zip(&system.springs) {
-            let e = &rows.elongation;
-            if own.stiffness != 0.0 {
-                push(&e.e, rotates(&own.arms), None);
-                push(&e.rate, 2 + rotates(&own.arms), Some((e, own.stiffness)));
-            } else if own.damping != 0.0 {
-                push(&e.rate, 2 + rotates(&own.arms), None);
+        for (element, parts) in d.elements().zip(&system.parts) {
+            let rotates = usize::from(element.dimension(d) == Dimension::Rotation);
+            for &part in parts {
+                let Some(e) = system.elongation_of_part(part) else { continue };
+                let stiffness = match part {
+                    Part::Spring(i) => Some(system.springs[i].stiffness).filter(|k| *k != 0.0),
+                    Part::Stop(i) => Some(system.stops[i].stiffness()),
+                    Part::Friction(_) | Part::Load(_) => None,
+                };
+                let damps = !matches!(part, Part::Spring(i) if system.springs[i].damping == 0.0);
+                if let Some(stiffness) = stiffness {
+                    push(&e.e, rotates, None);
+                    push(&e.rate, 2 + rotates, Some((e, stiffness)));
+                } else if damps {
+                    push(&e.rate, 2 + rotates, None);
+                }
             }
-        }
-        for (own, rows) in d.stops.iter().zip(&system.stops) {
-            let (e, stiffness) = (
-                &rows.elongation,
-                match own.law {
-                    StopLaw::Rigid { .. } => 0.0,
-                    StopLaw::Compliant { stiffness, .. } => stiffness,
-                },
-            );
-            push(&e.e, rotates(&own.arms), None);
-            push(&e.rate, 2 + rotates(&own.arms), Some((e, stiffness)));
-        }
-        for (own, rows) in d.frictions.iter().zip(&system.frictions) {
-            push(&rows.elongation.rate, 2 + rotates(&own.arms), None);
         }
         let phases = harmonics(d).map(|h| h.frequency).filter(|f| !section.holds(*f)).collect();
         Self { rows: all, kinds, stiff, phases }

@@ -6,7 +6,7 @@ use super::flight::{Flows, Observer, follow};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use vibro_assembly::Motion;
-use vibro_assembly::description::{BodyKind, Description, Harmonic, Signal};
+use vibro_assembly::description::{Description, Harmonic, Signal};
 use vibro_assembly::motion::{Event, EventKind, Outcome};
 
 /// Frequencies are multiples of one another to this part.
@@ -46,24 +46,15 @@ pub enum Section {
     Friction(usize),
 }
 
-/// All signals of a machine.
-fn signals(d: &Description) -> impl Iterator<Item = &Signal> {
-    let motions = d.bodies.iter().filter_map(|b| match &b.kind {
-        BodyKind::Prescribed { motion, .. } => Some(motion),
-        BodyKind::Free(_) => None,
-    });
-    let levels = d.frictions.iter().flat_map(|f| std::iter::once(&f.force).chain(&f.static_force));
-    motions.chain(levels).chain(d.loads.iter().map(|l| &l.force))
-}
-
 /// The harmonics of all signals.
 pub(super) fn harmonics(d: &Description) -> impl Iterator<Item = &Harmonic> {
-    signals(d).flat_map(|s| s.harmonics.iter())
+    d.signals().flat_map(|s| s.signal.harmonics.iter())
 }
 
 /// Whether no signal changes with time: prescribed bodies may move evenly.
 pub(super) fn is_steady(d: &Description) -> bool {
-    signals(d).all(|s| s.harmonics.is_empty() && s.steps.is_empty() && s.table.is_none())
+    let is_constant = |s: &Signal| s.harmonics.is_empty() && s.steps.is_empty() && s.table.is_none();
+    d.signals().all(|s| is_constant(s.signal))
 }
 
 /// The least time that is a whole number of periods of each harmonic, s: `None` without harmonics,
@@ -104,7 +95,7 @@ impl Section {
             }
             SectionRule::Auto => match common_period(d) {
                 Some(period) => Ok(Self::Period(period)),
-                None if signals(d).any(|s| !s.harmonics.is_empty()) => refused(
+                None if harmonics(d).next().is_some() => refused(
                     "the harmonics' frequencies have no common period up to 1000 periods of the slowest; give a period, or an element \
                      whose events are the section"
                         .into(),

@@ -7,7 +7,8 @@ use super::settled::discard;
 use crate::error::{Error, Result};
 use crate::significant;
 use vibro_assembly::Motion;
-use vibro_assembly::description::{BodyKind, Description, Signal};
+use vibro_assembly::description::Description;
+use vibro_assembly::elements::NamedSignal;
 
 /// A window lasts so many periods of the slowest own oscillation, and what is discarded before it
 /// too.
@@ -97,30 +98,17 @@ impl Passed {
     }
 }
 
-/// All signals of a machine with what they drive.
-fn signals(d: &Description) -> impl Iterator<Item = (String, &Signal)> {
-    let motions = d.bodies.iter().filter_map(|b| match &b.kind {
-        BodyKind::Prescribed { motion, .. } => Some((format!("body.{}.motion", b.name), motion)),
-        BodyKind::Free(_) => None,
-    });
-    let levels = d.frictions.iter().flat_map(|f| {
-        let all = std::iter::once(&f.force).chain(&f.static_force);
-        all.map(|signal| (format!("friction.{}", f.name), signal))
-    });
-    motions.chain(levels).chain(d.loads.iter().map(|l| (format!("load.{}", l.name), &l.force)))
-}
-
 /// The last change of what drives a machine that does not repeat: its time, s, and what it is;
 /// `None` where all repeats or is constant.
 fn last_change(d: &Description) -> Option<(f64, String)> {
-    let of = |(name, signal): (String, &Signal)| {
+    let of = |NamedSignal { name, signal, .. }: NamedSignal| {
         let step =
             signal.steps.last().map(|s| (s.time, format!("{name} has a step at {} s", significant(s.time))));
         let end = signal.table.as_ref().and_then(|table| table.knots.last()).map(|k| k.0);
         let record = end.map(|end| (end, format!("{name} is a record up to {} s", significant(end))));
         [step, record]
     };
-    signals(d).flat_map(of).flatten().reduce(|a, b| if b.0 > a.0 { b } else { a })
+    d.signals().flat_map(of).flatten().reduce(|a, b| if b.0 > a.0 { b } else { a })
 }
 
 /// What still changes after a time without ever repeating, in words; `None` where all repeats from

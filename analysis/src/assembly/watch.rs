@@ -1,7 +1,7 @@
 //! What is read off a motion along the way: extrema and mean squares, local maxima, contacts.
 
 use super::flight::{Flight, Observer, Passage, coefficients, monotone_pieces};
-use super::quantity::Place;
+use vibro_assembly::Quantity;
 use vibro_assembly::energy::NODES;
 use vibro_assembly::motion::EventKind;
 use vibro_assembly::system::System;
@@ -20,7 +20,7 @@ fn rounded(value: f64, size: f64) -> f64 {
 /// Extrema of a quantity so far, and the integral of its square.
 #[derive(Clone, Debug)]
 pub struct Extent {
-    place: Place,
+    quantity: Quantity,
     /// The least value.
     pub least: f64,
     /// The largest value.
@@ -32,7 +32,7 @@ pub struct Extent {
 /// The local maxima of a quantity. One that lasts counts once, where it ends.
 #[derive(Clone, Debug)]
 pub struct Maxima {
-    place: Place,
+    quantity: Quantity,
     last: Option<f64>,
     rising: bool,
     size: f64,
@@ -42,8 +42,8 @@ pub struct Maxima {
 
 impl Maxima {
     /// Of a quantity.
-    pub fn new(place: Place) -> Self {
-        Self { place, last: None, rising: false, size: 0.0, found: Vec::new() }
+    pub fn new(quantity: Quantity) -> Self {
+        Self { quantity, last: None, rising: false, size: 0.0, found: Vec::new() }
     }
 
     /// The next value; the quantity is monotone from one to the next.
@@ -95,11 +95,15 @@ pub struct Watcher {
 
 impl Watcher {
     /// Of the extents of some quantities.
-    pub fn of(places: &[Place], stops: usize) -> Self {
-        let extent =
-            |&place: &Place| Extent { place, least: f64::INFINITY, largest: f64::NEG_INFINITY, square: 0.0 };
+    pub fn of(quantities: &[Quantity], stops: usize) -> Self {
+        let extent = |&quantity: &Quantity| Extent {
+            quantity,
+            least: f64::INFINITY,
+            largest: f64::NEG_INFINITY,
+            square: 0.0,
+        };
         Self {
-            extents: places.iter().map(extent).collect(),
+            extents: quantities.iter().map(extent).collect(),
             maxima: None,
             contacts: vec![Contacts::default(); stops],
             events: 0,
@@ -136,8 +140,9 @@ impl Observer for Watcher {
         if self.extents.is_empty() && self.maxima.is_none() {
             return;
         }
-        let rows: Vec<Vec<f64>> = self.extents.iter().map(|e| e.place.row(system, flight.flow)).collect();
-        let top = self.maxima.as_ref().map(|m| m.place.row(system, flight.flow));
+        let rows: Vec<Vec<f64>> =
+            self.extents.iter().map(|e| flight.flow.row_of(system, e.quantity)).collect();
+        let top = self.maxima.as_ref().map(|m| flight.flow.row_of(system, m.quantity));
         flight.flow.stretches(flight.start, flight.span, &mut |series, length| {
             for (extent, row) in self.extents.iter_mut().zip(&rows) {
                 let q = coefficients(row, series);

@@ -15,11 +15,7 @@ impl Machine {
     fn linear(&self, reference: u32, what: &'static str) -> Result<&Row, MachineProblem> {
         let row = self.plan.table.row(reference, Bases::ANY)?;
         match row.quantity {
-            Quantity::Body(..)
-            | Quantity::Spring(..)
-            | Quantity::Stop(..)
-            | Quantity::Friction(..)
-            | Quantity::Load(_) => Ok(row),
+            Quantity::Column(_) => Ok(row),
             _ => Err(Problem::NotOffered { what }.into()),
         }
     }
@@ -97,8 +93,8 @@ impl Machine {
     fn derivative(&self, of: &Motion, reference: u32) -> Result<f64, MachineProblem> {
         let row = self.plan.table.row(reference, Bases::ANY)?;
         let value = match row.quantity {
-            Quantity::Stop(i, k) => of.stop_varied(i)[k],
-            quantity => super::moving::linear(of, quantity),
+            Quantity::Column(column) => of.value_varied(column),
+            _ => 0.0,
         } + 0.0;
         if value.is_finite() {
             return Ok(value);

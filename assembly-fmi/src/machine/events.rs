@@ -6,7 +6,7 @@ use super::moving::Moving;
 use crate::problem::MachineProblem;
 use fmi_doors::log::{Category, Log};
 use fmi_doors::{Advance, EventHandling, Handled, Phase, Problem};
-use vibro_assembly::description::Description;
+use vibro_assembly::Assembly;
 use vibro_assembly::motion::{Event, EventKind, Outcome};
 use vibro_assembly::{Error, Motion};
 
@@ -130,7 +130,7 @@ impl Machine {
             return Ok(Handled::default());
         };
         let assembly = next.motion.assembly().clone();
-        let states = next.handle(&mut |event| tell(&assembly.description, event, log))?;
+        let states = next.handle(&mut |event| tell(&assembly, event, log))?;
         self.take_over(&mut next)?;
         self.pending.fill(None);
         (self.moving, self.ahead, self.changed) = (Some(next), None, false);
@@ -149,7 +149,7 @@ pub(super) fn run(
     let mut events = 0;
     let mut observe = |event: &Event| {
         events += 1;
-        tell(&assembly.description, event, log);
+        tell(&assembly, event, log);
     };
     match at_event {
         AtEvent::EndBefore => Ok(motion.advance_before_event(end, &mut observe)? == Outcome::Event),
@@ -161,15 +161,15 @@ pub(super) fn run(
 }
 
 /// Tells an event where that is wanted.
-pub(super) fn tell(machine: &Description, event: &Event, log: &mut dyn Log) {
+pub(super) fn tell(machine: &Assembly, event: &Event, log: &mut dyn Log) {
     if log.wants(Category::Events) {
         log.log(Category::Events, &in_words(machine, event));
     }
 }
 
-fn in_words(machine: &Description, event: &Event) -> String {
-    let stop = |i: usize| format!("stop.{}", machine.stops[i].name);
-    let friction = |i: usize| format!("friction.{}", machine.frictions[i].name);
+fn in_words(machine: &Assembly, event: &Event) -> String {
+    let stop = |i: usize| machine.name_of_stop(i);
+    let friction = |i: usize| machine.name_of_friction(i);
     let text = match event.kind {
         EventKind::Impact { stop: i, speed, impulse, .. } => {
             format!("{} is hit, closing with {speed} (SI), impulse {impulse} (SI)", stop(i))

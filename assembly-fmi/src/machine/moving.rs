@@ -198,7 +198,12 @@ impl Moving {
             Quantity::Impulse(i) => motion.impacts(i).impulse,
             Quantity::FrictionState(i) => friction_state(motion.mode().frictions[i]),
             Quantity::Indicator(i) => motion.indicators()[i],
-            _ => linear(motion, quantity),
+            Quantity::Column(column) => motion.value(column),
+            Quantity::Time
+            | Quantity::Parameter(_)
+            | Quantity::Input(_)
+            | Quantity::Transition
+            | Quantity::Response => 0.0,
         }
     }
 
@@ -215,20 +220,6 @@ impl Moving {
             }
             Energy::Residual => self.unaccounted() - self.origin,
         }
-    }
-}
-
-/// A coordinate, an elongation or a force, or a derivative of one; 0 of anything else.
-pub(super) fn linear(motion: &Motion, quantity: Quantity) -> f64 {
-    match quantity {
-        Quantity::Body(i, 0) => motion.coordinate(i),
-        Quantity::Body(i, 1) => motion.rate(i),
-        Quantity::Body(i, _) => motion.body(i)[2],
-        Quantity::Spring(i, k) => motion.spring(i)[k],
-        Quantity::Stop(i, k) => motion.stop(i)[k],
-        Quantity::Friction(i, k) => motion.friction(i)[k],
-        Quantity::Load(i) => motion.load(i),
-        _ => 0.0,
     }
 }
 

@@ -122,7 +122,7 @@ impl Machine {
     pub(super) fn pass(&mut self, pieces: &mut Pieces, log: &mut dyn Log) {
         let Some(moving) = &mut self.moving else { return };
         let (assembly, before) = (moving.motion.assembly().clone(), moving.motion.save());
-        let mut observe = |event: &Event| tell(&assembly.description, event, log);
+        let mut observe = |event: &Event| tell(&assembly, event, log);
         if let Err(error) = moving.motion.apply_event(&mut observe) {
             moving.motion.restore(&before);
             pieces.failed = Some(error);

@@ -5,7 +5,9 @@ use super::knowns::{Knowns, join};
 use crate::table::Quantity;
 use fmi_doors::DependencyKind::{Dependent, Discrete, Tunable};
 use std::collections::HashMap;
-use vibro_assembly::description::{Arms, BodyKind, Description, StopLaw};
+use vibro_assembly::Element;
+use vibro_assembly::description::{Arms, BodyKind, Description};
+use vibro_assembly::elements::Action;
 
 /// Bodies that may be held to one another, by the number of their group.
 pub(super) fn groups(machine: &Description, arms: &[&Arms]) -> Vec<usize> {
@@ -25,6 +27,11 @@ pub(super) fn is_free(machine: &Description, body: usize) -> bool {
     matches!(machine.bodies[body].kind, BodyKind::Free(_))
 }
 
+/// Whether an element may hold its elongation or the rate of it.
+pub(super) fn holds(action: Action) -> bool {
+    matches!(action, Action::Tying | Action::Hitting | Action::Rubbing)
+}
+
 /// What the bodies of a group have in common.
 #[derive(Default)]
 pub(super) struct Group {
@@ -39,20 +46,12 @@ pub(super) struct Group {
 }
 
 impl<'a> Structure<'a> {
-    /// What ties or touches bodies: arms, section, and whether it is a link or a rigid stop.
-    fn ties(&self) -> impl Iterator<Item = (&'a Arms, String, bool, bool)> {
-        let links = self.machine.links.iter().map(|x| (&x.arms, format!("link.{}", x.name), true, false));
-        let rigid = self.machine.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. }));
-        let stops = rigid.map(|x| (&x.arms, format!("stop.{}", x.name), false, true));
-        let frictions =
-            self.machine.frictions.iter().map(|x| (&x.arms, format!("friction.{}", x.name), false, false));
-        links.chain(stops).chain(frictions)
-    }
-
-    /// The groups of the free bodies that elongations have in common.
-    pub(super) fn groups_at(&self, arms: &Arms) -> Vec<usize> {
-        let bodies = arms.terms.iter().map(|term| term.0).filter(|&body| is_free(self.machine, body));
-        let mut groups: Vec<usize> = bodies.map(|body| self.group_of[body]).collect();
+    /// The groups of the free bodies on which an element acts.
+    pub(super) fn groups_of(&self, element: Element) -> Vec<usize> {
+        let load = if let Element::Load(load) = element { Some(load.body) } else { None };
+        let bodies = element.arms().into_iter().flat_map(|arms| &arms.terms).map(|term| term.0).chain(load);
+        let free = bodies.filter(|&body| is_free(self.machine, body));
+        let mut groups: Vec<usize> = free.map(|body| self.group_of[body]).collect();
         groups.sort_unstable();
         groups.dedup();
         groups
@@ -66,11 +65,13 @@ impl<'a> Structure<'a> {
             self.of_body_section(body, &mut groups.entry(self.group_of[body]).or_default().forces);
         }
         let mut discrete = Vec::new();
-        for (arms, section, is_link, is_rigid) in self.ties() {
-            for place in self.groups_at(arms) {
+        for &element in self.elements.iter().filter(|element| holds(element.action())) {
+            let Some(arms) = element.arms() else { continue };
+            let is_link = element.action() == Action::Tying;
+            for place in self.groups_of(element) {
                 let group = groups.entry(place).or_default();
-                self.of_section(&section, &mut group.forces);
-                group.hits |= is_rigid;
+                self.of_section(&element.dotted(), &mut group.forces);
+                group.hits |= element.action() == Action::Hitting;
                 discrete.extend((!is_link).then_some(place));
                 for &(body, _) in arms.terms.iter().filter(|term| !is_free(self.machine, term.0)) {
                     group.is_tied |= is_link;
@@ -96,24 +97,13 @@ impl<'a> Structure<'a> {
     /// What the forces on groups depend on, each with its group.
     fn forces(&self) -> Vec<(usize, Knowns)> {
         let mut forces: Vec<(usize, Knowns)> = Vec::new();
-        for (i, spring) in self.machine.springs.iter().enumerate() {
-            let knowns = self.spring(i);
-            forces.extend(self.groups_at(&spring.arms).into_iter().map(|group| (group, knowns.clone())));
-        }
-        for (i, stop) in self.machine.stops.iter().enumerate() {
-            if let StopLaw::Compliant { .. } = stop.law {
-                let knowns = self.stop(i);
-                forces.extend(self.groups_at(&stop.arms).into_iter().map(|group| (group, knowns.clone())));
-            }
-        }
-        for (i, friction) in self.machine.frictions.iter().enumerate() {
-            let knowns = self.levels(i);
-            forces.extend(self.groups_at(&friction.arms).into_iter().map(|group| (group, knowns.clone())));
-        }
-        for (i, load) in self.machine.loads.iter().enumerate() {
-            if is_free(self.machine, load.body) {
-                forces.push((self.group_of[load.body], self.load(i)));
-            }
+        for &element in &self.elements {
+            let knowns = match element.action() {
+                Action::Linear | Action::Switching => self.force(element),
+                Action::Rubbing | Action::Driving => self.signals(element),
+                Action::Hitting | Action::Tying => continue,
+            };
+            forces.extend(self.groups_of(element).into_iter().map(|group| (group, knowns.clone())));
         }
         forces
     }

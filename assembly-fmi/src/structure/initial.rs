@@ -1,18 +1,20 @@
 //! What unknowns depend on in initialization, where states follow from their starts.
 
 use super::Structure;
-use super::knowns::{Knowns, join, put};
+use super::knowns::{Knowns, put};
 use crate::table::Quantity;
 use fmi_doors::DependencyKind::Dependent;
+use vibro_assembly::Element;
+use vibro_assembly::elements::Action;
 
 impl Structure<'_> {
     /// What a variable depends on in initialization, where states follow from their starts.
     pub(super) fn initially(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
         for (known, _) in self.of(quantity) {
-            match self.plan.table.rows[known as usize - 1].quantity {
-                Quantity::Body(body, order) => self.start(body, order, &mut knowns),
-                _ => put(&mut knowns, known, Dependent),
+            match self.plan.table.rows[known as usize - 1].quantity.as_body() {
+                Some((body, order)) => self.start(body, order, &mut knowns),
+                None => put(&mut knowns, known, Dependent),
             }
         }
         knowns
@@ -27,15 +29,16 @@ impl Structure<'_> {
             return;
         }
         let mut of_impacts = group.forces.clone();
-        for (i, stop) in self.machine.stops.iter().enumerate() {
-            if self.groups_at(&stop.arms).contains(&self.group_of[body]) {
-                (0..2).for_each(|k| join(&mut of_impacts, &self.of(Quantity::Stop(i, k)), Dependent));
+        let may_touch = |e: &&Element| matches!(e.action(), Action::Hitting | Action::Switching);
+        for &stop in self.elements.iter().filter(may_touch) {
+            if self.groups_of(stop).contains(&self.group_of[body]) {
+                (0..2).for_each(|order| self.elongation(stop, order, &mut of_impacts));
             }
         }
         for known in of_impacts.into_keys() {
-            match self.plan.table.rows[known as usize - 1].quantity {
-                Quantity::Body(body, order) => self.start_alone(body, order, knowns),
-                _ => put(knowns, known, Dependent),
+            match self.plan.table.rows[known as usize - 1].quantity.as_body() {
+                Some((body, order)) => self.start_alone(body, order, knowns),
+                None => put(knowns, known, Dependent),
             }
         }
     }

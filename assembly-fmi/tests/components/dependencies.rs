@@ -8,6 +8,7 @@ use fmi_doors::description::Unknown;
 use fmi_doors::{Component, DependencyKind, Interface, Phase};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
+use vibro_assembly::{Element, Owner, What};
 use vibro_assembly_fmi::{FILE, Plan, Quantity, Role, SavedState};
 
 /// Of the terms that a value is the sum of, after some dozen operations; elements of stiff machines
@@ -30,10 +31,12 @@ fn knowns(plan: &Plan, solver: &mut Solver) -> Vec<(u32, f64)> {
     let mut all = Vec::new();
     for (reference, row) in (1..).zip(&plan.table.rows) {
         let size = match row.quantity {
-            Quantity::Body(body, order @ 0..2) => states.iter().position(|&state| state == body).map(|k| {
-                let now = get(&mut solver.machine, reference).unwrap().abs();
-                1e-3 * nominals[order * states.len() + k].max(now)
-            }),
+            quantity if let Some((body, order @ 0..2)) = quantity.as_body() => {
+                states.iter().position(|&state| state == body).map(|k| {
+                    let now = get(&mut solver.machine, reference).unwrap().abs();
+                    1e-3 * nominals[order * states.len() + k].max(now)
+                })
+            }
             Quantity::Input(_) => Some(1e-3),
             Quantity::Time => Some(1e-4 * plan.description().experiment.stop_time),
             _ => None,
@@ -86,7 +89,10 @@ impl Probe<'_> {
 
 /// A stop's force is never a pull: just beyond its end it is cut off.
 fn is_cut_off(plan: &Plan, unknown: u32, least: f64) -> bool {
-    matches!(plan.table.rows[unknown as usize - 1].quantity, Quantity::Stop(_, 2)) && least == 0.0
+    let Quantity::Column(column) = plan.table.rows[unknown as usize - 1].quantity else { return false };
+    let Owner::Element(i) = column.owner else { return false };
+    let is_stop = matches!(plan.assembly.description.elements().nth(i), Some(Element::Stop(_)));
+    is_stop && column.what == What::F && least == 0.0
 }
 
 /// Factors that hold for all modes, by unknown and known.

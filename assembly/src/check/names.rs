@@ -1,7 +1,7 @@
 //! Names, and how much there is of everything.
 
 use super::MOST;
-use crate::description::{Description, Signal};
+use crate::description::Description;
 use crate::refusal::Problem;
 use std::collections::HashMap;
 
@@ -18,16 +18,6 @@ pub(crate) fn problem_of(name: &str) -> Option<&'static str> {
     (!good).then_some(NAME)
 }
 
-/// Elements of every kind, as section and name.
-fn elements(machine: &Description) -> impl Iterator<Item = (&'static str, &str)> {
-    let springs = machine.springs.iter().map(|s| ("spring", s.name.as_str()));
-    let stops = machine.stops.iter().map(|s| ("stop", s.name.as_str()));
-    let frictions = machine.frictions.iter().map(|f| ("friction", f.name.as_str()));
-    let links = machine.links.iter().map(|l| ("link", l.name.as_str()));
-    let loads = machine.loads.iter().map(|l| ("load", l.name.as_str()));
-    springs.chain(stops).chain(frictions).chain(links).chain(loads)
-}
-
 /// Problems of the names and of the numbers of things.
 pub(super) fn check(machine: &Description) -> Vec<Problem> {
     let mut problems = Vec::new();
@@ -35,7 +25,7 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
         problems.push(Problem::new("name", Some(format!("{:?}", machine.name)), text));
     }
     unique(machine.bodies.iter().map(|b| ("body", b.name.as_str())), &mut problems);
-    unique(elements(machine), &mut problems);
+    unique(machine.elements().map(|e| (e.section(), e.name())), &mut problems);
     if machine.bodies.iter().any(|b| b.name == "ground") {
         problems.push(Problem::new(
             "body.ground",
@@ -45,8 +35,11 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     }
     let counts = [
         ("body", machine.bodies.len()),
-        ("elements", elements(machine).count()),
-        ("harmonics and steps", signals(machine).map(|s| s.harmonics.len() + s.steps.len()).sum()),
+        ("elements", machine.elements().count()),
+        (
+            "harmonics and steps",
+            machine.signals().map(|s| s.signal.harmonics.len() + s.signal.steps.len()).sum(),
+        ),
     ];
     for (name, count) in counts {
         if count > MOST {
@@ -54,10 +47,6 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
         }
     }
     problems
-}
-
-fn signals(machine: &Description) -> impl Iterator<Item = &Signal> {
-    super::signals(machine).map(|(_, signal)| signal)
 }
 
 /// Names are well formed, and each is there once: outputs of elements are called by name without

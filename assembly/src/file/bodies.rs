@@ -3,6 +3,7 @@
 use super::reading::{Reading, Table};
 use super::signals::{self, Values};
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Signal};
+use crate::elements::SECTIONS;
 use crate::kinds::{self, Kind};
 use crate::parameters::has_unit;
 use crate::refusal::Problem;
@@ -166,8 +167,7 @@ fn unit_of(motion: &DeValue) -> Option<Dimension> {
 
 /// The dimension of a body with mass or inertia that an element stands `between` with this one.
 fn neighbour(name: &str, root: &Table) -> Option<Dimension> {
-    let sections =
-        ["spring", "stop", "friction", "link"].into_iter().filter_map(|section| root.entries.get(section));
+    let sections = SECTIONS.into_iter().filter_map(|(section, _)| root.entries.get(section));
     let elements =
         sections.filter_map(|section| section.get_ref().as_table()).flat_map(|section| section.values());
     let pairs = elements.filter_map(|element| element.get_ref().get("between")?.get_ref().as_array());

@@ -3,6 +3,7 @@
 use crate::description::{
     Arms, Body, BodyKind, DampingLimit, Description, Dimension, Friction, Signal, Stop, StopLaw,
 };
+use crate::elements::Element;
 use crate::kinds;
 use std::fmt::Write;
 
@@ -25,31 +26,25 @@ pub(super) fn machine(machine: &Description) -> String {
         line!(text, "\n[body.{}]", body.name);
         self::body(&mut text, body);
     }
-    for spring in &machine.springs {
-        line!(text, "\n[spring.{}]", spring.name);
-        arms(&mut text, machine, &spring.arms);
-        line!(text, "stiffness = {:?}", spring.stiffness);
-        line!(text, "damping = {:?}", spring.damping);
-        line!(text, "preload = {:?}", spring.preload);
-    }
-    for stop in &machine.stops {
-        line!(text, "\n[stop.{}]", stop.name);
-        arms(&mut text, machine, &stop.arms);
-        self::stop(&mut text, stop);
-    }
-    for friction in &machine.frictions {
-        line!(text, "\n[friction.{}]", friction.name);
-        arms(&mut text, machine, &friction.arms);
-        self::friction(&mut text, friction);
-    }
-    for link in &machine.links {
-        line!(text, "\n[link.{}]", link.name);
-        arms(&mut text, machine, &link.arms);
-    }
-    for load in &machine.loads {
-        line!(text, "\n[load.{}]", load.name);
-        line!(text, "on = {:?}", machine.bodies[load.body].name);
-        parts(&load.force).iter().for_each(|part| line!(text, "{part}"));
+    for element in machine.elements() {
+        line!(text, "\n[{}]", element.dotted());
+        if let Some(arms) = element.arms() {
+            self::arms(&mut text, machine, arms);
+        }
+        match element {
+            Element::Spring(spring) => {
+                line!(text, "stiffness = {:?}", spring.stiffness);
+                line!(text, "damping = {:?}", spring.damping);
+                line!(text, "preload = {:?}", spring.preload);
+            }
+            Element::Stop(stop) => self::stop(&mut text, stop),
+            Element::Friction(friction) => self::friction(&mut text, friction),
+            Element::Link(_) => {}
+            Element::Load(load) => {
+                line!(text, "on = {:?}", machine.bodies[load.body].name);
+                parts(&load.force).iter().for_each(|part| line!(text, "{part}"));
+            }
+        }
     }
     text
 }

@@ -231,7 +231,7 @@ impl Motion {
     }
 
     fn jammed(&self, jam: &Jam) -> Error {
-        let names = jam.contacts.iter().map(|&i| format!("stop.{}", self.assembly.description.stops[i].name));
+        let names = jam.contacts.iter().map(|&i| self.assembly.name_of_stop(i));
         Error::Jammed { time: self.time(), stops: names.collect::<Vec<_>>().join(", ") }
     }
 

@@ -135,7 +135,7 @@ impl Motion {
 
     /// The error of a rigid stop that a jump has violated.
     pub(super) fn violated(&self, i: usize, excess: f64) -> Error {
-        let stop = self.assembly.description.stops[i].name.clone();
+        let stop = self.assembly.name_of_stop(i);
         Error::Violated { stop, time: self.time(), excess }
     }
 

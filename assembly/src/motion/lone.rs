@@ -6,7 +6,7 @@ use super::event::EventKind;
 use super::report::report;
 use super::{Motion, Observer, contact};
 use crate::law::ZERO;
-use crate::mode::{Element, FrictionState, StopState, Watch};
+use crate::mode::{ElementState, FrictionState, StopState, Watch};
 use crate::system::Elongation;
 
 impl Motion {
@@ -27,7 +27,7 @@ impl Motion {
     }
 
     /// The states that may follow at the passage of `watch`, the likelier first.
-    fn followers(&self, watch: Watch) -> [Option<Element>; 2] {
+    fn followers(&self, watch: Watch) -> [Option<ElementState>; 2] {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         // Which friction leaves its static level first is another question than which mode is
         // possible.
@@ -37,7 +37,7 @@ impl Motion {
                 .into_iter()
                 .any(|(j, (state, friction))| j != i && state.sticks() && friction.has_static)
         };
-        let stop = |i: usize, state| [Some(Element::Stop(i, state)), None];
+        let stop = |i: usize, state| [Some(ElementState::Stop(i, state)), None];
         match watch {
             Watch::Presses(i) => stop(i, system.stops[i].entered()),
             Watch::Leaves(i) => stop(i, StopState::Below),
@@ -62,19 +62,19 @@ impl Motion {
                     _ => FrictionState::Up,
                 };
                 let turns = !system.frictions[i].has_static;
-                let stuck = Element::Friction(i, FrictionState::Stuck);
-                [Some(stuck), turns.then_some(Element::Friction(i, turned))]
+                let stuck = ElementState::Friction(i, FrictionState::Stuck);
+                [Some(stuck), turns.then_some(ElementState::Friction(i, turned))]
             }
             Watch::Slips(i, up) if !others_are_static(i) => {
                 let state = if up { FrictionState::Up } else { FrictionState::Down };
-                [Some(Element::Friction(i, state)), None]
+                [Some(ElementState::Friction(i, state)), None]
             }
             Watch::Meets(_) | Watch::Level(_) | Watch::Stops(_) | Watch::Slips(..) => [None, None],
         }
     }
 
     /// The change of an element to its state `next`, where it is certain; else nothing changes.
-    fn lone_change(&mut self, watch: Watch, next: Element, observer: &mut Observer) -> bool {
+    fn lone_change(&mut self, watch: Watch, next: ElementState, observer: &mut Observer) -> bool {
         let system = &self.assembly.system;
         if self.tables.known_after(self.place, next).is_none() && self.tables.make_room() {
             self.place = self.tables.place_of(&self.hybrid.mode, system);
@@ -105,7 +105,7 @@ impl Motion {
     /// Whether at the passage of `watch` another functional of its element is at zero too, or so
     /// near that the general law may take it for rounding: where a friction's level vanishes beside
     /// the forces that it holds against, say. An `ElastoGap` has two of the same kind.
-    fn is_at_corner(&self, element: Element, watch: Watch) -> bool {
+    fn is_at_corner(&self, element: ElementState, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
         let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
         let mut near = own.filter(|w| w.row.at(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.row));
@@ -117,7 +117,7 @@ impl Motion {
     /// and all others are below by more than rounding, as are those stops that are not watched
     /// since they press: all but the one that is `entered`. Then all conditions of the mode hold
     /// (docs/assembly-law.md (A11)), and the orders of departure are noted.
-    fn departs_alone(&mut self, own: Element, entered: Option<usize>) -> bool {
+    fn departs_alone(&mut self, own: ElementState, entered: Option<usize>) -> bool {
         let (hybrid, scratch, table) =
             (&mut self.hybrid, &mut self.scratch, &self.tables.at(self.place).table);
         let (z, sizes) = (hybrid.z.as_slice(), hybrid.sizes.0.as_slice());
@@ -170,7 +170,7 @@ impl Motion {
         }
         hybrid.sizes.include(z);
         let prescribed = speed - e.w.as_slice().iter().zip(&before[n..]).map(|(w, v)| w * v).sum::<f64>();
-        if self.is_low_bounce(i, least) || !self.departs_alone(Element::Stop(i, StopState::Open), None) {
+        if self.is_low_bounce(i, least) || !self.departs_alone(ElementState::Stop(i, StopState::Open), None) {
             self.hybrid.z.copy_from(&self.scratch.start);
             return false;
         }

@@ -26,7 +26,9 @@ use crate::error::Error;
 use crate::flow::{Ahead, Group, Rows, Table};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
+use crate::quantity::{Owner, Quantity, What};
 use crate::signals::Input;
+use crate::system::Part;
 use jump::Parted;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -299,9 +301,8 @@ impl Motion {
         [e, rate, force.max(0.0)]
     }
 
-    /// The same as linear functions of the state, for motions that stand for a derivative: the
-    /// derivative of a force has either sign.
-    pub fn stop_varied(&self, i: usize) -> [f64; 3] {
+    /// A stop's elongation, its rate and its force as linear functions of the state.
+    fn stop_varied(&self, i: usize) -> [f64; 3] {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let stop = &system.stops[i];
         let state = self.hybrid.mode.stops[i];
@@ -322,6 +323,41 @@ impl Motion {
             _ => system.friction_force_at(i, state, z).unwrap_or(0.0),
         };
         [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
+    }
+
+    /// The value of a quantity of the machine, SI.
+    pub fn value(&self, quantity: Quantity) -> f64 {
+        self.value_by(quantity, |i| self.stop(i)[2])
+    }
+
+    /// The derivative of a quantity, of a motion that stands for a derivative: that of a stop's force
+    /// has either sign.
+    pub fn value_varied(&self, quantity: Quantity) -> f64 {
+        self.value_by(quantity, |i| self.stop_varied(i)[2])
+    }
+
+    fn value_by(&self, quantity: Quantity, stop_force: impl Fn(usize) -> f64) -> f64 {
+        let i = match (quantity.owner, quantity.what) {
+            (Owner::Body(i), What::S) => return self.coordinate(i),
+            (Owner::Body(i), What::V) => return self.rate(i),
+            (Owner::Body(i), _) => return self.body(i)[2],
+            (Owner::Element(i), _) => i,
+        };
+        let (parts, z) = (&self.assembly.system.parts[i], &self.hybrid.z);
+        let elongation = || parts.first().and_then(|part| self.assembly.system.elongation_of_part(*part));
+        match quantity.what {
+            What::F => {
+                let force = |part: &Part| match *part {
+                    Part::Spring(i) => self.spring(i)[2],
+                    Part::Stop(i) => stop_force(i),
+                    Part::Friction(i) => self.friction(i)[2],
+                    Part::Load(i) => self.load(i),
+                };
+                parts.iter().map(force).sum()
+            }
+            What::E => elongation().map_or(0.0, |own| own.e.dot(z)),
+            _ => elongation().map_or(0.0, |own| own.rate.dot(z)),
+        }
     }
 
     /// A load's force.

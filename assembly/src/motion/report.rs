@@ -3,7 +3,7 @@
 use super::event::{Event, EventKind};
 use super::{Motion, Observer};
 use crate::law::impact::Impacts;
-use crate::mode::{Element, FrictionState, Mode, StopState};
+use crate::mode::{ElementState, FrictionState, Mode, StopState};
 
 impl Motion {
     pub(super) fn report_impacts(&mut self, impacts: &Impacts, observer: &mut Observer) {
@@ -21,19 +21,21 @@ impl Motion {
     pub(super) fn report_changes(&self, before: &Mode, closing: &[(usize, f64)], observer: &mut Observer) {
         for (i, &was) in before.stops.iter().enumerate() {
             let left = closing.iter().find(|c| c.0 == i).map_or(0.0, |c| c.1);
-            self.report_change(Element::Stop(i, was), left, observer);
+            self.report_change(ElementState::Stop(i, was), left, observer);
         }
         for (i, &was) in before.frictions.iter().enumerate() {
-            self.report_change(Element::Friction(i, was), 0.0, observer);
+            self.report_change(ElementState::Friction(i, was), 0.0, observer);
         }
     }
 
     /// What has become of an element that was in another state; a stop that closes would have
     /// bounced for the time `left`.
-    pub(super) fn report_change(&self, was: Element, left: f64, observer: &mut Observer) {
+    pub(super) fn report_change(&self, was: ElementState, left: f64, observer: &mut Observer) {
         match (was, self.hybrid.mode.state_of(was)) {
-            (Element::Stop(i, was), Element::Stop(_, now)) => self.report_stop(i, was, now, left, observer),
-            (Element::Friction(i, was), Element::Friction(_, now)) => {
+            (ElementState::Stop(i, was), ElementState::Stop(_, now)) => {
+                self.report_stop(i, was, now, left, observer)
+            }
+            (ElementState::Friction(i, was), ElementState::Friction(_, now)) => {
                 self.report_friction(i, was, now, observer);
             }
             _ => {}

@@ -3,7 +3,7 @@
 
 use crate::energy::Powers;
 use crate::flow::Table;
-use crate::mode::{Element, Mode};
+use crate::mode::{ElementState, Mode};
 use crate::system::System;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
@@ -19,7 +19,7 @@ pub(super) struct Met {
     /// Its powers, made when they are first needed.
     powers: OnceLock<Arc<Powers>>,
     /// The modes in which one element has another state, by their places.
-    changes: Vec<(Element, usize)>,
+    changes: Vec<(ElementState, usize)>,
 }
 
 impl Met {
@@ -83,7 +83,7 @@ impl Tables {
     }
 
     /// The place of the mode to which the change of an element leads, where that is known.
-    pub(super) fn known_after(&self, place: usize, element: Element) -> Option<usize> {
+    pub(super) fn known_after(&self, place: usize, element: ElementState) -> Option<usize> {
         self.met[place].changes.iter().find(|(known, _)| *known == element).map(|&(_, next)| next)
     }
 
@@ -99,7 +99,7 @@ impl Tables {
     }
 
     /// The place of the mode that differs from the one at `place` by the state of an element.
-    pub(super) fn place_after(&mut self, place: usize, element: Element, system: &System) -> usize {
+    pub(super) fn place_after(&mut self, place: usize, element: ElementState, system: &System) -> usize {
         if let Some(next) = self.known_after(place, element) {
             return next;
         }

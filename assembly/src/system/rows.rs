@@ -120,6 +120,14 @@ impl StopRows {
         }
     }
 
+    /// The stiffness of a compliant stop; 0 of a rigid one, N/m or N m/rad.
+    pub fn stiffness(&self) -> f64 {
+        match self.law {
+            StopLaw::Rigid { .. } => 0.0,
+            StopLaw::Compliant { stiffness, .. } => stiffness,
+        }
+    }
+
     /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its
     /// cap there.
     pub fn entered(&self) -> StopState {

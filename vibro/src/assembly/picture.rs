@@ -1,10 +1,11 @@
 //! The picture of a motion: coordinates, forces of stops and friction, and the speeds of impacts
 //! over time.
 
-use super::Record;
-use vibro_analysis::assembly::{Extreme, What};
+use super::{Record, is_contact};
+use vibro_analysis::assembly::Extreme;
 use vibro_assembly::description::Dimension;
 use vibro_assembly::motion::EventKind;
+use vibro_assembly::{Element, Quantity, What};
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 
@@ -30,21 +31,14 @@ pub fn figure(record: &Record, caption: Vec<String>) -> Option<Figure> {
     let mut panels = Vec::new();
     for (dimension, label) in [(Dimension::Translation, "s (m)"), (Dimension::Rotation, "s (rad)")] {
         let bodies = d.bodies.iter().enumerate().filter(|(_, b)| b.dimension == dimension);
-        let curves: Vec<_> = bodies
-            .map(|(i, b)| Curve { name: &b.name, column: 3 * i, extreme: record.body(i, What::S) })
-            .collect();
+        let coordinate = |i| Quantity::of_body(i, What::S);
+        let curves: Vec<_> = bodies.filter_map(|(i, b)| curve(record, &b.name, coordinate(i))).collect();
         panels.extend(curves_over_time(record, "coordinates", label, &curves));
     }
-    let first = 3 * (d.bodies.len() + d.springs.len());
-    let contacts = d.stops.iter().map(|s| (&s.name, s.arms.dimension));
-    let contacts = contacts.chain(d.frictions.iter().map(|f| (&f.name, f.arms.dimension)));
-    let contacts: Vec<_> = contacts.enumerate().collect();
     for (dimension, label) in [(Dimension::Translation, "f (N)"), (Dimension::Rotation, "f (N·m)")] {
-        let these = contacts.iter().filter(|(_, contact)| contact.1 == dimension);
-        let curves = these.map(|&(i, (name, _))| {
-            let (column, extreme) = (first + 3 * i + 2, record.force(i));
-            Curve { name, column, extreme }
-        });
+        let of = |e: &Element| is_contact(*e) && e.dimension(d) == dimension;
+        let these = d.elements().enumerate().filter(|(_, element)| of(element));
+        let curves = these.filter_map(|(i, e)| curve(record, e.name(), Quantity::of_element(i, What::F)));
         // A stop that is never closed or pressed has no force to show.
         let curves: Vec<_> = curves.filter(|curve| curve.extreme.largest != 0.0).collect();
         panels.extend(curves_over_time(record, "forces of stops and friction", label, &curves));
@@ -64,6 +58,11 @@ pub fn figure(record: &Record, caption: Vec<String>) -> Option<Figure> {
 fn time_axis(record: &Record) -> Axis {
     let time = |row: Option<&Vec<f64>>| row.map_or(0.0, |row| row[0]);
     Axis::over("time (s)", time(record.rows.first()), time(record.rows.last()))
+}
+
+fn curve<'a>(record: &'a Record, name: &'a str, quantity: Quantity) -> Option<Curve<'a>> {
+    let column = record.assembly.description.quantities().position(|column| column == quantity)?;
+    Some(Curve { name, column, extreme: record.extreme(quantity)? })
 }
 
 /// A quantity that is drawn: its name, its column of the samples, its extremes between them.

@@ -6,11 +6,13 @@ use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use vibro_analysis::assembly::{Contact, What};
-use vibro_assembly::description::{BodyKind, Description, Dimension, Stop, StopLaw};
+use vibro_analysis::assembly::Contact;
+use vibro_assembly::description::{BodyKind, Description, Dimension, Stop};
+use vibro_assembly::elements::Action;
 use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::neutral::Neutral;
-use vibro_assembly::{Assembly, Motion};
+use vibro_assembly::system::Part;
+use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
 
 /// A real part or frequency counts as zero under this part of the largest: the rounding of
 /// eigenvalues, of which a double one has the square root.
@@ -44,17 +46,9 @@ pub fn summary(machine: Description) -> Result<String> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let motion = Motion::new(assembly.clone())?;
     let d = &assembly.description;
-    let mut lines = vec![format!(
-        "{}: {} bodies, {} springs, {} stops, {} frictions, {} links, {} loads; {} degrees of freedom",
-        d.name,
-        d.bodies.len(),
-        d.springs.len(),
-        d.stops.len(),
-        d.frictions.len(),
-        d.links.len(),
-        d.loads.len(),
-        assembly.system().coordinates
-    )];
+    let counts: Vec<_> = d.counts().into_iter().map(|(count, what)| format!("{count} {what}")).collect();
+    let (name, coordinates) = (&d.name, assembly.system().coordinates);
+    let mut lines = vec![format!("{name}: {}; {coordinates} degrees of freedom", counts.join(", "))];
     lines.push("bodies".into());
     for (i, body) in d.bodies.iter().enumerate() {
         let ([s, v, a], [length, speed, _]) = (motion.body(i), units(body.dimension));
@@ -91,47 +85,39 @@ fn neutral(assembly: &Assembly) -> Vec<String> {
 }
 
 fn elements(d: &Description, m: &Motion) -> Vec<String> {
-    let line = |name: String, what: String, [e, _, f]: [f64; 3], dimension| {
-        let [length, _, force] = units(dimension);
-        format!("  {name}: {what}; e = {} {length}, f = {} {force}", short(e), short(f))
+    let line = |(i, element): (usize, Element)| {
+        let (name, value) = (element.dotted(), |what| short(m.value(Quantity::of_element(i, what))));
+        let [length, _, force] = units(element.dimension(d));
+        let state = match (element.action(), m.assembly().system().parts[i].first()) {
+            (Action::Tying, _) => return format!("  {name}: holds"),
+            (Action::Driving, _) => return format!("  {name}: {} {force}", value(What::F)),
+            (Action::Hitting, Some(&Part::Stop(i))) => format!("rigid, {}", of_stop(m.mode().stops[i])),
+            (_, Some(&Part::Stop(i))) => format!("compliant, {}", of_stop(m.mode().stops[i])),
+            (_, Some(&Part::Friction(i))) => of_friction(m.mode().frictions[i]).into(),
+            _ => "acts".into(),
+        };
+        format!("  {name}: {state}; e = {} {length}, f = {} {force}", value(What::E), value(What::F))
     };
-    let mut lines = Vec::new();
-    for (i, spring) in d.springs.iter().enumerate() {
-        lines.push(line(
-            format!("spring.{}", spring.name),
-            "acts".into(),
-            m.spring(i),
-            spring.arms.dimension,
-        ));
+    d.elements().enumerate().map(line).collect()
+}
+
+fn of_stop(state: StopState) -> &'static str {
+    match state {
+        StopState::Open => "open",
+        StopState::Closed => "closed",
+        StopState::Below => "not touched",
+        StopState::Pressed => "pressed",
+        StopState::Free => "beyond its gap without force",
+        StopState::Capped => "pressed at its cap",
     }
-    for (i, stop) in d.stops.iter().enumerate() {
-        let law = if matches!(stop.law, StopLaw::Rigid { .. }) { "rigid" } else { "compliant" };
-        let state = match m.mode().stops[i] {
-            StopState::Open => "open",
-            StopState::Closed => "closed",
-            StopState::Below => "not touched",
-            StopState::Pressed => "pressed",
-            StopState::Free => "beyond its gap without force",
-            StopState::Capped => "pressed at its cap",
-        };
-        let what = format!("{law}, {state}");
-        lines.push(line(format!("stop.{}", stop.name), what, m.stop(i), stop.arms.dimension));
+}
+
+fn of_friction(state: FrictionState) -> &'static str {
+    match state {
+        FrictionState::Off => "off",
+        FrictionState::Up | FrictionState::Down => "slips",
+        FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => "sticks",
     }
-    for (i, friction) in d.frictions.iter().enumerate() {
-        let state = match m.mode().frictions[i] {
-            FrictionState::Off => "off",
-            FrictionState::Up | FrictionState::Down => "slips",
-            FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => "sticks",
-        };
-        let name = format!("friction.{}", friction.name);
-        lines.push(line(name, state.into(), m.friction(i), friction.arms.dimension));
-    }
-    lines.extend(d.links.iter().map(|link| format!("  link.{}: holds", link.name)));
-    for (i, load) in d.loads.iter().enumerate() {
-        let [_, _, force] = units(d.bodies[load.body].dimension);
-        lines.push(format!("  load.{}: {} {force}", load.name, short(m.load(i))));
-    }
-    lines
 }
 
 fn equilibrium(assembly: &Assembly) -> String {
@@ -207,10 +193,9 @@ fn contacts(record: &Record) -> Vec<String> {
 
 /// How many events of each kind there were, and which are not in the file.
 fn events(record: &Record, knots: bool) -> String {
-    let d = &record.assembly.description;
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for event in &record.events {
-        let [kind, element, ..] = event_in_words(d, &event.kind);
+        let [kind, element, ..] = event_in_words(&record.assembly, &event.kind);
         *counts.entry(format!("{kind} {element}").trim().into()).or_default() += 1;
     }
     let left = counts.get("knot").filter(|_| !knots);
@@ -229,7 +214,8 @@ pub(super) fn account(record: &Record, knots: bool) -> Vec<String> {
     let mut lines = Vec::new();
     for (i, body) in d.bodies.iter().enumerate() {
         let [length, speed, _] = units(body.dimension);
-        let [s, v] = [What::S, What::V].map(|what| short(record.body(i, what).largest));
+        let largest = |what| record.extreme(Quantity::of_body(i, what)).map_or(0.0, |own| own.largest);
+        let [s, v] = [What::S, What::V].map(|what| short(largest(what)));
         lines.push(format!("{}: largest |s| {s} {length}, largest |v| {v} {speed}", body.name));
     }
     lines.extend(contacts(record));

@@ -34,7 +34,7 @@ pub fn assembly_diagram(
     let parameter = &axis.name;
     let drawn = if request.at_section { "Values at the section" } else { "Local maxima" };
     let x = || Axis { range: Some(axis.edges()), ..machine.axis(parameter) };
-    let unit = request.of.place(&machine.description)?.unit();
+    let unit = request.of.find(&machine.description)?.unit;
     let range = reach(diagram, &|_, value| value, 0.0);
     let (factor, symbol) = match unit {
         "m" if range.0.abs().max(range.1.abs()) < SMALL => (1e3, "mm".to_owned()),

@@ -1,9 +1,9 @@
 use super::*;
-use crate::assembly::{Contact, Quantity, What};
+use crate::assembly::Contact;
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
-use vibro_assembly::{Assembly, file};
+use vibro_assembly::{Assembly, Quantity, What, file};
 
 /// Roundings of a motion of a few dozen events.
 const ROUNDING: f64 = 1e-11;
@@ -24,9 +24,8 @@ fn example(name: &str) -> Motion {
 /// Follows a motion in equal steps; looks at the coordinate of each body.
 fn followed(motion: &mut Motion, end: f64, steps: u32) -> Followed {
     let d = motion.assembly().description.clone();
-    let place = |name: &String| Quantity { of: name.clone(), what: What::S }.place(&d).unwrap();
-    let places: Vec<_> = d.bodies.iter().map(|b| place(&b.name)).collect();
-    let contacts = Contacts::new(motion, &[]).unwrap();
+    let places: Vec<_> = (0..d.bodies.len()).map(|i| Quantity::of_body(i, What::S)).collect();
+    let contacts = Contacts::new(motion, &[]);
     let mut followed = Followed::new(contacts, Extremes::new(&places, (0.0, end)));
     for k in 1..=steps {
         let time = end * f64::from(k) / f64::from(steps);

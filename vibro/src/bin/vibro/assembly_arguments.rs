@@ -3,7 +3,7 @@
 use crate::ranges::{Share, whole};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
-use vibro_analysis::assembly::{Measure, Quantity};
+use vibro_analysis::assembly::{Measure, QuantityName};
 use vibro_analysis::design_sweep::Machine as _;
 use vibro_impact::quantities::quantity_in;
 
@@ -101,10 +101,10 @@ pub struct Bifurcation {
 /// What a diagram shows.
 #[derive(Args, Debug)]
 pub struct Drawn {
-    /// Quantity that is drawn: box.s, box.v, box.a, upper.e, upper.rate, upper.f
+    /// QuantityName that is drawn: box.s, box.v, box.a, upper.e, upper.rate, upper.f
     /// [default: the first free body's coordinate]
     #[arg(long, value_name = "NAME")]
-    pub of: Option<Quantity>,
+    pub of: Option<QuantityName>,
     /// Draw its values where the motion is looked at (a Poincaré section) instead of its local
     /// maxima
     #[arg(long)]

@@ -10,7 +10,7 @@ use vibro::long_study::{AssemblyStudy, LongStudy, Work};
 use vibro::manifest::Invocation;
 use vibro::studies::assembly_exponent;
 use vibro::{Error, Result, assembly};
-use vibro_analysis::assembly::{FileStart, Machine, Measure, Quantity, SectionRule, diagram};
+use vibro_analysis::assembly::{FileStart, Machine, Measure, QuantityName, SectionRule, diagram};
 use vibro_analysis::design_sweep::{Designs, ParameterInterval, Request, SampledAxis};
 use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
@@ -127,7 +127,7 @@ fn request(machine: &mut Machine, vary: &str, a: &Drawn, exponents: Option<u32>)
 }
 
 /// The first free body's coordinate.
-fn default_quantity(machine: &Machine) -> Result<Quantity> {
+fn default_quantity(machine: &Machine) -> Result<QuantityName> {
     let all = Measure::usual(&machine.description);
     let found = all.iter().find_map(|m| m.quantity().cloned());
     found.ok_or_else(|| Error::form("--of", "a quantity such as box.s; the machine has no free body"))

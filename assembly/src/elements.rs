@@ -1,0 +1,191 @@
+//! The elements of a machine in one list, and its signals in another, whatever their kinds.
+//!
+//! What every kind has — a name, a section of the file, an elongation, quantities, signals — is asked
+//! here, so that columns, FMU variables, checks and sketches name no kind. `docs/adding-an-element.md`
+//! lists what a further kind needs.
+
+use crate::description::{
+    Arms, BodyKind, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
+};
+use crate::quantity::What;
+
+/// An element of a machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Element<'a> {
+    /// A spring with its dashpot.
+    Spring(&'a Spring),
+    /// A one-sided contact.
+    Stop(&'a Stop),
+    /// Coulomb friction.
+    Friction(&'a Friction),
+    /// A rigid link.
+    Link(&'a Link),
+    /// A force or torque on a body.
+    Load(&'a Load),
+}
+
+/// How the force of an element follows from the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// One linear function of elongation and rate at all times.
+    Linear,
+    /// A linear function of elongation and rate in each state of the element.
+    Switching,
+    /// A constraint force while a contact is closed; impacts when it closes.
+    Hitting,
+    /// A given level while slipping, a constraint force while sticking.
+    Rubbing,
+    /// A constraint force at all times.
+    Tying,
+    /// A signal of time.
+    Driving,
+}
+
+/// Sections of a file that hold elements, in their order in every list, each with its plural.
+pub const SECTIONS: [(&str, &str); 5] = [
+    ("spring", "springs"),
+    ("stop", "stops"),
+    ("friction", "frictions"),
+    ("link", "links"),
+    ("load", "loads"),
+];
+
+impl<'a> Element<'a> {
+    /// Its name, unique among the elements of a machine.
+    pub fn name(self) -> &'a str {
+        match self {
+            Self::Spring(spring) => &spring.name,
+            Self::Stop(stop) => &stop.name,
+            Self::Friction(friction) => &friction.name,
+            Self::Link(link) => &link.name,
+            Self::Load(load) => &load.name,
+        }
+    }
+
+    /// The section of the file in which it stands.
+    pub fn section(self) -> &'static str {
+        match self {
+            Self::Spring(_) => "spring",
+            Self::Stop(_) => "stop",
+            Self::Friction(_) => "friction",
+            Self::Link(_) => "link",
+            Self::Load(_) => "load",
+        }
+    }
+
+    /// Section and name, such as `stop.upper`.
+    pub fn dotted(self) -> String {
+        format!("{}.{}", self.section(), self.name())
+    }
+
+    /// The arms of its elongation; none of a load, which acts on a coordinate.
+    pub fn arms(self) -> Option<&'a Arms> {
+        match self {
+            Self::Spring(spring) => Some(&spring.arms),
+            Self::Stop(stop) => Some(&stop.arms),
+            Self::Friction(friction) => Some(&friction.arms),
+            Self::Link(link) => Some(&link.arms),
+            Self::Load(_) => None,
+        }
+    }
+
+    /// What its force and elongation are measured in.
+    pub fn dimension(self, machine: &Description) -> Dimension {
+        let of_body = |load: &Load| machine.bodies.get(load.body).map(|body| body.dimension);
+        match self {
+            Self::Load(load) => of_body(load).unwrap_or(Dimension::Translation),
+            _ => self.arms().map_or(Dimension::Translation, |arms| arms.dimension),
+        }
+    }
+
+    /// How its force follows from the state.
+    pub fn action(self) -> Action {
+        match self {
+            Self::Spring(_) => Action::Linear,
+            Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) => Action::Hitting,
+            Self::Stop(Stop { law: StopLaw::Compliant { .. }, .. }) => Action::Switching,
+            Self::Friction(_) => Action::Rubbing,
+            Self::Link(_) => Action::Tying,
+            Self::Load(_) => Action::Driving,
+        }
+    }
+
+    /// What of it is a column, an FMU variable and a measure.
+    pub fn quantities(self) -> &'static [What] {
+        match self.action() {
+            Action::Tying => &[],
+            Action::Driving => &[What::F],
+            _ => &[What::E, What::Rate, What::F],
+        }
+    }
+
+    /// Its signals, each with what follows its dotted name: nothing, or a key.
+    pub fn signals(self) -> Vec<(&'static str, &'a Signal)> {
+        match self {
+            Self::Friction(friction) => {
+                let largest = friction.static_force.as_ref().map(|level| (".static", level));
+                std::iter::once((".force", &friction.force)).chain(largest).collect()
+            }
+            Self::Load(load) => vec![("", &load.force)],
+            Self::Spring(_) | Self::Stop(_) | Self::Link(_) => Vec::new(),
+        }
+    }
+}
+
+/// A signal of a machine.
+#[derive(Clone, Debug)]
+pub struct NamedSignal<'a> {
+    /// Dotted name, such as `body.table.motion`, `load.shaker`, `friction.belt.static`.
+    pub name: String,
+    /// Its values.
+    pub signal: &'a Signal,
+    /// What it is measured in.
+    pub dimension: Dimension,
+    /// Whether it is the motion of a body; else it is a force.
+    pub is_motion: bool,
+}
+
+impl Description {
+    /// Every element, by the order of [`SECTIONS`] and within a section that of the file.
+    pub fn elements(&self) -> impl Iterator<Item = Element<'_>> + Clone {
+        let springs = self.springs.iter().map(Element::Spring);
+        let stops = self.stops.iter().map(Element::Stop);
+        let frictions = self.frictions.iter().map(Element::Friction);
+        let links = self.links.iter().map(Element::Link);
+        springs.chain(stops).chain(frictions).chain(links).chain(self.loads.iter().map(Element::Load))
+    }
+
+    /// How many bodies there are, and elements of each section, with the plural of what is counted.
+    pub fn counts(&self) -> Vec<(usize, &'static str)> {
+        let of = |&(section, plural): &(&str, &'static str)| {
+            (self.elements().filter(|element| element.section() == section).count(), plural)
+        };
+        std::iter::once((self.bodies.len(), "bodies")).chain(SECTIONS.iter().map(of)).collect()
+    }
+
+    /// Every signal in the order of the inputs: motions of bodies, loads, signals of the other
+    /// elements.
+    pub fn signals(&self) -> impl Iterator<Item = NamedSignal<'_>> {
+        let motions = self.bodies.iter().filter_map(|body| match &body.kind {
+            BodyKind::Prescribed { motion, .. } => Some(NamedSignal {
+                name: format!("body.{}.motion", body.name),
+                signal: motion,
+                dimension: body.dimension,
+                is_motion: true,
+            }),
+            BodyKind::Free(_) => None,
+        });
+        let is_load = |element: &Element| element.action() == Action::Driving;
+        let loads = self.elements().filter(is_load);
+        let others = self.elements().filter(move |element| !is_load(element));
+        motions.chain(loads.chain(others).flat_map(|element| {
+            let (dotted, dimension) = (element.dotted(), element.dimension(self));
+            element.signals().into_iter().map(move |(key, signal)| NamedSignal {
+                name: format!("{dotted}{key}"),
+                signal,
+                dimension,
+                is_motion: false,
+            })
+        }))
+    }
+}

@@ -1,0 +1,134 @@
+//! Quantities of bodies and elements: the columns of a motion, the outputs of an FMU, what studies
+//! measure.
+
+use crate::description::{Description, Dimension};
+use crate::elements::{Action, Element};
+
+/// What of a body or an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum What {
+    /// A body's coordinate.
+    S,
+    /// The rate of a body's coordinate.
+    V,
+    /// A body's acceleration.
+    A,
+    /// An element's elongation.
+    E,
+    /// The rate of an element's elongation.
+    Rate,
+    /// An element's force, which resists its elongation; a load's force on its body.
+    F,
+}
+
+impl What {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::S, Self::V, Self::A, Self::E, Self::Rate, Self::F];
+
+    /// Those of a body.
+    pub const OF_BODIES: [Self; 3] = [Self::S, Self::V, Self::A];
+
+    /// The last part of a quantity's name.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::S => "s",
+            Self::V => "v",
+            Self::A => "a",
+            Self::E => "e",
+            Self::Rate => "rate",
+            Self::F => "f",
+        }
+    }
+
+    /// SI unit.
+    pub fn unit(self, dimension: Dimension) -> &'static str {
+        let units = match self {
+            Self::S | Self::E => ["m", "rad"],
+            Self::V | Self::Rate => ["m/s", "rad/s"],
+            Self::A => ["m/s2", "rad/s2"],
+            Self::F => ["N", "N.m"],
+        };
+        units[usize::from(dimension == Dimension::Rotation)]
+    }
+}
+
+/// Whose quantity it is, by place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Owner {
+    /// Among [`Description::bodies`].
+    Body(usize),
+    /// Among [`Description::elements`].
+    Element(usize),
+}
+
+/// A quantity of a given machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Quantity {
+    /// Whose it is.
+    pub owner: Owner,
+    /// What it is.
+    pub what: What,
+}
+
+/// A quantity with what is said of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedQuantity {
+    /// `BODY.s`, `ELEMENT.f` and so on; unique in a machine.
+    pub name: String,
+    /// What it is, in words.
+    pub meaning: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Its place in the machine.
+    pub quantity: Quantity,
+}
+
+impl Quantity {
+    /// Of a body, by its place.
+    pub fn of_body(body: usize, what: What) -> Self {
+        Self { owner: Owner::Body(body), what }
+    }
+
+    /// Of an element, by its place among all.
+    pub fn of_element(element: usize, what: What) -> Self {
+        Self { owner: Owner::Element(element), what }
+    }
+}
+
+impl Description {
+    /// All quantities: s, v, a of each body, then those of each element.
+    pub fn quantities(&self) -> impl Iterator<Item = Quantity> {
+        let bodies = 0..self.bodies.len();
+        let bodies = bodies.flat_map(|i| What::OF_BODIES.map(|what| Quantity::of_body(i, what)));
+        bodies.chain(self.elements().enumerate().flat_map(|(i, element)| {
+            element.quantities().iter().map(move |&what| Quantity::of_element(i, what))
+        }))
+    }
+
+    /// All quantities in the order of [`quantities`](Self::quantities), with their names.
+    pub fn named_quantities(&self) -> Vec<NamedQuantity> {
+        let elements: Vec<Element> = self.elements().collect();
+        let named = |quantity: Quantity| {
+            let (name, dimension, element) = match quantity.owner {
+                Owner::Body(i) => (self.bodies[i].name.as_str(), self.bodies[i].dimension, None),
+                Owner::Element(i) => (elements[i].name(), elements[i].dimension(self), Some(elements[i])),
+            };
+            let what = quantity.what;
+            let name = format!("{name}.{}", what.word());
+            NamedQuantity { name, meaning: meaning(what, element), unit: what.unit(dimension), quantity }
+        };
+        self.quantities().map(named).collect()
+    }
+}
+
+fn meaning(what: What, element: Option<Element>) -> &'static str {
+    match what {
+        What::S => "Coordinate",
+        What::V => "Rate of the coordinate",
+        What::A => "Acceleration",
+        What::E => "Elongation",
+        What::Rate => "Rate of the elongation",
+        What::F if element.is_some_and(|e| e.action() == Action::Driving) => "Force or torque",
+        What::F => "Force against the elongation",
+    }
+}
