@@ -46,7 +46,8 @@ pub fn summary(machine: Description) -> Result<String> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let motion = Motion::new(assembly.clone())?;
     let d = &assembly.description;
-    let counts: Vec<_> = d.counts().into_iter().map(|(count, what)| format!("{count} {what}")).collect();
+    let counts = d.counts().into_iter().filter(|(count, _)| *count > 0);
+    let counts: Vec<_> = counts.map(|(count, what)| format!("{count} {what}")).collect();
     let (name, coordinates) = (&d.name, assembly.system().coordinates);
     let mut lines = vec![format!("{name}: {}; {coordinates} degrees of freedom", counts.join(", "))];
     lines.push("bodies".into());
