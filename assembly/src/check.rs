@@ -181,8 +181,7 @@ fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
     for (body, touched) in machine.bodies.iter().zip(touched) {
         let name = format!("body.{}", body.name);
         if !touched {
-            let text =
-                "nothing acts on this body; allowed is a body with a spring, stop, friction, link or load";
+            let text = "nothing acts on this body; allowed is a body with an element";
             problems.push(Problem::new(&name, None, text));
         }
         if let (Dimension::Rotation, BodyKind::Free(free)) = (body.dimension, &body.kind)

@@ -149,6 +149,6 @@ prop_compose! {
         let free = bodies.iter().filter(|b| matches!(b.kind, BodyKind::Free(_))).count();
         let link = Link { name: "link_0".into(), arms: Arms { terms: vec![(0, 0.75)], dimension: Dimension::Translation, levers: true } };
         let links = if free > 1 && starts_at_rest { vec![link] } else { Vec::new() };
-        Description { name: "Random".into(), gravity, starts_at_rest, bodies, springs, stops, frictions, links, loads }
+        Description { name: "Random".into(), gravity, starts_at_rest, bodies, springs, stops, frictions, links, loads, ..Description::default() }
     }
 }

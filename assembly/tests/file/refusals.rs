@@ -90,7 +90,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("gravity = \"9.81 m/s2\"", "", "m.toml:7: body.block.gravity = -1.0: gravity is missing at the top level, such as gravity = \"9.81 m/s2\""),
     ("[body.belt]", "[body.ground]\nmass = 1.0\n[body.belt]", "m.toml:13: body.ground: `ground` is what stands still; allowed is another name"),
     ("[body.belt]", "[body.\"two words\"]\nmass = 1.0\n[body.belt]", "m.toml:13: body.two words: allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first"),
-    ("[body.belt]", "[body.idle]\nmass = 1.0\n[body.belt]", "m.toml:13: body.idle: nothing acts on this body; allowed is a body with a spring, stop, friction, link or load"),
+    ("[body.belt]", "[body.idle]\nmass = 1.0\n[body.belt]", "m.toml:13: body.idle: nothing acts on this body; allowed is a body with an element"),
     ("[body.belt]", "[body.box]\nmass = 1.0\n[body.belt]", "m.toml:13: body.box: is there twice"),
     ("[body.belt]", "[body]\nlone = 3\n[body.belt]", "m.toml:14: body.lone = 3: allowed are tables with names, such as [body.NAME]"),
     // Names.
@@ -172,7 +172,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("table = \"record.csv\"", "interpolation = \"cubic\"", "m.toml:38: load.shaker.interpolation = \"cubic\": there is no table to interpolate; allowed beside table"),
     ("table = \"record.csv\"", "input = \"yes\"", "m.toml:38: load.shaker.input = \"yes\": allowed is true or false"),
     // Links and starts.
-    ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { belt = 1.0 }", "m.toml:11: body.drum: nothing acts on this body; allowed is a body with a spring, stop, friction, link or load\nm.toml:42: link.gear: ties bodies of prescribed motion only; allowed is a link with a body with mass or inertia"),
+    ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { belt = 1.0 }", "m.toml:11: body.drum: nothing acts on this body; allowed is a body with an element\nm.toml:42: link.gear: ties bodies of prescribed motion only; allowed is a link with a body with mass or inertia"),
     ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { wheel = 1.0, drum = -3.0 }\n[link.again]\narms = { wheel = 2.0, drum = -6.0 }", "m.toml:44: link.again: the links before it already tie these bodies, so that it is redundant or contradicts them"),
     ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { wheel = 1.0, drum = -3.0 }\n[link.other]\narms = { wheel = 1.0, drum = -2.0 }\n[link.third]\nbetween = [\"wheel\", \"drum\"]", "m.toml:46: link.third: the links before it already tie these bodies, so that it is redundant or contradicts them"),
     ("inertia = 1", "inertia = 1\nstart = { s = 0.3 }", "m.toml:43: link.gear: at the start e = -0.8999999999999999 rad; allowed are starts with e = 0"),
