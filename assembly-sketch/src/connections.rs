@@ -62,6 +62,7 @@ pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
             let dashpot = spring.damping > 0.0;
             Symbol::Spring { zigzag: spring.stiffness > 0.0 || !dashpot, dashpot }
         }
+        Element::Damper(_) => Symbol::Spring { zigzag: false, dashpot: true },
         Element::Stop(stop) => Symbol::Stop { compliant: matches!(stop.law, StopLaw::Compliant { .. }) },
         Element::Friction(_) => Symbol::Friction,
         Element::Link(_) | Element::Load(_) => Symbol::Link,

@@ -19,6 +19,8 @@ pub struct Description {
     pub bodies: Vec<Body>,
     /// Springs with their dashpots.
     pub springs: Vec<Spring>,
+    /// Dashpots alone.
+    pub dampers: Vec<Damper>,
     /// One-sided contacts, rigid and compliant.
     pub stops: Vec<Stop>,
     /// Coulomb friction.
@@ -113,6 +115,18 @@ pub struct Spring {
     pub damping: f64,
     /// The force at e = 0, N or N m.
     pub preload: f64,
+}
+
+/// A dashpot alone. Its force f = damping · e' resists e'; no force depends on its elongation, so
+/// that a motion may repeat while e grows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Damper {
+    /// Its name, unique among the elements.
+    pub name: String,
+    /// Its elongation e.
+    pub arms: Arms,
+    /// N s/m or N m s/rad, positive.
+    pub damping: f64,
 }
 
 /// A contact that closes where e reaches the gap and pushes e back.

@@ -5,7 +5,7 @@
 //! lists what a further kind needs.
 
 use crate::description::{
-    Arms, BodyKind, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
+    Arms, BodyKind, Damper, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
 };
 use crate::quantity::What;
 
@@ -14,6 +14,8 @@ use crate::quantity::What;
 pub enum Element<'a> {
     /// A spring with its dashpot.
     Spring(&'a Spring),
+    /// A dashpot alone.
+    Damper(&'a Damper),
     /// A one-sided contact.
     Stop(&'a Stop),
     /// Coulomb friction.
@@ -42,8 +44,9 @@ pub enum Action {
 }
 
 /// Sections of a file that hold elements, in their order in every list, each with its plural.
-pub const SECTIONS: [(&str, &str); 5] = [
+pub const SECTIONS: [(&str, &str); 6] = [
     ("spring", "springs"),
+    ("damper", "dampers"),
     ("stop", "stops"),
     ("friction", "frictions"),
     ("link", "links"),
@@ -55,6 +58,7 @@ impl<'a> Element<'a> {
     pub fn name(self) -> &'a str {
         match self {
             Self::Spring(spring) => &spring.name,
+            Self::Damper(damper) => &damper.name,
             Self::Stop(stop) => &stop.name,
             Self::Friction(friction) => &friction.name,
             Self::Link(link) => &link.name,
@@ -66,6 +70,7 @@ impl<'a> Element<'a> {
     pub fn section(self) -> &'static str {
         match self {
             Self::Spring(_) => "spring",
+            Self::Damper(_) => "damper",
             Self::Stop(_) => "stop",
             Self::Friction(_) => "friction",
             Self::Link(_) => "link",
@@ -82,6 +87,7 @@ impl<'a> Element<'a> {
     pub fn arms(self) -> Option<&'a Arms> {
         match self {
             Self::Spring(spring) => Some(&spring.arms),
+            Self::Damper(damper) => Some(&damper.arms),
             Self::Stop(stop) => Some(&stop.arms),
             Self::Friction(friction) => Some(&friction.arms),
             Self::Link(link) => Some(&link.arms),
@@ -101,7 +107,7 @@ impl<'a> Element<'a> {
     /// How its force follows from the state.
     pub fn action(self) -> Action {
         match self {
-            Self::Spring(_) => Action::Linear,
+            Self::Spring(_) | Self::Damper(_) => Action::Linear,
             Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) => Action::Hitting,
             Self::Stop(Stop { law: StopLaw::Compliant { .. }, .. }) => Action::Switching,
             Self::Friction(_) => Action::Rubbing,
@@ -127,7 +133,7 @@ impl<'a> Element<'a> {
                 std::iter::once((".force", &friction.force)).chain(largest).collect()
             }
             Self::Load(load) => vec![("", &load.force)],
-            Self::Spring(_) | Self::Stop(_) | Self::Link(_) => Vec::new(),
+            Self::Spring(_) | Self::Damper(_) | Self::Stop(_) | Self::Link(_) => Vec::new(),
         }
     }
 }
@@ -152,6 +158,7 @@ impl Description {
         let stops = self.stops.iter().map(Element::Stop);
         let frictions = self.frictions.iter().map(Element::Friction);
         let links = self.links.iter().map(Element::Link);
+        let springs = springs.chain(self.dampers.iter().map(Element::Damper));
         springs.chain(stops).chain(frictions).chain(links).chain(self.loads.iter().map(Element::Load))
     }
 

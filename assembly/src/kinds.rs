@@ -42,6 +42,7 @@ pub const RATE: Kind = kind("Rate of the even motion", "m/s", "rad/s", Range::FI
 pub const START_RATE: Kind = kind("Rate at time 0", "m/s", "rad/s", Range::FINITE);
 pub const STIFFNESS: Kind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT_NEGATIVE);
 pub const DAMPING: Kind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
+pub const DASHPOT: Kind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE);
 pub const PRELOAD: Kind = kind("Force at e = 0", "N", "N.m", Range::FINITE);
 pub const GAP: Kind = kind("Elongation at which the stop closes", "m", "rad", Range::FINITE);
 pub const RESTITUTION: Kind =

@@ -111,6 +111,10 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
         slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
         slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
     }
+    for damper in &mut machine.dampers {
+        let of = slots.element("damper", &damper.name, &mut damper.arms, &bodies);
+        slots.push(format!("{of}.damping"), kinds::DASHPOT, &mut damper.damping);
+    }
     for stop in &mut machine.stops {
         let of = slots.element("stop", &stop.name, &mut stop.arms, &bodies);
         slots.push(format!("{of}.gap"), kinds::GAP, &mut stop.gap);

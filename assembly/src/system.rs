@@ -238,6 +238,7 @@ impl System {
                 Element::Spring(spring) => {
                     self.add_spring(&spring.arms, spring.stiffness, spring.damping, spring.preload)
                 }
+                Element::Damper(damper) => self.add_spring(&damper.arms, 0.0, damper.damping, 0.0),
                 Element::Stop(stop) => self.add_stop(&stop.arms, stop.gap, stop.law),
                 Element::Friction(friction) => {
                     let (level, static_level) = levels[self.frictions.len()];

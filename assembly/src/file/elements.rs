@@ -1,10 +1,10 @@
-//! Springs, stops, friction, links and loads.
+//! Springs, dampers, stops, friction, links and loads.
 
 use super::bodies::Names;
 use super::reading::{Entry, Reading, Table, number};
 use super::signals::{self, Values};
 use crate::description::{
-    Arms, DampingLimit, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
+    Arms, Damper, DampingLimit, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
 };
 use crate::kinds;
 use crate::parameters::has_unit;
@@ -17,6 +17,9 @@ const NO_BODY: &str = "no body has this name";
 pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: &mut Description) {
     for (name, table) in reading.section(root, "spring") {
         machine.springs.extend(spring(reading, name, &table, names));
+    }
+    for (name, table) in reading.section(root, "damper") {
+        machine.dampers.extend(damper(reading, name, &table, names));
     }
     for (name, table) in reading.section(root, "stop") {
         machine.stops.extend(stop(reading, name, &table, names));
@@ -65,6 +68,14 @@ fn spring(reading: &mut Reading, name: String, table: &Table, names: &Names) -> 
         Some((stiffness?, damping?, preload?))
     })?;
     Some(Spring { name, arms, stiffness, damping, preload })
+}
+
+fn damper(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Damper> {
+    reading.known(table, &["between", "arms", "damping"]);
+    let (arms, damping) = with_arms(reading, table, names, |reading, dimension| {
+        reading.required_number(table, "damping", kinds::DASHPOT, dimension)
+    })?;
+    Some(Damper { name, arms, damping })
 }
 
 fn stop(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Stop> {

@@ -37,6 +37,7 @@ pub(super) fn machine(machine: &Description) -> String {
                 line!(text, "damping = {:?}", spring.damping);
                 line!(text, "preload = {:?}", spring.preload);
             }
+            Element::Damper(damper) => line!(text, "damping = {:?}", damper.damping),
             Element::Stop(stop) => self::stop(&mut text, stop),
             Element::Friction(friction) => self::friction(&mut text, friction),
             Element::Link(_) => {}
