@@ -283,7 +283,7 @@ fn invariant_an_impact_without_impulse_ends_the_sequence() {
     let mut sizes = Sizes(z.clone());
     sizes.0[system.coordinates + 1] = 1.0;
     let instant = Instant { system, sizes: &sizes, touching: &[0, 1], restitution: &[0.5, 0.0] };
-    let impacts = instant.collide(&mut z).unwrap();
+    let impacts = instant.collide(&mut z, &mut |_, stops, _, _| Ok(vec![true; stops.len()])).unwrap();
     assert!(impacts.sequence.is_empty() && !impacts.projected, "{}", impacts.sequence.len());
     assert_eq!(z, before);
 }

@@ -92,6 +92,28 @@ fn closed_form_what_a_closed_stop_holds_does_not_vary() {
 const DIFFERENCE: f64 = 2e-5;
 
 /// The examples, each up to a time by which it has passed events of its kinds and stands at none.
+/// A ball of mass 1 with u hits the first of two that touch, at rest. Both stops take part:
+/// P = (4/3, 2/3) u for ε = 1 and equal masses, by (A7), so that the speeds are -u/3, 2u/3, 2u/3.
+#[test]
+fn closed_form_a_ball_that_hits_two_that_touch() {
+    // Roundings of a few operations; a difference of impacts would have 1e-10.
+    const ROUNDING: f64 = 1e-14;
+    let text = "name = \"Three\"\n[body.a]\nmass = 1.0\nstart = { v = 1.0 }\n[body.b]\nmass = 1.0\n[body.c]\nmass = 1.0\n\
+                [stop.ab]\nbetween = [\"b\", \"a\"]\ngap = 0.5\nrestitution = 1.0\n\
+                [stop.bc]\nbetween = [\"c\", \"b\"]\ngap = 0.0\nrestitution = 1.0\n";
+    let mut three = motion(text);
+    let mut variations = varied(&mut three, 2.0);
+    let speeds = [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0];
+    assert!((0..3).all(|i| (three.rate(i) - speeds[i]).abs() < ROUNDING));
+    // By the rate of a: the impact is at 0.5/u, at one place, and all speeds are in proportion.
+    let by_rate = variations.swap_remove(3);
+    for i in 0..3 {
+        let place = speeds[i] * (1.5 + 0.5);
+        assert!((by_rate[3 + i] - speeds[i]).abs() < ROUNDING, "{i}: {}", by_rate[3 + i]);
+        assert!((by_rate[i] - place).abs() < ROUNDING, "{i}: {} {place}", by_rate[i]);
+    }
+}
+
 #[test]
 fn second_method_the_examples_against_differences_of_motions() {
     for (name, end, events, step) in [

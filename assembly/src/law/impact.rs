@@ -64,25 +64,13 @@ impl Instant<'_> {
         self.system.stops[stop].elongation.rate.dot(z)
     }
 
-    /// Carries out impacts until no touching stop closes; changes the velocities in `z`. Every stop
-    /// with no closing speed takes part.
+    /// Carries out impacts until no touching stop closes; changes the velocities in `z`. It is asked
+    /// which of the stops with no closing speed take part in an impact (docs/assembly-law.md,
+    /// Sequences).
     ///
     /// # Errors
     /// [`Jam`], whose contacts are places of stops.
-    pub fn collide(&self, z: &mut DVector<f64>) -> Result<Impacts, Jam> {
-        self.collide_where(z, &mut |_, stops, _, _| Ok(vec![true; stops.len()]))
-    }
-
-    /// The same, where it is asked which of the stops with no closing speed take part in an impact
-    /// (docs/assembly-law.md, Sequences).
-    ///
-    /// # Errors
-    /// As [`collide`](Self::collide).
-    pub fn collide_where(
-        &self,
-        z: &mut DVector<f64>,
-        stay_closed: &mut StayClosed<'_>,
-    ) -> Result<Impacts, Jam> {
+    pub fn collide(&self, z: &mut DVector<f64>, stay_closed: &mut StayClosed<'_>) -> Result<Impacts, Jam> {
         let mut impacts = Impacts { shares: vec![0.0; self.system.coordinates], ..Impacts::default() };
         let mut largest = 0.0f64;
         loop {

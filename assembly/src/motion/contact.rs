@@ -260,7 +260,7 @@ impl Motion {
                 let stays = |i: usize| mode.stops[i] == StopState::Closed || (before_it == 0 && !was_open(i));
                 Ok(stops.iter().map(|&i| stays(i)).collect())
             };
-            let collided = instant.collide_where(&mut z, &mut stay_closed);
+            let collided = instant.collide(&mut z, &mut stay_closed);
             let mut impacts = collided.map_err(|jam| self.jammed(&jam))?;
             self.hybrid.z = z;
             self.hybrid.sizes.include(self.hybrid.z.as_slice());

@@ -11,16 +11,14 @@
 use super::contact::project;
 use super::{Event, EventKind, Motion, Outcome};
 use crate::error::Error;
-use crate::law::Sizes;
 use crate::law::box_qp::triangle;
-use crate::law::impact::Instant;
-use crate::mode::{Contact, Mode, StopState};
+use crate::mode::{Contact, Mode};
 use crate::system::System;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
-/// The impact law is linear as long as the same stops take part: where there are several, its
-/// derivative is a difference over this part of the velocities.
-const STEP: f64 = 1e-6;
+/// A singular value of the compliances of stops that are hit together counts as zero under this part
+/// of the largest: the box problem of (A7) leaves out contacts whose columns depend on the others'.
+const SINGULAR: f64 = 1e-12;
 /// A passage slower than this part of the sizes of its terms is a touch, at which there is no
 /// derivative.
 const TOUCH: f64 = 1e-12;
@@ -57,21 +55,18 @@ pub struct Crossing<'a> {
     pub events: &'a [Event],
 }
 
-/// What impacts do to small changes of the velocities.
-enum Jump {
-    /// There are none.
-    Nothing,
-    /// One stop alone, with 1 + its restitution.
-    Lone(usize, f64),
-    /// Several: those that touch, with the restitutions in force.
-    Several(Vec<usize>, Vec<f64>),
+/// The derivative of one impact: the stops that took an impulse, and the impulses P as linear
+/// functions of their closing speeds u, G P = (1 + ε) u (A7).
+struct LinearImpact {
+    stops: Vec<usize>,
+    impulses: DMatrix<f64>,
 }
 
 impl Crossing<'_> {
-    /// Carries variations over the event. Where several stops are hit at one instant there may be
-    /// no derivative; that of the impacts which take place is then taken.
+    /// Carries variations over the event, through the impacts that the motion has had. Where several
+    /// stops are hit at one instant there may be no derivative; that of these impacts is then taken.
     pub fn carry<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
-        let (jump, own) = (self.jump(system), 2 * system.coordinates);
+        let (impacts, own) = (self.impacts(system), 2 * system.coordinates);
         let [incoming, outgoing] = self.rates;
         let passage = self.row.map(|row| {
             let terms: f64 = row.iter().zip(incoming).map(|(a, b)| (a * b).abs()).sum();
@@ -83,7 +78,7 @@ impl Crossing<'_> {
                 _ => 0.0,
             };
             let mut met: Vec<f64> = variation.iter().zip(incoming).map(|(v, f)| v + f * later).collect();
-            self.through_impacts(system, &jump, &mut met);
+            impacts.iter().for_each(|impact| impact.apply(system, &mut met));
             // Signals are functions of time, and no event changes them.
             let (changed, _) = variation.split_at_mut(own);
             changed.iter_mut().zip(met.iter().zip(outgoing)).for_each(|(v, (m, f))| *v = m - f * later);
@@ -91,66 +86,47 @@ impl Crossing<'_> {
         }
     }
 
-    fn jump(&self, system: &System) -> Jump {
-        let mut restitution: Vec<f64> = system.stops.iter().map(|s| s.restitution().unwrap_or(0.0)).collect();
-        let mut hit = Vec::new();
-        for event in self.events {
-            match event.kind {
-                EventKind::Impact { stop, .. } => hit.push(stop),
-                // What closes has lost its last bounces.
-                EventKind::Close { stop } => restitution[stop] = 0.0,
-                _ => {}
+    /// The impacts that were told, one after another.
+    fn impacts(&self, system: &System) -> Vec<LinearImpact> {
+        let closes = |stop: usize| self.events.iter().any(|e| e.kind == EventKind::Close { stop });
+        // What closes has lost its last bounces.
+        let factor = |stop: usize| {
+            let restitution = system.stops[stop].restitution().filter(|_| !closes(stop));
+            1.0 + restitution.unwrap_or(0.0)
+        };
+        let hit = self.events.iter().filter_map(|event| match event.kind {
+            EventKind::Impact { stop, stops, .. } => Some((stop, stops)),
+            _ => None,
+        });
+        let (mut hit, mut impacts) = (hit.peekable(), Vec::new());
+        while let Some(&(_, count)) = hit.peek() {
+            let stops: Vec<usize> = hit.by_ref().take(count.max(1)).map(|(stop, _)| stop).collect();
+            let factors = DMatrix::from_diagonal(&DVector::from_iterator(
+                stops.len(),
+                stops.iter().map(|&stop| factor(stop)),
+            ));
+            let rows = |i: usize| &system.stops[stops[i]].elongation;
+            let g = DMatrix::from_fn(stops.len(), stops.len(), |i, j| rows(i).w.dot(&rows(j).mobility));
+            let limit = SINGULAR * g.amax();
+            // Stops between prescribed bodies move nothing.
+            let inverse = g.pseudo_inverse(limit.max(f64::MIN_POSITIVE)).unwrap_or_default();
+            if inverse.ncols() == stops.len() {
+                impacts.push(LinearImpact { impulses: inverse * factors, stops });
             }
         }
-        if hit.is_empty() {
-            return Jump::Nothing;
-        }
-        let stops = self.modes[0].stops.iter().enumerate();
-        hit.extend(stops.filter(|(_, state)| **state == StopState::Closed).map(|(i, _)| i));
-        hit.sort_unstable();
-        hit.dedup();
-        match *hit {
-            [stop] => Jump::Lone(stop, 1.0 + restitution[stop]),
-            _ => Jump::Several(hit, restitution),
-        }
+        impacts
     }
+}
 
-    /// What impacts make of a small change of the state before them.
-    fn through_impacts(&self, system: &System, jump: &Jump, change: &mut [f64]) {
-        let n = system.coordinates;
-        match jump {
-            Jump::Nothing => {}
-            Jump::Lone(stop, factor) => {
-                let e = &system.stops[*stop].elongation;
-                let compliance = e.w.dot(&e.mobility);
-                // A stop between prescribed bodies moves nothing.
-                if compliance > 0.0 {
-                    let impulse = factor * dot(e.rate.as_slice(), change) / compliance;
-                    change[n..].iter_mut().zip(e.mobility.iter()).for_each(|(v, m)| *v -= impulse * m);
-                }
-            }
-            Jump::Several(touching, restitution) => {
-                let rows = touching.iter().map(|&i| system.stops[i].elongation.rate.as_slice());
-                let rows: Vec<&[f64]> = rows.collect();
-                let size = |z: &[f64]| {
-                    let speeds = rows.iter().map(|row| dot(row, z).abs());
-                    speeds.chain(z[n..2 * n].iter().map(|x| x.abs())).fold(0.0, f64::max)
-                };
-                let scale = size(change);
-                if scale == 0.0 {
-                    return;
-                }
-                let before = DVector::from_column_slice(self.states[0]);
-                let step = STEP * size(self.states[0]).max(f64::MIN_POSITIVE) / scale;
-                let sizes = Sizes(before.abs());
-                let instant = Instant { system, sizes: &sizes, touching, restitution };
-                let (mut plain, mut changed) = (before.clone(), before);
-                changed.iter_mut().zip(&*change).for_each(|(z, d)| *z += step * d);
-                // A jam has ended the motion before.
-                if instant.collide(&mut plain).and(instant.collide(&mut changed)).is_ok() {
-                    (n..2 * n).for_each(|k| change[k] = (changed[k] - plain[k]) / step);
-                }
-            }
+impl LinearImpact {
+    /// Changes the velocities of a variation by the impulses that its closing speeds ask for.
+    fn apply(&self, system: &System, change: &mut [f64]) {
+        let rows = |i: &usize| &system.stops[*i].elongation;
+        let speeds = self.stops.iter().map(|i| dot(rows(i).rate.as_slice(), change));
+        let impulses = &self.impulses * DVector::from_iterator(self.stops.len(), speeds);
+        let rates = &mut change[system.coordinates..];
+        for (i, impulse) in self.stops.iter().zip(impulses.iter()) {
+            rates.iter_mut().zip(rows(i).mobility.iter()).for_each(|(v, m)| *v -= impulse * m);
         }
     }
 }
