@@ -2,13 +2,13 @@
 //! quadratic forms of the exact flow (docs/theory.md, section 12; docs/numerics.md, "Energy
 //! accounts"). They are found without the mechanical energy, so their balance is a test.
 
-use crate::flow::{CENTRED, CORE, Column, INTERVALS, Series, Table, polynomial};
+use crate::flow::{CENTRED, CORE, UnitColumn, INTERVALS, Series, SubstepTable, polynomial};
 use crate::model::{
     Augmented, BOX, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE_RATE,
     SECONDARY_RATE, SmoothMode,
 };
 use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd::{Rows, form, form_and_squares};
+use crate::numerics::simd::{StateRows, form, form_and_squares};
 use crate::parameters::Parameters;
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
@@ -143,10 +143,10 @@ impl Gramians {
     /// Integrates the Gramians of `mode` over a sub-step `h`, beside its `core`: those over the
     /// halves of an interval are the same about every centre, and the transition matrices carry
     /// them to the sub-step's start. Input only where it is asked for.
-    pub fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: SmoothMode, h: f64) {
+    pub fn fill(&mut self, core: &SubstepTable<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let columns: [Series<CENTRED>; COORDINATES] =
-            std::array::from_fn(|j| Series::expand(model, mode, &Column::unit(j).z, None, radius));
+            std::array::from_fn(|j| Series::expand(model, mode, &UnitColumn::unit(j).z, None, radius));
         let halves = [-1.0, 1.0].map(|end| self.over_half(&columns, end, radius));
         let by_difference = self.work.is_some();
         for (forms, part) in [(&mut self.damped, 1), (&mut self.input, 0)] {
@@ -209,7 +209,7 @@ impl Gramians {
         simd: S,
         index: Option<usize>,
         z: &Augmented,
-        rows: &Rows<S, CENTRED>,
+        rows: &StateRows<S, CENTRED>,
         (u, end, radius): (f64, &Augmented, f64),
         total: &mut Augmented,
     ) {
@@ -219,7 +219,7 @@ impl Gramians {
 
     /// Input likewise, along the rows only.
     #[inline(always)]
-    pub fn input_along<S: Simd>(&self, simd: S, rows: &Rows<S, CENTRED>, (u, radius): (f64, f64)) -> f64 {
+    pub fn input_along<S: Simd>(&self, simd: S, rows: &StateRows<S, CENTRED>, (u, radius): (f64, f64)) -> f64 {
         let mut input = 0.0;
         for (node, weight) in FOUR.nodes.iter().zip(&FOUR.weights) {
             let at = crate::numerics::simd::polynomial(simd, rows, u * node);
@@ -280,7 +280,7 @@ impl Gramians {
 fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; COORDINATES]) {
     let mut along: Form = [[0.0; COORDINATES]; COORDINATES];
     for (y, column) in along.iter_mut().zip(columns) {
-        Table::transit(form, column, y);
+        SubstepTable::transit(form, column, y);
     }
     for (i, column) in columns.iter().enumerate() {
         for j in i..COORDINATES {

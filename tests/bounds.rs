@@ -1,7 +1,7 @@
 //! The constants of docs/numerics.md, sections 1 and 2, at machines and states that are chosen to
 //! break them.
 
-use vibro_impact::flow::{CENTRED, CORE, INTERVALS, Series, Table, WHOLE, remainder, substep};
+use vibro_impact::flow::{CENTRED, CORE, INTERVALS, Series, SubstepTable, WHOLE, remainder, substep};
 use vibro_impact::model::{
     Augmented, BOX, BOX_RATE, COORDINATES, Forces, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
     SmoothMode,
@@ -215,7 +215,7 @@ fn second_method_rounding_of_samples() {
         let h = substep(&machine);
         for _ in 0..4 {
             let (model, z, _) = any_start(&machine, &mut next);
-            let mut table = Table::<CORE>::zero();
+            let mut table = SubstepTable::<CORE>::zero();
             table.fill(pulp::Scalar, &model, SmoothMode::Flight, h);
             let size = size(&model, &z, &[[0.0; 4]; 3]);
             let mut g = [0.0; INTERVALS];
@@ -319,12 +319,12 @@ fn invariant_the_bound_holds_between_the_samples() {
     let mut most = 0.0f64;
     for _ in 0..2_000 {
         let (model, z, _) = any_start(&any_machine(&mut next), &mut next);
-        let mut table = Box::new(Table::<CORE>::zero());
+        let mut table = Box::new(SubstepTable::<CORE>::zero());
         table.fill(pulp::Scalar, &model, SmoothMode::Flight, substep(&model));
         let (bound, radius) = (table.curvature(&z), 0.5 * substep(&model) / INTERVALS as f64);
         for columns in &table.centre {
             let mut centre = [0.0; 8];
-            Table::transit(columns, &z, &mut centre);
+            SubstepTable::transit(columns, &z, &mut centre);
             let series = Series::<CENTRED>::expand(&model, SmoothMode::Flight, &centre, None, radius);
             for place in -PLACES..=PLACES {
                 let u = f64::from(place) / f64::from(PLACES);
@@ -352,7 +352,7 @@ fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
     for _ in 0..2_000 {
         let (model, mut z, _) = any_start(&any_machine(&mut next), &mut next);
         let h = substep(&model) / INTERVALS as f64;
-        let mut table = Box::new(Table::<CORE>::zero());
+        let mut table = Box::new(SubstepTable::<CORE>::zero());
         table.fill(pulp::Scalar, &model, SmoothMode::Flight, substep(&model));
         z[RELATIVE] = model.gap * (2.0 * next() - 1.0);
         let sum = |z: &Augmented, radius: f64| {
@@ -378,7 +378,7 @@ fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
         table.samples(&z, &mut w);
         for (columns, w) in table.centre.iter().zip(&w) {
             let mut centre = [0.0; 8];
-            Table::transit(columns, &z, &mut centre);
+            SubstepTable::transit(columns, &z, &mut centre);
             most = most.max(sum(&centre, 0.5 * h));
             searched += 1;
             if w.abs() > model.gap {

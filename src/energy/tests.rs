@@ -37,10 +37,10 @@ fn states() -> [Augmented; 3] {
     ]
 }
 
-fn tables(p: &Parameters, mode: SmoothMode) -> (Model, f64, Table<CORE>, Gramians) {
+fn tables(p: &Parameters, mode: SmoothMode) -> (Model, f64, SubstepTable<CORE>, Gramians) {
     let model = Model::new(p).unwrap();
     let h = crate::flow::substep(&model);
-    let mut core = Table::<CORE>::zero();
+    let mut core = SubstepTable::<CORE>::zero();
     core.fill(pulp::Scalar, &model, mode, h);
     let mut energy = Gramians::zero();
     energy.set_powers(p, &model, mode);
@@ -96,7 +96,7 @@ fn second_method_drive_work_in_closed_form_and_by_quadrature() {
         let work = DriveWork::new(p.drive_amplitude, &model).expect("not at an undamped resonance");
         for z in states() {
             let mut end = [0.0; COORDINATES];
-            Table::transit(&core.full, &z, &mut end);
+            SubstepTable::transit(&core.full, &z, &mut end);
             let found = work.value(&end) - work.value(&z) + work.mean() * h;
             let expected = energy.input_up_to(pulp::Scalar, INTERVALS, &z);
             let size = work.value(&end).abs() + work.value(&z).abs() + expected.abs();

@@ -89,7 +89,7 @@ pub fn product<S: Simd, const W: usize>(simd: S, columns: &[[f64; W]; 8], x: &[f
 
 /// Coefficients of 8 polynomials, a row for each order; of a row's places only the first
 /// `8/F64_LANES` are used.
-pub type Rows<S, const N: usize> = [[<S as Simd>::f64s; 8]; N];
+pub type StateRows<S, const N: usize> = [[<S as Simd>::f64s; 8]; N];
 
 /// The row `Σ_j columns[j] x_j`.
 #[inline(always)]
@@ -99,7 +99,7 @@ pub fn row<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> [S::f64s;
 
 /// `Σ_k rows[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
 #[inline(always)]
-fn evaluate<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [S::f64s; 8] {
+fn evaluate<S: Simd, const N: usize>(simd: S, rows: &StateRows<S, N>, u: f64) -> [S::f64s; 8] {
     let zero = simd.splat_f64s(0.0);
     let (at, square) = (simd.splat_f64s(u), simd.splat_f64s(u * u));
     let (mut even, mut odd) = ([zero; 8], [zero; 8]);
@@ -117,7 +117,7 @@ fn evaluate<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [S::
 
 /// The polynomials' values at u.
 #[inline(always)]
-pub fn polynomial<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [f64; 8] {
+pub fn polynomial<S: Simd, const N: usize>(simd: S, rows: &StateRows<S, N>, u: f64) -> [f64; 8] {
     let mut out = [0.0; 8];
     let values = evaluate(simd, rows, u);
     let (lanes, _) = S::as_mut_simd_f64s(&mut out);
@@ -146,7 +146,7 @@ pub fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f64 {
 pub fn form_and_squares<S: Simd, const N: usize>(
     simd: S,
     form: Option<(&[[f64; 8]; 8], &[f64; 8])>,
-    rows: &Rows<S, N>,
+    rows: &StateRows<S, N>,
     (u, end): (f64, &[f64; 8]),
     length: f64,
     weights: &[f64; 8],

@@ -43,7 +43,7 @@ pub(super) struct AdvanceState {
 }
 
 /// An advance, to be compiled once for each instruction set.
-struct Run<'a, 'b, const ACCOUNTS: bool> {
+struct DispatchedAdvance<'a, 'b, const ACCOUNTS: bool> {
     simulator: &'a mut Simulator,
     end: DoubleDouble,
     pause: Pause,
@@ -53,7 +53,7 @@ struct Run<'a, 'b, const ACCOUNTS: bool> {
 /// What is shown each event in order of time, if there is anything.
 pub type EventObserver<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
 
-impl<const ACCOUNTS: bool> pulp::WithSimd for Run<'_, '_, ACCOUNTS> {
+impl<const ACCOUNTS: bool> pulp::WithSimd for DispatchedAdvance<'_, '_, ACCOUNTS> {
     type Output = Result<AdvanceOutcome>;
 
     #[inline(always)]
@@ -88,7 +88,7 @@ impl Simulator {
         pause: Pause,
         observer: EventObserver<'_, '_>,
     ) -> Result<AdvanceOutcome> {
-        pulp::Arch::new().dispatch(Run::<ACCOUNTS> { simulator: self, end, pause, observer })
+        pulp::Arch::new().dispatch(DispatchedAdvance::<ACCOUNTS> { simulator: self, end, pause, observer })
     }
 
     #[inline(always)]

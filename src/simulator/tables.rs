@@ -3,15 +3,15 @@
 
 use super::Simulator;
 use crate::energy::Gramians;
-use crate::flow::{CORE, LOAD, Local, Table};
+use crate::flow::{CORE, LOAD, Local, SubstepTable};
 use crate::model::{Model, SmoothMode};
 use std::sync::Arc;
 
 /// Tables of one mode; the load part is filled when loads first appear.
 #[derive(Clone, Debug)]
 pub(super) struct ModeTables {
-    pub(super) core: Table<CORE>,
-    pub(super) load: Table<LOAD>,
+    pub(super) core: SubstepTable<CORE>,
+    pub(super) load: SubstepTable<LOAD>,
     pub(super) energy: Gramians,
     /// Flight only.
     pub(super) local: Local,
@@ -23,8 +23,8 @@ pub(super) struct ModeTables {
 impl ModeTables {
     pub(super) fn zero() -> Self {
         Self {
-            core: Table::zero(),
-            load: Table::zero(),
+            core: SubstepTable::zero(),
+            load: SubstepTable::zero(),
             energy: Gramians::zero(),
             local: Local::zero(),
             core_ready: false,

@@ -23,7 +23,7 @@ use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::ROW;
 use centres::Centres;
 use pulp::Simd;
-use report::{Piece, Reporter};
+use report::{SubstepOrigin, Reporter};
 use rows::{LaneStates, LaneSystems, SubstepStarts};
 use std::ops::ControlFlow;
 use substep::{Progress, SearchedIntervals};
@@ -307,7 +307,7 @@ impl LaneMotion {
         if let Some(reporter) = &mut reporter
             && simulator.due_event().is_some()
         {
-            let from = Piece::from(simulator, &simulator.begin_advance());
+            let from = SubstepOrigin::from(simulator, &simulator.begin_advance());
             let mut events = [None; 2];
             simulator.apply_due_event(Some(&mut keep_in(&mut events)));
             let after = simulator.augmented();
@@ -338,7 +338,7 @@ impl LaneMotion {
         advance.since_renewal = advance.since_renewal.min(RENEW);
         let mut law_is_due = touched.is_some();
         loop {
-            let from = Piece::from(simulator, advance);
+            let from = SubstepOrigin::from(simulator, advance);
             let mut events = [None; 2];
             let going = {
                 let mut keep = keep_in(&mut events);

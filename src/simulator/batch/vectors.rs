@@ -12,9 +12,9 @@ pub(crate) const ROW: usize = 16;
 /// One number of each motion in memory, aligned to a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(crate) struct Row(pub(crate) [f64; ROW]);
+pub(crate) struct LaneRow(pub(crate) [f64; ROW]);
 
-impl Row {
+impl LaneRow {
     pub(crate) const ZERO: Self = Self([0.0; ROW]);
 
     /// How many vectors a row has.
@@ -50,13 +50,13 @@ impl<S: Simd> Wide<S> {
 
     /// Vector `v` of a row.
     #[inline(always)]
-    pub(crate) fn load(simd: S, row: &Row, v: usize) -> Self {
+    pub(crate) fn load(simd: S, row: &LaneRow, v: usize) -> Self {
         Self { simd, x: S::as_simd_f64s(&row.0).0[v] }
     }
 
     /// Vector `v` of each row.
     #[inline(always)]
-    pub(crate) fn load_each<const N: usize>(simd: S, rows: &[Row; N], v: usize) -> [Self; N] {
+    pub(crate) fn load_each<const N: usize>(simd: S, rows: &[LaneRow; N], v: usize) -> [Self; N] {
         let mut all = [Self::splat(simd, 0.0); N];
         for (one, row) in all.iter_mut().zip(rows) {
             *one = Self::load(simd, row, v);
@@ -79,7 +79,7 @@ impl<S: Simd> Wide<S> {
     /// Σ_j rows[j] x_j from vector `v` of each row, each product but the first added with one
     /// rounding.
     #[inline(always)]
-    pub(crate) fn dot<const N: usize>(simd: S, rows: &[Row; N], v: usize, x: &[Self; N]) -> Self {
+    pub(crate) fn dot<const N: usize>(simd: S, rows: &[LaneRow; N], v: usize, x: &[Self; N]) -> Self {
         let mut sum = Self::load(simd, &rows[0], v) * x[0];
         for (row, x) in rows.iter().zip(x).skip(1) {
             sum = Self::load(simd, row, v).mul_add(*x, sum);
@@ -89,7 +89,7 @@ impl<S: Simd> Wide<S> {
 
     /// Writes vector `v` of a row.
     #[inline(always)]
-    pub(crate) fn store(self, row: &mut Row, v: usize) {
+    pub(crate) fn store(self, row: &mut LaneRow, v: usize) {
         S::as_mut_simd_f64s(&mut row.0).0[v] = self.x;
     }
 
@@ -232,13 +232,13 @@ pub(crate) struct WideDoubleDouble<S: Simd> {
 impl<S: Simd> WideDoubleDouble<S> {
     /// From the leading and trailing parts in vector `v` of two rows.
     #[inline(always)]
-    pub(crate) fn load(simd: S, [hi, lo]: &[Row; 2], v: usize) -> Self {
+    pub(crate) fn load(simd: S, [hi, lo]: &[LaneRow; 2], v: usize) -> Self {
         Self { hi: Wide::load(simd, hi, v), lo: Wide::load(simd, lo, v) }
     }
 
     /// Writes vector `v` of two rows in the lanes of `chosen`; the others keep what `before` holds.
     #[inline(always)]
-    pub(crate) fn store_where(self, chosen: Mask<S>, before: Self, [hi, lo]: &mut [Row; 2], v: usize) {
+    pub(crate) fn store_where(self, chosen: Mask<S>, before: Self, [hi, lo]: &mut [LaneRow; 2], v: usize) {
         chosen.select(self.hi, before.hi).store(hi, v);
         chosen.select(self.lo, before.lo).store(lo, v);
     }
@@ -268,12 +268,12 @@ mod tests {
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let mut parts = [Row([self.0; ROW]), Row::ZERO];
-            for v in 0..Row::vectors::<S>() {
+            let mut parts = [LaneRow([self.0; ROW]), LaneRow::ZERO];
+            for v in 0..LaneRow::vectors::<S>() {
                 for terms in self.1 {
                     let sum = WideDoubleDouble::load(simd, &parts, v);
                     let all = Mask::from_bits(simd, u64::MAX);
-                    let more = sum.plus(Wide::load(simd, &Row(*terms), v));
+                    let more = sum.plus(Wide::load(simd, &LaneRow(*terms), v));
                     more.store_where(all, sum, &mut parts, v);
                 }
             }

@@ -19,7 +19,7 @@ pub struct Interval {
 }
 
 /// A connected piece of one sheet, and once joined of a curve, its points in order.
-pub type Run<P> = Vec<BranchPoint<P>>;
+pub type SheetRun<P> = Vec<BranchPoint<P>>;
 
 /// A family over its parameter and the number of nodes per interval.
 pub struct Scan<M> {
@@ -138,10 +138,10 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
 
     /// One sheet over an interval by increasing parameter: runs of steady states, broken where the
     /// root is not positive.
-    pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<Run<F::Solution>>> {
+    pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<SheetRun<F::Solution>>> {
         let root = |f: &F| f.root(sheet).unwrap_or(f64::NAN) > 0.0;
         let (half, n) = (0.5 * (interval.to - interval.from), self.nodes);
-        let mut runs: Vec<Run<F::Solution>> = Vec::new();
+        let mut runs: Vec<SheetRun<F::Solution>> = Vec::new();
         let mut before: Option<(f64, bool)> = None;
         for i in 0..=n {
             let value = match i {
@@ -179,7 +179,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
     }
 
     /// Appends a point to the last run, with the special points between it and the run's last one.
-    fn extend(&self, runs: &mut [Run<F::Solution>], next: BranchPoint<F::Solution>) -> Result<()> {
+    fn extend(&self, runs: &mut [SheetRun<F::Solution>], next: BranchPoint<F::Solution>) -> Result<()> {
         let Some(run) = runs.last_mut() else { return Ok(()) };
         let Some(&last) = run.last() else {
             run.push(next);
@@ -256,14 +256,14 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
 
     /// Joins runs end to end at their folds: those of the upper sheet by increasing, of the lower
     /// by decreasing parameter.
-    pub fn join(&self, mut runs: Vec<Run<F::Solution>>) -> Result<Vec<Curve<F::Solution>>> {
+    pub fn join(&self, mut runs: Vec<SheetRun<F::Solution>>) -> Result<Vec<Curve<F::Solution>>> {
         let fold = |point: Option<&BranchPoint<F::Solution>>| {
             point.filter(|p| p.special == Some(Special::Fold)).map(|p| p.value)
         };
-        let (first, last) = (|r: &Run<F::Solution>| fold(r.first()), |r: &Run<F::Solution>| fold(r.last()));
+        let (first, last) = (|r: &SheetRun<F::Solution>| fold(r.first()), |r: &SheetRun<F::Solution>| fold(r.last()));
         let mut i = 0;
         while i < runs.len() {
-            let follows = |(j, run): (usize, &Run<F::Solution>)| {
+            let follows = |(j, run): (usize, &SheetRun<F::Solution>)| {
                 j != i && last(&runs[i]).is_some() && first(run) == last(&runs[i])
             };
             let Some(j) = runs.iter().enumerate().position(follows) else {
@@ -275,7 +275,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             runs[i].extend(tail.into_iter().skip(1));
         }
         runs.iter_mut().try_for_each(|run| self.mark_stability(run))?;
-        let curve = |points: Run<F::Solution>| {
+        let curve = |points: SheetRun<F::Solution>| {
             let closed = points.len() > 1 && first(&points).is_some() && first(&points) == last(&points);
             Curve { points, closed }
         };
@@ -284,7 +284,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
 
     /// Gives each special point the stability of the piece that follows, and the last point that of
     /// the piece before it.
-    fn mark_stability(&self, run: &mut Run<F::Solution>) -> Result<()> {
+    fn mark_stability(&self, run: &mut SheetRun<F::Solution>) -> Result<()> {
         for i in 0..run.len() {
             if run[i].special.is_none() {
                 continue;

@@ -19,14 +19,14 @@ const EIGENVALUE_PRECISION: f64 = f64::EPSILON;
 
 /// The Taylor pieces of half a period from the upper impact, in order.
 #[derive(Clone, Debug)]
-struct Pieces {
+struct OrbitPieces {
     flight: Flight,
     state: Vector6,
     phase: f64,
     next: u32,
 }
 
-impl Iterator for Pieces {
+impl Iterator for OrbitPieces {
     type Item = [Polynomial; 3];
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -48,7 +48,7 @@ impl Iterator for Pieces {
 #[derive(Clone, Debug)]
 pub struct OrbitWalk<'a> {
     orbit: &'a ExactOrbit,
-    pieces: Pieces,
+    pieces: OrbitPieces,
     /// Pieces taken so far; the last of them is `piece`.
     next: u32,
     piece: [Polynomial; 3],
@@ -125,8 +125,8 @@ impl ExactOrbit {
     }
 
     /// The Taylor pieces of half a period from the upper impact, in order.
-    fn pieces(&self) -> Pieces {
-        Pieces { flight: self.flight, state: self.after, phase: self.phase, next: 0 }
+    fn pieces(&self) -> OrbitPieces {
+        OrbitPieces { flight: self.flight, state: self.after, phase: self.phase, next: 0 }
     }
 
     /// The parameters whose orbit this is.

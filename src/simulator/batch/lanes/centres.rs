@@ -3,7 +3,7 @@
 use super::rows::{LaneSystems, state_in};
 use crate::flow::INTERVALS;
 use crate::numerics::simd::product;
-use crate::simulator::batch::vectors::{ROW, Row, Wide};
+use crate::simulator::batch::vectors::{ROW, LaneRow, Wide};
 use pulp::Simd;
 
 /// The coordinates that are transposed at a time.
@@ -28,8 +28,8 @@ impl Centres {
         for (place, state) in numbered.halves[0].iter_mut().enumerate() {
             *state = [place as f64; GROUP];
         }
-        let mut there = Row::ZERO;
-        for v in 0..Row::vectors::<S>() {
+        let mut there = LaneRow::ZERO;
+        for v in 0..LaneRow::vectors::<S>() {
             numbered.load(simd, v)[0].store(&mut there, v);
         }
         for (place, there) in numbered.place.iter_mut().zip(there.0) {
@@ -47,7 +47,7 @@ impl Centres {
         systems: &LaneSystems,
         lane: usize,
         interval: usize,
-        rows: &[Row; 8],
+        rows: &[LaneRow; 8],
     ) {
         let Some(table) = systems.table(lane) else { return };
         let [a, b, c, d, e, f, g, h] =

@@ -15,7 +15,7 @@ use crate::model::{Augmented, BOX, BOX_RATE, Forces, Model, SmoothMode};
 use crate::numerics::simd::{product, value, weigh};
 use crate::simulator::Simulator;
 use crate::simulator::batch::queue::Maximum;
-use crate::simulator::batch::vectors::{Row, Wide};
+use crate::simulator::batch::vectors::{LaneRow, Wide};
 use pulp::Simd;
 
 /// Follows the sign of a displacement's rate along a motion.
@@ -78,7 +78,7 @@ impl MaximumFinder {
         // Between the ends of an interval the rate lies within this of its chord.
         let margin = 0.125 * h * h * weigh::<S>(z, &self.table.bound);
         let start = weighted_sum(&self.weights, z, BOX_RATE);
-        let rates = Row(product(simd, &self.table.sample, z));
+        let rates = LaneRow(product(simd, &self.table.sample, z));
         // A sub-step may end a little beyond its last interval.
         let count = ((span / h).ceil() as usize).clamp(1, INTERVALS);
         let last = count - 1;
@@ -175,10 +175,10 @@ impl MaximumFinder {
 /// The intervals of a sub-step, the first one's bit the lowest, at both of whose ends the rate is
 /// above `margin`, and those at both of whose ends it is below minus `margin`.
 #[inline(always)]
-fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &Row, margin: f64) -> [u64; 2] {
+fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &LaneRow, margin: f64) -> [u64; 2] {
     let (mut above, mut below) = (u64::from(start > margin), u64::from(-start > margin));
     let margin = Wide::splat(simd, margin);
-    for v in 0..Row::vectors::<S>() {
+    for v in 0..LaneRow::vectors::<S>() {
         let rate = Wide::load(simd, rates, v);
         above |= margin.less_than(rate).bits() << (v * S::F64_LANES + 1);
         below |= margin.less_than(-rate).bits() << (v * S::F64_LANES + 1);

@@ -4,7 +4,7 @@
 use super::rows::LaneSystems;
 use crate::flow::{CENTRED, remainder};
 use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE};
-use crate::simulator::batch::vectors::{Mask, Row, Wide};
+use crate::simulator::batch::vectors::{Mask, LaneRow, Wide};
 use pulp::Simd;
 
 /// 1/k!.
@@ -58,7 +58,7 @@ impl<S: Simd> CentredFlights<S> {
     /// `second_method_flights_are_the_series` holds the two together.
     #[inline(always)]
     pub(super) fn expand(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Self {
-        let load = |row: &Row| Wide::load(simd, row, v);
+        let load = |row: &LaneRow| Wide::load(simd, row, v);
         let (k1, c1, k2) = (load(&systems.k1), load(&systems.c1), load(&systems.k2));
         let (k3, c3, k32) = (load(&systems.k3), load(&systems.c3), load(&systems.k32));
         let (drive, omega, radius) = (load(&systems.drive), load(&systems.omega), load(&systems.radius));

@@ -6,11 +6,11 @@ use super::passage::CentredFlights;
 use super::substep::Progress;
 use super::{LaneSet, Rounds, lanes_of};
 use crate::error::{Error, Result};
-use crate::flow::{CENTRED, INTERVALS, Series, Table, WHOLE};
+use crate::flow::{CENTRED, INTERVALS, Series, SubstepTable, WHOLE};
 use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::queue::{MotionQueue, Reports};
-use crate::simulator::batch::vectors::{ROW, Row, Wide};
+use crate::simulator::batch::vectors::{ROW, LaneRow, Wide};
 use crate::simulator::step::AdvanceState;
 use crate::simulator::{Event, Simulator};
 use crate::state::State;
@@ -26,7 +26,7 @@ pub(super) struct Reporter {
 }
 
 /// Where a sub-step that is computed alone began.
-pub(super) struct Piece {
+pub(super) struct SubstepOrigin {
     pub(super) mode: SmoothMode,
     pub(super) z: Augmented,
     pub(super) time: DoubleDouble,
@@ -34,7 +34,7 @@ pub(super) struct Piece {
     pub(super) forces: Option<Forces>,
 }
 
-impl Piece {
+impl SubstepOrigin {
     #[inline(always)]
     pub(super) fn from(simulator: &Simulator, advance: &AdvanceState) -> Self {
         let forces = simulator.model.constant_forces();
@@ -124,7 +124,7 @@ impl Reporter {
     pub(super) fn report_alone(
         &mut self,
         simulator: &Simulator,
-        from: &Piece,
+        from: &SubstepOrigin,
         after: &Augmented,
         events: [Option<Event>; 2],
         (queue, lane): (&mut (dyn MotionQueue + '_), usize),
@@ -159,7 +159,7 @@ impl Reporter {
 impl Simulator {
     /// The state `dt` s after the start of a sub-step, from the tables and the series about an
     /// interval's centre.
-    fn state_after(&self, from: &Piece, dt: f64) -> Augmented {
+    fn state_after(&self, from: &SubstepOrigin, dt: f64) -> Augmented {
         if from.forces.is_some() {
             // One series over the whole sub-step, whose remainder is under round-off
             // (docs/numerics.md).
@@ -177,7 +177,7 @@ impl Simulator {
         };
         let (index, u) = self.place_in_substep(dt);
         let mut z = [0.0; 8];
-        Table::transit(&tables.core.centre[index], &from.z, &mut z);
+        SubstepTable::transit(&tables.core.centre[index], &from.z, &mut z);
         let hold = |z: &mut Augmented| {
             if from.mode == SmoothMode::Rest {
                 (z[RELATIVE], z[RELATIVE_RATE]) = (from.z[RELATIVE], 0.0);
@@ -258,7 +258,7 @@ impl Rounds<'_> {
     /// expanded side by side. Returns the lanes of whose motions no more is asked.
     #[inline(always)]
     fn take_samples<S: Simd>(&mut self, simd: S, due: LaneSet) -> LaneSet {
-        let (mut places, mut ended) = (Row::ZERO, 0);
+        let (mut places, mut ended) = (LaneRow::ZERO, 0);
         for lane in lanes_of(due) {
             let dt =
                 (self.states.next_sample.0[lane] - self.starts.time[0].0[lane]) - self.starts.time[1].0[lane];
@@ -267,14 +267,14 @@ impl Rounds<'_> {
             self.samples.put(simd, &self.systems, lane, index, &self.starts.z);
         }
         let mut samples = [[0.0; 8]; ROW];
-        for v in 0..Row::vectors::<S>() {
+        for v in 0..LaneRow::vectors::<S>() {
             if due >> (v * S::F64_LANES) & ((1 << S::F64_LANES) - 1) == 0 {
                 continue;
             }
             let centre = self.samples.load(simd, v);
             let flights = CentredFlights::expand(simd, &self.systems, v, &centre);
             let z = flights.state_at(&self.systems, simd, v, Wide::load(simd, &places, v));
-            let mut row = Row::ZERO;
+            let mut row = LaneRow::ZERO;
             for (j, z) in z.into_iter().enumerate() {
                 z.store(&mut row, v);
                 let lanes = v * S::F64_LANES..(v + 1) * S::F64_LANES;

@@ -7,7 +7,7 @@ use super::rows::{LaneStates, LaneSystems, SubstepStarts};
 use super::{LaneSet, lanes_of};
 use crate::flow::INTERVALS;
 use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE};
-use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
+use crate::simulator::batch::vectors::{Mask, LaneRow, Wide, WideDoubleDouble};
 use pulp::Simd;
 
 /// What a sub-step has done, and what it leaves to the motions' own code.
@@ -38,7 +38,7 @@ pub(super) fn flight_substep<S: Simd>(
     let (mut ready, mut near, mut near_start) = (0, 0, 0);
     // The lanes of one vector.
     let part: LaneSet = (1 << lanes) - 1;
-    for v in 0..Row::vectors::<S>() {
+    for v in 0..LaneRow::vectors::<S>() {
         if active >> (v * lanes) & part == 0 {
             continue;
         }
@@ -55,7 +55,7 @@ pub(super) fn flight_substep<S: Simd>(
         searched.centres.put(simd, systems, lane, interval, &states.z);
     }
     let (mut arrived, mut at_stop, mut through) = (0, 0, 0);
-    for v in 0..Row::vectors::<S>() {
+    for v in 0..LaneRow::vectors::<S>() {
         if (passing | searching) & reading & part << (v * lanes) != 0 {
             starts.copy(simd, states, v);
         }
@@ -77,16 +77,16 @@ pub(super) fn flight_substep<S: Simd>(
 /// Where each motion's gap comes near a stop first: the interval to be searched.
 pub(super) struct SearchedIntervals {
     /// The interval's index; [`INTERVALS`] where there is none.
-    index: Row,
+    index: LaneRow,
     /// The stop.
-    pub(super) side: Row,
+    pub(super) side: LaneRow,
     /// The state at the interval's centre.
     centres: Centres,
 }
 
 impl SearchedIntervals {
     pub(super) fn zero<S: Simd>(simd: S) -> Self {
-        Self { index: Row::ZERO, side: Row::ZERO, centres: Centres::new(simd) }
+        Self { index: LaneRow::ZERO, side: LaneRow::ZERO, centres: Centres::new(simd) }
     }
 }
 
@@ -111,7 +111,7 @@ fn sample_displacement<S: Simd>(
     v: usize,
     searched: &mut SearchedIntervals,
 ) -> DisplacementSamples<S> {
-    let load = |row: &Row| Wide::load(simd, row, v);
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
     let z = Wide::load_each(simd, &states.z, v);
@@ -171,7 +171,7 @@ fn advance_whole_substep<S: Simd>(
     v: usize,
     chosen: LaneSet,
 ) {
-    let load = |row: &Row| Wide::load(simd, row, v);
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let chosen = Mask::from_bits(simd, chosen);
     let z = Wide::load_each(simd, &states.z, v);
     let driven = [z[BOX], z[BOX_RATE], z[DRIVE_COS], z[DRIVE_SIN]];
@@ -207,7 +207,7 @@ fn count_substep<S: Simd>(simd: S, states: &mut LaneStates, v: usize, chosen: Ma
 
 /// Adds to vector `v` of a row.
 #[inline(always)]
-fn add<S: Simd>(simd: S, row: &mut Row, v: usize, more: Wide<S>) {
+fn add<S: Simd>(simd: S, row: &mut LaneRow, v: usize, more: Wide<S>) {
     (Wide::load(simd, row, v) + more).store(row, v);
 }
 
@@ -222,8 +222,8 @@ fn advance_in_interval<S: Simd>(
     v: usize,
     searched: &SearchedIntervals,
     (chosen, near_start): (LaneSet, LaneSet),
-) -> Found {
-    let load = |row: &Row| Wide::load(simd, row, v);
+) -> IntervalProgress {
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let (zero, half, one) = (splat(0.0), splat(0.5), splat(1.0));
     let now = Wide::load_each(simd, &states.z, v);
@@ -248,11 +248,11 @@ fn advance_in_interval<S: Simd>(
     add(simd, &mut states.expansions, v, moved.select(one, zero));
     add(simd, &mut states.iterations, v, arrival.found.select(arrival.iterations, zero));
     record_impact(simd, systems, states, v, through, (side, rebound.approach), later);
-    Found { moved: moved.bits(), through: through.bits(), at_stop: (arrival.found & !through).bits() }
+    IntervalProgress { moved: moved.bits(), through: through.bits(), at_stop: (arrival.found & !through).bits() }
 }
 
 /// What the search of an interval has done, as in [`Progress`] but for the lanes of one vector.
-struct Found {
+struct IntervalProgress {
     moved: LaneSet,
     through: LaneSet,
     at_stop: LaneSet,
@@ -329,7 +329,7 @@ struct Rebound<S: Simd> {
 /// `second_method_together_as_one_by_one` in tests/batch.rs holds the two together.
 #[inline(always)]
 fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: &[Wide<S>; 8]) -> Rebound<S> {
-    let load = |row: &Row| Wide::load(simd, row, v);
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let mut z = *z;
     // A root whose speed round-off has turned negative is a touch.
     let approach = (side * z[RELATIVE_RATE]).max(Wide::splat(simd, 0.0));
@@ -352,7 +352,7 @@ fn record_impact<S: Simd>(
     (side, approach): (Wide<S>, Wide<S>),
     time: WideDoubleDouble<S>,
 ) {
-    let load = |row: &Row| Wide::load(simd, row, v);
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let (zero, one) = (Wide::splat(simd, 0.0), Wide::splat(simd, 1.0));
     let lost = WideDoubleDouble::load(simd, &states.lost, v);
     let more = lost.plus(load(&systems.loss) * approach * approach);

@@ -4,26 +4,26 @@
 use crate::model::{
     Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
 };
-use crate::simulator::batch::vectors::Row;
+use crate::simulator::batch::vectors::LaneRow;
 
 /// The entries, other than zero, of the matrix that gives the state after a whole sub-step, for
 /// each body those of its displacement and of its rate. In free flight, docs/theory.md (6), the
 /// drive moves the box, whatever the block does; both move w = x2 - x1; and the secondary body
 /// follows the block alone.
-pub(super) struct Transition {
+pub(super) struct LaneTransitions {
     /// Of x1, v1, cos θ and sin θ in the box.
-    pub(super) driven: [[Row; 4]; 2],
+    pub(super) driven: [[LaneRow; 4]; 2],
     /// Of all in w.
-    pub(super) relative: [[Row; 8]; 2],
+    pub(super) relative: [[LaneRow; 8]; 2],
     /// Of displacements and rates in the secondary body.
-    pub(super) secondary: [[Row; 6]; 2],
+    pub(super) secondary: [[LaneRow; 6]; 2],
     /// Of cos θ and sin θ in these.
-    pub(super) drive: [[Row; 2]; 2],
+    pub(super) drive: [[LaneRow; 2]; 2],
 }
 
-impl Transition {
+impl LaneTransitions {
     pub(super) const ZERO: Self = {
-        let row = Row::ZERO;
+        let row = LaneRow::ZERO;
         Self {
             driven: [[row; 4]; 2],
             relative: [[row; 8]; 2],
@@ -43,7 +43,7 @@ impl Transition {
 
 /// Fills a lane with the entries `of` N coordinates in two, `into` which they go.
 fn fill<const N: usize>(
-    rows: &mut [[Row; N]; 2],
+    rows: &mut [[LaneRow; N]; 2],
     lane: usize,
     columns: &[Augmented; 8],
     into: &[usize; 2],
@@ -67,10 +67,10 @@ mod tests {
         let p = Parameters { drive_phase: 0.3, secondary_damping: 0.1, ..Parameters::default() };
         let simulator = Simulator::new(&p, &State { x: [0.0; 3], v: [0.0; 3] }, 0.0).unwrap();
         let columns = &simulator.flight.core.full;
-        let mut loaded = Transition::ZERO;
+        let mut loaded = LaneTransitions::ZERO;
         loaded.load(0, columns);
-        let sum = |rows: &[Row]| rows.iter().map(|row| row.0[0].abs()).sum::<f64>();
-        let Transition { driven, relative, secondary, drive } = &loaded;
+        let sum = |rows: &[LaneRow]| rows.iter().map(|row| row.0[0].abs()).sum::<f64>();
+        let LaneTransitions { driven, relative, secondary, drive } = &loaded;
         let kept = sum(driven.as_flattened())
             + sum(relative.as_flattened())
             + sum(secondary.as_flattened())

@@ -44,7 +44,7 @@ impl pulp::WithSimd for Find<'_> {
             let zero = Wide::splat(simd, 0.0);
             let mut excess = Excess { c: [zero; CENTRED], d: [zero; CENTRED - 1] };
             for k in 0..CENTRED {
-                let mut row = Row::ZERO;
+                let mut row = LaneRow::ZERO;
                 for lane in 0..8 {
                     row.0[lane] = self.paths[lane][k];
                 }
@@ -60,7 +60,7 @@ impl pulp::WithSimd for Find<'_> {
             let (from, gap) = (Wide::splat(simd, self.from), Wide::splat(simd, 1e3));
             let crossing = excess.upward_crossing(from, gap);
             let stay = excess.stays_negative(from, gap).bits();
-            let mut u = Row::ZERO;
+            let mut u = LaneRow::ZERO;
             crossing.u.store(&mut u, 0);
             for lane in 0..S::F64_LANES {
                 let holds = |bits: u64| bits >> lane & 1 != 0;
@@ -192,7 +192,7 @@ impl pulp::WithSimd for States<'_> {
             Wide::splat(simd, self.u),
         );
         there.map(|wide| {
-            let mut row = Row::ZERO;
+            let mut row = LaneRow::ZERO;
             wide.store(&mut row, 0);
             row.0[0]
         })
