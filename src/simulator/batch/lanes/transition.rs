@@ -1,23 +1,22 @@
-//! The transition over a whole sub-step, of all motions in lanes: the entries of the matrix that
-//! are not zero.
+//! Transition matrices over a whole sub-step, of all motions in lanes, without the entries that are
+//! zero.
 
 use crate::model::{
     Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
 };
 use crate::simulator::batch::vectors::LaneRow;
 
-/// The entries, other than zero, of the matrix that gives the state after a whole sub-step, for
-/// each body those of its displacement and of its rate. In free flight, docs/theory.md (6), the
-/// drive moves the box, whatever the block does; both move w = x2 - x1; and the secondary body
-/// follows the block alone.
+/// Nonzero entries of the matrix that gives the state after a whole sub-step; for each body one row
+/// for its displacement and one for its rate. In free flight, docs/theory.md (6), the box is moved
+/// by the drive alone, w = x2 - x1 by everything, the secondary body by the bodies alone.
 pub(super) struct LaneTransitions {
-    /// Of x1, v1, cos θ and sin θ in the box.
+    /// x1 and v1, from x1, v1, cos θ and sin θ.
     pub(super) driven: [[LaneRow; 4]; 2],
-    /// Of all in w.
+    /// w and its rate, from all coordinates.
     pub(super) relative: [[LaneRow; 8]; 2],
-    /// Of displacements and rates in the secondary body.
+    /// x3 and v3, from all displacements and rates.
     pub(super) secondary: [[LaneRow; 6]; 2],
-    /// Of cos θ and sin θ in these.
+    /// cos θ and sin θ, from cos θ and sin θ.
     pub(super) drive: [[LaneRow; 2]; 2],
 }
 
@@ -32,7 +31,7 @@ impl LaneTransitions {
         }
     };
 
-    /// Fills a lane with a table's columns.
+    /// Fills a lane from the columns of a table.
     pub(super) fn load(&mut self, lane: usize, columns: &[Augmented; 8]) {
         fill(&mut self.driven, lane, columns, &[BOX, BOX_RATE], &[BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN]);
         fill(&mut self.relative, lane, columns, &[RELATIVE, RELATIVE_RATE], &[0, 1, 2, 3, 4, 5, 6, 7]);
@@ -41,7 +40,8 @@ impl LaneTransitions {
     }
 }
 
-/// Fills a lane with the entries `of` N coordinates in two, `into` which they go.
+/// Fills a lane with the entries that lead from the N coordinates `of` to the two coordinates
+/// `into`.
 fn fill<const N: usize>(
     rows: &mut [[LaneRow; N]; 2],
     lane: usize,
@@ -76,7 +76,7 @@ mod tests {
             + sum(secondary.as_flattened())
             + sum(drive.as_flattened());
         let all: f64 = columns.as_flattened().iter().map(|entry| entry.abs()).sum();
-        /// Sums in another order.
+        /// Rounding of sums in another order.
         const ROUNDING: f64 = 1e-12;
         assert!((kept - all).abs() <= ROUNDING * all, "{kept} {all}");
     }
