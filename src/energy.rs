@@ -2,7 +2,7 @@
 //! quadratic forms of the exact flow (docs/theory.md, section 12; docs/numerics.md, "Energy
 //! accounts"). They do not use the mechanical energy, so the balance of all is a test.
 
-use crate::flow::{CENTRED, CORE, UnitColumn, INTERVALS, Series, SubstepTable, polynomial};
+use crate::flow::{CENTRED, CORE, INTERVALS, Series, SubstepTable, UnitColumn, polynomial};
 use crate::model::{
     Augmented, BOX, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE_RATE,
     SECONDARY_RATE, SmoothMode,
@@ -205,8 +205,8 @@ impl Gramians {
 
     /// Adds to `total`, in parts whose sum counts, the energy damped from the start `z` of a free
     /// flight to the centre of interval `index`, if there is one, and on along the series `rows`
-    /// from 0 to u, where the state is `end`; `radius` in s. The error of the rule is under 7e-11 of
-    /// the largest power times the length (docs/numerics.md, section 4).
+    /// from 0 to u, where the state is `end`; `radius` in s. The error of the rule is under 7e-11
+    /// of the largest power times the length (docs/numerics.md, section 4).
     #[inline(always)]
     pub fn damped_along<S: Simd>(
         &self,
@@ -223,7 +223,12 @@ impl Gramians {
 
     /// Input in a free flight along the series `rows` from 0 to u; `radius` in s.
     #[inline(always)]
-    pub fn input_along<S: Simd>(&self, simd: S, rows: &StateRows<S, CENTRED>, (u, radius): (f64, f64)) -> f64 {
+    pub fn input_along<S: Simd>(
+        &self,
+        simd: S,
+        rows: &StateRows<S, CENTRED>,
+        (u, radius): (f64, f64),
+    ) -> f64 {
         let mut input = 0.0;
         for (node, weight) in FOUR.nodes.iter().zip(&FOUR.weights) {
             let at = crate::numerics::simd::polynomial(simd, rows, u * node);

@@ -17,8 +17,8 @@
 //! - The length of a sub-step and the number of coefficients of a series belong together. The
 //!   compile-time assertions below hold the remainders; the derivation is docs/numerics.md,
 //!   section 1, and `tests/bounds.rs` compares it with machines chosen to break it.
-//! - The order of operations. Every table is bit-identical for all instruction sets, and states are
-//!   compared bit by bit (`tests/state_bits.rs`). No operation here may be fused.
+//! - The order of operations: states are compared bit by bit (`tests/state_bits.rs`). Tables are
+//!   bit-identical for all instruction sets, as no operation that fills them is fused.
 //! - The bound on the second derivative, on which the proof that no event is missed stands:
 //!   `invariant_the_bound_holds_between_the_samples` in `tests/bounds.rs`.
 //!

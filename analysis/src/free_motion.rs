@@ -9,7 +9,7 @@ use super::attractor::{OBSERVED, StroboscopicRecord};
 use super::free_limit::{dynamic_stiffness, forced, middle};
 use super::stroboscopic::Units;
 use nalgebra::{Complex, SMatrix, SVector};
-use vibro_impact::flow::{UnitColumn, Series, WHOLE, substep};
+use vibro_impact::flow::{Series, UnitColumn, WHOLE, substep};
 use vibro_impact::model::{COORDINATES, Model, SmoothMode};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;

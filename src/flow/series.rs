@@ -52,8 +52,8 @@ const RECIPROCALS: [f64; WHOLE] = {
     r
 };
 
-/// Taylor coefficients about a point, scaled by the radius r: `z(t0 + u r) = Σ_k states[k] u^k`, and
-/// likewise for the free relative acceleration.
+/// Taylor coefficients about a point, scaled by the radius r: `z(t0 + u r) = Σ_k states[k] u^k`,
+/// and likewise for the free relative acceleration.
 #[derive(Clone, Copy)]
 pub struct Series<const N: usize> {
     /// Coefficients of the augmented state, by order.
@@ -63,8 +63,8 @@ pub struct Series<const N: usize> {
 }
 
 impl<const N: usize> Series<N> {
-    /// Series about `z` by the recurrence docs/theory.md (8): each order follows from the one before
-    /// through the equations of motion.
+    /// Series about `z` by the recurrence docs/theory.md (8): each order follows from the one
+    /// before through the equations of motion.
     #[inline(always)]
     pub fn expand(
         model: &Model,

@@ -61,8 +61,8 @@ impl Saltation {
         v[BOX_RATE] += self.push * (v[RELATIVE] - w);
     }
 
-    /// Applies the merge into rest to a variation: its relative motion ends. In the bounces that the
-    /// merge stands for, the damper changes the rate of the centre of mass in proportion to the
+    /// Applies the merge into rest to a variation: its relative motion ends. In the bounces that
+    /// the merge stands for, the damper changes the rate of the centre of mass in proportion to the
     /// change of w.
     #[inline(always)]
     pub fn merge(model: &Model, v: &mut Augmented, unit: f64) {

@@ -140,8 +140,8 @@ pub fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f64 {
     simd.reduce_sum_f64s(sum)
 }
 
-/// Adds to `total`, lane by lane, the parts of two sums: of the quadratic form, if there is one, and
-/// of the integral of `Σ_lane weights · p²` over an interval of length `length`, in which the
+/// Adds to `total`, lane by lane, the parts of two sums: of the quadratic form, if there is one,
+/// and of the integral of `Σ_lane weights · p²` over an interval of length `length`, in which the
 /// argument of the polynomials p in `rows` goes from 0 to u; `end` is p(u). The integral is by the
 /// Lobatto rule of four nodes.
 #[inline(always)]

@@ -73,8 +73,8 @@ impl Simulator {
         true
     }
 
-    /// Time until the impacts of the chatter run with rebound speed `u` accumulate, s, if the run is
-    /// to be closed now (0 for nearly elastic runs); otherwise `None`.
+    /// Time until the impacts of the chatter run with rebound speed `u` accumulate, s, if the run
+    /// is to be closed now (0 for nearly elastic runs); otherwise `None`.
     ///
     /// At constant acceleration a the run lasts t_c = 2u/(a(1-κ)) (docs/theory.md (16)). The
     /// conditions, and why they suffice: docs/numerics.md, "Chatter".

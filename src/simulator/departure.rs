@@ -120,8 +120,8 @@ impl Simulator {
         }
     }
 
-    /// Flight from a stop at which the block has no speed: its series over 1/r, and the order of the
-    /// first derivative of w, from the second to the eighth, that is beyond rounding.
+    /// Flight from a stop at which the block has no speed: its series over 1/r, and the order of
+    /// the first derivative of w, from the second to the eighth, that is beyond rounding.
     pub(super) fn flight_from_stop(&self, z: &Augmented) -> (Series<9>, Option<usize>) {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;

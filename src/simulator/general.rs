@@ -90,8 +90,8 @@ impl<const LOADS: usize> SubstepStart<LOADS> {
     }
 }
 impl Simulator {
-    /// A sub-step of at most `remaining` s from `z`: the state at its end and the stop of its event,
-    /// if it reached one. Compiled once, for all instruction sets.
+    /// A sub-step of at most `remaining` s from `z`: the state at its end and the stop of its
+    /// event, if it reached one. Compiled once, for all instruction sets.
     #[inline(never)]
     pub(super) fn general_substep<const LOADS: usize>(
         &mut self,

@@ -39,11 +39,11 @@ pub enum Event {
     },
     /// A chatter run (or κ = 0) ended in resting contact.
     Rest {
-        /// Instant at which the impacts accumulate, s. The state rests from the last reported impact
-        /// on, which is earlier by the t_c of docs/theory.md (16): at most 1.5e-8
-        /// sqrt(L/(a (1 - κ))) with the acceleration a that presses the block to the stop. The end
-        /// of the advance, and later events, may lie in between. For κ = 0 or 1 - κ < 10⁻³ it is
-        /// the time of the last impact itself.
+        /// Instant at which the impacts accumulate, s. The state rests from the last reported
+        /// impact on, which is earlier by the t_c of docs/theory.md (16): at most 1.5e-8 sqrt(L/(a
+        /// (1 - κ))) with the acceleration a that presses the block to the stop. The end of the
+        /// advance, and later events, may lie in between. For κ = 0 or 1 - κ < 10⁻³ it is the time
+        /// of the last impact itself.
         time: f64,
         /// +1 upper, -1 lower.
         side: i8,

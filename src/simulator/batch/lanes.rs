@@ -23,7 +23,7 @@ use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::ROW;
 use centres::Centres;
 use pulp::Simd;
-use report::{SubstepOrigin, Reporter};
+use report::{Reporter, SubstepOrigin};
 use rows::{LaneStates, LaneSystems, SubstepStarts};
 use std::ops::ControlFlow;
 use substep::{Progress, SearchedIntervals};
@@ -322,9 +322,9 @@ impl LaneMotion {
         Ok(Some(Self { advance: simulator.begin_advance(), end, reporter }))
     }
 
-    /// Advances this motion by the code for a single motion until its next sub-step suits the lanes;
-    /// returns how the motion has ended if it is over. If the lanes have brought the block to the
-    /// stop `touched`, the law of that impact is applied first.
+    /// Advances this motion by the code for a single motion until its next sub-step suits the
+    /// lanes; returns how the motion has ended if it is over. If the lanes have brought the block
+    /// to the stop `touched`, the law of that impact is applied first.
     #[inline(always)]
     fn advance_alone<S: Simd, const LOADS: usize>(
         &mut self,

@@ -59,7 +59,8 @@ pub enum Way {
     OneByOneAvx2,
 }
 
-/// [`advance_queue`] in a given way. On a machine without AVX2 the ways with AVX2 use what there is.
+/// [`advance_queue`] in a given way. On a machine without AVX2 the ways with AVX2 use what there
+/// is.
 ///
 /// # Panics
 /// As [`advance_queue`].

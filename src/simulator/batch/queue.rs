@@ -23,8 +23,8 @@ pub struct Plan {
 /// its energy accounts off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reports {
-    /// Origin of the samples: sample k, counted from 1, is taken at `origin + k step`, s, if that is
-    /// after the motion's start and not after its end. An infinite `origin` asks for none.
+    /// Origin of the samples: sample k, counted from 1, is taken at `origin + k step`, s, if that
+    /// is after the motion's start and not after its end. An infinite `origin` asks for none.
     pub origin: f64,
     /// Time between two samples, s; greater than zero.
     pub step: f64,

@@ -1,5 +1,4 @@
-//! The three quadratics as families: their roots, their test functions and the names of their
-//! bifurcations.
+//! The three kinds of steady states as families: roots, test functions and bifurcations.
 
 use super::super::exact_orbit::{ExactOrbit, OrbitFamily};
 use super::super::multiple_scales::{FixedPoint, MultipleScales};
@@ -9,9 +8,9 @@ use super::Family;
 use crate::error::Result;
 use nalgebra::Complex;
 
-/// Distance from the unit circle, or relatively from the imaginary axis, within which a located
-/// pair counts as on it. A location is good to 1e-12, and multipliers near a double one move with
-/// the square root of the parameter, so by 1e-6.
+/// Distance from the unit circle, or relative distance from the imaginary axis, within which a
+/// located pair counts as on it. A location is accurate to 1e-12, and multipliers near a double one
+/// move with the square root of the parameter, so by 1e-6.
 const ON_CIRCLE: f64 = 1e-5;
 
 /// t_SB of docs/theory.md (81), Π(1+μ) over the half-cycle multipliers: zero where the symmetry
@@ -20,9 +19,9 @@ fn breaking(multipliers: &[Complex<f64>]) -> f64 {
     multipliers.iter().map(|m| m + 1.0).product::<Complex<f64>>().re
 }
 
-/// The real part of the product of `factor` over all pairs: with 1-μᵢμⱼ it is t_NS of
-/// docs/theory.md (81), zero where a complex pair is on the unit circle; with λᵢ+λⱼ it is zero
-/// where a complex pair of eigenvalues is on the imaginary axis.
+/// Real part of the product of `factor` over all pairs. With 1-μᵢμⱼ it is t_NS of docs/theory.md
+/// (81), zero where a complex pair is on the unit circle; with λᵢ+λⱼ it is zero where a complex
+/// pair of eigenvalues is on the imaginary axis.
 fn pairs(values: &[Complex<f64>], factor: impl Fn(Complex<f64>, Complex<f64>) -> Complex<f64>) -> f64 {
     let mut product = Complex::new(1.0, 0.0);
     for (i, &a) in values.iter().enumerate() {
@@ -33,15 +32,15 @@ fn pairs(values: &[Complex<f64>], factor: impl Fn(Complex<f64>, Complex<f64>) ->
     product.re
 }
 
-/// The complex multiplier nearest the unit circle, if it is on it.
+/// Bifurcation of the complex multiplier nearest the unit circle, if it is on the circle.
 fn complex_on_circle(multipliers: &[Complex<f64>]) -> Option<Bifurcation> {
     let complex = multipliers.iter().filter(|m| m.im != 0.0);
     let nearest = complex.min_by(|a, b| (a.norm() - 1.0).abs().total_cmp(&(b.norm() - 1.0).abs()))?;
     ((nearest.norm() - 1.0).abs() < ON_CIRCLE).then(|| Bifurcation::of(*nearest))
 }
 
-/// Whether a multiplier is the target, 1 or -1; near a double one it moves with the square root of
-/// the parameter.
+/// Whether a multiplier is at `target`, 1 or -1, within the square root of [`ON_CIRCLE`], since
+/// near a double multiplier it moves with the square root of the parameter.
 fn near(multipliers: &[Complex<f64>], target: f64) -> bool {
     multipliers.iter().any(|m| (m - target).norm() < ON_CIRCLE.sqrt())
 }
@@ -69,7 +68,7 @@ impl Family for OrbitFamily {
         solution.is_clear()
     }
 
-    /// A multiplier 1 occurs at the fold alone, so it needs no test.
+    /// A multiplier 1 occurs only at the fold and needs no test.
     fn tests(solution: &ExactOrbit) -> [f64; 3] {
         let m = solution.multipliers();
         [breaking(&m), pairs(&m, |a, b| 1.0 - a * b), 1.0]
@@ -91,7 +90,7 @@ fn slow_tests(multipliers: &[Complex<f64>; 2], eigenvalues: &[Complex<f64>; 4]) 
     [breaking(multipliers), saddle.re, pairs(eigenvalues, |a, b| a + b)]
 }
 
-/// The bifurcation at a zero of one of [`slow_tests`].
+/// Bifurcation at a zero of one of [`slow_tests`].
 fn slow_confirm(
     multipliers: &[Complex<f64>; 2],
     eigenvalues: &[Complex<f64>; 4],
@@ -138,9 +137,9 @@ impl Family for MultipleScales {
 }
 
 impl StrongCoupling {
-    /// A sheet's solution with its C, signed so that it is positive where the block moves into the
-    /// stop it meets (νC > 0). The sheets are ordered by that signed C, so that they do not change
-    /// places where ν changes its sign.
+    /// Solution of a sheet, and its C with the sign by which it is positive if the block moves into
+    /// the stop it meets (νC > 0). The sheets are ordered by that signed C, so that they are not
+    /// exchanged where ν changes its sign.
     fn inward(&self, sheet: Sheet) -> Result<Option<(f64, StrongPoint)>> {
         let sign = if self.nu() < 0.0 { -1.0 } else { 1.0 };
         let order = |r: Roots<StrongPoint>| {

@@ -1,5 +1,5 @@
-//! The scan along the parameter: intervals with real roots, nodes, special points, and the joining
-//! of sheets.
+//! Scan along the parameter: intervals with real roots, nodes, special points, and the joining of
+//! sheets.
 
 use super::super::Sheet;
 use super::{BranchPoint, Curve, Family, LOCATION, Special};
@@ -7,10 +7,10 @@ use crate::error::Result;
 use crate::numerics::roots::brent;
 use std::cell::Cell;
 
-/// Golden-section steps that find a hidden extremum of the discriminant between three nodes.
+/// Most golden-section steps to a hidden extremum of the discriminant between three nodes.
 const GOLDEN_STEPS: usize = 40;
 
-/// An interval of the parameter with real roots; an end is a fold or the range's end.
+/// Interval of the parameter with real roots; each end is a fold or an end of the range.
 pub struct Interval {
     from: f64,
     to: f64,
@@ -18,28 +18,28 @@ pub struct Interval {
     fold_to: bool,
 }
 
-/// A connected piece of one sheet, and once joined of a curve, its points in order.
+/// Points in order of a connected piece of one sheet or, once joined, of a curve.
 pub type SheetRun<P> = Vec<BranchPoint<P>>;
 
-/// A family over its parameter and the number of nodes per interval.
+/// Family over its parameter, with the number of nodes per interval.
 pub struct Scan<M> {
     family: M,
     nodes: usize,
 }
 
-/// Width of the interval in which a special point is enclosed before its location counts as found.
+/// Width of the interval about a special point at which its search ends.
 fn width(value: f64) -> f64 {
     0.1 * LOCATION * value.abs().max(1.0)
 }
 
 impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
-    /// A scan of the family that `family` gives at each value of the parameter.
+    /// Scan of `family`, which gives the family at each value of the parameter.
     pub fn new(family: M, nodes: usize) -> Self {
         Self { family, nodes }
     }
 
-    /// By bisection, the last value on the way from `inside`, where the condition holds, to
-    /// `outside`, where it does not.
+    /// Last value, by bisection, at which a condition holds on the way from `inside`, where it
+    /// holds, to `outside`, where it does not.
     fn edge(&self, mut inside: f64, mut outside: f64, holds: impl Fn(&F) -> Result<bool>) -> Result<f64> {
         while (outside - inside).abs() > width(inside) {
             let middle = 0.5 * (inside + outside);
@@ -51,7 +51,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(inside)
     }
 
-    /// The intervals of the range in which the quadratic has real roots.
+    /// Intervals of the range in which the quadratic has real roots.
     pub fn intervals(&self, from: f64, to: f64) -> Result<Vec<Interval>> {
         let n = self.nodes;
         let discriminant = |v: f64| (self.family)(v).map(|f| f.discriminant());
@@ -95,8 +95,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(intervals)
     }
 
-    /// Where sign × discriminant is least in [a, b], by golden section; stops at the first value
-    /// below zero.
+    /// Value in [a, b] at which sign × discriminant is least, by golden section; ends at the first
+    /// negative value.
     fn least(&self, mut a: f64, mut b: f64, sign: f64) -> Result<f64> {
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let value = |v: f64| (self.family)(v).map(|f| sign * f.discriminant());
@@ -119,7 +119,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(if at_low < at_high { low } else { high })
     }
 
-    /// The point of a sheet at a value of the parameter; `None` where the root is not positive.
+    /// Point of a sheet at a value of the parameter; `None` if the root is not positive.
     fn point(
         &self,
         value: f64,
@@ -136,8 +136,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         }))
     }
 
-    /// One sheet over an interval by increasing parameter: runs of steady states, broken where the
-    /// root is not positive.
+    /// Runs of steady states on one sheet over an interval, by increasing parameter; they are
+    /// broken where the root is not positive.
     pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<SheetRun<F::Solution>>> {
         let root = |f: &F| f.root(sheet).unwrap_or(f64::NAN) > 0.0;
         let (half, n) = (0.5 * (interval.to - interval.from), self.nodes);
@@ -178,7 +178,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(runs)
     }
 
-    /// Appends a point to the last run, with the special points between it and the run's last one.
+    /// Appends a point to the last run, after the special points between it and the run's last one.
     fn extend(&self, runs: &mut [SheetRun<F::Solution>], next: BranchPoint<F::Solution>) -> Result<()> {
         let Some(run) = runs.last_mut() else { return Ok(()) };
         let Some(&last) = run.last() else {
@@ -186,8 +186,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             return Ok(());
         };
         if next.value <= last.value {
-            // The edge of the sheet coincides with its node: of the two points the special one
-            // stays.
+            // The edge of the sheet coincides with a node: the special point of the two is kept.
             if last.special.is_none() {
                 run.pop();
                 run.push(next);
@@ -202,7 +201,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(())
     }
 
-    /// The bifurcations between two neighbours on a sheet, where a test function changes its sign.
+    /// Bifurcations between two neighbours on a sheet, where a test function changes its sign.
     fn bifurcations(
         &self,
         last: &BranchPoint<F::Solution>,
@@ -237,8 +236,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(found)
     }
 
-    /// The point between two neighbours on a sheet at which the block begins to touch a stop
-    /// between its impacts, if there is one.
+    /// Point between two neighbours on a sheet at which the block begins to touch a stop between
+    /// its impacts, if there is one.
     fn grazing(
         &self,
         last: &BranchPoint<F::Solution>,
@@ -254,13 +253,14 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         self.point(edge, next.sheet, Some(Special::Grazing))
     }
 
-    /// Joins runs end to end at their folds: those of the upper sheet by increasing, of the lower
-    /// by decreasing parameter.
+    /// Joins runs end to end at their folds. Runs of the upper sheet are given by increasing, those
+    /// of the lower by decreasing parameter.
     pub fn join(&self, mut runs: Vec<SheetRun<F::Solution>>) -> Result<Vec<Curve<F::Solution>>> {
         let fold = |point: Option<&BranchPoint<F::Solution>>| {
             point.filter(|p| p.special == Some(Special::Fold)).map(|p| p.value)
         };
-        let (first, last) = (|r: &SheetRun<F::Solution>| fold(r.first()), |r: &SheetRun<F::Solution>| fold(r.last()));
+        let (first, last) =
+            (|r: &SheetRun<F::Solution>| fold(r.first()), |r: &SheetRun<F::Solution>| fold(r.last()));
         let mut i = 0;
         while i < runs.len() {
             let follows = |(j, run): (usize, &SheetRun<F::Solution>)| {
@@ -282,8 +282,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(runs.into_iter().map(curve).collect())
     }
 
-    /// Gives each special point the stability of the piece that follows, and the last point that of
-    /// the piece before it.
+    /// Sets the stability of each special point to that of the piece that follows; for the last
+    /// point, of the piece before.
     fn mark_stability(&self, run: &mut SheetRun<F::Solution>) -> Result<()> {
         for i in 0..run.len() {
             if run[i].special.is_none() {

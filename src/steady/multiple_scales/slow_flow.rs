@@ -5,7 +5,7 @@ use super::{Branch, MultipleScales, SAWTOOTH_HARMONIC};
 use crate::error::{Error, Result};
 use nalgebra::{Complex, Matrix4};
 
-/// A state of the slow flow: amplitudes in units of L, phases in rad.
+/// State of the slow flow: amplitudes in units of L, phases in rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlowState {
     /// B.
@@ -18,8 +18,8 @@ pub struct SlowState {
     pub psi3: f64,
 }
 
-/// What the flow and its Jacobian share: C on the branch, its slope C_B = B/m, docs/theory.md (38),
-/// and χ, (41).
+/// Terms shared by the slow flow and its Jacobian: C on the branch, its slope C_B = B/m,
+/// docs/theory.md (38), and χ, (41).
 struct SharedTerms {
     c: f64,
     c_b: f64,
@@ -97,8 +97,8 @@ impl MultipleScales {
         ))
     }
 
-    /// Eigenvalues at the fixed point with this C in closed form, docs/theory.md (51). At C_min
-    /// they are infinite.
+    /// Eigenvalues at the fixed point with amplitude C in closed form, docs/theory.md (51). At
+    /// C_min they are infinite.
     pub(super) fn eigenvalues(&self, c: f64) -> [Complex<f64>; 4] {
         let (g, m) = (&self.groups, self.manifold.slope(c));
         let quadratic = &self.quadratic;

@@ -1,5 +1,5 @@
-//! The exact orbit against direct integration by a classical method, and against the laws it must
-//! keep.
+//! The exact orbit against direct integration by a classical method, and against the laws that it
+//! must satisfy.
 
 use crate::State;
 use crate::error::Error;
@@ -16,7 +16,7 @@ const GOLDEN_AMPLITUDE: f64 = 6e-8;
 const GOLDEN_SAMPLING: f64 = 3e-7;
 const GOLDEN_SECOND: f64 = 6e-11;
 const GOLDEN_RADIUS: f64 = 6e-9;
-/// Round-off of half a period, amplitudes of order one.
+/// Rounding over half a period, with amplitudes of order one.
 const ROUNDING: f64 = 1e-13;
 /// The classical Runge-Kutta method with 2000 steps per half period: h⁴ ≈ 6e-12.
 const RUNGE_KUTTA: f64 = 1e-10;
@@ -46,7 +46,7 @@ fn weak(g: [f64; 8]) -> Parameters {
         .unwrap()
 }
 
-/// A set with all masses comparable and no unit scale.
+/// Parameters with comparable masses and no unit scale.
 fn odd() -> Parameters {
     Parameters {
         box_mass: 2.3,
@@ -304,7 +304,7 @@ fn invariant_energy_balance_over_half_a_period() {
     let n = 2000;
     let power = |i: u32| {
         let theta = orbit.drive_phase() + PI * f64::from(i) / f64::from(n);
-        // The last node lies at the next impact: take the state before it.
+        // The last node lies at the next impact: the state before it is needed.
         let s = if i < n { orbit.state(theta) } else { orbit.before_impact() };
         let sign = if i < n { 1.0 } else { -1.0 };
         let v = s.v.map(|v| sign * v);
@@ -353,9 +353,9 @@ fn invariant_plastic_and_elastic_impacts() {
     assert!((a.v[1] - a.v[0] + b.v[1] - b.v[0]).abs() < ROUNDING * 10.0);
 }
 
-/// With a strong damper half a period is thousands of Taylor pieces, and next to the resonance of a
-/// box without damper numbers of thousands of gaps cancel: the rounding of either must not pass for
-/// a stop that is met earlier.
+/// Orbits with much rounding: half a period has thousands of Taylor pieces with a strong damper, and
+/// numbers of thousands of gaps cancel next to the resonance of a box without damper. The rounding
+/// must not count as a stop that is met earlier.
 #[test]
 fn second_method_orbits_of_more_rounding_are_those_of_the_simulator() {
     let p = Parameters {

@@ -1,4 +1,4 @@
-//! Multiple scales against its own equations by other ways: differences, sampling, elimination.
+//! Multiple scales against its own equations by other methods: differences, sampling, elimination.
 
 use crate::error::Error;
 use crate::parameters::Groups;
@@ -24,7 +24,7 @@ const STEP: f64 = 1e-6;
 /// of the phase.
 const BEFORE: f64 = 1e-9;
 const SLOPE: f64 = 1e-7;
-/// Rounding of an amplitude or of the gap by way of another phase.
+/// Rounding of an amplitude or of W computed from another phase.
 const PHASE_ROUNDING: f64 = 1e-12;
 /// Samples of an amplitude miss the maximum by the square of their spacing.
 const SAMPLING: f64 = 1e-7;
@@ -195,7 +195,7 @@ fn invariant_impact_law_of_the_multiple_scales_motion() {
         assert!((at.dw + kappa * before.dw).abs() < SLOPE * (1.0 + p.c.abs()));
         // momentum: U is smooth
         assert!((at.du - before.du).abs() < SLOPE * (1.0 + p.b));
-        // the same instant by the phase of the drive
+        // motion at this instant by the phase of the drive
         let drive = p.motion_at_drive(p.drive_phase);
         assert!((drive.w.abs() - 1.0).abs() < PHASE_ROUNDING * (1.0 + p.c.abs()));
     }

@@ -7,7 +7,7 @@ use crate::steady::strong_coupling::*;
 use crate::steady::{Roots, multiple_scales};
 use std::f64::consts::PI;
 
-/// The same closed form by two routes, amplitudes of order one.
+/// Rounding of a closed form computed in two ways, with amplitudes of order one.
 const ROUNDING: f64 = 1e-13;
 /// Eigenvalues by QR; a nearly double pair keeps half its digits.
 const EIGENVALUE: f64 = 1e-9;
@@ -185,7 +185,7 @@ fn resonances_are_errors() {
 
 #[test]
 fn closed_form_sum_of_the_eigenvalues_where_sweeps_turn_in_circles() {
-    // Elastic impacts and no dampers: the slow flow keeps volumes.
+    // Elastic impacts and no dampers: the slow flow conserves volumes.
     for [epsilon, f10, sigma1, beta2, sigma30, mu13] in [
         [
             0.3559830366926683,

@@ -3,7 +3,7 @@
 use super::rows::{LaneSystems, state_in};
 use crate::flow::INTERVALS;
 use crate::numerics::simd::product;
-use crate::simulator::batch::vectors::{ROW, LaneRow, Wide};
+use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use pulp::Simd;
 
 /// Number of coordinates that are transposed at a time.

@@ -4,7 +4,7 @@
 use super::rows::LaneSystems;
 use crate::flow::{CENTRED, remainder};
 use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE};
-use crate::simulator::batch::vectors::{Mask, LaneRow, Wide};
+use crate::simulator::batch::vectors::{LaneRow, Mask, Wide};
 use pulp::Simd;
 
 /// 1/k!.

@@ -9,7 +9,7 @@ use crate::flow::{CENTRED, INTERVALS, Series, SubstepTable, WHOLE};
 use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::queue::{MotionQueue, Reports};
-use crate::simulator::batch::vectors::{ROW, LaneRow, Wide};
+use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use crate::simulator::step::AdvanceState;
 use crate::simulator::{Event, Simulator};
 use crate::state::State;
@@ -252,9 +252,9 @@ impl Rounds<'_> {
         }
     }
 
-    /// Reports a sample of each of the motions `due`, within its latest sub-step. The flights of all
-    /// lanes are expanded side by side, each about the centre of its own interval. Returns the lanes
-    /// whose motions the queue has ended.
+    /// Reports a sample of each of the motions `due`, within its latest sub-step. The flights of
+    /// all lanes are expanded side by side, each about the centre of its own interval. Returns the
+    /// lanes whose motions the queue has ended.
     #[inline(always)]
     fn take_samples<S: Simd>(&mut self, simd: S, due: LaneSet) -> LaneSet {
         let (mut places, mut ended) = (LaneRow::ZERO, 0);

@@ -6,7 +6,7 @@ use crate::flow::{CORE, INTERVALS, SubstepTable};
 use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN, ImpactFactors};
 use crate::numerics::double_double::DoubleDouble;
 use crate::parameters::Parameters;
-use crate::simulator::batch::vectors::{ROW, LaneRow, Wide};
+use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use crate::simulator::general::MAX_REACH;
 use crate::simulator::step::AdvanceState;
 use crate::simulator::tables::ModeTables;

@@ -7,7 +7,7 @@ use super::rows::{LaneStates, LaneSystems, SubstepStarts};
 use super::{LaneSet, lanes_of};
 use crate::flow::INTERVALS;
 use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE};
-use crate::simulator::batch::vectors::{Mask, LaneRow, Wide, WideDoubleDouble};
+use crate::simulator::batch::vectors::{LaneRow, Mask, Wide, WideDoubleDouble};
 use pulp::Simd;
 
 /// Results of a sub-step of all lanes, and the lanes that it leaves to the code for a single
@@ -212,8 +212,8 @@ fn add<S: Simd>(simd: S, row: &mut LaneRow, v: usize, more: Wide<S>) {
 }
 
 /// Advances the motions `chosen` in vector `v` through the impact in their searched interval, if it
-/// is proved to be the first, or past the interval, if it is proved that there is none. For those in
-/// `near_start` the search begins at the start of the sub-step.
+/// is proved to be the first, or past the interval, if it is proved that there is none. For those
+/// in `near_start` the search begins at the start of the sub-step.
 #[inline(always)]
 fn advance_in_interval<S: Simd>(
     simd: S,
@@ -248,7 +248,11 @@ fn advance_in_interval<S: Simd>(
     add(simd, &mut states.expansions, v, moved.select(one, zero));
     add(simd, &mut states.iterations, v, arrival.found.select(arrival.iterations, zero));
     record_impact(simd, systems, states, v, through, (side, rebound.approach), later);
-    IntervalProgress { moved: moved.bits(), through: through.bits(), at_stop: (arrival.found & !through).bits() }
+    IntervalProgress {
+        moved: moved.bits(),
+        through: through.bits(),
+        at_stop: (arrival.found & !through).bits(),
+    }
 }
 
 /// Results of the search of an interval, as in [`Progress`], for the lanes of one vector.
