@@ -109,7 +109,7 @@ fn invariant_energy_balance_in_short_steps() {
     /// Of the energy that passed through (docs/guarantees.md).
     const BOUND: f64 = 1e-12;
     let basic = basic(1.5, 0.75);
-    // Here the drive itself is the fastest rate: the rules' errors are largest.
+    // The drive is the fastest rate, with which the errors of the rules are largest.
     let fast = Parameters { drive_frequency: 50.0, drive_amplitude: 50.0, ..basic };
     for p in [basic, fast] {
         for part in [0.99, 0.49, 0.1] {
