@@ -1,4 +1,4 @@
-"""How fast the Python package is, as ratios within one run: against the Rust library, its own fixed costs, SciPy's DOP853 with events,
+"""Speed of the Python package, as ratios within one run: against the Rust library, its own fixed costs, SciPy's DOP853 with events,
 fmpy.
 
 `pip install ./python scipy fmpy`, then `python benches/python_package.py`. The work: the default machine over 1000 forces from 0.5 to 4,
@@ -53,7 +53,7 @@ def beside_rust(example, work):
             return least(work, 1), processor_time(os.getpid()) - begin
 
         by_rust(), by_package()  # threads and tables that are made once
-        # Every other turn the other way round: neither is always the first.
+        # The order changes from turn to turn, so that neither is always the first.
         turns = [(by_package(), by_rust()) if i % 2 else (by_rust(), by_package())[::-1] for i in range(TURNS)]
         rust.stdin.close()
     times, processor = np.array(turns).transpose(2, 1, 0)
