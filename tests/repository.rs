@@ -3,6 +3,8 @@
 
 #[path = "repository/citations.rs"]
 mod citations;
+#[path = "repository/clauses.rs"]
+mod clauses;
 #[path = "repository/texts.rs"]
 mod texts;
 

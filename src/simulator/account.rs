@@ -1,6 +1,6 @@
 //! Energy accounts along the sub-steps (see [`crate::energy`]).
 
-use super::general::{SeriesPoint, SubstepStart};
+use super::points::{SeriesPoint, SubstepStart};
 use super::step::AdvanceState;
 use super::{Contact, Simulator};
 use crate::flow::{CENTRED, INTERVALS};

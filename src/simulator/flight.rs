@@ -1,7 +1,7 @@
 //! Sub-steps of free flight without loads, in which a motion spends almost all of its time.
 
 use super::Simulator;
-use super::general::{SeriesPoint, SubstepStart};
+use super::points::{SeriesPoint, SubstepStart};
 use crate::events::flight_crossing;
 use crate::flow::{ANCHORED, INTERVALS, Series};
 use crate::model::{Augmented, RELATIVE, SmoothMode};

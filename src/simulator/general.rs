@@ -33,10 +33,11 @@
 //! - Another event functional: `Series::functional`, the samples of `flow::SubstepTable` with their
 //!   bound, and the limit in `substep_by_tables` and `search_intervals`.
 
+use super::points::{SeriesPoint, SubstepStart};
 use super::{Contact, Simulator};
 use crate::events::first_crossing;
-use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, SubstepTable, shifted};
-use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
+use crate::flow::{ANCHORED, CENTRED, INTERVALS, Series, SubstepTable};
+use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd::value;
 use std::sync::Arc;
@@ -53,42 +54,6 @@ pub(super) const SHORT: f64 = 1.0 / 1024.0;
 /// whole. Beyond it steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
 
-/// Point on a series at which an event or the step's end lies.
-pub(super) struct SeriesPoint<'a, const N: usize> {
-    pub(super) series: &'a Series<N>,
-    /// Time from the sub-step's start to the series' centre, s.
-    pub(super) base: f64,
-    pub(super) radius: f64,
-    pub(super) u: f64,
-    /// Interval that the series is centred on; `None` for a series about the sub-step's start.
-    pub(super) interval: Option<usize>,
-}
-
-/// Start of a sub-step: state, loads and the bound on the functional's second derivative. `LOADS`
-/// is 0 or 1, so that motion without loads is compiled without them.
-pub(super) struct SubstepStart<const LOADS: usize> {
-    pub(super) z: Augmented,
-    pub(super) forces: [Forces; LOADS],
-    pub(super) bound: f64,
-}
-
-impl<const LOADS: usize> SubstepStart<LOADS> {
-    #[inline(always)]
-    fn forces(&self) -> Option<&Forces> {
-        self.forces.first()
-    }
-
-    #[inline(always)]
-    pub(super) fn forces_after(&self, dt: f64) -> Option<Forces> {
-        self.forces.first().map(|f| shifted(f, dt))
-    }
-
-    /// Forces as columns of the load tables.
-    #[inline(always)]
-    fn columns(&self) -> Option<[f64; LOAD]> {
-        self.forces.first().map(|f| std::array::from_fn(|c| f[c / 4][c % 4]))
-    }
-}
 impl Simulator {
     /// A sub-step of at most `remaining` s from `z`: the state at its end and the stop of its
     /// event, if it reached one. Compiled once, for all instruction sets.

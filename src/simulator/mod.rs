@@ -27,6 +27,7 @@ mod departure;
 mod flight;
 mod general;
 mod limits;
+mod points;
 mod snapshot;
 mod step;
 mod tables;
