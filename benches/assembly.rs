@@ -46,7 +46,8 @@ fn paper_machine(p: &vibro_impact::Parameters) -> String {
     .concat()
 }
 
-/// A driven chain like a gear train: every second joint has play on both sides, the others a spring.
+/// A driven chain like a gear train: every second joint has play on both sides, the others a
+/// spring.
 fn chain(bodies: usize) -> String {
     let mut text = String::from("name = \"Chain\"\n");
     for i in 0..bodies {

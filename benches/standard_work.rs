@@ -21,8 +21,8 @@ mod golden;
 
 use golden::{standard, weak};
 
-/// Rounds, in each of which every way runs once, so that a change of the machine's speed affects all
-/// alike.
+/// Rounds, in each of which every way runs once, so that a change of the machine's speed affects
+/// all alike.
 const ROUNDS: usize = 15;
 /// Drive periods of a timed run.
 const PERIODS: f64 = 2000.0;

@@ -34,8 +34,8 @@ const KEEP: u32 = 800;
 /// Periods of the reference method, hundreds of times slower, at each of some values.
 const REFERENCE_PERIODS: f64 = 25.0;
 
-/// Least wall time and least processor time of the rounds, s (processor time on Linux; elsewhere the
-/// wall time).
+/// Least wall time and least processor time of the rounds, s (processor time on Linux; elsewhere
+/// the wall time).
 fn timed(mut run: impl FnMut()) -> (f64, f64) {
     let mut best = (f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
@@ -307,8 +307,8 @@ fn lanes() -> String {
     )
 }
 
-/// Counts of the work of a drive period, one by one, which are equal in every run on one instruction
-/// set.
+/// Counts of the work of a drive period, one by one, which are equal in every run on one
+/// instruction set.
 fn work() -> String {
     const PERIODS: f64 = 200.0;
     let mut table =

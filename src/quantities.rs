@@ -37,7 +37,9 @@ impl Unit {
     /// Number of this unit of a value in the SI unit.
     ///
     /// ```
-    /// let unit = vibro_impact::quantities::quantity_in("m", "5 mm").and_then(|gap| gap.unit).expect("a length");
+    /// use vibro_impact::quantities::quantity_in;
+    ///
+    /// let unit = quantity_in("m", "5 mm").and_then(|gap| gap.unit).expect("a length");
     /// assert_eq!((unit.number(0.005), unit.symbol()), (5.0, "mm".into()));
     /// ```
     pub fn number(&self, si: f64) -> f64 {

@@ -194,8 +194,8 @@ fn invariant_an_event_that_is_due_is_reported() {
 
 #[test]
 fn second_method_samples_and_events_as_one_by_one() {
-    /// Rounding, amplified by some fifteen impacts, in motions whose differences grow little in that
-    /// time.
+    /// Rounding, amplified by some fifteen impacts, in motions whose differences grow little in
+    /// that time.
     const DIFFERENCE: f64 = 1e-9;
     const END: f64 = 30.0;
     let records = record(&mut motions(), (0..motions().len()).collect(), REPORTS, END);

@@ -7,8 +7,8 @@ use vibro_impact::{Parameters, Simulator, State};
 const CLOSED: f64 = 0.5 * f64::EPSILON;
 
 /// A box without spring and damper, and a block on which only its load acts: the relative
-/// acceleration is the load over the block's mass. The secondary oscillator sets the fastest `rate`,
-/// which limits how fast loads may change.
+/// acceleration is the load over the block's mass. The secondary oscillator sets the fastest
+/// `rate`, which limits how fast loads may change.
 fn machine(kappa: f64, rate: f64) -> Parameters {
     Parameters {
         box_stiffness: 0.0,
@@ -130,8 +130,8 @@ fn speeds(a: &[f64; 4], t0: f64, tau: f64) -> (f64, f64) {
     (leaving, returning)
 }
 
-/// Length of a run that begins with the speed 1 under a(t), bounce by bounce, in units of 2/(1 - κ);
-/// infinite if the block does not come back.
+/// Length of a run that begins with the speed 1 under a(t), bounce by bounce, in units of
+/// 2/(1 - κ); infinite if the block does not come back.
 fn run_length(kappa: f64, a: &[f64; 4]) -> f64 {
     let (mut t, mut u) = (0.0, 1.0);
     while u > 1e-9 {

@@ -187,8 +187,8 @@ fn closed_form_of_the_release() {
         }
         let time = released.expect("it lets go");
         assert!((time - 10.0).abs() < ROUNDING * 10.0, "{time}");
-        // After the release w'' = -0.1 (t - 10): at 10 + τ the block is 0.1 τ³/6 off the stop, until
-        // it meets the other one.
+        // After the release w'' = -0.1 (t - 10): at 10 + τ the block is 0.1 τ³/6 off the stop,
+        // until it meets the other one.
         let tau: f64 = simulator.time() - 10.0;
         if tau.powi(3) * 0.1 / 6.0 < 2.0 {
             assert!((simulator.relative_motion().0 - (1.0 - 0.1 * tau.powi(3) / 6.0)).abs() < 1e-8);
@@ -197,9 +197,9 @@ fn closed_form_of_the_release() {
 }
 
 /// A heavy block that its load holds at a stop of a light box: box and block swing on the box's
-/// spring as one body. The error is rounding, about ε S for each sub-step (docs/numerics.md, section
-/// 1). If the box's small share of the mass were computed as 1 minus the block's, it would have few
-/// digits, and the error of the motion would be a thousand times as large.
+/// spring as one body. The error is rounding, about ε S for each sub-step (docs/numerics.md,
+/// section 1). If the box's small share of the mass were computed as 1 minus the block's, it would
+/// have few digits, and the error of the motion would be a thousand times as large.
 #[test]
 fn closed_form_a_heavy_block_at_rest_in_a_light_box() {
     for (ratio, end) in [(1e2, 100.0), (1e6, 10.0), (1e8, 1.0)] {

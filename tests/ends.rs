@@ -65,8 +65,8 @@ fn scan(p: &Parameters, events: usize, load: impl Fn(f64) -> Loads) -> (Vec<f64>
     (refused, count)
 }
 
-/// Every end near an event, among them 76.64538209875533 s + 7.9e-16 s of the motion with f10 = 3.6:
-/// w is a unit in the last place of the gap past the stop there, and is put on the stop.
+/// Every end near an event, among them 76.64538209875533 s + 7.9e-16 s of the motion with f10 =
+/// 3.6: w is a unit in the last place of the gap past the stop there, and is put on the stop.
 #[test]
 fn invariant_every_end_near_an_event_can_be_restored() {
     /// Events of each motion whose neighbourhood is scanned.
@@ -131,8 +131,8 @@ fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
 }
 
 /// Setting loads right after a release decides anew whether the block rests: not by the
-/// acceleration, which is rounding, but by the jerk, which leads away. No other release is reported,
-/// and the motion does not change.
+/// acceleration, which is rounding, but by the jerk, which leads away. No other release is
+/// reported, and the motion does not change.
 #[test]
 fn invariant_loads_set_right_after_a_release_move_nothing() {
     /// Difference of the displacements in gaps, by the rounding of the acceleration.
@@ -226,9 +226,9 @@ fn closed_form_only_grazes_within_rounding_depend_on_where_steps_end() {
     assert!(grazes > 0, "no graze depends on the step: docs/guarantees.md says that one may");
 }
 
-/// The last bounces of a chatter run are as low as the rounding of w, to which the state between two
-/// advances is rounded: their number may depend on where steps end. The motion and the rest at its
-/// end do not.
+/// The last bounces of a chatter run are as low as the rounding of w, to which the state between
+/// two advances is rounded: their number may depend on where steps end. The motion and the rest at
+/// its end do not.
 #[test]
 fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
     /// Difference of displacements in gaps, and of velocities.
@@ -273,8 +273,9 @@ fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
 }
 
 /// Bounces, with the first speed `u`, of a block that its load presses to the upper stop of a box
-/// without spring and damper with the acceleration `a`. Advances by `span` in equal `steps`; returns
-/// the impacts, the time of rest, and the largest distance from the stop at the ends of steps, gaps.
+/// without spring and damper with the acceleration `a`. Advances by `span` in equal `steps`;
+/// returns the impacts, the time of rest, and the largest distance from the stop at the ends of
+/// steps, gaps.
 fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64>, f64) {
     let p = Parameters {
         box_stiffness: 0.0,
@@ -305,9 +306,9 @@ fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64
     (simulator.impacts().upper, rest, height / p.stop_gap)
 }
 
-/// With κ near 1 thousands of bounces are within rounding of the stop. Where steps end decides their
-/// number and the time of rest, and with κ = 1 whether the block comes to rest. All the while the
-/// block is on the stop, up to the exception of docs/guarantees.md.
+/// With κ near 1 thousands of bounces are within rounding of the stop. Where steps end decides
+/// their number and the time of rest, and with κ = 1 whether the block comes to rest. All the while
+/// the block is on the stop, up to the exception of docs/guarantees.md.
 #[test]
 fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
     /// η of docs/numerics.md, section 2, in gaps, as the size of these motions is about the gap.
@@ -351,7 +352,8 @@ fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
         ..Parameters::default()
     };
     let (w0, v, a) = (0.6 * still.stop_gap, 1e-3, -1.0);
-    // The block is accelerated by a load, or the box by its spring, which hardly moves in this time.
+    // The block is accelerated by a load, or the box by its spring, which hardly moves in this
+    // time.
     let swung = Parameters { box_stiffness: still.box_mass, ..still };
     for (p, x1, load) in [(still, 0.0, a * still.block_mass), (swung, a, 0.0)] {
         for step in [1e-9, 3e-9, 1e-8, 1e-7] {

@@ -108,8 +108,8 @@ fn golden_standard_work_over_twenty_periods() {
 
 #[test]
 fn golden_standard_work_after_two_thousand_periods() {
-    /// Error at the end: the motion is stable, so that only the rounding of 2000 periods as a double
-    /// remains, 1e-12 s.
+    /// Error at the end: the motion is stable, so that only the rounding of 2000 periods as a
+    /// double remains, 1e-12 s.
     const END: f64 = 1e-11;
     let (p, start) = standard();
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
@@ -139,8 +139,8 @@ fn golden_every_chatter_ends_in_rest_and_lets_go_at_its_time() {
     /// 1e-8, so that its end is accurate to the square of that over 1 - κ; a root of the contact
     /// force is accurate to its own rounding.
     const INSTANT: f64 = 1e-12;
-    /// Error of displacements over the gap and of speeds: the chatter that is left out is under half
-    /// a unit in the last place, and up to 150 impacts add their rounding.
+    /// Error of displacements over the gap and of speeds: the chatter that is left out is under
+    /// half a unit in the last place, and up to 150 impacts add their rounding.
     const STATE: f64 = 1e-12;
     let rows = table("chatter.csv");
     assert!(rows.len() > 100);

@@ -124,8 +124,8 @@ fn invariant_energy_balance_in_short_steps() {
 /// that rule alone finds the damping, but not in other steps.
 #[test]
 fn invariant_energy_balance_in_steps_of_half_an_interval_beside_a_damper() {
-    /// Bounds relative to the energy that passed through (docs/guarantees.md), in steps in which the
-    /// rule's error adds up and in others.
+    /// Bounds relative to the energy that passed through (docs/guarantees.md), in steps in which
+    /// the rule's error adds up and in others.
     const BOUNDS: [f64; 2] = [1e-11, 1e-12];
     let p = Parameters {
         box_stiffness: 0.823,
@@ -163,8 +163,8 @@ fn imbalance_in_steps(p: &Parameters, part: f64, steps: u32) -> f64 {
 /// gaps wide.
 #[test]
 fn invariant_energy_balance_under_a_strong_and_slow_drive() {
-    /// Bound relative to the energy that passed through, or to the drive's work over the gap if that
-    /// is more (docs/guarantees.md).
+    /// Bound relative to the energy that passed through, or to the drive's work over the gap if
+    /// that is more (docs/guarantees.md).
     const BOUND: f64 = 1e-12;
     let soft = Parameters {
         box_stiffness: 1e-3,
@@ -196,7 +196,8 @@ fn second_method_drive_work_in_closed_form_and_by_quadrature() {
     for p in [p, basic(3.0, 0.1), undamped(p, 0.0), undamped(p, 1e-4), undamped(p, 0.02), undamped(p, -0.3)] {
         let mut form = Simulator::new(&p, &start(), 0.0).unwrap();
         for n in 1..=300 {
-            // The quadrature restarts from this state each period, so that the motions stay together.
+            // The quadrature restarts from this state each period, so that the motions stay
+            // together.
             let mut rule = Simulator::new(&p, &form.state(), form.time()).unwrap();
             rule.set_loads(&Loads { derivatives: [[f64::MIN_POSITIVE, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]] })
                 .unwrap();

@@ -235,8 +235,8 @@ fn invariant_mirror_image_of_an_off_centre_gap() {
     assert_eq!(above.v.map(|v| -v), below.v);
 }
 
-/// A block that its load holds at a stop by the force (t - t0)² - d, which falls and rises again: it
-/// is released where the force is zero, however short the dip and wherever it lies between two
+/// A block that its load holds at a stop by the force (t - t0)² - d, which falls and rises again:
+/// it is released where the force is zero, however short the dip and wherever it lies between two
 /// samples, and not released if the force stays above zero.
 #[test]
 fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
@@ -278,8 +278,8 @@ fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
 /// with it the loads, would be ahead of the bodies, and the block would gain a speed from nothing.
 #[test]
 fn second_method_an_event_found_in_the_past_moves_no_clock() {
-    /// Rounding of w relative to the size of the motion: docs/numerics.md, section 3, allows 18 ε in
-    /// a time of 1/r.
+    /// Rounding of w relative to the size of the motion: docs/numerics.md, section 3, allows 18 ε
+    /// in a time of 1/r.
     const ROUNDING: f64 = 18.0 * f64::EPSILON;
     const STEPS: u32 = 300;
     let p = Parameters {
@@ -298,8 +298,8 @@ fn second_method_an_event_found_in_the_past_moves_no_clock() {
         drive_phase: 0.06604562253327717,
         constant_loads: [0.0; 3],
     };
-    // The load accelerates the block as the drive accelerates the box, up to the fifth derivative of
-    // the displacements.
+    // The load accelerates the block as the drive accelerates the box, up to the fifth derivative
+    // of the displacements.
     let load = [0.8477580355092145, 10.131094698408301, -0.6793357438453484, -8.11837159249228];
     let start = State { x: [0.0, -p.stop_gap, 282.5911201755524], v: [0.0, 0.0, -351.95968862946336] };
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();

@@ -109,7 +109,8 @@ proptest! {
         (p, start) in system(),
         script in prop::collection::vec((1e-3..3.0f64, loads()), 1..20),
     ) {
-        /// Rounding relative to the energy that passed; under loads states grow to thousands of gaps.
+        /// Rounding relative to the energy that passed; under loads states grow to thousands of
+        /// gaps.
         const BALANCE: f64 = 1e-9;
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         let first = simulator.energy_accounts().mechanical;
@@ -180,7 +181,8 @@ proptest! {
         // A slow impact or a long run of them multiplies round-off: there the two may part in
         // earnest.
         prop_assume!(least > 1e-2 && impacts < 30 && growth(&p, &start, &load, end) < MAX_GROWTH);
-        /// Rounding of some hundred sub-steps, amplified by up to 30 impacts no slower than 0.01 m/s.
+        /// Rounding of some hundred sub-steps, amplified by up to 30 impacts no slower than 0.01
+        /// m/s.
         const BOUND: f64 = 1e-7;
         let (a, b) = (whole.state(), split.state());
         let scale = a.x.iter().chain(&a.v).fold(1.0f64, |m, x| m.max(x.abs()));

@@ -152,8 +152,8 @@ fn golden_standard_work_over_20_periods() {
     }
 }
 
-/// The motion settles on the orbit of the standard work or on its mirror image, x → -x half a period
-/// later. Rounding decides which, as errors grow 10⁹ times between periods 20 and 60.
+/// The motion settles on the orbit of the standard work or on its mirror image, x → -x half a
+/// period later. Rounding decides which, as errors grow 10⁹ times between periods 20 and 60.
 #[test]
 fn golden_standard_work_settles_on_the_certified_orbit_or_its_mirror() {
     const SETTLED: f64 = 1e-9;
@@ -174,8 +174,8 @@ fn golden_standard_work_settles_on_the_certified_orbit_or_its_mirror() {
 
 #[test]
 fn golden_grazing_set() {
-    // Error of w relative to L, from 1e-12 a step over up to 1.6 periods. It moves the instant of an
-    // impact by the error over the speed, and the velocities after the impact likewise.
+    // Error of w relative to L, from 1e-12 a step over up to 1.6 periods. It moves the instant of
+    // an impact by the error over the speed, and the velocities after the impact likewise.
     const GAP_ERROR: f64 = 1e-10;
     let rows = table("grazing.csv");
     assert!(rows.len() > 400);

@@ -43,8 +43,8 @@ fn invariant_steps_that_end_at_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of {releases} releases", added.len());
 }
 
-/// A block that a force of the size of rounding moves off its stop, or that is released very slowly,
-/// leaves in short steps as in one advance: changes too small for w in one step add up.
+/// A block that a force of the size of rounding moves off its stop, or that is released very
+/// slowly, leaves in short steps as in one advance: changes too small for w in one step add up.
 #[test]
 fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
     const STEP: f64 = 0.1;
@@ -130,8 +130,8 @@ fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
 }
 
 /// Loads on the block with which, at the start, the derivatives of w from the second on are zero up
-/// to the one of order k = `order`, which leads away from the stop with the size `away` m/sᵏ. `None`
-/// if rounding allows no such loads.
+/// to the one of order k = `order`, which leads away from the stop with the size `away` m/sᵏ.
+/// `None` if rounding allows no such loads.
 fn loads_of_order(simulator: &Simulator, order: usize, away: f64) -> Option<Loads> {
     let (model, side) = (Model::new(simulator.parameters()).unwrap(), simulator.relative_motion().0.signum());
     let mut derivatives = [[0.0; 4]; 3];
@@ -217,9 +217,9 @@ fn second_method_a_longer_step_after_short_ones_finds_no_impact_at_its_start() {
     assert!(added.is_empty(), "{added:?}");
 }
 
-/// A machine at rest under the largest force of its drive, with the block at a stop: the rate of the
-/// force is the rounding of the cosine, and the higher derivatives decide. On one side the block is
-/// pressed and rests, on the other it is released.
+/// A machine at rest under the largest force of its drive, with the block at a stop: the rate of
+/// the force is the rounding of the cosine, and the higher derivatives decide. On one side the
+/// block is pressed and rests, on the other it is released.
 #[test]
 fn closed_form_a_start_at_the_static_deflection_of_the_drive() {
     use std::f64::consts::PI;

@@ -206,9 +206,9 @@ fn invariant_a_step_of_nothing_from_the_present_is_none() {
     }
 }
 
-/// Motions with absurd speeds end soon and keep within the stops. The bound on the acceleration of a
-/// sub-step, far above the acceleration just after a release or between two fast impacts, must not
-/// limit the step. (Found by the fuzzer.)
+/// Motions with absurd speeds end soon and keep within the stops. The bound on the acceleration of
+/// a sub-step, far above the acceleration just after a release or between two fast impacts, must
+/// not limit the step. (Found by the fuzzer.)
 #[test]
 fn invariant_absurd_speeds_end_and_keep_the_stops() {
     for speed in [1e3, 1e12] {

@@ -1,5 +1,5 @@
-//! Snapshots of the work counters, which show a loss of efficiency on any machine. After an intended
-//! change of the work: `INSTA_UPDATE=always cargo test --test work`.
+//! Snapshots of the work counters, which show a loss of efficiency on any machine. After an
+//! intended change of the work: `INSTA_UPDATE=always cargo test --test work`.
 
 use vibro_impact::model::Model;
 use vibro_impact::simulator::{Loads, advance_together};

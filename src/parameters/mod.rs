@@ -111,7 +111,8 @@ impl Parameters {
     /// ```
     /// use vibro_impact::Parameters;
     ///
-    /// let p = Parameters { box_mass: 12.0, box_stiffness: 48e3, stop_gap: 0.015, ..Parameters::default() };
+    /// let default = Parameters::default();
+    /// let p = Parameters { box_mass: 12.0, box_stiffness: 48e3, stop_gap: 0.015, ..default };
     /// let forgotten: Vec<&str> = p.left_at_default().iter().map(|field| field.name).collect();
     /// assert!(forgotten.contains(&"drive.amplitude") && !forgotten.contains(&"box.m"));
     /// assert!(Parameters::default().left_at_default().is_empty());

@@ -173,7 +173,8 @@ impl Simulator {
     /// let p = Parameters::default();
     /// let mut one = Simulator::new(&p, &State::default(), 0.0)?;
     /// one.advance_to(10.0)?;
-    /// let (other, start) = (Parameters { stop_restitution: 0.5, ..p }, State { x: [0.0, 0.4, 0.0], v: [0.0; 3] });
+    /// let other = Parameters { stop_restitution: 0.5, ..p };
+    /// let start = State { x: [0.0, 0.4, 0.0], v: [0.0; 3] };
     /// one.restart(&other, &start, 3.0)?;
     /// assert_eq!(one.snapshot(), Simulator::new(&other, &start, 3.0)?.snapshot());
     /// # Ok::<(), vibro_impact::Error>(())

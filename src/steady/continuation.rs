@@ -15,8 +15,9 @@
 //! // The force-response curve of the exact orbit.
 //! let path = |f10| Groups { f10, ..Groups::basic() }.to_parameters(Scales::default());
 //! let branch = continuation::exact_orbit(path, (0.5, 3.0), 200)?;
-//! let breaking = branch.specials().find(|p| p.special == Some(Special::Bifurcation(Bifurcation::SymmetryBreaking)));
-//! assert!((breaking.expect("one").value - 2.04).abs() < 0.01);
+//! let breaking = Some(Special::Bifurcation(Bifurcation::SymmetryBreaking));
+//! let point = branch.specials().find(|p| p.special == breaking).expect("one");
+//! assert!((point.value - 2.04).abs() < 0.01);
 //! # Ok::<(), vibro_impact::Error>(())
 //! ```
 

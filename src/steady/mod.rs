@@ -13,10 +13,12 @@
 //! ```
 //! use vibro_impact::{Groups, Parameters, steady};
 //!
-//! let approximate = steady::multiple_scales::fixed_points(&Groups::basic())?.expect("two roots").upper;
+//! let points = steady::multiple_scales::fixed_points(&Groups::basic())?;
+//! let approximate = points.expect("two roots").upper;
 //! let exact = steady::exact_orbit::solve(&Parameters::default())?.upper.expect("an orbit");
 //! assert!(approximate.admissibility.all() && exact.is_stable());
-//! assert!((approximate.a3 / exact.amplitudes()[2] - 1.0).abs() < 0.08); // as the paper says for ε = 0.1
+//! // The paper's error for ε = 0.1.
+//! assert!((approximate.a3 / exact.amplitudes()[2] - 1.0).abs() < 0.08);
 //! # Ok::<(), vibro_impact::Error>(())
 //! ```
 

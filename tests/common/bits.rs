@@ -8,8 +8,8 @@ use vibro_impact::numerics::digest;
 /// Folder of the golden files of the package under test.
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
 
-/// FNV-1a digest of recorded bits: any bit that differs changes the digest, except for one chance in
-/// 2⁶⁴.
+/// FNV-1a digest of recorded bits: any bit that differs changes the digest, except for one chance
+/// in 2⁶⁴.
 #[derive(Clone, Copy, Debug)]
 pub struct Digest(u64);
 

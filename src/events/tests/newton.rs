@@ -1,5 +1,5 @@
-//! Newton's method on rising polynomials, in flights and in general, against exact roots and against
-//! its criteria in 60 digits.
+//! Newton's method on rising polynomials, in flights and in general, against exact roots and
+//! against its criteria in 60 digits.
 
 use super::super::*;
 use super::{ROOT, random};
@@ -77,8 +77,8 @@ fn closed_form_the_newton_criterion_holds_up_to_its_largest_factor() {
 }
 
 /// Estimate that ends Newton's method early, against Newton's method in 60 digits, where the
-/// estimate is up to 7 % under and over the resolution: equal numbers of iterations, and the root to
-/// a few roundings.
+/// estimate is up to 7 % under and over the resolution: equal numbers of iterations, and the root
+/// to a few roundings.
 #[test]
 fn golden_newton_ends_where_its_estimate_says() {
     /// Relative error: the estimate allows ε, and rounding of p, of the step and of u add ε each.
@@ -120,8 +120,8 @@ fn closed_form_newton_ends_where_the_estimate_equals_the_resolution() {
 fn golden_flights_end_where_their_estimates_say() {
     const FIRST: f64 = 4.019_556_791_509_709e-5;
     const SECOND: f64 = 3.092_014_722_553_670_4e-3;
-    /// Relative distance of c from those values. The estimates grow as c³ and c⁵, and their rounding
-    /// is some ε.
+    /// Relative distance of c from those values. The estimates grow as c³ and c⁵, and their
+    /// rounding is some ε.
     const BESIDE: f64 = 1e-14;
     let ends = |c8: f64, most: u64| {
         let mut c = [0.0; PADDED];

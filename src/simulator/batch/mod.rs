@@ -91,7 +91,8 @@ pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn 
 /// use vibro_impact::simulator::advance_together;
 /// use vibro_impact::{Parameters, Simulator, State};
 ///
-/// let first = Simulator::new(&Parameters::default(), &State::default(), 0.0)?.without_energy_accounts();
+/// let first = Simulator::new(&Parameters::default(), &State::default(), 0.0)?;
+/// let first = first.without_energy_accounts();
 /// let start = |x2: f64| first.with_state(&State { x: [0.0, x2, 0.0], v: [0.0; 3] }, 0.0);
 /// let mut motions = [-0.5, 0.0, 0.5, 0.9].map(|x2| start(x2).expect("inside the box"));
 /// for result in advance_together(&mut motions, |_| 100.0) {

@@ -9,8 +9,8 @@ use crate::steady::{Bifurcation, Sheet, exact_orbit};
 /// Half a unit of the last digit printed for the stable range of the exact orbit.
 const GOLDEN_LOW: f64 = 5e-4;
 const GOLDEN_HIGH: f64 = 5e-3;
-/// Error of a multiplier at a located special point; it moves at most a hundred times as fast as the
-/// parameter.
+/// Error of a multiplier at a located special point; it moves at most a hundred times as fast as
+/// the parameter.
 const MULTIPLIER: f64 = 1e-9;
 /// Error of multipliers at a fold, where they move with the square root of the parameter.
 const AT_FOLD: f64 = 1e-4;

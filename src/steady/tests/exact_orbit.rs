@@ -353,9 +353,9 @@ fn invariant_plastic_and_elastic_impacts() {
     assert!((a.v[1] - a.v[0] + b.v[1] - b.v[0]).abs() < ROUNDING * 10.0);
 }
 
-/// Orbits with much rounding: half a period has thousands of Taylor pieces with a strong damper, and
-/// numbers of thousands of gaps cancel next to the resonance of a box without damper. The rounding
-/// must not count as a stop that is met earlier.
+/// Orbits with much rounding: half a period has thousands of Taylor pieces with a strong damper,
+/// and numbers of thousands of gaps cancel next to the resonance of a box without damper. The
+/// rounding must not count as a stop that is met earlier.
 #[test]
 fn second_method_orbits_of_more_rounding_are_those_of_the_simulator() {
     let p = Parameters {
