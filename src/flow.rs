@@ -25,7 +25,7 @@
 //! # Changes
 //!
 //! - Another entry of the table: a field of [`SubstepTable`], filled in `propagate`, with its bound
-//!   through `spread` if the entry is searched.
+//!   through `bound_between_centres` if the entry is searched.
 //! - Another time-dependent force: `Forces` and [`LOAD`] for its coefficients, `UnitColumn::rate`
 //!   and [`Series::expand`] for its derivatives.
 
@@ -185,7 +185,8 @@ impl RateTable {
                 }
             }
         }
-        table.bound = spread(model, SmoothMode::Flight, table.bound, 0.5 * h / INTERVALS as f64);
+        table.bound =
+            bound_between_centres(model, SmoothMode::Flight, table.bound, 0.5 * h / INTERVALS as f64);
         table
     }
 }
@@ -341,7 +342,7 @@ impl SubstepTable<CORE> {
     #[inline(always)]
     pub fn fill<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, h: f64) {
         self.propagate(simd, model, mode, 0, h);
-        self.bound = spread(model, mode, self.peak, 0.5 * h / INTERVALS as f64);
+        self.bound = bound_between_centres(model, mode, self.peak, 0.5 * h / INTERVALS as f64);
     }
 }
 
@@ -352,7 +353,7 @@ impl SubstepTable<LOAD> {
         let mut peak = [0.0; CORE + LOAD];
         peak[..CORE].copy_from_slice(&core.peak);
         peak[CORE..].copy_from_slice(&self.peak);
-        let bound = spread(model, mode, peak, 0.5 * h / INTERVALS as f64);
+        let bound = bound_between_centres(model, mode, peak, 0.5 * h / INTERVALS as f64);
         self.bound.copy_from_slice(&bound[CORE..]);
     }
 }
@@ -361,7 +362,12 @@ impl SubstepTable<LOAD> {
 /// at a centre is r·exp(Mδ) at a distance |δ| ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry
 /// by entry.
 #[inline(always)]
-fn spread<const N: usize>(model: &Model, mode: SmoothMode, row: [f64; N], half: f64) -> [f64; N] {
+fn bound_between_centres<const N: usize>(
+    model: &Model,
+    mode: SmoothMode,
+    row: [f64; N],
+    half: f64,
+) -> [f64; N] {
     let rates: [UnitColumn; N] = std::array::from_fn(|c| UnitColumn::unit(c).rate(model, mode));
     let (mut sum, mut term) = (row, row);
     for k in 1..12 {

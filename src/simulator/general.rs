@@ -29,7 +29,7 @@
 //! # Changes
 //!
 //! - Another reason to shorten a step: the condition in `general_substep` that chooses
-//!   `substep_within_interval`; nothing else asks for the length.
+//!   `substep_within_interval`.
 //! - Another event functional: `Series::functional`, the samples of `flow::SubstepTable` with their
 //!   bound, and the limit in `substep_by_tables` and `search_intervals`.
 

@@ -34,7 +34,7 @@ pub fn check_time(rate: f64, time: f64) -> Result<()> {
     Err(Error::PrecisionLost { what: "time times the fastest rate", value, limit: MAX_TIME })
 }
 
-fn limit(what: &'static str, value: f64) -> Result<()> {
+fn check_limit(what: &'static str, value: f64) -> Result<()> {
     if value.abs() <= MAX_VIOLENCE {
         return Ok(());
     }
@@ -44,7 +44,10 @@ fn limit(what: &'static str, value: f64) -> Result<()> {
 /// Checks drive and constant loads against [`MAX_VIOLENCE`].
 pub(super) fn check_constant_forces(model: &Model) -> Result<()> {
     let unit = model.gap * model.rate * model.rate;
-    limit("drive.amplitude over box.m, stop.gap and the square of the fastest rate", model.drive / unit)?;
+    check_limit(
+        "drive.amplitude over box.m, stop.gap and the square of the fastest rate",
+        model.drive / unit,
+    )?;
     check_loads(model, &model.constant_loads.map(|load| [load, 0.0, 0.0, 0.0]))
 }
 
@@ -53,7 +56,7 @@ pub(super) fn check_loads(model: &Model, loads: &Forces) -> Result<()> {
     for (derivatives, inverse_mass) in loads.iter().zip(&model.inverse_mass) {
         let mut unit = model.gap * model.rate * model.rate;
         for derivative in derivatives {
-            limit(VIOLENT_LOAD, derivative * inverse_mass / unit)?;
+            check_limit(VIOLENT_LOAD, derivative * inverse_mass / unit)?;
             unit *= model.rate;
         }
     }
@@ -63,11 +66,11 @@ pub(super) fn check_loads(model: &Model, loads: &Forces) -> Result<()> {
 /// Checks speeds, and the displacement of the secondary oscillator, against [`MAX_VIOLENCE`].
 pub(super) fn check_speeds(model: &Model, state: &State) -> Result<()> {
     let (gap, rate) = (model.gap, model.rate);
-    limit("secondary.s over stop.gap", state.x[2] / gap)?;
+    check_limit("secondary.s over stop.gap", state.x[2] / gap)?;
     let speeds = [state.v[0], state.v[2], state.v[1] - state.v[0]];
     speeds
         .into_iter()
-        .try_for_each(|v| limit("start speed over stop.gap and the fastest rate", v / (gap * rate)))
+        .try_for_each(|v| check_limit("start speed over stop.gap and the fastest rate", v / (gap * rate)))
 }
 
 /// x1, w, x3 and rates of a state, checked against the stops.

@@ -20,8 +20,8 @@ pub(super) const RENEW: u32 = 32;
 const WORK_BASE: u64 = 1_000_000;
 /// Further sub-steps that an advance may take for each sub-step length of progress. An ordinary
 /// motion, with an impact or two in that time, takes 1 to 3, so that it never comes near the limit.
-/// A bounce takes one sub-step alone and two in lanes if it is longer than 0.6 intervals, of which
-/// 27 fit into a sub-step length: with 64 a motion alone and in lanes meets the limit alike.
+/// A bounce takes one sub-step alone, and in lanes two if it is longer than 0.6 intervals. 27 such
+/// bounces fit into a sub-step length, so that with 64 motions alone and in lanes end alike.
 const WORK_PER_SUBSTEP: f64 = 64.0;
 
 /// Data that an advance carries from sub-step to sub-step; the state fills one cache line.

@@ -180,11 +180,11 @@ impl StrongCoupling {
     /// [`Error::NoConvergence`] if the eigenvalues of the slow flow are not found.
     pub fn solutions(&self) -> Result<Option<Roots<StrongPoint>>> {
         let Some(roots) = self.quadratic.roots() else { return Ok(None) };
-        Ok(Some(Roots { lower: self.at(roots.lower)?, upper: self.at(roots.upper)? }))
+        Ok(Some(Roots { lower: self.steady_state(roots.lower)?, upper: self.steady_state(roots.upper)? }))
     }
 
     /// Steady state at the root C of the quadratic.
-    fn at(&self, c: f64) -> Result<StrongPoint> {
+    fn steady_state(&self, c: f64) -> Result<StrongPoint> {
         let g = &self.groups;
         let force = self.quadratic.balance(c) * if g.f10 < 0.0 { -1.0 } else { 1.0 };
         let u = c * (Complex::new(-self.rho, 1.0) + self.q * self.xi) - Complex::new(0.0, 1.0);

@@ -15,14 +15,17 @@ const ON_CIRCLE: f64 = 1e-5;
 
 /// t_SB of docs/theory.md (81), Π(1+μ) over the half-cycle multipliers: zero where the symmetry
 /// breaks.
-fn breaking(multipliers: &[Complex<f64>]) -> f64 {
+fn symmetry_breaking_test(multipliers: &[Complex<f64>]) -> f64 {
     multipliers.iter().map(|m| m + 1.0).product::<Complex<f64>>().re
 }
 
 /// Real part of the product of `factor` over all pairs. With 1-μᵢμⱼ it is t_NS of docs/theory.md
 /// (81), zero where a complex pair is on the unit circle; with λᵢ+λⱼ it is zero where a complex
 /// pair of eigenvalues is on the imaginary axis.
-fn pairs(values: &[Complex<f64>], factor: impl Fn(Complex<f64>, Complex<f64>) -> Complex<f64>) -> f64 {
+fn product_over_pairs(
+    values: &[Complex<f64>],
+    factor: impl Fn(Complex<f64>, Complex<f64>) -> Complex<f64>,
+) -> f64 {
     let mut product = Complex::new(1.0, 0.0);
     for (i, &a) in values.iter().enumerate() {
         for &b in &values[i + 1..] {
@@ -41,7 +44,7 @@ fn complex_on_circle(multipliers: &[Complex<f64>]) -> Option<Bifurcation> {
 
 /// Whether a multiplier is at `target`, 1 or -1, within the square root of [`ON_CIRCLE`], since
 /// near a double multiplier it moves with the square root of the parameter.
-fn near(multipliers: &[Complex<f64>], target: f64) -> bool {
+fn has_multiplier_at(multipliers: &[Complex<f64>], target: f64) -> bool {
     multipliers.iter().any(|m| (m - target).norm() < ON_CIRCLE.sqrt())
 }
 
@@ -71,13 +74,13 @@ impl Family for OrbitFamily {
     /// A multiplier 1 occurs only at the fold and needs no test.
     fn tests(solution: &ExactOrbit) -> [f64; 3] {
         let m = solution.multipliers();
-        [breaking(&m), pairs(&m, |a, b| 1.0 - a * b), 1.0]
+        [symmetry_breaking_test(&m), product_over_pairs(&m, |a, b| 1.0 - a * b), 1.0]
     }
 
     fn confirm(solution: &ExactOrbit, index: usize) -> Option<Bifurcation> {
         let m = solution.multipliers();
         match index {
-            0 => near(&m, -1.0).then_some(Bifurcation::SymmetryBreaking),
+            0 => has_multiplier_at(&m, -1.0).then_some(Bifurcation::SymmetryBreaking),
             _ => complex_on_circle(&m),
         }
     }
@@ -87,7 +90,7 @@ impl Family for OrbitFamily {
 /// eigenvalues.
 fn slow_tests(multipliers: &[Complex<f64>; 2], eigenvalues: &[Complex<f64>; 4]) -> [f64; 3] {
     let saddle: Complex<f64> = multipliers.iter().map(|m| 1.0 - m).product();
-    [breaking(multipliers), saddle.re, pairs(eigenvalues, |a, b| a + b)]
+    [symmetry_breaking_test(multipliers), saddle.re, product_over_pairs(eigenvalues, |a, b| a + b)]
 }
 
 /// Bifurcation at a zero of one of [`slow_tests`].
@@ -98,8 +101,8 @@ fn slow_confirm(
 ) -> Option<Bifurcation> {
     let on_axis = |e: &Complex<f64>| e.im != 0.0 && e.re.abs() < ON_CIRCLE * e.norm();
     match index {
-        0 => near(multipliers, -1.0).then_some(Bifurcation::SymmetryBreaking),
-        1 => near(multipliers, 1.0).then_some(Bifurcation::SaddleNode),
+        0 => has_multiplier_at(multipliers, -1.0).then_some(Bifurcation::SymmetryBreaking),
+        1 => has_multiplier_at(multipliers, 1.0).then_some(Bifurcation::SaddleNode),
         _ => eigenvalues.iter().any(on_axis).then_some(Bifurcation::NeimarkSacker),
     }
 }

@@ -40,7 +40,12 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
 
     /// Last value, by bisection, at which a condition holds on the way from `inside`, where it
     /// holds, to `outside`, where it does not.
-    fn edge(&self, mut inside: f64, mut outside: f64, holds: impl Fn(&F) -> Result<bool>) -> Result<f64> {
+    fn last_value_inside(
+        &self,
+        mut inside: f64,
+        mut outside: f64,
+        holds: impl Fn(&F) -> Result<bool>,
+    ) -> Result<f64> {
         while (outside - inside).abs() > width(inside) {
             let middle = 0.5 * (inside + outside);
             if middle == inside || middle == outside {
@@ -66,7 +71,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             let sign = if w[1].1 < 0.0 { -1.0 } else { 1.0 };
             let [a, b, c] = [w[0].1, w[1].1, w[2].1].map(|d| sign * d);
             if b <= a && b <= c && a >= 0.0 && c >= 0.0 {
-                let v = self.least(w[0].0, w[2].0, sign)?;
+                let v = self.least_discriminant(w[0].0, w[2].0, sign)?;
                 let d = discriminant(v)?;
                 if sign * d < 0.0 {
                     hidden.push((v, d));
@@ -81,11 +86,11 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             let real = |f: &F| Ok(f.discriminant() >= 0.0);
             match (w[0].1 >= 0.0, w[1].1 >= 0.0, start) {
                 (true, false, Some((from, fold_from))) => {
-                    let to = self.edge(w[0].0, w[1].0, real)?;
+                    let to = self.last_value_inside(w[0].0, w[1].0, real)?;
                     intervals.push(Interval { from, to, fold_from, fold_to: true });
                     start = None;
                 }
-                (false, true, _) => start = Some((self.edge(w[1].0, w[0].0, real)?, true)),
+                (false, true, _) => start = Some((self.last_value_inside(w[1].0, w[0].0, real)?, true)),
                 _ => {}
             }
         }
@@ -97,7 +102,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
 
     /// Value in [a, b] at which sign × discriminant is least, by golden section; ends at the first
     /// negative value.
-    fn least(&self, mut a: f64, mut b: f64, sign: f64) -> Result<f64> {
+    fn least_discriminant(&self, mut a: f64, mut b: f64, sign: f64) -> Result<f64> {
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let value = |v: f64| (self.family)(v).map(|f| sign * f.discriminant());
         let (mut low, mut high) = (b - golden * (b - a), a + golden * (b - a));
@@ -159,7 +164,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             let exists = point.is_some();
             if let Some((last, existed)) = before.filter(|b| b.1 != exists) {
                 let (inside, outside) = if existed { (last, value) } else { (value, last) };
-                let edge = self.edge(inside, outside, |f| Ok(root(f)))?;
+                let edge = self.last_value_inside(inside, outside, |f| Ok(root(f)))?;
                 let end = self.point(edge, sheet, Some(Special::Vanishing))?;
                 match (end, existed) {
                     (Some(end), true) => self.extend(&mut runs, end)?,
@@ -249,7 +254,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         }
         let clear = |f: &F| Ok(f.solution(next.sheet)?.is_some_and(|s| F::is_clear(&s)));
         let (inside, outside) = if was_clear { (last.value, next.value) } else { (next.value, last.value) };
-        let edge = self.edge(inside, outside, clear)?;
+        let edge = self.last_value_inside(inside, outside, clear)?;
         self.point(edge, next.sheet, Some(Special::Grazing))
     }
 

@@ -159,12 +159,12 @@ impl MultipleScales {
     /// Both fixed points, by C; `None` if the quadratic has no real root. Allocates nothing.
     pub fn fixed_points(&self) -> Option<Roots<FixedPoint>> {
         let roots = self.quadratic.roots()?;
-        Some(Roots { lower: self.at(roots.lower), upper: self.at(roots.upper) })
+        Some(Roots { lower: self.fixed_point(roots.lower), upper: self.fixed_point(roots.upper) })
     }
 
     /// Fixed point at amplitude C. Requires a root of the quadratic: only the phase of αC + α₀ is
     /// used, not its modulus.
-    fn at(&self, c: f64) -> FixedPoint {
+    fn fixed_point(&self, c: f64) -> FixedPoint {
         let g = &self.groups;
         let m = &self.manifold;
         let force = self.quadratic.balance(c);
