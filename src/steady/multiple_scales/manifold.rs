@@ -194,11 +194,15 @@ mod tests {
 
     /// Closed forms, a few roundings.
     const ROUNDING: f64 = 1e-14;
-    /// Half a unit of the last printed digit of ρ; the other golden values have their own.
+    /// Half a unit of the last digit of the golden ρ.
     const GOLDEN_RHO: f64 = 5e-7;
+    /// Half a unit of the last digit of the golden C_min.
     const GOLDEN_C_MIN: f64 = 5e-6;
+    /// Half a unit of the last digit of the golden C_Smax.
     const GOLDEN_C_SMAX: f64 = 5e-5;
+    /// Half a unit of the last digit of the golden C_Gmax and its B.
     const GOLDEN_C_MAX: f64 = 5e-3;
+    /// Error of C_Gmax for κ = 1 by minimising on a grid.
     const GOLDEN_C_ELASTIC: f64 = 1e-8;
     /// Error of a maximum by dense sampling, which is of the order of the step squared.
     const SAMPLING: f64 = 1e-6;

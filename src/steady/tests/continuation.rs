@@ -6,8 +6,9 @@ use crate::steady::continuation::{self, Branch, Family, LOCATION, Special};
 use crate::steady::multiple_scales::{Manifold, MultipleScales};
 use crate::steady::{Bifurcation, Sheet, exact_orbit};
 
-/// Half a unit of the last digit printed for the stable range of the exact orbit.
+/// Half a unit of the last digit of the golden lower end of the exact orbit's stable range.
 const GOLDEN_LOW: f64 = 5e-4;
+/// Half a unit of the last digit of the golden upper end of the exact orbit's stable range.
 const GOLDEN_HIGH: f64 = 5e-3;
 /// Error of a multiplier at a located special point; it moves at most a hundred times as fast as
 /// the parameter.
@@ -20,9 +21,10 @@ const AT_FOLD: f64 = 1e-4;
 const IMPULSE_ROUNDING: f64 = 1e-7;
 /// Largest step of the impulse between the nodes of a curve without jumps.
 const IMPULSE_STEP: f64 = 0.02;
-/// Error of a located multiplier that is nearly double, which moves with the square root of the
-/// parameter.
+/// Error of a located complex pair of multipliers that is nearly double, which moves with the
+/// square root of the parameter.
 const LOCATED_PAIR: f64 = 1e-7;
+/// Error of a located multiplier -1 that is nearly double.
 const LOCATED_BREAKING: f64 = 1e-6;
 
 fn force(f10: f64) -> Result<Parameters> {

@@ -8,31 +8,37 @@ use crate::steady::Sheet;
 use crate::steady::exact_orbit::*;
 use std::f64::consts::{PI, TAU};
 
-/// Golden numbers of an earlier prototype: p/m2 and the radius have nine decimals, amplitudes
-/// seven, the second set ten (its radius eight).
+/// Rounding of the golden p/m2 and radius of the default set, which have nine decimals. All golden
+/// numbers are of an earlier prototype.
 const GOLDEN: f64 = 6e-10;
-/// The prototype sampled its amplitudes: each true maximum lies at or above its number.
+/// Rounding of golden amplitudes, which have seven decimals.
 const GOLDEN_AMPLITUDE: f64 = 6e-8;
+/// Excess of a maximum over its golden amplitude, which the prototype sampled.
 const GOLDEN_SAMPLING: f64 = 3e-7;
+/// Rounding of the golden numbers of the second set, which have ten decimals.
 const GOLDEN_SECOND: f64 = 6e-11;
+/// Rounding of the golden radius of the second set, which has eight decimals.
 const GOLDEN_RADIUS: f64 = 6e-9;
 /// Rounding over half a period, with amplitudes of order one.
 const ROUNDING: f64 = 1e-13;
-/// The classical Runge-Kutta method with 2000 steps per half period: h⁴ ≈ 6e-12.
+/// Error of the classical Runge-Kutta method with 2000 steps per half period: h⁴ ≈ 6e-12.
 const RUNGE_KUTTA: f64 = 1e-10;
-/// Multipliers of nearly double pairs lose half their digits; products keep them.
+/// Error of products of multipliers. The multipliers of nearly double pairs lose half their digits,
+/// their products do not.
 const PRODUCT: f64 = 1e-11;
 
-/// Samples of an amplitude miss the maximum by the square of their spacing.
+/// Error of a sampled amplitude, which misses the maximum by the square of the spacing.
 const SAMPLING: f64 = 1e-5;
-/// A sampled gap that exceeds the stop by less than this touches it.
+/// Largest excess of a sampled w over the stop that counts as a touch.
 const TOUCH: f64 = 1e-9;
-/// Step of the central differences, and their error in the characteristic polynomial.
+/// Step of the central differences.
 const STEP: f64 = 1e-5;
+/// Error of the characteristic polynomial by central differences.
 const DIFFERENCE: f64 = 1e-6;
-/// Simpson's rule with 2000 nodes over half a period.
+/// Error of Simpson's rule with 2000 nodes over half a period.
 const QUADRATURE: f64 = 1e-9;
-/// A plastic impact makes two multipliers zero; a double one is found to the root of the rounding.
+/// Error of the two multipliers that a plastic impact makes zero: a double one is accurate to the
+/// root of the rounding.
 const LOST_MULTIPLIER: f64 = 1e-6;
 
 fn basic() -> ExactOrbit {
