@@ -5,14 +5,21 @@
 //! 10 h agree to round-off. Advancing allocates nothing, except for the first filling of a table
 //! that is shared with another simulator, which is then copied.
 //!
-//! Four kernels advance a motion by a sub-step:
+//! Four kernels advance a motion by a sub-step. For each: its use, its proof that no event is
+//! missed, and its bits.
 //!
-//! | kernel | used for | proof that no event is missed | bits |
-//! |---|---|---|---|
-//! | `flight_substep` (`flight.rs`) | flight without loads, more than an interval to go | samples of w and a bound on w''; dominance in the intervals that these do not clear | depend on the instruction set |
-//! | `short_flight_substep` (`flight.rs`) | flight without loads, at most an interval to go, both ends clear of the stops | bound on w'' over the interval | depend on the instruction set |
-//! | `general_substep` (`general.rs`) | rest, loads, fast blocks, and whatever the first two leave | samples of w or the contact force and a bound; dominance on series | equal on all instruction sets |
-//! | `batch/` | many flights without loads or energy accounts side by side | samples of w and a bound on w''; dominance in vectors | independent of the other motions; not those of the kernels above |
+//! - `flight_substep` (`flight.rs`), for flight without loads with more than an interval to go.
+//!   Proof: samples of w and a bound on w''; dominance in the intervals that these do not clear.
+//!   Bits: depend on the instruction set.
+//! - `short_flight_substep` (`flight.rs`), for flight without loads with at most an interval to go
+//!   and both ends clear of the stops. Proof: the bound on w'' over the interval. Bits: depend on
+//!   the instruction set.
+//! - `general_substep` (`general.rs`), for rest, loads, fast blocks, and whatever the first two
+//!   leave. Proof: samples of w or the contact force, and a bound; dominance on series. Bits: equal
+//!   on all instruction sets.
+//! - `batch/`, for many flights side by side without loads and energy accounts. Proof: samples of w
+//!   and a bound on w''; dominance in vectors. Bits: independent of the other motions, but not
+//!   those of the kernels above.
 //!
 //! The first three end in `finish_substep` (`step.rs`), which applies the event's law
 //! (`contact.rs`) and limits the work. `batch/` applies the law of plain impacts in its lanes and
