@@ -1,7 +1,7 @@
 //! The C interface in one process. Targets: a step without impact ≤ 0.5 µs, ten Reals read or
 //! written ≤ 50 ns, the FMU state taken and put back ≤ 200 ns; a step of FMI 3.0 within 10 % of
-//! that of FMI 2.0, which is shown as a ratio of turns by turns. That none of these allocates is
-//! `cargo test --test allocation`.
+//! that of FMI 2.0, as a ratio of steps made in turns. `cargo test --test allocation` checks that
+//! none of these allocates.
 #![allow(unsafe_code)] // the C interface
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -102,7 +102,7 @@ fn benches(criterion: &mut Criterion) {
     }
 }
 
-/// The same by FMI 3.0, without event mode and with it; target: a step within 10 % of FMI 2.0's.
+/// Benches of FMI 3.0, without event mode and with it; target: a step within 10 % of FMI 2.0's.
 fn benches_of_fmi3(criterion: &mut Criterion) {
     for (events, name) in [(0, ""), (1, " in event mode")] {
         let c = initialized3(events);

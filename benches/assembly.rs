@@ -11,8 +11,8 @@ use vibro_impact::{Groups, Scales, Simulator, State};
 
 /// Rounds of each machine, of which the least time counts.
 const ROUNDS: usize = 7;
-/// Rounds of the machine that the 3-DOF core knows too, so short that many are not interrupted: in
-/// each every way runs once, so that a change of the computer's speed meets all alike.
+/// Rounds of the machine that the 3-DOF core has, too, so short that many are not interrupted. In
+/// each every way runs once, so that a change of the computer's speed affects all alike.
 const TURNS: usize = 200;
 
 /// The 3-DOF machine as a file's text.
@@ -46,7 +46,7 @@ fn paper_machine(p: &vibro_impact::Parameters) -> String {
     .concat()
 }
 
-/// A driven chain, as a gear train is: every second joint has play on both sides, the others a
+/// A driven chain like a gear train: every second joint has play on both sides, the others a
 /// spring.
 fn chain(bodies: usize) -> String {
     let mut text = String::from("name = \"Chain\"\n");
@@ -98,13 +98,13 @@ fn machine(text: &str) -> Arc<Assembly> {
     Arc::new(Assembly::new(description).expect("a machine"))
 }
 
-/// Least time of some rounds, ns, and the events of the last.
+/// Time of a motion, ns, and its events.
 fn follow(assembly: &Arc<Assembly>, end: f64, accounts: bool) -> (f64, usize) {
     let mut m = Motion::new(assembly.clone()).expect("a motion");
     if !accounts {
         m = m.without_energy_accounts();
     }
-    // Tables of the modes are made before: they are made once in a motion.
+    // The tables of the modes, made once in a motion, are not part of the time.
     m.advance_to(0.2 * end).expect("it moves");
     let (begin, mut events) = (Instant::now(), 0);
     m.advance_observed(end, &mut |_| events += 1).expect("it moves");

@@ -21,7 +21,7 @@ from sksundae.cvode import CVODE
 GAP, RESTITUTION, CONTACT = 0.05, 0.6, 2e4
 FORCE, OMEGA = 10.0, 2.0 * np.pi
 TOLERANCE = 1e-10
-# Seconds of work after which a solver is not followed further, and turns of which the least time
+# Seconds of work after which a solver is stopped, and number of turns, of which the least time
 # counts.
 PATIENCE, TURNS = 60.0, 3
 
@@ -61,7 +61,7 @@ class Chain:
             change = 0.5 * (1.0 + RESTITUTION) * (z[self.bodies + b] - z[self.bodies + a])
             z[self.bodies + a] += change
             z[self.bodies + b] -= change
-            # A root at the begin is none: the stop is left by a rounding.
+            # The bodies leave the stop by a rounding, as a root at the start is none.
             z[b] -= max(0.0, z[b] - z[a] - GAP) + 1e-14
         return z
 
@@ -223,7 +223,7 @@ def main():
     chain = Chain(bodies, "rigid" in sys.argv)
     ways = [way(chain) for way in (Engine, Heyoka, Cvode, SciPy)]
     for way in ways:
-        way.run(0.01)  # compiles what is compiled at first use
+        way.run(0.01)  # compiles the functions, which happens at first use
     least, found = [np.inf] * len(ways), [None] * len(ways)
     for _ in range(1 if chain.rigid else TURNS):
         for i, way in enumerate(ways):

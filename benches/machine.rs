@@ -1,5 +1,5 @@
-//! What the packaged FMU of a machine from a text file costs beside the engine's own work: a step,
-//! an instance, an archive; in one run. `cargo bench -p benches --bench machine`
+//! Cost of the packaged FMU of a machine from a text file beside the engine's own work: a step, an
+//! instance, an archive; in one run. `cargo bench -p benches --bench machine`
 
 use fmu_build::kit;
 use fmu_build::version::{MODEL_DESCRIPTION, Version};
@@ -10,11 +10,11 @@ use std::time::Instant;
 use vibro_assembly::Motion;
 use vibro_assembly_fmi::Plan;
 
-/// Rounds, in each of which every way runs once; the least time of each counts.
+/// Rounds, in each of which every way runs once; the least time of each way counts.
 const ROUNDS: usize = 25;
-/// Steps of a round, and their size in s: short beside the fastest period, so that little of it is
-/// the flow.
+/// Steps of a round.
 const STEPS: u32 = 4000;
+/// Size of a step in s: short beside the fastest period, so that the flow takes little of the time.
 const STEP: f64 = 1.0 / 1024.0;
 
 /// Ten bodies on springs, with a clearance between the first two, a buffer, dry friction, a load
@@ -40,22 +40,22 @@ fn chain() -> String {
             [load.push]\non = \"b2\"\ninput = true\n"
 }
 
-/// Seconds that something takes.
+/// Time of some work, s.
 fn timed(work: &mut dyn FnMut()) -> f64 {
     let begin = Instant::now();
     work();
     begin.elapsed().as_secs_f64()
 }
 
-/// A way of making all steps, by its name; it tells the seconds that they take.
+/// Name of a way to make all steps, and the way itself, which returns its time, s.
 type Way<'a> = (&'a str, Box<dyn FnMut() -> f64 + 'a>);
 
-/// Calls `step` with the time of each step's begin.
+/// Time of all steps, s; calls `step` with the start of each.
 fn steps(mut step: impl FnMut(f64)) -> f64 {
     timed(&mut || (0..STEPS).for_each(|k| step(f64::from(k) * STEP)))
 }
 
-/// An archive, unpacked, so that its library finds its resources.
+/// An unpacked archive, so that its library finds its resources.
 struct Unpacked {
     library: PathBuf,
     token: String,
@@ -75,7 +75,7 @@ impl Unpacked {
     }
 }
 
-/// All steps by the engine alone, with the input set where that is asked for.
+/// Time of all steps by the engine alone, s; with `talks`, the input is set at each.
 fn native(plan: &Plan, talks: bool) -> f64 {
     let mut motion = Motion::new(plan.assembly.clone()).expect("it has a start");
     steps(|point| {

@@ -1,1 +1,1 @@
-//! Holds nothing: the benches of this package are the programs beside this file.
+//! Empty library: the benches of this package are the programs beside this file.

@@ -1,5 +1,5 @@
-//! Periodic orbits: an accepted point of a branch with n impacts, beside what simulation and
-//! differences of the reference method cost for the same, and the tree of all branches. Targets:
+//! Periodic orbits: an accepted point of a branch with n impacts, beside the cost of one point by
+//! simulation and by differences of the reference method; and the tree of all branches. Targets:
 //! 30, 60, 160 µs a point at n = 1, 2, 6; the tree under 5 s on two cores.
 
 use std::collections::BTreeMap;
@@ -11,9 +11,9 @@ use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::{Simulator, State};
 use vibro_orbits::{Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of, settle, tree};
 
-/// Rounds of which the least time counts.
+/// Rounds, of which the least time counts.
 const ROUNDS: u32 = 5;
-/// Drive periods in which a transient dies out, as for a point of a simulated diagram.
+/// Drive periods in which a transient decays, as for a point of a simulated diagram.
 const SETTLE: u32 = 600;
 /// Newton steps of a corrector by differences of the period map.
 const CORRECTIONS: u32 = 3;
@@ -43,7 +43,7 @@ fn micros(time: Duration, count: usize) -> f64 {
     1e6 * time.as_secs_f64() / count as f64
 }
 
-/// One period of the reference method from a state.
+/// Some periods of the reference method from a state.
 fn reference(system: &System, state: &State, periods: f64) {
     let p = system.parameters();
     let mut reference = Reference::new(p, state, 0.0, Tolerance::new(1e-12)).expect("a start");
@@ -91,7 +91,7 @@ fn main() {
     }
 }
 
-/// Grows the tree of the default set and tells what it has and how long it took.
+/// Grows the tree of the default set and prints its contents and the time.
 fn grow(options: &TreeOptions) {
     let begin = Instant::now();
     let found = tree(&family(0.5, 5.0), options, &|_, _| ()).expect("a tree");

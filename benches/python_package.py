@@ -1,4 +1,4 @@
-"""How fast the Python package is, as ratios within one run: against the Rust library, its own fixed costs, SciPy's DOP853 with events,
+"""Speed of the Python package, as ratios within one run: against the Rust library, its own fixed costs, SciPy's DOP853 with events,
 fmpy.
 
 `pip install ./python scipy fmpy`, then `python benches/python_package.py`. The work: the default machine over 1000 forces from 0.5 to 4,
@@ -53,7 +53,7 @@ def beside_rust(example, work):
             return least(work, 1), processor_time(os.getpid()) - begin
 
         by_rust(), by_package()  # threads and tables that are made once
-        # Every other turn the other way round: neither is always the first.
+        # The order changes from turn to turn, so that neither is always the first.
         turns = [(by_package(), by_rust()) if i % 2 else (by_rust(), by_package())[::-1] for i in range(TURNS)]
         rust.stdin.close()
     times, processor = np.array(turns).transpose(2, 1, 0)
@@ -94,7 +94,7 @@ def main():
     machines = [vi.Machine.from_groups(f10=f10) for f10 in np.linspace(0.5, 4.0, 1000)]
     (package, library), ratio = beside_rust("many_motions", lambda: vi.simulate_many(machines, periods=PERIODS))
     many, by_rust = package / (1000 * PERIODS), library / (1000 * PERIODS)
-    # The same call over no time: checks, conversions, threads and the machines' tables, which any
+    # A call over no time: checks, conversions, threads and the machines' tables, which any
     # caller of the core needs too.
     fixed = least(lambda: vi.simulate_many(machines, periods=0)) / (1000 * PERIODS)
     machine = machines[285]

@@ -1,5 +1,5 @@
-//! The standard work (benches/README.md) by every way that this repository has, in one run, as
-//! ratios; writes its table to `benches/README.md`. `cargo bench --bench standard_work`
+//! The standard work (benches/README.md) by every way of this repository, in one run, as ratios;
+//! writes its table to `benches/README.md`. `cargo bench --bench standard_work`
 
 use fmu_build::archive;
 use fmu_build::compile::{PLATFORM, Product, SHARED_LIBRARY};
@@ -21,24 +21,27 @@ mod golden;
 
 use golden::{standard, weak};
 
-/// Rounds: in each every way runs once, so that a change of the machine's speed meets all alike.
+/// Rounds, in each of which every way runs once, so that a change of the machine's speed affects
+/// all alike.
 const ROUNDS: usize = 15;
-/// Drive periods of a timed run; the reference method, hundreds of times slower, runs fewer.
+/// Drive periods of a timed run.
 const PERIODS: f64 = 2000.0;
+/// Drive periods of a timed run of the reference method, which is hundreds of times slower.
 const REFERENCE_PERIODS: f64 = 100.0;
 
-/// Motions of a sweep, and the periods that each runs when timed: one system from several starts,
-/// or systems of as many drives and four restitutions, each from the same start; the standard work
-/// is the first of either.
+/// Motions of a sweep of one system over starts, of which the first is the standard work.
 const STARTS: usize = 16;
+/// Motions of a sweep from one start over systems, with as many drives and four restitutions; the
+/// first is the standard work.
 const SYSTEMS: usize = 64;
+/// Drive periods of each motion of a timed sweep.
 const SWEPT_PERIODS: f64 = 200.0;
 
 /// A run of n periods that returns the end state, set up already.
 type Run<'a> = Box<dyn FnOnce(f64) -> State + 'a>;
 
-/// One way to do the work: its name, the periods it runs when timed, and what sets up a run,
-/// untimed.
+/// A way to do the work: its name, its motions, the drive periods of a timed run, and the untimed
+/// setup of a run.
 struct Way<'a> {
     name: String,
     motions: usize,
@@ -51,7 +54,7 @@ fn single<'a>(name: &str, periods: f64, run: Box<dyn Fn() -> Run<'a> + 'a>) -> W
     Way { name: name.into(), motions: 1, periods, run }
 }
 
-/// The least time: what the machine does when nothing else runs on it.
+/// Least time, which is nearest to that of a machine without other work.
 fn least(times: &[f64]) -> f64 {
     times.iter().copied().fold(f64::INFINITY, f64::min)
 }
@@ -66,7 +69,7 @@ fn main() {
     let period = p.period();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let archive_path = folder.path().join("model.fmu");
-    // As it is handed on.
+    // The library as it is distributed.
     let binaries = platforms::own(Product::Vibro).expect("the library is compiled");
     package::write(&archive_path, &Version::USUAL, &binaries, None).expect("the FMU is packed");
     let name = format!("{MODEL_IDENTIFIER}{SHARED_LIBRARY}");
@@ -215,7 +218,7 @@ fn main() {
     );
     print!("{text}");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
-    // What other benches say stands below its first heading and stays.
+    // The results of other benches, from the next heading on, are kept.
     let old = std::fs::read_to_string(path).unwrap_or_default();
     let text = text + old.find("\n## ").map_or("", |place| &old[place..]);
     std::fs::write(path, text).unwrap_or_else(|e| panic!("{path}: {e}"));

@@ -27,13 +27,15 @@ const ROUNDS: usize = 5;
 /// Resolution of the processors' clock, s.
 const TICK: f64 = 0.01;
 const THREADS: usize = 2;
-/// The paper's transient and its record, in drive periods.
+/// The paper's transient, in drive periods.
 const DISCARD: u32 = 400;
+/// The paper's record, in drive periods.
 const KEEP: u32 = 800;
 /// Periods of the reference method, hundreds of times slower, at each of some values.
 const REFERENCE_PERIODS: f64 = 25.0;
 
-/// Least wall time of the rounds, and the processors' time in it (Linux; else the wall time), s.
+/// Least wall time and least processor time of the rounds, s (processor time on Linux; elsewhere
+/// the wall time).
 fn timed(mut run: impl FnMut()) -> (f64, f64) {
     let mut best = (f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
@@ -52,7 +54,7 @@ fn timed(mut run: impl FnMut()) -> (f64, f64) {
 /// Processor time of this process so far, s, in hundredths.
 fn processor() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // After the name in brackets, which may hold blanks: fields 14 and 15 of all.
+    // Fields 14 and 15, counted after the name in brackets, which may hold blanks.
     let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks: f64 = fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?;
     Some(ticks * TICK)
@@ -100,7 +102,7 @@ fn studies() -> String {
     );
     let mut row = |name: &str, periods: f64, (wall, spent): (f64, f64)| {
         let slow = base * periods;
-        // What is too short for the processors' clock runs on one thread: there both times are one.
+        // Work too short for the processors' clock runs on one thread, where both times are equal.
         let spent = if spent < 20.0 * TICK { wall.max(spent) } else { spent };
         writeln!(table, "| {name} | {wall:.4} | {spent:.4} | {slow:.2} | {:.0} |", slow / spent)
             .expect("memory");
@@ -168,14 +170,14 @@ fn studies() -> String {
     )
 }
 
-/// Motions of a study and what is done with each.
+/// Motions of a study and the program of each.
 struct Work {
     name: &'static str,
     starts: Vec<Start>,
     program: Program,
 }
 
-/// Numbers in [0, 1) that are the same everywhere.
+/// Pseudo-random numbers in [0, 1), equal on all machines.
 fn numbers(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -183,7 +185,7 @@ fn numbers(mut seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// The motions of the studies that run side by side, fewer than in a study but of the same kinds.
+/// Motions of the studies that run side by side, fewer than in a study but of all their kinds.
 fn works() -> Vec<Work> {
     const PLANE: usize = 20;
     let axis = |name| {
@@ -246,7 +248,7 @@ fn works() -> Vec<Work> {
         },
         Work {
             name: "random systems, a tenth with kappa = 0",
-            // So many that the last of them, which leave lanes empty, are few.
+            // Many, so that the last of them, which leave lanes empty, are a small part.
             starts: (0..800).map(&mut random).collect(),
             program: Program { discard: 400, ..Program::default() },
         },
@@ -258,8 +260,8 @@ fn works() -> Vec<Work> {
     ]
 }
 
-/// Side by side and one by one in turns, on one thread: with the widest vectors of the machine, and
-/// with those of AVX2.
+/// Motions side by side and one by one, in turns on one thread, with the widest vectors of the
+/// machine and with those of AVX2.
 fn lanes() -> String {
     let mut table = String::from(
         "| work | motions | vectors | single path, µs a motion | one by one | side by side | single path / side by side | one by one / side by side | lanes occupied | lanes that moved | sub-steps for each passed on |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
@@ -305,7 +307,8 @@ fn lanes() -> String {
     )
 }
 
-/// Counts of what a drive period takes, one by one: the same on every run of one instruction set.
+/// Counts of the work of a drive period, one by one, which are equal in every run on one
+/// instruction set.
 fn work() -> String {
     const PERIODS: f64 = 200.0;
     let mut table =

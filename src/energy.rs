@@ -1,19 +1,19 @@
 //! Energy accounts: the work of drive and loads and the losses in the dampers, integrated as
 //! quadratic forms of the exact flow (docs/theory.md, section 12; docs/numerics.md, "Energy
-//! accounts"). They are found without the mechanical energy, so their balance is a test.
+//! accounts"). They do not use the mechanical energy, so the balance of all is a test.
 
-use crate::flow::{CENTRED, CORE, Column, INTERVALS, Series, Table, polynomial};
+use crate::flow::{CENTRED, CORE, INTERVALS, Series, SubstepTable, UnitColumn, polynomial};
 use crate::model::{
     Augmented, BOX, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE_RATE,
     SECONDARY_RATE, SmoothMode,
 };
 use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd::{Rows, form, form_and_squares};
+use crate::numerics::simd::{StateRows, form, form_and_squares};
 use crate::parameters::Parameters;
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-/// Gauss–Legendre nodes and weights on [0, 1] of a rule.
+/// Gauss–Legendre rule on [0, 1].
 pub struct Rule<const N: usize> {
     /// Nodes in (0, 1).
     pub nodes: [f64; N],
@@ -21,8 +21,8 @@ pub struct Rule<const N: usize> {
     pub weights: [f64; N],
 }
 
-/// Over a length of 0.15/rate the error is under 6e-17 of the largest power times the length
-/// (docs/numerics.md, section 4).
+/// Rule of five nodes. Over a length of 0.15/rate its error is under 6e-17 of the largest power
+/// times the length (docs/numerics.md, section 4).
 pub const FIVE: Rule<5> = Rule {
     nodes: [
         0.046_910_077_030_668_004,
@@ -39,7 +39,8 @@ pub const FIVE: Rule<5> = Rule {
         0.118_463_442_528_094_54,
     ],
 };
-/// Over a length of 0.075/rate the error is under 3e-15 of the largest power times the length.
+/// Rule of four nodes. Over a length of 0.075/rate its error is under 3e-15 of the largest power
+/// times the length (docs/numerics.md, section 4).
 const FOUR: Rule<4> = Rule {
     nodes: [
         0.069_431_844_202_973_71,
@@ -55,35 +56,36 @@ const FOUR: Rule<4> = Rule {
     ],
 };
 
-/// Forms of each kind: from a sub-step's start to each of the interval centres, and to its end.
+/// Number of forms of input and of damped energy: from a sub-step's start to each of the interval
+/// centres, and to its end.
 const PREFIXES: usize = INTERVALS + 1;
-/// An 8 × 8 quadratic form of the augmented state.
+/// Matrix of a quadratic form of the augmented state.
 type Form = [[f64; COORDINATES]; COORDINATES];
 
 /// Running sums in J, in extended precision so that 10⁶ periods lose nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sums {
-    /// Work of drive and loads, and what changes of parameters added.
+    /// Work of drive and loads, and energy added by changes of parameters.
     pub input: DoubleDouble,
-    /// Dissipated in the dampers.
+    /// Energy dissipated in the dampers.
     pub damped: DoubleDouble,
-    /// Lost at impacts.
+    /// Energy lost at impacts.
     pub impact: DoubleDouble,
 }
 
-/// Accounts of flights on their way to the [`Sums`], kept in doubles for some sub-steps; nothing
-/// between two advances.
+/// Energies of the latest sub-steps in doubles, J, not yet added to the [`Sums`]; zero between two
+/// advances.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub struct Pending {
-    /// In parts whose sum counts.
+    /// Dissipated energy, in parts whose sum counts.
     pub damped: [f64; COORDINATES],
     /// Work of the drive.
     pub input: f64,
 }
 
 impl Sums {
-    /// Takes up what is pending.
+    /// Adds the pending energies and sets them to zero.
     pub fn settle(&mut self, pending: &mut Pending) {
         self.damped = self.damped.plus(pending.damped.iter().sum());
         self.input = self.input.plus(pending.input);
@@ -98,16 +100,16 @@ impl Sums {
 pub struct Gramians {
     input: [Form; PREFIXES],
     damped: [Form; PREFIXES],
-    /// The damping coefficients c1 and c3 in the places of x1' and x3'.
+    /// Damping coefficients c1 and c3 at the indices of x1' and x3'.
     weights: Augmented,
-    /// F10.
+    /// F10, N.
     drive: f64,
-    /// In flight, the drive's work in closed form; none in rest and near an undamped resonance.
+    /// Drive work in closed form, in flight; none in rest and near an undamped resonance.
     work: Option<DriveWork>,
 }
 
 impl Gramians {
-    /// Without values; to be filled.
+    /// All zero, to be filled.
     pub fn zero() -> Self {
         Self {
             input: [[[0.0; COORDINATES]; COORDINATES]; PREFIXES],
@@ -118,7 +120,7 @@ impl Gramians {
         }
     }
 
-    /// Sets the powers; to be called before anything else when parameters change.
+    /// Sets the coefficients of the powers. Must be called first when parameters change.
     pub fn set_powers(&mut self, p: &Parameters, model: &Model, mode: SmoothMode) {
         self.drive = p.drive_amplitude;
         self.weights = [0.0, 0.0, 0.0, p.box_damping, 0.0, p.secondary_damping, 0.0, 0.0];
@@ -134,19 +136,20 @@ impl Gramians {
         (self.drive, self.weights[BOX_RATE], self.weights[SECONDARY_RATE])
     }
 
-    /// The drive's work in closed form, where it may be used.
+    /// Drive work in closed form, if it may be used.
     #[inline(always)]
     pub fn drive_work(&self) -> Option<&DriveWork> {
         self.work.as_ref()
     }
 
-    /// Integrates the Gramians of `mode` over a sub-step `h`, beside its `core`: those over the
-    /// halves of an interval are the same about every centre, and the transition matrices carry
-    /// them to the sub-step's start. Input only where it is asked for.
-    pub fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: SmoothMode, h: f64) {
+    /// Integrates the Gramians of `mode` over a sub-step `h`; `core` is the table of the same mode
+    /// and sub-step. The forms over the two halves of an interval are equal about every centre, and
+    /// the transition matrices carry them to the sub-step's start. The form of input is filled only
+    /// where the drive's work has no closed form.
+    pub fn fill(&mut self, core: &SubstepTable<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let columns: [Series<CENTRED>; COORDINATES] =
-            std::array::from_fn(|j| Series::expand(model, mode, &Column::unit(j).z, None, radius));
+            std::array::from_fn(|j| Series::expand(model, mode, &UnitColumn::unit(j).z, None, radius));
         let halves = [-1.0, 1.0].map(|end| self.over_half(&columns, end, radius));
         let by_difference = self.work.is_some();
         for (forms, part) in [(&mut self.damped, 1), (&mut self.input, 0)] {
@@ -163,15 +166,15 @@ impl Gramians {
         }
     }
 
-    /// The forms [input, damped] between an interval's centre and its `end`, in the state at the
-    /// centre.
+    /// Forms [input, damped] between an interval's centre and its `end` (-1 or 1), in the state at
+    /// the centre.
     fn over_half(&self, columns: &[Series<CENTRED>; COORDINATES], end: f64, radius: f64) -> [Form; 2] {
         let (drive, c1, c3) = self.coefficients();
         let (mut input, mut damped): (Form, Form) =
             ([[0.0; COORDINATES]; COORDINATES], [[0.0; COORDINATES]; COORDINATES]);
         for (node, weight) in FIVE.nodes.iter().zip(&FIVE.weights) {
             let weight = weight * radius;
-            // Of the transition matrix to the node the rows x1', x3' and sin θ, in columns.
+            // Rows x1', x3' and sin θ of the transition matrix to the node, by columns.
             let at: [[f64; 3]; COORDINATES] = std::array::from_fn(|j| {
                 let z = columns[j].at(end * node);
                 [z[BOX_RATE], z[SECONDARY_RATE], z[DRIVE_SIN]]
@@ -193,23 +196,24 @@ impl Gramians {
         form(simd, &self.input[index], z)
     }
 
-    /// Damped from the start `z` likewise.
+    /// Damped energy from the start `z` to the centre of interval `index`, or to the end with
+    /// [`INTERVALS`].
     #[inline(always)]
     pub fn damped_up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> f64 {
         form(simd, &self.damped[index], z)
     }
 
-    /// Damped from the start `z` of a free flight to the centre of interval `index`, if it passes
-    /// one, and on along the `rows` from 0 to u, where they have the values `end`; `radius` in s.
-    /// Added to `total` in parts of which the sum counts. The rule's error is under 7e-11 of the
-    /// largest power times the length (docs/numerics.md, section 4).
+    /// Adds to `total`, in parts whose sum counts, the energy damped from the start `z` of a free
+    /// flight to the centre of interval `index`, if there is one, and on along the series `rows`
+    /// from 0 to u, where the state is `end`; `radius` in s. The error of the rule is under 7e-11
+    /// of the largest power times the length (docs/numerics.md, section 4).
     #[inline(always)]
     pub fn damped_along<S: Simd>(
         &self,
         simd: S,
         index: Option<usize>,
         z: &Augmented,
-        rows: &Rows<S, CENTRED>,
+        rows: &StateRows<S, CENTRED>,
         (u, end, radius): (f64, &Augmented, f64),
         total: &mut Augmented,
     ) {
@@ -217,9 +221,14 @@ impl Gramians {
         form_and_squares(simd, before, rows, (u, end), u * radius, &self.weights, total);
     }
 
-    /// Input likewise, along the rows only.
+    /// Input in a free flight along the series `rows` from 0 to u; `radius` in s.
     #[inline(always)]
-    pub fn input_along<S: Simd>(&self, simd: S, rows: &Rows<S, CENTRED>, (u, radius): (f64, f64)) -> f64 {
+    pub fn input_along<S: Simd>(
+        &self,
+        simd: S,
+        rows: &StateRows<S, CENTRED>,
+        (u, radius): (f64, f64),
+    ) -> f64 {
         let mut input = 0.0;
         for (node, weight) in FOUR.nodes.iter().zip(&FOUR.weights) {
             let at = crate::numerics::simd::polynomial(simd, rows, u * node);
@@ -228,8 +237,8 @@ impl Gramians {
         self.drive * u * radius * input
     }
 
-    /// (input, damped) along a series from u0 to u1; `radius` in s. Loads included where given (at
-    /// u = 0).
+    /// (input, damped) along a series from u0 to u1; `radius` in s. Input includes the work of
+    /// `forces`, if given, which hold at u = 0.
     #[inline(always)]
     pub fn along<const N: usize>(
         &self,
@@ -255,7 +264,7 @@ impl Gramians {
         radius: f64,
     ) -> (f64, f64) {
         let (drive, c1, c3) = self.coefficients();
-        // Of the augmented state the powers need the rates and sin θ only.
+        // The powers need only the rates and sin θ.
         let rates: [[f64; 4]; N] =
             series.states.map(|z| [z[BOX_RATE], z[RELATIVE_RATE], z[SECONDARY_RATE], z[DRIVE_SIN]]);
         let (mut input, mut damped) = (0.0, 0.0);
@@ -276,11 +285,11 @@ impl Gramians {
     }
 }
 
-/// Adds Φᵀ `form` Φ, Φ given by its columns.
+/// Adds Φᵀ `form` Φ to `sum`, where Φ has the `columns`.
 fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; COORDINATES]) {
     let mut along: Form = [[0.0; COORDINATES]; COORDINATES];
     for (y, column) in along.iter_mut().zip(columns) {
-        Table::transit(form, column, y);
+        SubstepTable::transit(form, column, y);
     }
     for (i, column) in columns.iter().enumerate() {
         for j in i..COORDINATES {
@@ -293,30 +302,36 @@ fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; COORDINATES]) 
     }
 }
 
-/// The drive's work in flight in closed form. There the box knows of nothing but its spring, its
-/// damper and the drive, so that
-/// `d/dt [c (p0 x1 + p1 x1') + s (q0 x1 + q1 x1') + (q1 s c - p1 s²) F10/(2 m1 ω1)] + mean = F10 s x1'`
-/// with c = cos θ, s = sin θ and `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`, A the box's own matrix: between
-/// two impacts the work is a difference of two values, and at an impact the value jumps with x1'.
+/// Drive work in flight in closed form. In flight only its spring, its damper and the drive act on
+/// the box. With c = cos θ, s = sin θ and `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`, A the box's own matrix,
+///
+/// ```text
+/// F10 s x1' = mean + d/dt [c (p0 x1 + p1 x1') + s (q0 x1 + q1 x1')
+///                          + (q1 s c - p1 s²) F10/(2 m1 ω1)]
+/// ```
+///
+/// So the work between two impacts is a difference of two values and the mean power times the time.
+/// At an impact the value jumps with x1'.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveWork {
     p: [f64; 2],
     q: [f64; 2],
     /// F10/(2 m1 ω1).
     swing: f64,
-    /// The mean power of the box's own steady state, W.
+    /// Mean power of the box's own steady state, W.
     mean: f64,
 }
 
 impl DriveWork {
-    /// None where the steady state is so large that the differences would lose more than three
-    /// digits: near resonance with hardly any damping, or under a drive so strong and slow that a
-    /// flight is a small part of the forced vibration (docs/theory.md (96)).
+    /// Coefficients of the closed form. `None` if the steady state is so large that the differences
+    /// would lose more than three digits: near resonance with hardly any damping, or under a drive
+    /// so strong and slow that a flight is a small part of the forced vibration (docs/theory.md
+    /// (96)).
     fn new(amplitude: f64, model: &Model) -> Option<Self> {
         /// Least impedance, in units of the sum of its parts.
         const LEAST: f64 = 1e-3;
-        /// Largest steady state, in gaps: the values are of the size of F10 times it, and the work
-        /// in a flight of F10 times the gap.
+        /// Largest steady state, in gaps: the values are of the size of F10 times the steady state,
+        /// the work in a flight of F10 times the gap.
         const LARGEST: f64 = 100.0;
         let Model { k1, c1, omega, gap, drive, .. } = *model;
         let (stiff, inert) = (k1 / omega, omega);
@@ -348,7 +363,7 @@ impl DriveWork {
         c * (p0 * x + p1 * v) + s * (q0 * x + q1 * v) + self.swing * s * (q1 * c - p1 * s)
     }
 
-    /// Its jump when x1' changes by `change`.
+    /// Jump of [`value`](Self::value) when x1' changes by `change`, J.
     #[inline(always)]
     pub fn jump(&self, z: &Augmented, change: f64) -> f64 {
         (z[DRIVE_COS] * self.p[1] + z[DRIVE_SIN] * self.q[1]) * change

@@ -1,6 +1,6 @@
-//! The one error type of the crate.
+//! The error type of the crate.
 
-/// What can go wrong; every message names the quantity, its value and what is allowed.
+/// Error of this crate; every message names the quantity, its value and what is allowed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -14,7 +14,7 @@ pub enum Error {
         /// The allowed range, in words.
         allowed: &'static str,
     },
-    /// The block would start outside the box.
+    /// The block is outside the box at a start.
     #[error("block.s - box.s = {value} m: allowed is -stop.gap <= block.s - box.s <= stop.gap = {gap} m")]
     Penetration {
         /// Relative displacement `w = x2 - x1` in m.
@@ -22,18 +22,18 @@ pub enum Error {
         /// Half the free path `L` in m.
         gap: f64,
     },
-    /// Double precision cannot carry the requested motion.
+    /// Double precision cannot resolve the requested motion.
     #[error("{what} = {value:e}: allowed is up to {limit:e}; beyond that double precision loses the motion")]
     PrecisionLost {
-        /// The offending ratio, in words.
+        /// Ratio that is too large, in words.
         what: &'static str,
-        /// Its value.
+        /// Value of the ratio.
         value: f64,
-        /// The largest allowed value.
+        /// Largest allowed value.
         limit: f64,
     },
-    /// One advance has done all the work it is allowed. The state stands at `time` and is as good
-    /// as any: another advance goes on from there, with an allowance of its own.
+    /// An advance has reached its limit of work. The state stands at `time` and is valid: another
+    /// advance goes on from there, with a limit of its own.
     #[error(
         "the advance ended at t = {time} s, where it reached the limit of work in one call: the last {span} s took {events} events. \
          Cause: stop.restitution = {restitution} lets a pressed block bounce too long, or the block is too fast (its path in \
@@ -45,11 +45,11 @@ pub enum Error {
         time: f64,
         /// Time since the advance began, s.
         span: f64,
-        /// Events (impacts and releases) since then.
+        /// Events (impacts and releases) since the advance began.
         events: u64,
         /// Restitution coefficient κ.
         restitution: f64,
-        /// The block's present relative speed times a sub-step's length over the gap.
+        /// Present relative speed of the block times the length of a sub-step over the gap.
         path: f64,
     },
     /// The end of a step lies before its beginning or is not a finite number.
@@ -65,48 +65,48 @@ pub enum Error {
     Undefined {
         /// Structured name of the variable.
         name: &'static str,
-        /// Its value.
+        /// Value of the variable.
         value: f64,
-        /// Which formula needs it.
+        /// Formula that needs it, in words.
         needed_by: &'static str,
-        /// What it needs.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
     /// An iteration did not end.
     #[error("{what}: no convergence; the matrix may hold values too large for double precision")]
     NoConvergence {
-        /// What was sought.
+        /// Unknown of the iteration, in words.
         what: &'static str,
     },
     /// A sample of a record cannot be used.
     #[error("sample {index} (counted from 0), time = {time} s, force = {force} N: allowed is {allowed}")]
     Sample {
-        /// Its index, counted from 0.
+        /// Index of the sample, counted from 0.
         index: usize,
-        /// Its time, s.
+        /// Time of the sample, s.
         time: f64,
-        /// Its force, N.
+        /// Force of the sample, N.
         force: f64,
-        /// What is allowed, in words.
+        /// Allowed samples, in words.
         allowed: &'static str,
     },
     /// A record has too few samples.
     #[error("a record of {count} samples: allowed is two or more, so that the force between them is known")]
     Samples {
-        /// How many there are.
+        /// Number of samples.
         count: usize,
     },
     /// An interval of a parameter is empty, unbounded or not a number.
     #[error("range of {name} from {from} to {to}: allowed is a finite range with from < to")]
     Range {
-        /// What ranges.
+        /// Name of the parameter.
         name: &'static str,
-        /// Its lower end.
+        /// Lower end.
         from: f64,
-        /// Its upper end.
+        /// Upper end.
         to: f64,
     },
 }
 
-/// Result with the crate's error.
+/// Result with the error of this crate.
 pub type Result<T> = std::result::Result<T, Error>;

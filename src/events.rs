@@ -1,8 +1,13 @@
 //! Guaranteed event location on a polynomial: the first passage from ≤ 0 to > 0, or the proof that
 //! there is none.
 //!
-//! The polynomials are the Taylor coefficients of the event functional on |u| ≤ 1, cut off where
-//! the rest is under round-off (`docs/numerics.md`, "Events"). Three methods in turn:
+//! # Why it is so
+//!
+//! An event that is missed changes all of the later motion, and a simulator that samples can always
+//! miss one between two samples. Here a polynomial is given, not samples: the Taylor coefficients
+//! of the event functional on |u| ≤ 1, cut off where the remainder is under round-off
+//! (`docs/numerics.md`, "Events"). So the sizes of the coefficients alone bound the polynomial, its
+//! slope and its curvature everywhere. Three methods use this in turn:
 //!
 //! - **Dominance.** Where the constant term of p' or p'' outweighs the sum of the other
 //!   coefficients' sizes, p is monotone, convex or concave on all of |u| ≤ 1, and its values and
@@ -12,32 +17,52 @@
 //!   holds on every piece or the coefficients' sizes bound p below zero there.
 //! - **Newton's method in a bracket** for the root itself; in flight it starts from the third-order
 //!   reversion of the series.
+//!
+//! # What must not change without proof
+//!
+//! - The order of operations in the flight path ([`flight_crossing`]) and in [`first_crossing`]:
+//!   the motions' bits depend on it (`tests/state_bits.rs`, `golden_*` in `events/tests.rs`).
+//! - The constants `MAX_DEPTH`, `MAX_COEFFICIENTS` and `MAX_PIECES`, which together bound the work:
+//!   docs/numerics.md, "Second stage".
+//! - The criteria by which Newton's method ends: docs/numerics.md, "The root";
+//!   `closed_form_the_newton_criterion_holds_up_to_its_largest_factor`.
+//!
+//! # Changes
+//!
+//! - A faster path for a special shape, as [`flight_crossing`]: it may answer only where its answer
+//!   is proved, and otherwise calls [`first_crossing`]. Its test is a second method that compares
+//!   both on random polynomials (`second_method_nearly_straight_passages`).
+//! - More coefficients: raise `MAX_COEFFICIENTS` and prove the number of pieces again.
 
-use crate::numerics::simd::{PADDED, multiply_add, value, weighted};
+mod newton;
+
+use crate::numerics::simd::{PADDED, value, weighted};
+use newton::{
+    by_fours, pairwise, refine, reverted, rising, root_of_nearly_straight, slope_of, value_and_slope,
+};
 use pulp::Simd;
 
-/// An interval is halved at most this often. A piece is then 2⁻⁵⁵ long, under the spacing of the
+/// Most times that an interval is halved. A piece is then 2⁻⁵⁵ long, under the spacing of the
 /// doubles about ±1.
 const MAX_DEPTH: u32 = 56;
-/// The most coefficients of a polynomial that is searched: those of a described machine's series.
+/// Most coefficients of a polynomial that is searched: those of a described machine's series.
 const MAX_COEFFICIENTS: usize = 26;
-/// At most this many pieces are looked at: no polynomial of [`MAX_COEFFICIENTS`] or fewer needs as
-/// many, and hardly any a hundred (docs/numerics.md, "Second stage").
+/// Most pieces that are examined. No polynomial of [`MAX_COEFFICIENTS`] or fewer needs as many, and
+/// hardly any needs a hundred (docs/numerics.md, "Second stage").
 const MAX_PIECES: u32 = 100_000;
-/// Newton's method in a bracket bisects wherever a step leaves the bracket, so that this many steps
-/// are never taken.
-const MAX_ITERATIONS: u32 = 200;
-/// Up to this bound K on |p''|/(2p') a short Newton step proves the accuracy of the next iterate;
-/// see [`refine`]. The proof holds for any K far below 1/ε.
+/// Largest bound K on |p''|/(2p') with which a short Newton step proves the accuracy of the next
+/// iterate; see [`refine`]. The proof holds for any K far below 1/ε.
 const MAX_NEWTON_FACTOR: f64 = 1e4;
-/// Below this K a polynomial is nearly straight: its curvature is under half the least slope.
+/// Bound K on |p''|/(2p') below which a polynomial is nearly straight: its curvature is under half
+/// its least slope.
 const STRAIGHT: f64 = 0.25;
 
-/// k and k - 1, by which a coefficient of order k is multiplied in p' and p''.
+/// Factors k of the coefficients of order k in p'.
 const ORDERS: [f64; PADDED] = orders(0);
+/// Factors k - 1 that lead from p' to p''.
 const LOWER: [f64; PADDED] = orders(1);
 
-/// k for as many coefficients as are searched at most.
+/// Factors k for the longest polynomial that is searched, padded to fours.
 const PLACES: [f64; MAX_COEFFICIENTS.next_multiple_of(4)] = orders(0);
 
 const fn orders<const N: usize>(less: usize) -> [f64; N] {
@@ -50,22 +75,7 @@ const fn orders<const N: usize>(less: usize) -> [f64; N] {
     k
 }
 
-/// p(u) and p'(u).
-#[inline(always)]
-fn value_and_slope<const N: usize>(c: &[f64; N], u: f64) -> (f64, f64) {
-    let square = u * u;
-    let mut sums = [0.0; 4]; // p even, p odd, p' even, p' odd
-    for k in (0..N).rev() {
-        sums[k % 2] = sums[k % 2] * square + c[k];
-        if k > 0 {
-            let slope = &mut sums[2 + (k - 1) % 2];
-            *slope = *slope * square + k as f64 * c[k];
-        }
-    }
-    (sums[0] + u * sums[1], sums[2] + u * sums[3])
-}
-
-/// The shape of p on |u| ≤ 1, by the sign of p' or of p'', where that is certain.
+/// Shape of p on |u| ≤ 1, by the sign of p' or of p'', where it is certain.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Shape {
     Rising,
@@ -75,13 +85,13 @@ enum Shape {
     Unknown,
 }
 
-/// The shape by dominance, and for a rising p a bound K on |p''|/(2p') over |u| ≤ 1: a Newton step
-/// from an error e leaves at most K e² (Taylor's formula with p'' in the remainder). Infinite where
-/// it is of no use.
+/// Shape of p by dominance, and for a rising p a bound K on |p''|/(2p') over |u| ≤ 1: a Newton step
+/// from an error e leaves at most K e² (Taylor's formula with p'' in the remainder). K is infinite
+/// for other shapes and above [`MAX_NEWTON_FACTOR`].
 #[inline(always)]
 fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
-    // Coefficients of p' with their orders, in four chains each; from the leading ones that
-    // dominate nothing is left.
+    // Sums of the sizes of the coefficients of p' and p'', in four chains each. The dominating
+    // coefficient enters with minus its size, so that it cancels.
     let d = slope_of(c, 1.0);
     let (mut slopes, mut curvatures) = ([-d[0].abs(), 0.0, 0.0, 0.0], [0.0, -d[1].abs(), 0.0, 0.0]);
     for (four, orders) in d.chunks(4).zip(PLACES.as_chunks::<4>().0) {
@@ -107,64 +117,7 @@ fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
     (shape, f64::INFINITY)
 }
 
-/// The root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u: Newton's method
-/// in a bracket.
-///
-/// It ends when a step is at round-off, or when the error of the iterate just reached is proved to
-/// be: after a step of length m = `moved` with K m ≤ 1, K = `newton_factor`, it is at most 4 K m²,
-/// and a longer step is never accepted (docs/numerics.md, "The root").
-#[inline(always)]
-fn refine<const N: usize>(
-    c: &[f64; N],
-    (mut lo, mut hi): (f64, f64),
-    start: f64,
-    newton_factor: f64,
-    iterations: &mut u64,
-) -> f64 {
-    let mut u = start;
-    for _ in 0..MAX_ITERATIONS {
-        *iterations += 1;
-        let (p, d) = value_and_slope(c, u);
-        if p < 0.0 {
-            lo = u;
-        } else if p > 0.0 {
-            hi = u;
-        } else {
-            return u;
-        }
-        let moved = (p / d).abs();
-        let resolution = f64::EPSILON * u.abs();
-        let newton = u - p / d;
-        if moved <= 2.0 * resolution {
-            return newton.clamp(lo, hi);
-        }
-        if newton > lo && newton < hi {
-            u = newton;
-            if 4.0 * newton_factor * moved * moved <= resolution {
-                return u;
-            }
-        } else {
-            u = 0.5 * (lo + hi);
-            if u <= lo || u >= hi {
-                return hi; // the bracket has closed on neighbouring doubles
-            }
-        }
-    }
-    u
-}
-
-/// The coefficients of `sign` times p', of which [`refine`] then finds the root.
-#[inline(always)]
-fn slope_of<const N: usize>(c: &[f64; N], sign: f64) -> [f64; N] {
-    let mut d = [0.0; N];
-    for k in 1..N {
-        d[k - 1] = sign * k as f64 * c[k];
-    }
-    d
-}
-
-/// Where p of known shape first passes from ≤ 0 to > 0 in [lo, hi] ⊂ [-1, 1]; as
-/// [`first_crossing`].
+/// [`first_crossing`] for a p of known shape; `None` for an unknown one.
 #[inline(always)]
 fn crossing_of_shape<const N: usize>(
     c: &[f64; N],
@@ -184,7 +137,7 @@ fn crossing_of_shape<const N: usize>(
             if value(c, hi) <= 0.0 {
                 return None;
             }
-            // Up to its minimum p falls, and after it p rises to a positive end.
+            // p falls to its minimum and then rises to a positive end.
             let slope = slope_of(c, 1.0);
             let bottom = refine(&slope, (lo, hi), 0.5 * (lo + hi), f64::INFINITY, iterations);
             rising(c, bottom, value(c, bottom), hi, newton_factor, iterations)
@@ -208,16 +161,13 @@ fn crossing_of_shape<const N: usize>(
 }
 
 /// [`first_crossing`] for the relative displacement in free flight, whose coefficients from order
-/// ten on are zero. Nearly always it rises and is nearly straight. Then Newton's method, started
-/// from the third-order reversion of the series, takes one or two steps whose accuracy is proved,
-/// and a root found inside is the only one.
+/// ten on are zero. Nearly always it rises and is nearly straight: its curvature is under half its
+/// least slope, so that K = |p''|/(2p') < 1/4. Then Newton's method, started from the third-order
+/// reversion of the series, takes one or two steps whose accuracy is proved, and a root found
+/// inside is the only one.
 ///
-/// "Nearly straight" is a curvature under half the least slope, so that K = |p''|/(2p') < 1/4, and
-/// two steps are enough nearly always.
-///
-/// It never misses a passage that [`first_crossing`] finds. A root whose distance from `hi` is
-/// rounding may be found where `first_crossing`, which goes by the sign of the computed p(hi),
-/// finds none; the other way round it is not.
+/// Finds every passage that [`first_crossing`] finds. It may also find a root within rounding of
+/// `hi` where `first_crossing`, which goes by the sign of the computed p(hi), finds none.
 #[inline(always)]
 pub fn flight_crossing<S: Simd>(
     simd: S,
@@ -238,60 +188,9 @@ pub fn flight_crossing<S: Simd>(
         .or_else(|| rising(c, lo, value(c, lo), hi, newton_factor, iterations))
 }
 
-/// The root of a rising p in (lo, hi) by at most so many steps of Newton's method from `start` and
-/// a last one with the slope before it, where the accuracy that they reach is proved.
-/// `newton_factor` is K = |p''|/(2p') < 1/4, so that few steps are enough nearly always.
-#[inline(always)]
-fn root_of_nearly_straight<const STEPS: usize>(
-    (value, slope): (impl Fn(f64) -> f64, impl Fn(f64) -> f64),
-    start: f64,
-    (lo, hi): (f64, f64),
-    newton_factor: f64,
-    iterations: &mut u64,
-) -> Option<f64> {
-    let mut u = start;
-    for _ in 0..STEPS {
-        if !(u > lo && u < hi) {
-            return None;
-        }
-        *iterations += 1;
-        let inverse = 1.0 / slope(u);
-        let moved = value(u) * inverse;
-        u -= moved;
-        let resolution = f64::EPSILON * u.abs();
-        // The error is now at most this; see `refine`.
-        let error = 4.0 * newton_factor * moved * moved;
-        if error <= resolution {
-            return (u > lo && u < hi).then_some(u);
-        }
-        // A further step with the same slope. That slope is off by at most max |p''| times the
-        // distance from where it was taken to the root, `moved + error`; relative to p' this is 2K
-        // times that distance.
-        if 2.0 * error * newton_factor * (moved.abs() + error) <= resolution {
-            *iterations += 1;
-            u -= value(u) * inverse;
-            return (u > lo && u < hi).then_some(u);
-        }
-    }
-    None
-}
-
-/// p(u) in four sums side by side, of every fourth order each.
-#[inline(always)]
-fn by_fours<const N: usize>(c: &[f64; N], u: f64) -> f64 {
-    let square = u * u;
-    let (fourth, mut sums) = (square * square, [0.0; 4]);
-    for four in c.chunks(4).rev() {
-        for (k, sum) in sums.iter_mut().enumerate() {
-            *sum = *sum * fourth + four.get(k).copied().unwrap_or(0.0);
-        }
-    }
-    (sums[0] + sums[1] * u) + (sums[2] + sums[3] * u) * square
-}
-
 /// [`first_crossing`] on [0, hi]. Where p rises on all of |u| ≤ 1, Newton's method starts from the
-/// third-order reversion of the series, of which the error is small on the short intervals of a
-/// described machine.
+/// third-order reversion of the series, whose error is small on the short intervals of a described
+/// machine.
 #[inline(always)]
 pub fn crossing_after_start<const N: usize>(c: &[f64; N], hi: f64, iterations: &mut u64) -> Option<f64> {
     let (Shape::Rising, newton_factor) = shape(c) else { return any_crossing(c, hi, iterations) };
@@ -306,59 +205,14 @@ pub fn crossing_after_start<const N: usize>(c: &[f64; N], hi: f64, iterations: &
     rising(c, 0.0, c[0], hi, newton_factor, iterations)
 }
 
-/// [`first_crossing`] on [0, hi] as a function of its own, so that the frequent path stays short.
+/// [`first_crossing`] on [0, hi], not inlined so that the frequent path stays short.
 #[cold]
 #[inline(never)]
 fn any_crossing<const N: usize>(c: &[f64; N], hi: f64, iterations: &mut u64) -> Option<f64> {
     first_crossing(c, 0.0, hi, iterations)
 }
 
-/// The root near 0 of a nearly straight p by the series reverted: u = l - b l² + (2b² - t) l³ with
-/// l = -c0/c1, b = c2/c1, t = c3/c1.
-#[inline(always)]
-fn reverted<const N: usize>(c: &[f64; N]) -> f64 {
-    let scale = 1.0 / c[1];
-    let linear = -c[0] * scale;
-    let (bend, twist) = (c[2] * scale, c[3] * scale);
-    linear * (1.0 - linear * (bend - linear * (2.0 * bend * bend - twist)))
-}
-
-/// Σ_k c[first + k] u^k by pairs of neighbouring orders (Estrin's scheme), which shortens the chain
-/// of operations that wait for one another.
-#[inline(always)]
-fn pairwise<S: Simd>(c: &[f64; PADDED], first: usize, u: f64) -> f64 {
-    let square = u * u;
-    let fourth = square * square;
-    let pair = |k: usize| multiply_add::<S>(c[first + k + 1], u, c[first + k]);
-    let low = multiply_add::<S>(pair(2), square, pair(0));
-    let middle = multiply_add::<S>(pair(6), square, pair(4));
-    multiply_add::<S>(pair(8), fourth * fourth, multiply_add::<S>(middle, fourth, low))
-}
-
-/// The passage of a p that rises on [lo, hi], where `low` is p(lo): none when p(hi) ≤ 0, `lo` when
-/// p(lo) ≥ 0.
-#[inline(always)]
-fn rising<const N: usize>(
-    c: &[f64; N],
-    lo: f64,
-    low: f64,
-    hi: f64,
-    newton_factor: f64,
-    iterations: &mut u64,
-) -> Option<f64> {
-    let high = value(c, hi);
-    if high <= 0.0 {
-        return None;
-    }
-    if low >= 0.0 {
-        return Some(lo);
-    }
-    let chord = lo - low * (hi - lo) / (high - low);
-    let start = if chord > lo && chord < hi { chord } else { 0.5 * (lo + hi) };
-    Some(refine(c, (lo, hi), start, newton_factor, iterations))
-}
-
-/// The polynomial in v of p(mid + half v).
+/// Coefficients in v of p(mid + half v).
 fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
     let mut r = *c;
     for first in 0..N - 1 {
@@ -374,16 +228,15 @@ fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
     r
 }
 
-/// The first u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0. A touch from below is no
-/// passage. A passage exactly at `hi` is none either: p is not positive before the end, and the
-/// search that begins there finds it.
+/// First u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0. A touch from below is no
+/// passage, nor is a zero exactly at `hi`: the search that begins there finds it.
 ///
 /// Requires p(lo) ≤ 0 up to rounding. A positive p(lo), which rounding may leave, counts as zero:
-/// the answer is `lo` where p rises there or is constant, and the next passage, if there is one,
-/// where p falls. (So `0.5 + u²` on [0, 1], which breaks the requirement, gives 0.)
+/// the answer is `lo` where p rises or is constant there, and the next passage where p falls. (So
+/// `0.5 + u²` on [0, 1], which breaks the requirement, gives 0.)
 ///
-/// `None` proves that p has no passage but one by which it stays under `4 N² ε Σ|c_k|`, for
-/// coefficients as given (docs/numerics.md, "Second stage").
+/// `None` proves that p, with the coefficients as given, nowhere passes zero by more than
+/// `4 N² ε Σ|c_k|` (docs/numerics.md, "Second stage").
 #[inline(always)]
 pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations: &mut u64) -> Option<f64> {
     const { assert!(N <= MAX_COEFFICIENTS, "the bound on the number of pieces is proved up to here") };
@@ -393,13 +246,13 @@ pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations
     }
 }
 
-/// Visits the turns of a quantity with the rate p in [lo, hi] ⊂ [-1, 1], one after another: where p
-/// passes zero by more than the rounding of its sign. `rising` says whether the quantity rises at
-/// `lo`, and afterwards whether it rises at `hi`; `visit` is told the place and whether it rose
-/// before.
+/// Visits the turning points in [lo, hi] ⊂ [-1, 1] of a quantity whose rate is p, in order: where p
+/// passes zero by more than the rounding of its sign. On entry `rising` says whether the quantity
+/// rises at `lo`, on return whether it rises at `hi`. `visit` gets u and whether the quantity rose
+/// before it, so that u is a maximum.
 ///
-/// After each turn the search goes on from where p is certainly beyond zero: from a zero that is
-/// rounding itself the next one would be found at the same place, and so on without end.
+/// The search for the next turn begins where p is certainly beyond zero: from a zero that is
+/// rounding it would find the next one at the same place, without end.
 #[inline(always)]
 pub fn turns<const N: usize>(
     p: &[f64; N],
@@ -416,9 +269,8 @@ pub fn turns<const N: usize>(
     }
 }
 
-/// The first passage of p from below zero to above by more than the rounding of its sign,
-/// `4 N² ε Σ|c_k|` as for [`first_crossing`]: where it passes zero, and where it is that much
-/// above.
+/// First passage of p from below zero to above by more than the rounding of its sign,
+/// `4 N² ε Σ|c_k|` as for [`first_crossing`]: the zero, and the place where p is that much above.
 #[inline(always)]
 fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f64, f64)> {
     let sizes: f64 = c.iter().map(|x| x.abs()).sum();
@@ -428,8 +280,8 @@ fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f
     Some((first_crossing(c, lo, above, &mut 0).unwrap_or(above), above))
 }
 
-/// A place at which the computed p goes from ≤ 0 to > 0 in [lo, hi], for a piece on which p is
-/// nothing but rounding: `None` unless p(hi) > 0, and `lo` where p(lo) > 0 too.
+/// Change of sign of the computed p from ≤ 0 to > 0 in [lo, hi], by bisection, for a piece on which
+/// p is nothing but rounding. `None` unless p(hi) > 0, and `lo` where p(lo) > 0 too.
 fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Option<f64> {
     if value(c, hi) <= 0.0 {
         return None;
@@ -444,10 +296,10 @@ fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Opt
     Some(lo)
 }
 
-/// Halves the interval until the shape of p is certain on every piece; needed about once in
-/// thousands of sub-steps.
+/// [`first_crossing`] by bisection until the shape of p is certain on every piece; needed about
+/// once in thousands of sub-steps.
 ///
-/// Where p is nothing but rounding on a piece, which no halving would settle, the signs of the
+/// On a piece where p is nothing but rounding, which no halving would settle, the signs of the
 /// computed p decide (docs/numerics.md, "Second stage").
 #[cold]
 #[inline(never)]

@@ -1,10 +1,33 @@
 //! Exact propagation of a smooth mode: Taylor series about a point, and tables of the transition
 //! matrix over a sub-step (docs/theory.md (8); docs/numerics.md, "Exact flow").
 //!
-//! A sub-step of length H is divided into 16 intervals. A [`Table`] holds the event functional (w
-//! in flight, the free relative acceleration in rest) at the 16 interval ends, the transition
-//! matrices to the 16 interval centres and to the end, and a bound on the functional's second
-//! derivative, all as columns that act on the augmented state.
+//! # Why tables
+//!
+//! A smooth mode is linear with constant coefficients, so the state at any later time is a matrix
+//! times the present state. These matrices depend on the parameters alone: they are computed once
+//! per parameter set, and a sub-step costs a few 8 × 8 products instead of an integration.
+//!
+//! A sub-step of length H is divided into 16 intervals. A [`SubstepTable`] holds the event
+//! functional (w in flight, the free relative acceleration in rest) at the 16 interval ends, the
+//! transition matrices to the 16 interval centres and to the end, and a bound on the functional's
+//! second derivative, all as columns that act on the augmented state.
+//!
+//! # What must not change without proof
+//!
+//! - The length of a sub-step and the number of coefficients of a series belong together. The
+//!   compile-time assertions below hold the remainders; the derivation is docs/numerics.md,
+//!   section 1, and `tests/bounds.rs` compares it with machines chosen to break it.
+//! - The order of operations: states are compared bit by bit (`tests/state_bits.rs`). Tables are
+//!   bit-identical for all instruction sets, as no operation that fills them is fused.
+//! - The bound on the second derivative, on which the proof that no event is missed stands:
+//!   `invariant_the_bound_holds_between_the_samples` in `tests/bounds.rs`.
+//!
+//! # Changes
+//!
+//! - Another entry of the table: a field of [`SubstepTable`], filled in `propagate`, with its bound
+//!   through `bound_between_centres` if the entry is searched.
+//! - Another time-dependent force: `Forces` and [`LOAD`] for its coefficients, `UnitColumn::rate`
+//!   and [`Series::expand`] for its derivatives.
 
 mod polynomial;
 mod series;
@@ -13,7 +36,7 @@ use crate::model::{
     Augmented, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE, RELATIVE_RATE,
     SECONDARY_RATE, SmoothMode,
 };
-use crate::numerics::simd::{PADDED, Rows, product, row};
+use crate::numerics::simd::{PADDED, StateRows, product, row};
 pub use polynomial::polynomial;
 use polynomial::{PLACES, at_interval_ends, at_places};
 use pulp::Simd;
@@ -21,25 +44,24 @@ pub use series::{ANCHORED, CENTRED, PIECE, Series, WHOLE, expand_along, remainde
 
 /// Intervals of a sub-step.
 pub const INTERVALS: usize = 16;
-/// Sub-step times rate, so that most flights between two impacts of a period take one or two
-/// sub-steps; the series about an interval's centre then has radius 0.075/rate.
+/// Length of a sub-step times the fastest rate. With 2.4 most flights between two impacts of a
+/// period take one or two sub-steps; the series about an interval's centre has radius 0.075/rate.
 const SUBSTEP_TIMES_RATE: f64 = 2.4;
-// What the series leave out, as their comments and the table of docs/numerics.md, section 1, have
-// it.
+// Remainders of the series, as in the table of docs/numerics.md, section 1.
 const _: () = {
     let interval = SUBSTEP_TIMES_RATE / INTERVALS as f64;
     assert!(remainder(WHOLE, SUBSTEP_TIMES_RATE) < 4e-20);
     assert!(remainder(ANCHORED, interval) < 4e-18 && remainder(CENTRED, 0.5 * interval) < 1.6e-17);
 };
-/// Columns of the augmented state.
+/// Number of columns of the augmented state.
 pub const CORE: usize = COORDINATES;
-/// Columns of the loads: 3 forces, each with its value and 3 derivatives.
+/// Number of columns of the loads: 3 forces, each with its value and 3 derivatives.
 pub const LOAD: usize = 12;
-/// Covers the rounding of the bound itself. Why that of the samples is not added: docs/numerics.md,
-/// "Events".
+/// Factor that covers the rounding of the bound itself. The rounding of the samples needs none:
+/// docs/numerics.md, "Events".
 const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 
-/// The places of the interval centres on [0, 1].
+/// Interval centres as fractions of the sub-step, in groups that are evaluated side by side.
 const CENTRES: [[f64; PLACES]; INTERVALS / PLACES] = {
     let mut places = [[0.0; PLACES]; INTERVALS / PLACES];
     let mut i = 0;
@@ -50,7 +72,7 @@ const CENTRES: [[f64; PLACES]; INTERVALS / PLACES] = {
     places
 };
 
-/// Forces a time `dt` later: the polynomials shifted.
+/// Forces and their derivatives a time `dt` later.
 #[inline(always)]
 pub fn shifted(forces: &Forces, dt: f64) -> Forces {
     forces.map(|d| {
@@ -63,50 +85,48 @@ pub fn shifted(forces: &Forces, dt: f64) -> Forces {
     })
 }
 
-/// Sub-step tables for C columns of the augmented state or of the load coefficients. In this order,
-/// so that no vector of a column lies across two cache lines.
+/// Tables of a sub-step for C columns of the augmented state or of the load coefficients. The order
+/// of the fields keeps each vector of a column within one cache line.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Table<const C: usize> {
-    /// The event functional at the interval ends, `[column][interval]`.
+pub struct SubstepTable<const C: usize> {
+    /// Event functional at the interval ends, `[column][interval]`.
     pub sample: [[f64; INTERVALS]; C],
-    /// The augmented state at the sub-step's end, `[column][coordinate]`.
+    /// Augmented state at the sub-step's end, `[column][coordinate]`.
     pub full: [Augmented; C],
-    /// The augmented state at the interval centres.
+    /// Augmented state at the interval centres, `[interval][column][coordinate]`.
     pub centre: [[Augmented; C]; INTERVALS],
     /// |functional''| ≤ Σ_j bound_j |column_j| throughout the sub-step.
     pub bound: [f64; C],
-    /// The largest |functional''| at the centres, column by column.
+    /// Largest |functional''| at the centres, for each column.
     peak: [f64; C],
 }
 
-/// The free flight about any point as polynomials in the state there: the coefficients of a
-/// [`Series`] without loads.
+/// Linear maps from a state in free flight without loads to the coefficients of its [`Series`].
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Local {
-    /// The augmented state's coefficients, `[order][column][coordinate]`.
+    /// Coefficients of the augmented state, `[order][column][coordinate]`.
     states: [[Augmented; CORE]; CENTRED],
-    /// Those of w about the interval centres, from the state at the sub-step's start,
-    /// `[interval][column][order]`; the orders from [`CENTRED`] on are zero and fill up whole
-    /// vectors.
+    /// Coefficients of w about the interval centres, from the state at the sub-step's start,
+    /// `[interval][column][order]`. Orders from [`CENTRED`] on are zero and pad to whole vectors.
     relative: [[[f64; PADDED]; CORE]; INTERVALS],
 }
 
 impl Local {
-    /// Without values; to be filled.
+    /// All zero, to be filled.
     pub fn zero() -> Self {
         Self { states: [[[0.0; COORDINATES]; CORE]; CENTRED], relative: [[[0.0; PADDED]; CORE]; INTERVALS] }
     }
 
-    /// Fills it beside the `core` of flight over a sub-step `h`.
+    /// Fills the maps; `core` is the table of flight over the same sub-step `h`.
     #[inline(always)]
-    pub fn fill(&mut self, core: &Table<CORE>, model: &Model, h: f64) {
+    pub fn fill(&mut self, core: &SubstepTable<CORE>, model: &Model, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let mut relative = [[0.0; PADDED]; CORE];
         for (c, orders) in relative.iter_mut().enumerate() {
             let series =
-                Series::<CENTRED>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, radius);
+                Series::<CENTRED>::expand(model, SmoothMode::Flight, &UnitColumn::unit(c).z, None, radius);
             for (k, state) in series.states.iter().enumerate() {
                 self.states[k][c] = *state;
                 orders[k] = state[RELATIVE];
@@ -119,39 +139,39 @@ impl Local {
         }
     }
 
-    /// The coefficients of w about an interval's centre, with `z` at the sub-step's start.
+    /// Coefficients of w about an interval's centre, for the state `z` at the sub-step's start.
     #[inline(always)]
     pub fn relative<S: pulp::Simd>(&self, simd: S, interval: usize, z: &Augmented) -> [f64; PADDED] {
         product(simd, &self.relative[interval], z)
     }
 
-    /// All coefficients about `z`.
+    /// Coefficients of the augmented state about `z`.
     #[inline(always)]
-    pub fn states<S: pulp::Simd>(&self, simd: S, z: &Augmented) -> Rows<S, CENTRED> {
+    pub fn states<S: pulp::Simd>(&self, simd: S, z: &Augmented) -> StateRows<S, CENTRED> {
         let [a, b, c, d, e, f, g, h, i, j] = &self.states;
         let of = |columns| row(simd, columns, z);
         [of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h), of(i), of(j)]
     }
 }
 
-/// The rate of a displacement q = a x1 + b w + c x3 over a sub-step of free flight, as [`Table`]
-/// has the event functional.
+/// Table of the rate of a displacement q = a x1 + b w + c x3 over a sub-step of free flight: its
+/// samples and the bound between them, as [`SubstepTable`] has for the event functional.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct RateTable {
-    /// The rate at the interval ends, `[column][interval]`.
+    /// Rate at the interval ends, `[column][interval]`.
     pub sample: [[f64; INTERVALS]; CORE],
-    /// The rate's second derivative is at most Σ_j bound_j |column_j| throughout the sub-step.
+    /// |rate''| ≤ Σ_j bound_j |column_j| throughout the sub-step.
     pub bound: [f64; CORE],
 }
 
 impl RateTable {
-    /// The table of the displacement with the weights a, b, c over a sub-step `h`.
+    /// Table for the weights a, b, c over a sub-step `h`.
     #[inline(always)]
     pub fn new<S: Simd>(simd: S, model: &Model, weights: &[f64; 3], h: f64) -> Self {
         let mut table = Self { sample: [[0.0; INTERVALS]; CORE], bound: [0.0; CORE] };
         for c in 0..CORE {
-            let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &Column::unit(c).z, None, h);
+            let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &UnitColumn::unit(c).z, None, h);
             let mut rate = [0.0; WHOLE];
             for (value, state) in rate.iter_mut().zip(&series.states) {
                 *value = weighted_sum(weights, state, BOX_RATE);
@@ -159,34 +179,36 @@ impl RateTable {
             table.sample[c] = at_interval_ends(simd, &rate);
             for places in &CENTRES {
                 for z in at_places(simd, &series.states, places) {
-                    let centre = Column { z, ..Column::unit(c) };
+                    let centre = UnitColumn { z, ..UnitColumn::unit(c) };
                     let jerk = centre.rate(model, SmoothMode::Flight).rate(model, SmoothMode::Flight).z;
                     table.bound[c] = table.bound[c].max(weighted_sum(weights, &jerk, BOX_RATE).abs());
                 }
             }
         }
-        table.bound = spread(model, SmoothMode::Flight, table.bound, 0.5 * h / INTERVALS as f64);
+        table.bound =
+            bound_between_centres(model, SmoothMode::Flight, table.bound, 0.5 * h / INTERVALS as f64);
         table
     }
 }
 
-/// `Σ_i weights[i] z[first + i]`: a displacement from [`BOX`](crate::model::BOX), its rate from
-/// [`BOX_RATE`].
+/// `Σ_i weights[i] z[first + i]`: a displacement for `first` = [`BOX`](crate::model::BOX), its rate
+/// for `first` = [`BOX_RATE`].
 #[inline(always)]
 pub fn weighted_sum(weights: &[f64; 3], z: &Augmented, first: usize) -> f64 {
     weights[0] * z[first] + weights[1] * z[first + 1] + weights[2] * z[first + 2]
 }
 
-/// One column of the whole system: a unit augmented coordinate or a unit load coefficient.
+/// Column of the whole system: a unit augmented coordinate or a unit load coefficient, with its
+/// derivatives.
 #[derive(Clone, Copy)]
-pub struct Column {
-    /// The augmented state.
+pub struct UnitColumn {
+    /// Augmented state.
     pub z: Augmented,
     forces: Forces,
 }
 
-impl Column {
-    /// A unit augmented coordinate for `index` under [`COORDINATES`], else a unit load coefficient.
+impl UnitColumn {
+    /// Unit augmented coordinate for `index` < [`COORDINATES`], else unit load coefficient.
     #[inline(always)]
     pub fn unit(index: usize) -> Self {
         let mut column = Self { z: [0.0; COORDINATES], forces: [[0.0; 4]; 3] };
@@ -203,7 +225,7 @@ impl Column {
         [self.forces[0][0], self.forces[1][0], self.forces[2][0]]
     }
 
-    /// The time derivative.
+    /// Time derivative.
     #[inline(always)]
     fn rate(&self, model: &Model, mode: SmoothMode) -> Self {
         let a = model.acceleration(mode, &self.z, Some(self.values())).coordinates;
@@ -223,7 +245,7 @@ impl Column {
         }
     }
 
-    /// The event functional: w in flight, the free relative acceleration in rest.
+    /// Event functional: w in flight, the free relative acceleration in rest.
     #[inline(always)]
     fn functional(&self, model: &Model, mode: SmoothMode) -> f64 {
         match mode {
@@ -242,8 +264,8 @@ impl Column {
     }
 }
 
-impl<const C: usize> Table<C> {
-    /// Without values; to be filled.
+impl<const C: usize> SubstepTable<C> {
+    /// All zero, to be filled.
     pub fn zero() -> Self {
         Self {
             sample: [[0.0; INTERVALS]; C],
@@ -254,13 +276,13 @@ impl<const C: usize> Table<C> {
         }
     }
 
-    /// Fills all but the bound, for the columns from `first` on (0 for the core, [`CORE`] for the
-    /// loads).
+    /// Fills all fields but the bound, for the columns from `first` on: 0 for the augmented state,
+    /// [`CORE`] for the loads.
     #[inline(always)]
     fn propagate<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];
         for c in 0..C {
-            let start = Column::unit(first + c);
+            let start = UnitColumn::unit(first + c);
             let series =
                 Series::<WHOLE>::expand(model, mode, &start.z, (first > 0).then_some(&start.forces), h);
             let mut functional = [0.0; WHOLE];
@@ -274,7 +296,7 @@ impl<const C: usize> Table<C> {
             for (places, centres) in CENTRES.iter().zip(self.centre.chunks_exact_mut(PLACES)) {
                 let states = at_places(simd, &series.states, places);
                 for ((mid, z), there) in places.iter().zip(states).zip(centres) {
-                    let centre = Column { z, forces: shifted(&start.forces, mid * h) };
+                    let centre = UnitColumn { z, forces: shifted(&start.forces, mid * h) };
                     let second = centre.rate(model, mode).rate(model, mode).functional(model, mode);
                     self.peak[c] = self.peak[c].max(second.abs());
                     there[c] = centre.z;
@@ -284,7 +306,7 @@ impl<const C: usize> Table<C> {
         }
     }
 
-    /// `full · columns`, added to `z`.
+    /// Adds `table · columns` to `z`.
     #[inline(always)]
     pub fn transit(table: &[Augmented; C], columns: &[f64; C], z: &mut Augmented) {
         for (column, &x) in table.iter().zip(columns) {
@@ -294,7 +316,7 @@ impl<const C: usize> Table<C> {
         }
     }
 
-    /// The functional at the interval ends, added to `g`.
+    /// Adds the functional at the interval ends to `g`.
     #[inline(always)]
     pub fn samples(&self, columns: &[f64; C], g: &mut [f64; INTERVALS]) {
         for (column, &x) in self.sample.iter().zip(columns) {
@@ -304,7 +326,7 @@ impl<const C: usize> Table<C> {
         }
     }
 
-    /// The bound on |functional''| over the sub-step.
+    /// Bound on |functional''| over the sub-step.
     #[inline(always)]
     pub fn curvature(&self, columns: &[f64; C]) -> f64 {
         let mut sum = 0.0;
@@ -315,32 +337,38 @@ impl<const C: usize> Table<C> {
     }
 }
 
-impl Table<CORE> {
-    /// The table of state and drive for `mode` over a sub-step `h`.
+impl SubstepTable<CORE> {
+    /// Fills the table of state and drive for `mode` over a sub-step `h`.
     #[inline(always)]
     pub fn fill<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, h: f64) {
         self.propagate(simd, model, mode, 0, h);
-        self.bound = spread(model, mode, self.peak, 0.5 * h / INTERVALS as f64);
+        self.bound = bound_between_centres(model, mode, self.peak, 0.5 * h / INTERVALS as f64);
     }
 }
 
-impl Table<LOAD> {
-    /// The table of the load coefficients, beside the `core` of the same mode and sub-step.
-    pub fn fill(&mut self, core: &Table<CORE>, model: &Model, mode: SmoothMode, h: f64) {
+impl SubstepTable<LOAD> {
+    /// Fills the table of the load coefficients; `core` is the table of the same mode and sub-step.
+    pub fn fill(&mut self, core: &SubstepTable<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         self.propagate(pulp::Scalar, model, mode, CORE, h);
         let mut peak = [0.0; CORE + LOAD];
         peak[..CORE].copy_from_slice(&core.peak);
         peak[CORE..].copy_from_slice(&self.peak);
-        let bound = spread(model, mode, peak, 0.5 * h / INTERVALS as f64);
+        let bound = bound_between_centres(model, mode, peak, 0.5 * h / INTERVALS as f64);
         self.bound.copy_from_slice(&bound[CORE..]);
     }
 }
 
-/// Turns the largest functional'' at the centres into a bound between them: a row r at a centre is
-/// r·exp(Mδ) at a distance δ ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
+/// Bound on |functional''| over an interval, from its largest values `row` at the centres. A row r
+/// at a centre is r·exp(Mδ) at a distance |δ| ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry
+/// by entry.
 #[inline(always)]
-fn spread<const N: usize>(model: &Model, mode: SmoothMode, row: [f64; N], half: f64) -> [f64; N] {
-    let rates: [Column; N] = std::array::from_fn(|c| Column::unit(c).rate(model, mode));
+fn bound_between_centres<const N: usize>(
+    model: &Model,
+    mode: SmoothMode,
+    row: [f64; N],
+    half: f64,
+) -> [f64; N] {
+    let rates: [UnitColumn; N] = std::array::from_fn(|c| UnitColumn::unit(c).rate(model, mode));
     let (mut sum, mut term) = (row, row);
     for k in 1..12 {
         let mut next = [0.0; N];
@@ -358,7 +386,7 @@ fn spread<const N: usize>(model: &Model, mode: SmoothMode, row: [f64; N], half: 
     sum.map(|s| s * BOUND_MARGIN)
 }
 
-/// The length of a sub-step for a model, s.
+/// Length of a sub-step for a model, s.
 pub fn substep(model: &Model) -> f64 {
     SUBSTEP_TIMES_RATE / model.rate
 }

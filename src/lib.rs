@@ -8,11 +8,13 @@
 //! use vibro_impact::{Parameters, Simulator, State, steady};
 //!
 //! let parameters = Parameters::default();
-//! let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] }; // m, m/s: box, block, secondary oscillator
+//! // Box, block and secondary oscillator, m and m/s.
+//! let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
 //! let mut simulator = Simulator::new(&parameters, &start, 0.0)?;
-//! simulator.advance_to(400.0 * parameters.period())?; // exact whatever the length of the steps
-//! let orbit = steady::exact_orbit::solve(&parameters)?.upper.expect("a motion with two impacts a period");
-//! let closed = orbit.state(simulator.drive_phase()); // what the closed form says for this instant
+//! simulator.advance_to(400.0 * parameters.period())?; // exact for steps of any length
+//! let orbits = steady::exact_orbit::solve(&parameters)?;
+//! let orbit = orbits.upper.expect("a motion with two impacts a period");
+//! let closed = orbit.state(simulator.drive_phase()); // the closed form at this instant
 //! assert!((simulator.state().x[1] - closed.x[1]).abs() < 1e-9);
 //!
 //! let mut loads = Loads::default();

@@ -1,9 +1,8 @@
 //! Loads from samples: a force history on one body, and the simulator under it.
 //!
 //! A record of samples (time, force) becomes a polynomial of degree one or three between
-//! neighbouring samples. The simulator carries such polynomials exactly (docs/theory.md (8)), so
-//! that the motion is exact for the interpolant: what is left to doubt is the force between the
-//! samples and nothing else.
+//! neighbouring samples. The simulator propagates such polynomials exactly (docs/theory.md (8)), so
+//! that the motion is exact for the interpolant: only the force between the samples is uncertain.
 //!
 //! ```
 //! use vibro_impact::load::{Body, Interpolation, Load};
@@ -21,7 +20,7 @@
 use crate::error::{Error, Result};
 use crate::simulator::{AdvanceOutcome, EventObserver, Loads, Pause, Simulator};
 
-/// The body on which a load acts.
+/// Body on which a load acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
     /// The box.
@@ -36,7 +35,7 @@ impl Body {
     /// All bodies, in the order of [`Loads::derivatives`].
     pub const ALL: [Self; 3] = [Self::Box, Self::Block, Self::Secondary];
 
-    /// Its name: `box`, `block` or `secondary`.
+    /// Name of the body: `box`, `block` or `secondary`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Box => "box",
@@ -46,21 +45,21 @@ impl Body {
     }
 }
 
-/// What the force is between two samples.
+/// Interpolation of the force between two samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
     /// A straight line: continuous, with a corner at each sample.
     #[default]
     Linear,
-    /// The cubic with the slopes of Fritsch and Butland at the samples (the scheme known as PCHIP):
-    /// smooth, and monotone wherever the samples are. It never passes the samples' range, so that
-    /// no force is invented that was not measured, as the overshoot of a spline at a step would be;
-    /// and a sample changes the force in the two intervals on either side of it only.
+    /// A cubic with the slopes of Fritsch and Butland at the samples (the scheme known as PCHIP):
+    /// smooth, and monotone wherever the samples are. It never leaves the range of its two samples,
+    /// unlike a spline, which overshoots at a step; and a sample changes the force only in the two
+    /// intervals on either side of it.
     Cubic,
 }
 
-/// A force history on one body: an interpolant of samples, zero before the first and from the last
-/// on.
+/// Force history on one body: an interpolant of samples, zero before the first and from the last
+/// sample on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     body: Body,
@@ -70,15 +69,15 @@ pub struct Load {
 }
 
 impl Load {
-    /// A load from samples (time in s, force in N). Times are those of the simulator's clock.
+    /// Load from samples (time in s, force in N). Times are those of the simulator.
     ///
-    /// Outside the samples the force is zero, because nothing was measured there: a record that
-    /// does not begin and end at zero begins and ends with a jump.
+    /// Outside the samples the force is zero, as nothing was measured there: a record that does not
+    /// begin and end at zero begins and ends with a jump.
     ///
     /// # Errors
-    /// [`Error::Sample`] with the index, counted from 0, of the first sample that is not finite,
-    /// does not come later than the one before it, or is followed by a slope too steep for a
-    /// double; [`Error::Samples`] for fewer than two.
+    /// [`Error::Sample`] with the index, counted from 0, of the first sample that is not finite, is
+    /// not later than the one before it, or is followed by a slope too steep for a double;
+    /// [`Error::Samples`] for fewer than two.
     pub fn new(body: Body, samples: &[(f64, f64)], interpolation: Interpolation) -> Result<Self> {
         if samples.len() < 2 {
             return Err(Error::Samples { count: samples.len() });
@@ -105,7 +104,7 @@ impl Load {
         let piece = |(i, pair): (usize, &[(f64, f64)])| {
             let (h, f0, chord) = (pair[1].0 - pair[0].0, pair[0].1, chord(pair));
             let Some(slopes) = &slopes else { return [f0, chord, 0.0, 0.0] };
-            // The cubic of Hermite, by its derivatives at the earlier sample.
+            // Hermite's cubic, by its derivatives at the earlier sample.
             let (d0, d1) = (slopes[i], slopes[i + 1]);
             [f0, d0, 2.0 * (3.0 * chord - 2.0 * d0 - d1) / h, 6.0 * (d0 + d1 - 2.0 * chord) / (h * h)]
         };
@@ -164,11 +163,10 @@ pub fn next_sample(loads: &[Load], time: f64) -> Option<f64> {
 }
 
 impl Simulator {
-    /// Advances under loads, of which several may act on one body: as
-    /// [`advance_until`](Self::advance_until), with the loads set anew at each of their samples.
-    /// Where it ends, the loads in force are those just after that time, so that a call with the
-    /// same loads goes on from there, and [`advance_to`](Self::advance_to) goes on under the last
-    /// polynomials.
+    /// Advances under loads, as [`advance_until`](Self::advance_until), with the loads set anew at
+    /// each of their samples. Several loads may act on one body. At the end the loads just after
+    /// that time are in force: another call with these loads goes on from there, and
+    /// [`advance_to`](Self::advance_to) goes on under the last polynomials.
     ///
     /// # Errors
     /// As [`advance_until`](Self::advance_until) and [`set_loads`](Self::set_loads); the state then
@@ -180,7 +178,7 @@ impl Simulator {
         pause: Pause,
         mut observer: EventObserver<'_, '_>,
     ) -> Result<AdvanceOutcome> {
-        // An end that is refused, or is the present but for rounding, sets no loads.
+        // An end that is refused, or that is the present up to rounding, sets no loads.
         if !(end.is_finite() && end >= self.time()) {
             return self.advance_until(end, pause, observer);
         }
@@ -202,10 +200,10 @@ impl Simulator {
     }
 }
 
-/// Slopes at the samples: the harmonic mean of the neighbouring chords, weighted by their lengths,
-/// and zero where these differ in sign, as F. N. Fritsch and J. Butland give them (SIAM J. Sci.
-/// Stat. Comput. 5 (1984) 300–304); at the ends the three-point formula, limited so that the cubic
-/// stays monotone. Two samples make a straight line.
+/// Slopes at the samples, by F. N. Fritsch and J. Butland (SIAM J. Sci. Stat. Comput. 5 (1984)
+/// 300–304): the harmonic mean of the neighbouring chords, weighted by their lengths, and zero
+/// where the chords differ in sign; at the ends the three-point formula, limited so that the cubic
+/// stays monotone. Two samples give a straight line.
 pub fn monotone_slopes(samples: &[(f64, f64)]) -> Vec<f64> {
     let steps: Vec<(f64, f64)> = samples
         .windows(2)
@@ -226,9 +224,9 @@ pub fn monotone_slopes(samples: &[(f64, f64)]) -> Vec<f64> {
     slopes
 }
 
-/// The slope at an end from the step there and the next one inwards, each with its length and
-/// chord: that of the parabola through three samples, but zero where it differs in sign from the
-/// chord, and at most three chords where the chords do.
+/// Slope at an end, from the step there and the next one inwards, each with its length and chord:
+/// the slope of the parabola through the three samples, but zero if it differs in sign from the
+/// chord at the end, and at most three times that chord if the two chords differ in sign.
 fn end_slope((h0, c0): (f64, f64), (h1, c1): (f64, f64)) -> f64 {
     let slope = c0 + (c0 - c1) * (h0 / (h0 + h1));
     if slope * c0 <= 0.0 {

@@ -1,8 +1,8 @@
 //! The smooth modes and the impact law (docs/theory.md (5) to (17)).
 //!
-//! Inside, the motion is carried in `x1, w = x2 - x1, x3`: the relative displacement is then a
-//! coordinate of its own, exact to its last bit at a stop however far the box has drifted, and
-//! resting contact is `w = ±L, w' = 0` without any projection.
+//! The coordinates are `x1, w = x2 - x1, x3`. The relative displacement w is a coordinate of its
+//! own, so that it is exact to the last bit at a stop however far the box has drifted, and resting
+//! contact is `w = ±L, w' = 0` without projection.
 
 use crate::error::{Error, Result};
 use crate::parameters::Parameters;
@@ -11,30 +11,30 @@ mod saltation;
 
 pub use saltation::Saltation;
 
-/// How many coordinates the augmented state `[x1, w, x3, x1', w', x3', cos θ, sin θ]` has.
+/// Number of coordinates of the augmented state `[x1, w, x3, x1', w', x3', cos θ, sin θ]`.
 pub const COORDINATES: usize = 8;
-/// Place of the box's displacement x1.
+/// Index of the box's displacement x1.
 pub const BOX: usize = 0;
-/// Place of the relative displacement w (the coordinate across the gap).
+/// Index of the relative displacement w.
 pub const RELATIVE: usize = 1;
-/// Place of the secondary oscillator's displacement x3.
+/// Index of the secondary oscillator's displacement x3.
 pub const SECONDARY: usize = 2;
-/// Place of x1'.
+/// Index of x1'.
 pub const BOX_RATE: usize = 3;
-/// Place of w'.
+/// Index of w'.
 pub const RELATIVE_RATE: usize = 4;
-/// Place of x3'.
+/// Index of x3'.
 pub const SECONDARY_RATE: usize = 5;
-/// Place of cos θ.
+/// Index of cos θ.
 pub const DRIVE_COS: usize = 6;
-/// Place of sin θ.
+/// Index of sin θ.
 pub const DRIVE_SIN: usize = 7;
-/// The augmented state: one autonomous linear system per mode.
+/// Augmented state; with it each mode is an autonomous linear system.
 pub type Augmented = [f64; COORDINATES];
 /// Forces f1, f2, f3 as value and time derivatives 1…3.
 pub type Forces = [[f64; 4]; 3];
 
-/// Which linear system holds.
+/// Linear system of motion between events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SmoothMode {
     /// The block is free.
@@ -62,10 +62,10 @@ pub struct Model {
     pub k32: f64,
     /// 1/m1, 1/m2, 1/m3, 1/kg.
     pub inverse_mass: [f64; 3],
-    /// m1/(m1+m2): the box's share of the mass of box and block. What the block's leaves to 1 has
-    /// few digits of it beside a heavy block.
+    /// m1/(m1+m2): the box's share of the mass of box and block. It is stored, as
+    /// `1 - block_share` has few digits for a heavy block.
     pub box_share: f64,
-    /// m2/(m1+m2) = m_r/m1: the block's share.
+    /// m2/(m1+m2) = m_r/m1: the block's share of the mass of box and block.
     pub block_share: f64,
     /// m_r = m1 m2/(m1+m2), kg (docs/theory.md (10)).
     pub reduced_mass: f64,
@@ -78,20 +78,20 @@ pub struct Model {
     /// Constant loads on the three bodies, N. Like all loads they are arguments of
     /// [`acceleration`](Self::acceleration), which is linear.
     pub constant_loads: [f64; 3],
-    /// A bound on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the
-    /// bodies' matrices, and at least ω1. What the drive and loads add to the bodies' motion is
+    /// Bound r on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the
+    /// bodies' matrices, and at least ω1. The parts of the motion due to drive and loads are
     /// bounded apart (docs/numerics.md, section 1).
     pub rate: f64,
 }
 
-/// What is reported of an impact, docs/theory.md (10) to (12).
+/// Results of an impact, docs/theory.md (10) to (12).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// The approach speed |w'⁻|, m/s.
+    /// Approach speed |w'⁻|, m/s.
     pub speed: f64,
-    /// The impulse p, N s.
+    /// Impulse p, N s.
     pub impulse: f64,
-    /// The energy lost, J.
+    /// Energy lost, J.
     pub lost: f64,
 }
 
@@ -100,46 +100,45 @@ pub struct Impact {
 pub struct Acceleration {
     /// x1'', w'', x3''.
     pub coordinates: [f64; 3],
-    /// The free relative acceleration a_w, which is what w'' would be without contact.
+    /// Free relative acceleration a_w: w'' if there were no contact.
     pub free: f64,
 }
 
-/// The factors of the impact law, docs/theory.md (10) to (12), each of the approach speed or of its
-/// square.
+/// Factors of the impact law, docs/theory.md (10) to (12).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactFactors {
-    /// The box's change of velocity towards the stop over the approach speed.
+    /// Change of the box's velocity towards the stop over the approach speed.
     pub kick: f64,
-    /// The impulse over the approach speed, kg.
+    /// Impulse over the approach speed, kg.
     pub impulse: f64,
-    /// The energy lost over the square of the approach speed, kg.
+    /// Energy lost over the square of the approach speed, kg.
     pub loss: f64,
 }
 
-/// More sub-steps than this in a drive period would cost digits (each adds a rounding error) and
-/// never seem to end.
+/// Largest fastest rate over drive frequency. With more sub-steps in a drive period their roundings
+/// would cost digits, and a period would take minutes.
 const MAX_RATE_RATIO: f64 = 1e7;
-/// Below this rate (1/s) nothing of the system happens in minutes; it keeps the sub-step finite.
+/// Least rate, 1/s, which keeps the sub-step finite. A slower system does not move in minutes.
 const MIN_RATE: f64 = 1e-3;
-/// Above this the squares and products of the theory overflow, and those of gaps and speeds under
-/// its reciprocal are lost.
+/// Largest number in squares and products of the theory, beyond which these overflow, and the
+/// reciprocal of the least, below which they underflow.
 const MAX_PRODUCT: f64 = 1e100;
-/// Above this energies of the largest speeds, and the fifth derivatives of the largest
-/// displacements, overflow (1/s, kg).
+/// Largest rate (1/s) and mass (kg). Beyond it the energies of the largest speeds and the fifth
+/// derivatives of the largest displacements overflow.
 const MAX_RATE: f64 = 1e40;
 
 impl Model {
-    /// The constant loads with their derivatives, where there are any.
+    /// Constant loads with their derivatives, if there are any.
     pub fn constant_forces(&self) -> Option<Forces> {
         (self.constant_loads != [0.0; 3]).then(|| self.constant_loads.map(|f| [f, 0.0, 0.0, 0.0]))
     }
 
-    /// The equations of motion of a set of parameters.
+    /// Equations of motion for a set of parameters.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a parameter outside its range; [`Error::PrecisionLost`] where the
-    /// rates of the system are so large, or so far apart from the drive's frequency, that double
-    /// precision does not carry the motion.
+    /// [`Error::OutOfRange`] for a parameter outside its range; [`Error::PrecisionLost`] if the
+    /// rates of the system are so large, or so far from the drive's frequency, that double
+    /// precision does not resolve the motion.
     pub fn new(p: &Parameters) -> Result<Self> {
         p.validate()?;
         let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
@@ -190,9 +189,9 @@ impl Model {
         Ok(model)
     }
 
-    /// A bound on the norm of both modes' matrices, 1/s: the maximum norm with w weighted by 1/α
-    /// and the velocities by the rate itself; the smallest for a few α. (The rows of rest are
-    /// weighted means of those of flight for box and block.)
+    /// Bound on the norm of both modes' matrices, 1/s: the maximum norm with w weighted by 1/α and
+    /// the velocities by the reciprocal of the rate itself, the smallest for a few α. The rows of
+    /// rest are weighted means of those of flight for box and block.
     fn norm(&self) -> f64 {
         let norm = |alpha: f64| {
             let block = (self.k1 + 2.0 * self.k2) / alpha + self.k2;
@@ -204,8 +203,8 @@ impl Model {
         [1.0, 2.0, 4.0, 8.0, 16.0].into_iter().map(norm).fold(f64::INFINITY, f64::min)
     }
 
-    /// The accelerations in `mode`, linear in the arguments (docs/theory.md (6), (7), (13)). `f`
-    /// are the loads on the three bodies in N, if any act.
+    /// Accelerations in `mode`, linear in state and loads (docs/theory.md (6), (7), (13)). `f` are
+    /// the loads on the three bodies in N, if any act.
     #[inline(always)]
     pub fn acceleration(&self, mode: SmoothMode, z: &Augmented, f: Option<[f64; 3]>) -> Acceleration {
         let stretch = (z[BOX] - z[SECONDARY]) + z[RELATIVE]; // x2 - x3
@@ -220,15 +219,15 @@ impl Model {
         let free = a2 - a1;
         let coordinates = match mode {
             SmoothMode::Flight => [a1, free, a3],
-            // The mean by masses, from the heavier body's: from the lighter one's both terms would
-            // be large and all but cancel.
+            // Mean by masses, as the heavier body's acceleration and a correction: from the lighter
+            // body's, both terms would be large and nearly cancel.
             SmoothMode::Rest if self.block_share > 0.5 => [a2 - self.box_share * free, 0.0, a3],
             SmoothMode::Rest => [a1 + self.block_share * free, 0.0, a3],
         };
         Acceleration { coordinates, free }
     }
 
-    /// The impact law at stop `side` (+1 or -1), docs/theory.md (10) to (12): changes the
+    /// Applies the impact law at stop `side` (+1 or -1), docs/theory.md (10) to (12), to the
     /// velocities.
     #[inline(always)]
     pub fn impact(&self, z: &mut Augmented, side: f64) -> Impact {
@@ -239,7 +238,7 @@ impl Model {
         Impact { speed, impulse: impulse * speed, lost: loss * speed * speed }
     }
 
-    /// The factors of the impact law.
+    /// Factors of the impact law.
     #[inline(always)]
     pub fn impact_factors(&self) -> ImpactFactors {
         let Self { restitution: kappa, reduced_mass, .. } = *self;
@@ -250,8 +249,8 @@ impl Model {
         }
     }
 
-    /// The inelastic merge into resting contact, docs/theory.md (17): momentum is kept, and the
-    /// energy lost, J, is returned.
+    /// Applies the inelastic merge into resting contact, docs/theory.md (17), which conserves
+    /// momentum. Returns the energy lost, J.
     #[inline(always)]
     pub fn merge(&self, z: &mut Augmented) -> f64 {
         let slip = z[RELATIVE_RATE];

@@ -1,19 +1,19 @@
 //! Numbers with units, as files and command lines write them: `48 kN/m`, `5 mm`, `600 rpm`.
 //!
-//! A dimension is named by its SI unit, written with points and without powers' signs: `N.s/m`,
-//! `kg.m2`. On input a point may also be `·`, `*` or a space, `µ` may stand for `u`, and `m²` or
-//! `m^2` for `m2`.
+//! A dimension is named by its SI unit, with points for products and plain digits for powers:
+//! `N.s/m`, `kg.m2`. On input `·`, `*` or a space may replace a point, `µ` a `u`, and `m²` or `m^2`
+//! an `m2`.
 
 use std::f64::consts::PI;
 
-/// A unit of an SI unit's dimension: a value in it times `times`, divided by `over`, is the value
-/// in the SI unit. Two numbers, because a thousandth is no exact number while a division by 1000
-/// rounds once.
+/// Unit of a dimension: a number of this unit, times `times`, divided by `over`, is the value in
+/// the SI unit. There are two factors, because a double cannot hold a thousandth, while a division
+/// by 1000 rounds once.
 #[derive(Debug, PartialEq)]
 pub struct Unit {
-    /// The SI unit of its dimension.
+    /// SI unit of the dimension.
     pub si: &'static str,
-    /// Its symbol, as files and the command line write it.
+    /// Symbol in files and on the command line.
     pub symbol: &'static str,
     times: f64,
     over: f64,
@@ -24,7 +24,7 @@ const fn unit(si: &'static str, symbol: &'static str, times: f64, over: f64) -> 
 }
 
 impl Unit {
-    /// A number of this unit in the SI unit.
+    /// Value in the SI unit of a number of this unit.
     pub fn si(&self, number: f64) -> f64 {
         number * self.times / self.over
     }
@@ -34,35 +34,37 @@ impl Unit {
         self.times == self.over
     }
 
-    /// How many of this unit a value in the SI unit is.
+    /// Number of this unit of a value in the SI unit.
     ///
     /// ```
-    /// let unit = vibro_impact::quantities::quantity_in("m", "5 mm").and_then(|gap| gap.unit).expect("a length");
+    /// use vibro_impact::quantities::quantity_in;
+    ///
+    /// let unit = quantity_in("m", "5 mm").and_then(|gap| gap.unit).expect("a length");
     /// assert_eq!((unit.number(0.005), unit.symbol()), (5.0, "mm".into()));
     /// ```
     pub fn number(&self, si: f64) -> f64 {
         si * self.over / self.times
     }
 
-    /// Its symbol, as labels write it.
+    /// Symbol in labels.
     pub fn symbol(&self) -> String {
         self.symbol.replace('.', "·").replace("um", "µm").replace("m2", "m²").replace("s2", "s²")
     }
 
-    /// Its symbol, as files and the command line write it.
+    /// Symbol in files and on the command line.
     pub fn plain(&self) -> &'static str {
         self.symbol
     }
 
-    /// Whether it counts revolutions, while the SI unit of an angular frequency counts radians.
+    /// Whether this unit counts revolutions, while the SI unit of angular frequency counts radians.
     pub fn counts_revolutions(&self) -> bool {
         ["Hz", "mHz", "kHz", "rpm", "1/min"].contains(&self.symbol)
     }
 }
 
-/// The units understood, the SI unit of each dimension first. Angular frequencies and angular
-/// velocities are in `rad/s`, where a hertz is a revolution a second; frequencies that count cycles
-/// are in `Hz`. Numbers without a dimension are in `1`.
+/// All known units, the SI unit of each dimension first. The dimension `rad/s` is that of angular
+/// frequencies and velocities, in which a hertz is a revolution per second; the dimension `Hz` is
+/// that of frequencies that count cycles. Numbers without a dimension have the unit `1`.
 #[rustfmt::skip]
 pub static UNITS: [Unit; 98] = [
     unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
@@ -98,8 +100,7 @@ pub static UNITS: [Unit; 98] = [
     unit("N.m.s/rad", "N.m.s/deg", 180.0, PI),
     unit("1/m", "1/m", 1.0, 1.0), unit("1/m", "rad/m", 1.0, 1.0), unit("1/m", "1/mm", 1e3, 1.0),
     unit("1/m", "rad/mm", 1e3, 1.0),
-    // What is written in place of a point is replaced before the table is read; these have no
-    // point.
+    // Symbols written without the point of their product.
     unit("N.s/m", "Ns/m", 1.0, 1.0), unit("N.s/m", "kNs/m", 1e3, 1.0), unit("N.s/m", "Ns/mm", 1e3, 1.0),
     unit("N.m", "Nm", 1.0, 1.0), unit("N.m", "mNm", 1.0, 1e3), unit("N.m", "kNm", 1e3, 1.0),
     unit("N.m", "Ncm", 1.0, 1e2), unit("N.m", "Nmm", 1.0, 1e3),
@@ -108,22 +109,23 @@ pub static UNITS: [Unit; 98] = [
     unit("N.m.s/rad", "kNm.s/rad", 1e3, 1.0), unit("kg.m2", "kgm2", 1.0, 1.0),
 ];
 
-/// A number as it was written: its value and the unit that stood beside it.
+/// A number with its unit, as read from a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
-    /// In the SI unit.
+    /// Value in the SI unit.
     pub value: f64,
-    /// What was written.
+    /// Unit in the text, if there was one.
     pub unit: Option<&'static Unit>,
 }
 
-/// A number and what stands behind it, if anything; `None` where there is no number in front.
+/// Splits a text into the number at its beginning and the rest, which may be empty; `None` if there
+/// is no number.
 pub fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     if let Ok(value) = text.parse() {
         return Some((value, ""));
     }
-    // Words such as `nanometre` begin with what would be read as a number.
+    // A word such as `nanometre` would be read as a number, NaN.
     if !text.starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c)) {
         return None;
     }
@@ -132,8 +134,8 @@ pub fn split(text: &str) -> Option<(f64, &str)> {
     parts.find_map(|(number, rest)| Some((number.trim_end().parse().ok()?, rest.trim())))
 }
 
-/// The quantity of a number and a symbol of a unit, which may be empty; `None` for a unit of
-/// another dimension.
+/// Quantity of a number and the symbol of a unit, which may be empty; `None` unless it is a unit of
+/// the dimension of `si`.
 pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     if symbol.is_empty() {
         return Some(Quantity { value: number, unit: None });
@@ -144,8 +146,8 @@ pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     Some(Quantity { value: unit.si(number), unit: Some(unit) })
 }
 
-/// Reads a number of any quantity, with or without a unit of the dimension of `si`, the SI unit as
-/// [`UNITS`] writes it. `None` for what is neither.
+/// Reads a number with or without a unit of the dimension of `si`, an SI unit of [`UNITS`]. `None`
+/// for any other text.
 ///
 /// ```
 /// use vibro_impact::quantities::quantity_in;
@@ -159,8 +161,7 @@ pub fn quantity_in(si: &str, text: &str) -> Option<Quantity> {
     in_si(si, number, symbol)
 }
 
-/// The symbols of the units of the dimension of `si`, itself first, as files and command lines
-/// write them.
+/// Symbols, in files and on the command line, of the units of the dimension of `si`, itself first.
 ///
 /// ```
 /// let mut masses = vibro_impact::quantities::symbols("kg");
@@ -175,7 +176,7 @@ pub fn symbols(si: &str) -> impl Iterator<Item = &'static str> {
 mod tests {
     use super::*;
 
-    /// Each value is what the units' definitions give, rounded once.
+    /// Values by the definitions of the units, rounded once.
     #[test]
     fn closed_form_units_of_rotation_and_of_gravity() {
         let cases = [
@@ -200,7 +201,7 @@ mod tests {
         assert_eq!(quantity_in("N.m", "20 N"), None);
     }
 
-    /// A symbol means one thing in each dimension, and none is hidden by another spelling.
+    /// Each symbol has one meaning in a dimension, and no other spelling hides it.
     #[test]
     fn invariant_every_symbol_reads_as_its_own_unit() {
         for unit in &UNITS {

@@ -1,13 +1,13 @@
-//! The paper's own numerics as an independent second method: RKF45 with error control in flight;
-//! when a step violates the constraint, back to the step's beginning and classical RK4 with
-//! bisection of the step until the stop is met within tolerance.
+//! The paper's numerics as an independent second method: RKF45 with error control in flight; when a
+//! step violates the constraint, classical RK4 from the step's beginning, with bisection of the
+//! step until the stop is met within tolerance.
 //!
 //! It shares nothing with `model`, `flow`, `events` and `simulator` but plain data types, so that
-//! it can be their oracle in tests and the baseline in benches. The impact law and the forces
-//! therefore stand here once more, on purpose. It goes past the paper in three points, without
-//! which it would not end or would miss impacts:
-//! - a step in whose interior the block could come to the stop and back is searched too, by a
-//!   heuristic without proof;
+//! it can be their oracle in tests and the baseline in benches. For this purpose the impact law and
+//! the forces are written here a second time. The method goes past the paper in three points,
+//! without which it would not end or would miss impacts:
+//! - a step inside which the block could reach the stop and return is searched too, by a heuristic
+//!   without proof;
 //! - resting contact is a mode of its own, docs/theory.md (13) to (15);
 //! - chatter is closed once a rebound stays below [`Tolerance::rebound`].
 //!
@@ -23,30 +23,30 @@ use crate::parameters::{Parameters, Range};
 use crate::simulator::{Contact, Event, ImpactRecord, Loads, State};
 use law::{Law, Vector};
 
-/// Most halvings of a step; after so many its length is under the resolution of time.
+/// Most halvings of a step, after which its length is under the resolution of time.
 const HALVINGS: u32 = 60;
 
-/// Least and largest tolerance: below, round-off prevails; above, the motion is no longer that of
-/// the system.
+/// Range of tolerances: below it, round-off prevails; above it, the motion is no longer that of the
+/// system.
 const TOLERANCES: Range =
     Range { min: 1e-15, max: 1e-2, open_min: false, allowed: "1e-15 <= tolerance <= 0.01" };
 
 /// Tolerances of the [`Reference`], unit 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Local error of a step, relative to each coordinate plus its scale (L, or L times the faster
-    /// of ω1 and √(k1/m1)).
+    /// Local error of a step, relative to each coordinate plus its scale: L, or L times the larger
+    /// of ω1 and √(k1/m1).
     pub step: f64,
     /// Distance from the stop, in units of L, at which it counts as met.
     pub gap: f64,
     /// Height of a rebound, in units of L, at or below which a pressed block is put to rest. The
-    /// rest of the series then shifts coordinates by about that height only, since it acts for a
-    /// time v/a with a mean force equal to the contact force.
+    /// rebounds left out would shift coordinates by about that height only, since they last a time
+    /// v/a with a mean force equal to the contact force.
     pub rebound: f64,
 }
 
 impl Tolerance {
-    /// The same tolerance for step and gap, rebounds closed at four times it.
+    /// Tolerances with one value for step and gap, and four times that for the rebound.
     pub const fn new(tolerance: f64) -> Self {
         Self { step: tolerance, gap: tolerance, rebound: 4.0 * tolerance }
     }
@@ -58,25 +58,23 @@ impl Tolerance {
     }
 }
 
-/// The RKF45 and bisection integrator of one system, SI units. It allocates nothing.
+/// RKF45 and bisection integrator of one system, SI units. It allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Reference {
     law: Law,
     tolerance: Tolerance,
     time: f64,
-    /// What `time` has lost to rounding (Kahan's summation), so that the clock does not drift over
-    /// 10⁶ small steps.
+    /// Rounding of `time` (Kahan's summation), so that it does not drift over 10⁶ small steps.
     carry: f64,
     /// x1, x2, x3 (m) and their rates (m/s).
     y: Vector,
     /// Side of the stop the block rests on: ±1, or 0 in flight.
     side: f64,
-    /// Acceleration of the box by the drive at `time`. A step's last stage computes it for the next
-    /// step's first.
+    /// Acceleration of the box by the drive at `time`, computed in the last step.
     drive: f64,
     /// Length of the next step, s.
     step: f64,
-    /// What a coordinate's error is measured by besides its own size: L, or L times a typical rate.
+    /// Scale of each coordinate for its error, added to its own size: L, or L times a typical rate.
     scale: Vector,
     impacts: ImpactRecord,
 }
@@ -184,7 +182,7 @@ impl Reference {
             let left = end - self.time + self.carry;
             let h = self.step.min(left);
             let (next, drive, error) = self.fehlberg(h);
-            // A NaN must be refused as well, which `error > 1` alone would not do.
+            // `error > 1` alone would accept a NaN.
             if error.is_nan() || error > 1.0 {
                 self.step = h * (0.9 / error.sqrt().sqrt()).clamp(0.2, 1.0);
                 let floor = 4.0 * f64::EPSILON * self.time.abs();
@@ -213,8 +211,8 @@ impl Reference {
         Ok(())
     }
 
-    /// Looks for an event in the accepted step to `next`. When there is one, it is applied at its
-    /// time instead of the step, and the answer is true.
+    /// Searches the accepted step to `next` for an event. If there is one, advances to the event
+    /// instead, applies it and returns true.
     fn advance_to_event(
         &mut self,
         next: &Vector,
@@ -251,9 +249,9 @@ impl Reference {
         }
     }
 
-    /// Classical RK4 from the step's beginning, with a step that is halved each time, up to the
-    /// stop: the state there and the time elapsed. `None` where the block turns before the stop,
-    /// which is possible only if the step's end was not `violated`.
+    /// Classical RK4 from the step's beginning up to the stop, with a step that is halved each
+    /// time: the state there and the time elapsed. `None` if the block turns before the stop, which
+    /// is possible only if the constraint was not `violated` at the step's end.
     fn bisect(&self, side: f64, h: f64, violated: bool) -> Option<(Vector, f64)> {
         let (mut y, mut elapsed, mut step) = (self.y, 0.0, h);
         for _ in 0..HALVINGS {
@@ -273,12 +271,12 @@ impl Reference {
                 (y, elapsed) = (trial, elapsed + step);
             }
         }
-        // RKF45 went past the stop by less than the two methods differ, so the stop is met here.
+        // RKF45 went past the stop by less than the methods differ: the stop is met here.
         (violated && side * (y[4] - y[3]) > 0.0).then_some((y, elapsed))
     }
 
-    /// Applies the impact law, docs/theory.md (10) and (11), written anew on purpose as in [`law`],
-    /// at the stop and closes a chatter run.
+    /// Applies the impact law, docs/theory.md (10) and (11), at the stop and closes a chatter run.
+    /// It is written a second time on purpose, like the equations in [`law`].
     fn strike(&mut self, side: f64, on_event: &mut dyn FnMut(&Event)) {
         let law = &self.law;
         let speed = side * (self.y[4] - self.y[3]);
@@ -294,8 +292,8 @@ impl Reference {
         self.rest_if_pressed(side, on_event);
     }
 
-    /// Merges box and block into rest when the block is pressed to the stop and its rebound would
-    /// stay below the tolerated height; momentum and centre of mass are kept.
+    /// Merges box and block into rest if the block is pressed to the stop and its rebound would
+    /// stay below the tolerated height; momentum and centre of mass are conserved.
     fn rest_if_pressed(&mut self, side: f64, on_event: &mut dyn FnMut(&Event)) {
         let law = &self.law;
         let pressing = law.force(&self.y, self.drive, self.time, side) / law.reduced;
@@ -312,8 +310,8 @@ impl Reference {
         }
     }
 
-    /// Decides on a state that is on a stop at the start of an advance: an impact at once when the
-    /// block moves outward, rest when it is pressed.
+    /// Classifies a state on a stop at the start of an advance: an impact if the block moves
+    /// outward, rest if it is pressed.
     fn start_on_stop(&mut self, on_event: &mut dyn FnMut(&Event)) {
         let w = self.y[1] - self.y[0];
         if self.side != 0.0 || w.abs() < self.law.gap - self.law.slack(&self.y) {
@@ -327,8 +325,8 @@ impl Reference {
         }
     }
 
-    /// RK4 with bisection up to the instant at which the contact force has just become negative,
-    /// within tolerance: the release of docs/theory.md (15).
+    /// Advances to the release of docs/theory.md (15), by RK4 with bisection up to the instant at
+    /// which the contact force has just become negative, within tolerance.
     fn release(&mut self, h: f64, on_event: &mut dyn FnMut(&Event)) -> bool {
         let small = self.tolerance.step * self.law.reduced * self.scale[3] * self.scale[3] / self.law.gap;
         let (mut y, mut elapsed, mut step) = (self.y, 0.0, h);

@@ -12,14 +12,13 @@ pub struct State {
 }
 
 impl State {
-    /// x1, w = x2 - x1, x3 and their rates: the coordinates in which the simulator carries the
-    /// motion (docs/theory.md (5)).
+    /// x1, w = x2 - x1, x3 and their rates: the simulator's coordinates (docs/theory.md (5)).
     pub fn to_relative(&self) -> [f64; 6] {
         let Self { x, v } = self;
         [x[0], x[1] - x[0], x[2], v[0], v[1] - v[0], v[2]]
     }
 
-    /// From x1, w, x3 and their rates.
+    /// State from x1, w, x3 and their rates.
     pub fn from_relative(y: &[f64; 6]) -> Self {
         Self { x: [y[0], y[0] + y[1], y[2]], v: [y[3], y[3] + y[4], y[5]] }
     }

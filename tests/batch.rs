@@ -1,5 +1,5 @@
-//! Many motions at a time against one at a time (second method), against the golden files, and
-//! against themselves in other company (invariant: the same bits).
+//! Motions side by side against motions one by one (second method), against the golden files, and
+//! bit by bit against themselves among other motions (invariant).
 
 mod common;
 
@@ -48,7 +48,7 @@ fn impacts(s: &Simulator) -> (u64, u64) {
     (s.impacts().upper, s.impacts().lower)
 }
 
-/// By how much a small change of the velocities grows until `end`.
+/// Growth of a small change of the velocities until `end`.
 fn growth(simulator: &Simulator, end: f64) -> f64 {
     const CHANGE: f64 = 1e-9;
     let State { x, mut v } = simulator.state();
@@ -64,10 +64,10 @@ fn growth(simulator: &Simulator, end: f64) -> f64 {
     distance(&same.state(), &changed.state(), 1.0, 1.0) / CHANGE
 }
 
-/// Round-off of some hundred sub-steps and of positions up to a few gaps; what impacts make of it
-/// is in the growth.
+/// Rounding of some hundred sub-steps with positions up to a few gaps, to be multiplied by the
+/// growth.
 const ROUNDING: f64 = 1e-12;
-/// Motions in which small differences grow by more than this part in earnest.
+/// Largest growth of small differences with which two computations of a motion are compared.
 const MAX_GROWTH: f64 = 1e4;
 
 #[test]
@@ -75,7 +75,7 @@ fn second_method_together_as_one_by_one() {
     let (first, mut together, mut alone) = (motions(), motions(), motions());
     let mut compared = [0; 4];
     for (end, compared) in [1.0, 13.0, 60.0, 126.0].into_iter().zip(&mut compared) {
-        // From the start on and from the last stop on: what grew in between may have faded since.
+        // Growth from the start and from the last end: a difference in between may have decayed.
         let begun = alone.clone();
         let results = advance_together(&mut together, |_| end);
         for (i, ((alone, together), result)) in alone.iter_mut().zip(&together).zip(results).enumerate() {
@@ -105,7 +105,7 @@ fn second_method_together_as_one_by_one() {
 
 #[test]
 fn second_method_settled_orbits_and_their_impacts() {
-    /// A stable motion forgets its start: what is left is the round-off of its last periods.
+    /// Rounding of the last periods, as a stable motion forgets its start.
     const END: f64 = 1e-11;
     let settle = [(0.75, 1.5), (0.6, 1.2), (0.5, 1.5), (0.2, 1.5), (0.0, 3.0), (0.3, 2.5)];
     let mut alone: Vec<Simulator> =
@@ -123,8 +123,7 @@ fn second_method_settled_orbits_and_their_impacts() {
     }
     for (i, (alone, together)) in alone.iter().zip(&together).enumerate() {
         let (a, t) = (alone.state(), together.state());
-        // Another way through the transient may end on the mirror image of the orbit, half a period
-        // later.
+        // Another transient may end on the mirror image of the orbit, half a period later.
         let mirror = State { x: t.x.map(|x| -x), v: t.v.map(|v| -v) };
         let mut later = alone.clone();
         later.advance_to(1100.5 * alone.parameters().period()).expect("it arrives");
@@ -137,7 +136,7 @@ fn second_method_settled_orbits_and_their_impacts() {
 
 #[test]
 fn golden_standard_work_together() {
-    /// A rounding multiplied by 50 impacts, some of them nearly grazing.
+    /// Error of a rounding that 50 impacts amplify, some of them nearly grazing.
     const TARGET: f64 = 5e-11;
     let p = weak(0.75, 1.5);
     let mut all: Vec<Simulator> = (0..21).map(|i| motion(&p, 0.9 - 0.01 * f64::from(i % 3), 0.0)).collect();
@@ -154,8 +153,8 @@ fn golden_standard_work_together() {
     assert!(worst < TARGET, "{worst:e}");
 }
 
-/// Each row's motion until a good while after its event, so that the event is not in the last
-/// sub-steps.
+/// Name, motion and end of each row of a golden file; the end is so long after the row's event that
+/// the event is not in the last sub-steps.
 fn golden_rows(name: &str) -> Vec<(String, Simulator, f64)> {
     let rows = table(name);
     let start = |row: &common::golden::Row| {
@@ -176,14 +175,14 @@ fn golden_rows(name: &str) -> Vec<(String, Simulator, f64)> {
 
 #[test]
 fn second_method_grazes_and_chatter_of_the_golden_files() {
-    /// Of the gap, after two and a half periods and up to 150 impacts.
+    /// Error relative to the gap, after two and a half periods and up to 150 impacts.
     const STATE: f64 = 1e-12;
     let (mut compared, mut worst) = (0, 0.0f64);
     for name in ["grazing.csv", "chatter.csv"] {
         let rows = golden_rows(name);
         let ends: Vec<f64> = rows.iter().map(|row| row.2).collect();
         let mut together: Vec<Simulator> = rows.iter().map(|row| row.1.clone()).collect();
-        // The ends by the starts' times, which are all different.
+        // The end of the row that has this start; all starts differ.
         let end = |s: &Simulator| {
             let same = |row: &&(String, Simulator, f64)| row.1.snapshot() == s.snapshot();
             rows.iter().find(same).expect("a row").2
@@ -238,7 +237,7 @@ fn invariant_a_motion_depends_on_nothing_but_itself() {
             assert_eq!(s.snapshot(), expected[i], "motion {i} in groups of {group}");
         }
     }
-    // Tables of its own or shared ones.
+    // A motion with shared tables is bit-identical to one with its own.
     let shared = first[0].with_state(&first[1].state(), first[1].time()).expect("valid");
     assert_eq!(shared.parameters(), first[1].parameters());
     let mut pair = [shared, first[40].clone()];
@@ -265,7 +264,7 @@ fn second_method_impacts_without_end_are_reported() {
     let results = advance_together(&mut together, |_| 30.0);
     assert!(matches!(alone.advance_to(30.0), Err(Error::WorkLimit { .. })));
     assert!(matches!(results[0], Err(Error::WorkLimit { .. })), "{results:?}");
-    // The lanes look at the limit every 64 sub-steps.
+    // Lanes check the limit every 64 sub-steps.
     for simulator in [&together[0], &alone] {
         assert!(simulator.impacts().upper > 900_000 && simulator.relative_motion().0 <= 1.0);
     }
@@ -303,7 +302,7 @@ fn second_method_another_of_the_same_system_is_a_new_one() {
     new.advance_to(60.0).expect("it arrives");
     assert_eq!(other.snapshot(), new.snapshot());
     assert_eq!(*other.work_counters(), *new.work_counters());
-    // What the other does to its tables is its own affair.
+    // A change of the other's tables does not affect the first.
     let before = first.clone();
     other.set_parameters(&weak(0.5, 2.0)).expect("valid");
     first.advance_to(60.0).expect("it arrives");
@@ -317,11 +316,11 @@ fn second_method_another_of_the_same_system_is_a_new_one() {
     ));
 }
 
-/// A motion that is handed to the lanes where w still rounds to the stop that its block has just
-/// left goes on from there once: its impacts and their losses are those that it has alone.
+/// A motion that enters the lanes while w still rounds to the stop that the block has just left has
+/// the impacts and losses that it has alone.
 #[test]
 fn second_method_motions_handed_over_right_after_an_impact() {
-    /// Parts of the losses: twelve seconds with some impacts.
+    /// Relative difference of the losses, over twelve seconds with some impacts.
     const SAME: f64 = 1e-9;
     let p = Parameters { stop_restitution: 0.7, ..Parameters::default() };
     for n in 0..100 {

@@ -1,5 +1,5 @@
-//! What motions side by side report: against one by one (second method), and against themselves in
-//! other company (invariant).
+//! Reports of motions side by side: against motions one by one (second method), and against
+//! themselves among other motions (invariant).
 
 mod common;
 
@@ -11,7 +11,8 @@ use vibro_impact::simulator::{
 };
 use vibro_impact::{Error, Parameters, Result, Simulator, State};
 
-/// Impacts, chatter, rest and none of them; several systems, of which neighbours share one.
+/// Motions with impacts, chatter, rest and none of them, of several systems; each three have one
+/// system.
 fn motions() -> Vec<Simulator> {
     let systems =
         [(0.75, 1.5), (0.0, 3.0), (0.6, 0.1), (0.9, 4.0), (0.3, 2.0), (1.0, 1.0), (0.2, 3.0), (0.0, 1.5)];
@@ -32,16 +33,16 @@ struct Record {
     ended: Option<Result<()>>,
 }
 
-/// Motions in some order, and what is reported of each.
+/// Queue of motions in a given order, which records their reports.
 struct Recorder {
     order: Vec<usize>,
     end: f64,
     reports: Reports,
-    /// The number of the sample after which no more is asked.
+    /// Number of the sample that ends a motion.
     last: u32,
-    /// From one sample to the next.
+    /// Difference between the numbers of two samples.
     stride: u32,
-    /// The number of the event that asks for samples.
+    /// Number of the event that asks for samples.
     asking: usize,
     under_way: [usize; vibro_impact::simulator::TOGETHER],
     records: Vec<Record>,
@@ -74,14 +75,14 @@ impl MotionQueue for Recorder {
     }
 }
 
-/// From an origin before the start, so that the first samples have passed.
+/// Reports with an origin before the start, so that the first samples have passed.
 const REPORTS: Reports = Reports { origin: 0.5, step: 0.7, first: 1, maxima_of: Some([0.0, 1.0, 0.0]) };
 
 fn record(motions: &mut [Simulator], order: Vec<usize>, reports: Reports, end: f64) -> Vec<Record> {
     record_as(motions, order, |recorder| Recorder { end, reports, ..recorder })
 }
 
-/// Records with settings of their own.
+/// Records the motions with a recorder changed by `settings`.
 fn record_as(
     motions: &mut [Simulator],
     order: Vec<usize>,
@@ -148,7 +149,7 @@ fn invariant_reports_switch_the_accounts_off_and_have_the_bits_without_them() {
     assert!(plain[0].impacts().upper > 10);
 }
 
-/// One by one, with and without.
+/// A motion by itself, with and without energy accounts.
 #[test]
 fn invariant_energy_accounts_leave_the_bits_of_the_motion_alone() {
     for (mut without, step) in motions().into_iter().zip([0.013, 0.37, 7.0].into_iter().cycle()) {
@@ -165,7 +166,7 @@ fn invariant_energy_accounts_leave_the_bits_of_the_motion_alone() {
     }
 }
 
-/// A motion that stands before an impact or a release: its law is the first thing that is reported.
+/// The first report of a motion that stands before an impact or a release is that event.
 #[test]
 fn invariant_an_event_that_is_due_is_reported() {
     const END: f64 = 20.0;
@@ -193,8 +194,8 @@ fn invariant_an_event_that_is_due_is_reported() {
 
 #[test]
 fn second_method_samples_and_events_as_one_by_one() {
-    /// Round-off, and what some fifteen impacts make of it, in motions whose differences do not
-    /// grow much in that time.
+    /// Rounding, amplified by some fifteen impacts, in motions whose differences grow little in
+    /// that time.
     const DIFFERENCE: f64 = 1e-9;
     const END: f64 = 30.0;
     let records = record(&mut motions(), (0..motions().len()).collect(), REPORTS, END);
@@ -222,7 +223,7 @@ fn second_method_samples_and_events_as_one_by_one() {
             let (a, b) = (numbers(expected), numbers(found));
             assert_eq!((a.0, a.2), (b.0, b.2));
             let d = (a.1 - b.1).abs().max((a.3 - b.3).abs()).max((a.4 - b.4).abs());
-            // The time of a slow impact is found less exactly: by the error over its speed.
+            // The error of an impact's time is that of w over the speed.
             assert!(d < DIFFERENCE / a.3.clamp(1e-6, 1.0), "{expected:?} {found:?}");
         }
     }
@@ -248,7 +249,7 @@ fn what_cannot_be_reported_is_refused() {
         let found = record(&mut motions[1..], vec![0], Reports { step, ..REPORTS }, 30.0);
         refused(&found[0], "time between samples");
     }
-    // Without samples the step means nothing.
+    // Without samples the step has no effect.
     let none = Reports { origin: f64::INFINITY, step: 0.0, first: 1, maxima_of: None };
     let found = record(&mut motions[1..], vec![0], none, 30.0);
     assert!(found[0].samples.is_empty() && found[0].maxima.is_empty() && !found[0].events.is_empty());
@@ -267,12 +268,12 @@ fn invariant_samples_as_asked_for_are_some_of_all() {
             every.samples.iter().filter(|s| s.0 >= 5 && s.0 % 3 == 2 && s.0 <= 29).collect();
         assert_eq!(some.samples.iter().collect::<Vec<_>>(), expected);
         assert_eq!(some.ended, Some(Ok(())));
-        // Of the sub-step in which it ended no event is reported.
+        // No event is reported of the sub-step in which a sample ended the motion.
         let count = some.events.len();
         assert!(count < every.events.len() || count == 0);
         assert_eq!((&some.events[..], &some.after[..]), (&every.events[..count], &every.after[..count]));
     }
-    // None at all before the second event.
+    // No samples before the second event.
     let reports = Reports { first: u32::MAX, ..REPORTS };
     let settings = |r| Recorder { end: END, reports, asking: 2, ..r };
     for (some, every) in record_as(&mut motions(), all(), settings).iter().zip(&every) {

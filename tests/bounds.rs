@@ -1,7 +1,7 @@
-//! The constants of docs/numerics.md, sections 1 and 2, at machines and states that are chosen to
-//! break them.
+//! The constants of docs/numerics.md, sections 1 and 2, with machines and states chosen to break
+//! them.
 
-use vibro_impact::flow::{CENTRED, CORE, INTERVALS, Series, Table, WHOLE, remainder, substep};
+use vibro_impact::flow::{CENTRED, CORE, INTERVALS, Series, SubstepTable, WHOLE, remainder, substep};
 use vibro_impact::model::{
     Augmented, BOX, BOX_RATE, COORDINATES, Forces, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
     SmoothMode,
@@ -9,10 +9,10 @@ use vibro_impact::model::{
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Sums of positive terms and their bounds are rounded by less than this, relatively.
+/// Relative rounding of sums of positive terms and of their bounds.
 const ROUNDING: f64 = 1e-12;
 
-/// Numbers in [0, 1), always the same ones.
+/// Pseudo-random numbers in [0, 1).
 fn random(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -20,7 +20,7 @@ fn random(mut seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// The undamped box at resonance, alone: k1 = ω = F/m = 1, so that r = 1.
+/// Undamped box at resonance, alone: k1 = ω = F/m = 1, so that r = 1.
 fn resonant_box() -> Model {
     let p = Parameters {
         box_damping: 0.0,
@@ -34,8 +34,8 @@ fn resonant_box() -> Model {
     Model::new(&p).unwrap()
 }
 
-/// Machines of springs, masses and dampers that are equal, or differ by orders of magnitude, or are
-/// zero, mostly driven at their fastest rate: where one of them alone makes the fastest rate the
+/// Random machine of springs, masses and dampers that are equal, or differ by orders of magnitude,
+/// or are zero, mostly driven at its fastest rate. If one element alone makes the fastest rate, the
 /// bounds are nearly reached.
 fn any_machine(next: &mut impl FnMut() -> f64) -> Model {
     let mut one_of = |values: [f64; 4]| values[(4.0 * next()) as usize % 4];
@@ -56,11 +56,10 @@ fn any_machine(next: &mut impl FnMut() -> f64) -> Model {
     Model::new(&p).unwrap()
 }
 
-/// A state and loads in a corner of the box of size one, in the units of [`size`], some of them
-/// zero.
+/// Random state and loads of size one or zero each, in the units of [`size`].
 fn any_start(model: &Model, next: &mut impl FnMut() -> f64) -> (Model, Augmented, Forces) {
     let mut corner = || -> f64 { [-1.0, 0.0, 1.0, 1.0, -1.0][(5.0 * next()) as usize % 5] };
-    // With loads, without, and mostly one of the parts of the size alone.
+    // Each part of the size is present or not, so that often there is only one.
     let (bodies, drive, loads) = (corner().abs(), corner().abs(), corner().min(0.0).abs());
     let r = model.rate;
     let gap = model.gap;
@@ -89,8 +88,8 @@ fn any_start(model: &Model, next: &mut impl FnMut() -> f64) -> (Model, Augmented
     (model, z, forces)
 }
 
-/// The size S of a motion: the gap, the largest of the other coordinates, drive and loads, all as
-/// lengths.
+/// Size S of a motion: the sum of the gap, the largest of the other coordinates, drive and loads,
+/// all as lengths.
 fn size(model: &Model, z: &Augmented, forces: &Forces) -> f64 {
     let r = model.rate;
     let rates = z[BOX_RATE].abs().max(z[RELATIVE_RATE].abs()).max(z[SECONDARY_RATE].abs()) / r;
@@ -103,13 +102,14 @@ fn size(model: &Model, z: &Augmented, forces: &Forces) -> f64 {
     sum
 }
 
-/// The largest coordinate of a coefficient, rates over r.
+/// Largest coordinate of a coefficient, with rates over r.
 fn largest(model: &Model, state: &Augmented) -> f64 {
     let displacements = state[..3].iter().fold(0.0f64, |most, x| most.max(x.abs()));
     state[3..6].iter().fold(displacements, |most, v| most.max(v.abs() / model.rate))
 }
 
-/// x^(k) = ±(1 + k/2) for even k: the drive adds up in resonance, and r bounds the bodies alone.
+/// Derivatives x^(k) = ±(1 + k/2) for even k: at resonance the drive adds up from order to order,
+/// and r bounds the bodies alone.
 #[test]
 fn closed_form_coefficients_of_a_box_in_resonance() {
     let model = resonant_box();
@@ -128,9 +128,9 @@ fn closed_form_coefficients_of_a_box_in_resonance() {
     }
 }
 
-/// What series leave out of the swing of a resonant box that only its drive moves: half of the
-/// bound, since the coefficients are (k-1)/2 or k/2 over k!. Without the drive's part the bound
-/// would be smaller by a factor of n, and would not hold.
+/// Remainder of series for a resonant box that only its drive moves: half of the bound, since the
+/// coefficients are (k-1)/2 or k/2 over k!. A bound without the drive's part would be smaller by a
+/// factor of n, and would not hold.
 #[test]
 fn closed_form_remainders_of_a_box_in_resonance() {
     fn left_out<const N: usize>(model: &Model, reach: f64) -> f64 {
@@ -150,8 +150,8 @@ fn closed_form_remainders_of_a_box_in_resonance() {
     assert!(parts.iter().all(|part| *part > 0.2 && *part <= 1.0), "{parts:?}");
 }
 
-/// The coefficients of order k from seven on are at most (rT)ᵏ/(k-1)! S, those of the acceleration
-/// in rest (3k+1) (rT)ᵏ/k! r² S.
+/// Coefficients of order k ≥ 7 are at most (rT)ᵏ/(k-1)! S, those of the free acceleration in rest
+/// (3k+1) (rT)ᵏ/k! r² S.
 #[test]
 fn invariant_coefficients_stay_under_their_bound() {
     let mut next = random(1);
@@ -175,8 +175,8 @@ fn invariant_coefficients_stay_under_their_bound() {
             most[1] = most[1].max(rest.free[k].abs() / bound);
         }
     }
-    // Coefficients reach more than half of their bound: without the drive's part, (rT)ᵏ/k! S, it
-    // would not hold.
+    // Coefficients reach more than half of their bound, so that it would not hold without the
+    // drive's part, as (rT)ᵏ/k! S.
     assert!(most[0] > 0.5, "{most:?}");
     assert!(most.iter().all(|part| *part <= 1.0 + ROUNDING), "{most:?}");
 }
@@ -184,8 +184,8 @@ fn invariant_coefficients_stay_under_their_bound() {
 /// δ of docs/numerics.md, section 2, in ε S.
 const SAMPLE_ROUNDING: f64 = 900.0;
 
-/// What the roundings of a sample add up to by the bounds of docs/numerics.md: those of the table's
-/// entries order by order, and those of twenty products and sums.
+/// Sum of the roundings of a sample by the bounds of docs/numerics.md: those of the table's entries
+/// order by order, and those of twenty products and sums.
 #[test]
 fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
     /// r times the length of a sub-step.
@@ -194,7 +194,7 @@ fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
     let (mut entries, mut power) = (0.0, 1.0);
     for k in (1..WHOLE).map(|k| k as f64) {
         power *= REACH / k;
-        // The bound on the coefficient of order k of w, in S.
+        // Bound on the coefficient of order k of w, in S.
         let bound = if k == 1.0 { 1.0 } else { k.max(2.5 + 0.5 * k) };
         entries += (5.5 * k + 0.5 * k + 1.0) * bound * power;
     }
@@ -202,8 +202,8 @@ fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
     assert!(entries + 10.5 * TERMS < SAMPLE_ROUNDING, "{entries}");
 }
 
-/// The sizes of a sample's terms are at most 20 S in all, and 7 S are reached; its rounding is at
-/// most [`SAMPLE_ROUNDING`] ε S.
+/// The sizes of a sample's terms add up to at most 20 S, of which 7 S are reached; its rounding is
+/// at most [`SAMPLE_ROUNDING`] ε S.
 #[test]
 fn second_method_rounding_of_samples() {
     const TERMS: f64 = 20.0;
@@ -215,7 +215,7 @@ fn second_method_rounding_of_samples() {
         let h = substep(&machine);
         for _ in 0..4 {
             let (model, z, _) = any_start(&machine, &mut next);
-            let mut table = Table::<CORE>::zero();
+            let mut table = SubstepTable::<CORE>::zero();
             table.fill(pulp::Scalar, &model, SmoothMode::Flight, h);
             let size = size(&model, &z, &[[0.0; 4]; 3]);
             let mut g = [0.0; INTERVALS];
@@ -233,13 +233,13 @@ fn second_method_rounding_of_samples() {
     assert!(error <= ERROR, "{}", error / f64::EPSILON);
 }
 
-/// An end within a sub-step is rounded by about ε S, by some times that where a strong damper makes
-/// the terms of the series large and of changing sign: of machines and states found by climbing,
-/// one with much.
+/// Rounding at an end within a sub-step. It is about ε S, and several times that if a strong damper
+/// makes the terms of the series large and of changing sign, as in this machine and state, found by
+/// a search for large rounding.
 #[test]
 fn second_method_rounding_of_a_sub_step() {
-    /// docs/numerics.md, section 1: what was found, in displacements and in rates over r, and half
-    /// as much again.
+    /// Bounds in displacements and in rates over r: the values of docs/numerics.md, section 1, and
+    /// half as much again.
     const MOST: [f64; 2] = [10.5, 13.5];
     let p = Parameters {
         box_mass: 1.0,
@@ -271,7 +271,7 @@ fn second_method_rounding_of_a_sub_step() {
     assert!(rates > 2.0 && places < MOST[0] && rates < MOST[1], "{places} {rates}");
 }
 
-/// The state at the interval ends to 30 digits: the series of docs/theory.md (8) in double-doubles.
+/// State at the interval ends to 30 digits, by the series of docs/theory.md (8) in double-doubles.
 fn exact_states(model: &Model, z: &Augmented, h: f64) -> [[DoubleDouble; COORDINATES]; INTERVALS] {
     let wide = DoubleDouble::new;
     let times = |a: f64, b: DoubleDouble| wide(a).times(b);
@@ -309,8 +309,8 @@ fn divided(x: DoubleDouble, n: f64) -> DoubleDouble {
     DoubleDouble::new(first).plus(rest / n)
 }
 
-/// The table's bound holds for |w''| throughout a sub-step, between the interval centres too, where
-/// it comes from the growth of a row.
+/// The table's bound on |w''| holds throughout a sub-step, even between the interval centres, where
+/// it is extrapolated by the growth of a row.
 #[test]
 fn invariant_the_bound_holds_between_the_samples() {
     /// Places in an interval on each side of its centre.
@@ -319,12 +319,12 @@ fn invariant_the_bound_holds_between_the_samples() {
     let mut most = 0.0f64;
     for _ in 0..2_000 {
         let (model, z, _) = any_start(&any_machine(&mut next), &mut next);
-        let mut table = Box::new(Table::<CORE>::zero());
+        let mut table = Box::new(SubstepTable::<CORE>::zero());
         table.fill(pulp::Scalar, &model, SmoothMode::Flight, substep(&model));
         let (bound, radius) = (table.curvature(&z), 0.5 * substep(&model) / INTERVALS as f64);
         for columns in &table.centre {
             let mut centre = [0.0; 8];
-            Table::transit(columns, &z, &mut centre);
+            SubstepTable::transit(columns, &z, &mut centre);
             let series = Series::<CENTRED>::expand(&model, SmoothMode::Flight, &centre, None, radius);
             for place in -PLACES..=PLACES {
                 let u = f64::from(place) / f64::from(PLACES);
@@ -339,9 +339,9 @@ fn invariant_the_bound_holds_between_the_samples() {
 }
 
 /// In a search for an event in flight the sizes of the coefficients add up to little more than two
-/// sizes of the motion where the series is formed (docs/numerics.md, "Second stage"): random fast
-/// blocks from which no longer steps are taken than `MAX_REACH` allows, at the centres of all
-/// intervals up to the first past a stop.
+/// sizes of the motion at the centre of the series (docs/numerics.md, "Second stage"). The states
+/// are random fast blocks within `MAX_REACH`, at the centres of all intervals up to the first past
+/// a stop.
 #[test]
 fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
     const MOST: f64 = 2.3;
@@ -352,7 +352,7 @@ fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
     for _ in 0..2_000 {
         let (model, mut z, _) = any_start(&any_machine(&mut next), &mut next);
         let h = substep(&model) / INTERVALS as f64;
-        let mut table = Box::new(Table::<CORE>::zero());
+        let mut table = Box::new(SubstepTable::<CORE>::zero());
         table.fill(pulp::Scalar, &model, SmoothMode::Flight, substep(&model));
         z[RELATIVE] = model.gap * (2.0 * next() - 1.0);
         let sum = |z: &Augmented, radius: f64| {
@@ -360,7 +360,8 @@ fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
             let sizes: f64 = series.states.iter().map(|state| state[RELATIVE].abs()).sum();
             (model.gap + sizes) / size(&model, z, &[[0.0; 4]; 3])
         };
-        // As fast as is still searched as a whole, if the acceleration allows any speed.
+        // Largest speed with which an interval is searched as a whole, if the acceleration allows
+        // any.
         let path = |z: &Augmented| {
             let bound = table.curvature(z);
             z[RELATIVE_RATE].abs() * h + 0.5 * bound * h * h
@@ -378,7 +379,7 @@ fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
         table.samples(&z, &mut w);
         for (columns, w) in table.centre.iter().zip(&w) {
             let mut centre = [0.0; 8];
-            Table::transit(columns, &z, &mut centre);
+            SubstepTable::transit(columns, &z, &mut centre);
             most = most.max(sum(&centre, 0.5 * h));
             searched += 1;
             if w.abs() > model.gap {

@@ -1,4 +1,4 @@
-//! Chatter under loads that change: a run is closed only where it does come to rest, and soon.
+//! Chatter under varying loads: a run is closed only if it comes to rest, and soon.
 
 use vibro_impact::simulator::{Event, Loads};
 use vibro_impact::{Parameters, Simulator, State};
@@ -6,9 +6,9 @@ use vibro_impact::{Parameters, Simulator, State};
 /// Half a unit in the last place: e_c of docs/theory.md (18).
 const CLOSED: f64 = 0.5 * f64::EPSILON;
 
-/// A box without spring and damper, and a block that knows nothing but its load: the relative
-/// acceleration is the load over the block's mass. The secondary oscillator beside them sets the
-/// fastest rate, which limits how fast loads may change.
+/// A box without spring and damper, and a block on which only its load acts: the relative
+/// acceleration is the load over the block's mass. The secondary oscillator sets the fastest
+/// `rate`, which limits how fast loads may change.
 fn machine(kappa: f64, rate: f64) -> Parameters {
     Parameters {
         box_stiffness: 0.0,
@@ -34,9 +34,9 @@ fn bounce((kappa, rate): (f64, f64), u: f64, derivatives: [f64; 4], span: f64) -
     (simulator, events)
 }
 
-/// A run is closed at the impact from which on the bounces move the block by no more than 2⁻⁵³
-/// gaps: those of a first rebound u at constant acceleration a add up to u²/((1 - κ²) a), and (18)
-/// asks for no more than half of that times 1 + κ.
+/// A run is closed at the impact after which the bounces move the block by at most 2⁻⁵³ gaps. The
+/// bounces after a rebound u at constant acceleration a add up to u²/((1 - κ²) a), and (18) bounds
+/// half of that times 1 + κ.
 #[test]
 fn closed_form_runs_are_closed_by_the_way_that_is_left() {
     let (kappa, a0) = (0.5, 1e-3);
@@ -53,7 +53,7 @@ fn closed_form_runs_are_closed_by_the_way_that_is_left() {
 /// back: it never comes back.
 #[test]
 fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {
-    /// Of a sum of two speeds, relatively.
+    /// Relative rounding of a sum of two speeds.
     const ROUNDING: f64 = 1e-12;
     let (kappa, a0) = (0.5, 1e-3);
     for part in [0.3, 0.6, 0.99] {
@@ -71,7 +71,7 @@ fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {
     }
 }
 
-/// The same with a0 - c t³, whose snap is zero at first too.
+/// With the load a0 - c t³, whose jerk and snap are zero at first, the block never comes back.
 #[test]
 fn closed_form_a_block_that_its_load_lets_go_late_does_not_come_to_rest() {
     let (kappa, a0) = (0.5, 1e-3);
@@ -86,12 +86,12 @@ fn closed_form_a_block_that_its_load_lets_go_late_does_not_come_to_rest() {
     }
 }
 
-/// The same where no load lets go, but a spring: the box swings as -X cos t, the load on the block
-/// follows it to the third order, and the relative acceleration is a0 - X t⁴/24.
+/// A box that swings away on its spring: it moves as -X cos t, the load on the block follows it to
+/// the third order, and the relative acceleration is a0 - X t⁴/24. The block never comes back.
 #[test]
 fn closed_form_a_block_that_a_swinging_box_leaves_does_not_come_to_rest() {
     let (kappa, rate) = (0.5, 1.0);
-    // So small that the run is half as long as the series reaches.
+    // So small that the run is half as long as the radius of the series.
     let a0 = 2e-12;
     for part in [0.6, 0.99] {
         let u = part * (0.5 * (1.0 - kappa) * CLOSED * a0).sqrt();
@@ -100,7 +100,7 @@ fn closed_form_a_block_that_a_swinging_box_leaves_does_not_come_to_rest() {
             let x = excess * 72.0 * a0 * (a0 / (2.5 * u)).powi(4);
             let p = Parameters { box_stiffness: 1.0, ..machine(kappa, rate) };
             let at_stop = State { x: [-x, 1.0 - x, 0.0], v: [0.0, u / kappa, 0.0] };
-            // Of the impact that begins the run the box's speed is to be zero after it.
+            // The box's speed is zero after the impact that begins the run.
             let kick = (1.0 + kappa) * u / kappa * p.block_mass / (p.box_mass + p.block_mass);
             let at_stop = State { v: [-kick, u / kappa - kick, 0.0], ..at_stop };
             let mut simulator = Simulator::new(&p, &at_stop, 0.0).unwrap();
@@ -113,9 +113,9 @@ fn closed_form_a_block_that_a_swinging_box_leaves_does_not_come_to_rest() {
     }
 }
 
-/// ∫ (τ - t) a(t0 + t) dt over 0..τ divided by τ, and the same with t: the speeds of departure and
-/// return of a flight of length τ, of which the first is to be u. In the time unit of the run, with
-/// a(t) = 1 + b t + c t² + d t³.
+/// Speeds of departure and return of a flight of length τ that begins at t0, under the acceleration
+/// a(t) = 1 + b t + c t² + d t³ in the time unit of the run: ∫ (τ - t) a(t0 + t) dt / τ and
+/// ∫ t a(t0 + t) dt / τ over 0..τ.
 fn speeds(a: &[f64; 4], t0: f64, tau: f64) -> (f64, f64) {
     let [one, b, c, d] = *a;
     let shifted =
@@ -130,8 +130,8 @@ fn speeds(a: &[f64; 4], t0: f64, tau: f64) -> (f64, f64) {
     (leaving, returning)
 }
 
-/// The length of a run that begins with the speed 1 under a(t), bounce by bounce, in units of 2/(1 - κ); infinite where the block
-/// does not come back.
+/// Length of a run that begins with the speed 1 under a(t), bounce by bounce, in units of
+/// 2/(1 - κ); infinite if the block does not come back.
 fn run_length(kappa: f64, a: &[f64; 4]) -> f64 {
     let (mut t, mut u) = (0.0, 1.0);
     while u > 1e-9 {
@@ -152,8 +152,8 @@ fn run_length(kappa: f64, a: &[f64; 4]) -> f64 {
     0.5 * t * (1.0 - kappa)
 }
 
-/// Loads of any shape, from steady to wild: where the simulator closes a run, the bounces computed
-/// one by one end within twice the length of the run at constant acceleration.
+/// Under loads of any shape, a run that the simulator closes ends within twice its length at
+/// constant acceleration, if its bounces are computed one by one.
 #[test]
 fn second_method_closed_runs_end_within_twice_their_length() {
     let mut state = 1u64;
@@ -166,7 +166,7 @@ fn second_method_closed_runs_end_within_twice_their_length() {
         let kappa = [0.1, 0.5, 0.9][n % 3];
         let a0 = 1e-2;
         let u = 0.95 * (0.5 * (1.0 - kappa) * CLOSED * a0).sqrt();
-        // In the run's time unit u/a0 the coefficients of a(t)/a0; the run lasts 2/(1 - κ) of it.
+        // Coefficients of a(t)/a0 in the time unit u/a0 of the run, which lasts 2/(1 - κ) units.
         let length = 2.0 / (1.0 - kappa);
         let mut a = [1.0, 0.0, 0.0, 0.0];
         let size = 10f64.powf(3.0 * next() - 3.0);
@@ -187,8 +187,8 @@ fn second_method_closed_runs_end_within_twice_their_length() {
     assert!(longest <= 2.0, "{longest}");
 }
 
-/// With κ nearer to 1 than 10⁻³ a run is closed as soon as its bounces are lower than 10⁻¹² gaps,
-/// also where it would never end.
+/// With 1 - κ < 10⁻³ a run is closed as soon as its bounces are lower than 10⁻¹² gaps, even if it
+/// would never end.
 #[test]
 fn closed_form_nearly_elastic_runs_are_closed_by_the_height_of_their_bounces() {
     const HEIGHT: f64 = 1e-12;

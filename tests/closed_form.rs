@@ -1,4 +1,4 @@
-//! The simulator against motions that are known in closed form.
+//! The simulator against motions in closed form.
 
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Loads, Pause};
@@ -7,12 +7,12 @@ use vibro_impact::{Parameters, Simulator, State};
 /// A few hundred roundings of numbers of order one, over at most a few hundred sub-steps.
 const ROUNDING: f64 = 2e-13;
 
-/// Three bodies that do not know of each other: no coupling spring and stops out of reach.
+/// Three independent bodies: no coupling spring, and stops out of reach.
 fn uncoupled() -> Parameters {
     Parameters { coupling_stiffness: 0.0, stop_gap: 1e4, ..Parameters::default() }
 }
 
-/// x'' + 2 d x' + w² x = a sin(ω t + φ): the closed form at t.
+/// Displacement and velocity at t of x'' + 2 d x' + w² x = a sin(ω t + φ) in closed form.
 #[allow(clippy::too_many_arguments)]
 fn oscillator(d: f64, square: f64, a: f64, omega: f64, phase: f64, x0: f64, v0: f64, t: f64) -> (f64, f64) {
     // Particular solution p sin + q cos.
@@ -46,7 +46,7 @@ fn closed_form_of_the_uncoupled_oscillators() {
         let State { x, v } = simulator.state();
         let (x1, v1) = oscillator(0.05, 1.0, 0.15, 1.04, 0.7, 0.3, -0.4, t);
         let (x3, v3) = oscillator(0.15, 1.0, 0.0, 1.0, 0.0, 0.5, 0.2, t);
-        // The gap of 10⁴ m is a coordinate; the block's place is its sum with the box's.
+        // The coordinate w is compared by way of x2 = x1 + w.
         for (ours, exact) in [(x[0], x1), (v[0], v1), (x[2], x3), (v[2], v3), (x[1], -0.2 + 0.1 * t)] {
             assert!((ours - exact).abs() < ROUNDING, "t = {t}: {ours} {exact}");
         }
@@ -55,7 +55,7 @@ fn closed_form_of_the_uncoupled_oscillators() {
 
 #[test]
 fn closed_form_of_polynomial_loads() {
-    // Free bodies under f = a + b t + c t²/2 + d t³/6 move on quintics.
+    // Free bodies under f = a + b t + c t²/2 + d t³/6 move on polynomials of degree five.
     let p = Parameters {
         box_stiffness: 0.0,
         box_damping: 0.0,
@@ -82,8 +82,8 @@ fn closed_form_of_polynomial_loads() {
     }
 }
 
-/// Box and block without springs and loads: the block rattles between the stops, every flight κ
-/// times slower.
+/// Box and block without springs and loads: the block moves between the stops, in each flight κ
+/// times as fast as in the one before.
 #[test]
 fn closed_form_of_a_free_block_between_the_stops() {
     let p = Parameters {
@@ -121,7 +121,7 @@ fn closed_form_of_a_free_block_between_the_stops() {
 /// known instant.
 #[test]
 fn closed_form_of_a_bouncing_block_that_comes_to_rest() {
-    const CLOSED_EARLY: f64 = 1e-7; // the run is closed when at most this much time is left of it
+    const CLOSED_EARLY: f64 = 1e-7; // s, longest rest of a run that is closed
     for kappa in [0.0, 0.3, 0.75, 0.95] {
         let p = Parameters {
             box_mass: 1e9, // a wall
@@ -143,8 +143,8 @@ fn closed_form_of_a_bouncing_block_that_comes_to_rest() {
                 }
             })
             .unwrap();
-        // Falls 0.5 at unit acceleration in 1 s and arrives with speed 1; the series of bounces
-        // lasts 2κ/(1-κ).
+        // The block falls by 0.5 m at 1 m/s² in 1 s and arrives with 1 m/s; the bounces last
+        // 2κ/(1-κ).
         let exact = 1.0 + 2.0 * kappa / (1.0 - kappa);
         let (time, side) = rest.expect("it comes to rest");
         assert_eq!(side, 1);
@@ -187,8 +187,8 @@ fn closed_form_of_the_release() {
         }
         let time = released.expect("it lets go");
         assert!((time - 10.0).abs() < ROUNDING * 10.0, "{time}");
-        // From there w'' = -0.1 (t - 10): at 10 + τ the block is 0.1 τ³/6 off the stop until it
-        // meets the other one.
+        // After the release w'' = -0.1 (t - 10): at 10 + τ the block is 0.1 τ³/6 off the stop,
+        // until it meets the other one.
         let tau: f64 = simulator.time() - 10.0;
         if tau.powi(3) * 0.1 / 6.0 < 2.0 {
             assert!((simulator.relative_motion().0 - (1.0 - 0.1 * tau.powi(3) / 6.0)).abs() < 1e-8);
@@ -197,9 +197,9 @@ fn closed_form_of_the_release() {
 }
 
 /// A heavy block that its load holds at a stop of a light box: box and block swing on the box's
-/// spring as one body. What is left is round-off, about ε S for each sub-step (docs/numerics.md,
-/// section 1). If the small share of the box in the mass of both were what the block's leaves to 1,
-/// its few digits would put the frequency off, and the motion by a thousand times as much.
+/// spring as one body. The error is rounding, about ε S for each sub-step (docs/numerics.md,
+/// section 1). If the box's small share of the mass were computed as 1 minus the block's, it would
+/// have few digits, and the error of the motion would be a thousand times as large.
 #[test]
 fn closed_form_a_heavy_block_at_rest_in_a_light_box() {
     for (ratio, end) in [(1e2, 100.0), (1e6, 10.0), (1e8, 1.0)] {

@@ -1,5 +1,5 @@
 //! Constant loads: gravity and the off-centre gap against independent integrations, the mirror
-//! image, what closed forms say.
+//! image, refusal by closed forms.
 
 use vibro_impact::parameters::{FIELDS, LOADS};
 use vibro_impact::reference::{Reference, Tolerance};
@@ -7,7 +7,7 @@ use vibro_impact::simulator::Loads;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// The impact damper of the tutorial, upright: its block hangs on no spring.
+/// Impact damper of the tutorial, upright, without a spring on its block.
 fn damper() -> Parameters {
     Parameters {
         box_mass: 12.0,
@@ -27,7 +27,7 @@ fn damper() -> Parameters {
     }
 }
 
-/// The same with a coupling spring, whose middle lies off that of the gap by 4 mm.
+/// [`damper`] with a coupling spring, which is relaxed 4 mm off the middle of the gap.
 fn off_centre() -> Parameters {
     let (k, b) = (2000.0, 0.004);
     Parameters { coupling_stiffness: k, stop_gap: 0.015, constant_loads: [0.0, -k * b, k * b], ..damper() }
@@ -39,8 +39,8 @@ fn largest_difference(a: &State, b: &State) -> f64 {
 
 #[test]
 fn second_method_gravity_by_the_papers_integrator() {
-    /// The reference integrator's error over the time compared, at its tightest tolerance, m; some
-    /// tens of impacts amplify it.
+    /// Error of the reference integrator at its tightest tolerance, amplified by some tens of
+    /// impacts, m.
     const REFERENCE: f64 = 1e-8;
     for p in [damper(), off_centre(), Parameters { constant_loads: [3.0, 0.0, -2.0], ..off_centre() }] {
         let start = State { x: [0.0, -0.5 * p.stop_gap, 0.0], v: [0.1, 0.3, 0.0] };
@@ -54,7 +54,7 @@ fn second_method_gravity_by_the_papers_integrator() {
             assert!(d < REFERENCE, "{p:?} at {end}: {d:e}");
         }
         assert!(simulator.impacts().upper + simulator.impacts().lower > 8, "{:?}", simulator.impacts());
-        // The loads' work is in the accounts.
+        // The accounts include the work of the loads.
         let e = simulator.energy_accounts();
         let first = Simulator::new(&p, &start, 0.0).unwrap().energy_accounts().mechanical;
         let balance = first + e.input - e.damped - e.impact - e.mechanical;
@@ -62,9 +62,9 @@ fn second_method_gravity_by_the_papers_integrator() {
     }
 }
 
-/// The machine as it stands: the block's coordinate counts from where its spring is relaxed, and
-/// its stops are at unequal distances. Classical Runge-Kutta steps; an impact is found by bisecting
-/// the step.
+/// Integrator of the machine in other coordinates: the block's coordinate is zero where its spring
+/// is relaxed, and its stops are at unequal distances. It makes classical Runge-Kutta steps and
+/// finds an impact by bisection of the step.
 struct UnequalStops {
     p: Parameters,
     offset: f64,
@@ -96,7 +96,7 @@ impl UnequalStops {
         std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 
-    /// How far inside the stops the block is: up to L + b above its middle and L - b below.
+    /// Distance of the block from the nearer stop; the stops are L + b above and L - b below.
     fn room(&self, y: &[f64; 6]) -> f64 {
         let w = y[1] - y[0];
         (self.p.stop_gap + self.offset - w).min(self.p.stop_gap - self.offset + w)
@@ -127,12 +127,11 @@ impl UnequalStops {
 
 #[test]
 fn second_method_an_off_centre_gap_by_stops_at_unequal_distances() {
-    /// The error of the steps over half a second, m.
+    /// Error of the Runge-Kutta steps over half a second, m.
     const STEPS: f64 = 1e-9;
     let p = off_centre();
     let b = 0.004;
-    // Counted from the middle of the gap; the other method counts from where the spring is relaxed,
-    // b higher.
+    // The simulator's x2 is zero in the middle of the gap, the other method's is b higher.
     let start = State { x: [0.0, -0.005, 0.0], v: [0.0, 0.4, 0.0] };
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
     let y = [0.0, -0.005 + b, 0.0, 0.0, 0.4, 0.0];
@@ -151,7 +150,7 @@ fn second_method_an_off_centre_gap_by_stops_at_unequal_distances() {
 
 #[test]
 fn invariant_the_mirror_image_of_the_loads_mirrors_the_motion() {
-    /// The drive half a period later differs in round-off, which the impacts amplify, m.
+    /// Rounding of the drive half a period later, amplified by the impacts, m.
     const ROUNDING: f64 = 1e-10;
     for p in [damper(), off_centre()] {
         let image = Parameters {
@@ -192,7 +191,7 @@ fn invariant_constant_loads_have_the_bits_of_loads_that_were_set_and_add_to_them
     let own = run(&p, &Loads::default());
     assert_eq!(own, run(&free, &loads(1.0)));
     assert_eq!(own, run(&half, &loads(0.5)));
-    // A snapshot carries them.
+    // A snapshot contains the loads.
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
     simulator.advance_to(0.4).unwrap();
     let kept = simulator.snapshot();
@@ -201,7 +200,7 @@ fn invariant_constant_loads_have_the_bits_of_loads_that_were_set_and_add_to_them
     other.advance_to(1.0).unwrap();
     simulator.advance_to(1.0).unwrap();
     assert_eq!(other.state(), simulator.state());
-    // And they change with the parameters.
+    // A change of parameters changes the loads.
     let mut changed = Simulator::new(&free, &start, 0.0).unwrap();
     changed.set_parameters(&p).unwrap();
     changed.advance_to(1.0).unwrap();

@@ -1,5 +1,5 @@
-//! Where advances end: every state reached can be saved and restored, and an end that comes at once
-//! after an event adds none.
+//! Ends of advances: every state reached can be saved and restored, and an end just after an event
+//! adds no further event.
 
 use vibro_impact::model::Model;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -14,7 +14,7 @@ fn start() -> State {
     State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] }
 }
 
-/// Distances of an end from an event, s: on both sides down to what a double-double holds.
+/// Distances of an end from an event, s, on both sides, down to the resolution of a double-double.
 fn distances() -> Vec<f64> {
     let mut distances = vec![0.0];
     for exponent in -22..-6 {
@@ -26,8 +26,8 @@ fn distances() -> Vec<f64> {
     distances
 }
 
-/// Advances from a snapshot to `end` and back into the same and into another simulator; whether
-/// both take the state.
+/// Advances from a snapshot to `end` and restores the state reached in this and in another
+/// simulator; true if both accept it.
 fn is_restored(simulator: &mut Simulator, other: &mut Simulator, from: &Snapshot, end: DoubleDouble) -> bool {
     simulator.restore(from).unwrap();
     if simulator.advance_until(end, Pause::Never, None).is_err() {
@@ -38,8 +38,8 @@ fn is_restored(simulator: &mut Simulator, other: &mut Simulator, from: &Snapshot
     taken && other.snapshot() == reached
 }
 
-/// Scans ends around `events` events of a motion; the ends whose state was refused, and how many
-/// there were.
+/// Scans ends around `events` events of a motion: the ends whose state was refused, and the number
+/// of ends.
 fn scan(p: &Parameters, events: usize, load: impl Fn(f64) -> Loads) -> (Vec<f64>, usize) {
     let mut simulator = Simulator::new(p, &start(), 0.0).unwrap().without_energy_accounts();
     let mut other = simulator.clone();
@@ -65,8 +65,8 @@ fn scan(p: &Parameters, events: usize, load: impl Fn(f64) -> Loads) -> (Vec<f64>
     (refused, count)
 }
 
-/// Among these ends is 76.64538209875533 s + 7.9e-16 s of the motion with f10 = 3.6, where w is
-/// past the stop by a unit in the last place of the gap before it is put on the stop.
+/// Every end near an event, among them 76.64538209875533 s + 7.9e-16 s of the motion with f10 =
+/// 3.6: w is a unit in the last place of the gap past the stop there, and is put on the stop.
 #[test]
 fn invariant_every_end_near_an_event_can_be_restored() {
     /// Events of each motion whose neighbourhood is scanned.
@@ -85,7 +85,7 @@ fn invariant_every_end_near_an_event_can_be_restored() {
     }
 }
 
-/// Goes on to the next release, which is carried out.
+/// Advances through the next release.
 fn advance_to_release(simulator: &mut Simulator) {
     let mut released = false;
     while !released {
@@ -95,8 +95,8 @@ fn advance_to_release(simulator: &mut Simulator) {
     }
 }
 
-/// A block that lets go of a stop has no speed there, and its acceleration is zero but for
-/// rounding, which must not bring it back however short the steps are.
+/// A block that is released has no speed, and its acceleration is rounding, which must not bring it
+/// back however short the steps are.
 #[test]
 fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
     let mut added = Vec::new();
@@ -114,7 +114,7 @@ fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
                     let step = digit * 10f64.powi(exponent);
                     for n in 1..=3 {
                         let end = DoubleDouble::sum(simulator.time(), f64::from(n) * step);
-                        // The release lies up to the rounding of its time past that double.
+                        // The release may be later than that double, by the rounding of its time.
                         let _ = short.advance_until(end, Pause::Never, None);
                         let saved = short.snapshot();
                         short.restore(&saved).unwrap();
@@ -130,14 +130,14 @@ fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of 1512: {:?}", added.len(), &added[..added.len().min(5)]);
 }
 
-/// Loads that are set right after a release decide anew whether the block rests: not by an
-/// acceleration that is rounding, but by the jerk, which leads away. No other release is reported,
-/// and the motion is the same.
+/// Setting loads right after a release decides anew whether the block rests: not by the
+/// acceleration, which is rounding, but by the jerk, which leads away. No other release is
+/// reported, and the motion does not change.
 #[test]
 fn invariant_loads_set_right_after_a_release_move_nothing() {
-    /// Of the displacements, gaps: what is decided differs by the rounding of the acceleration.
+    /// Difference of the displacements in gaps, by the rounding of the acceleration.
     const ROUNDING: f64 = 1e-12;
-    /// Newtons on the block: nothing beside its weight of one in the drive's force, but not zero.
+    /// Force on the block, N: negligible beside the drive's force of about 1 N, but not zero.
     const NOTHING: f64 = 1e-25;
     for f10 in [2.0, 3.0, 4.0] {
         let p = machine(f10, 0.0);
@@ -171,12 +171,11 @@ fn invariant_loads_set_right_after_a_release_move_nothing() {
     }
 }
 
-/// A block without springs under a constant load, which rises to a stop: where its path turns
-/// within rounding of the stop, the impact may depend on where steps end, and nowhere else
-/// (docs/numerics.md, "Statement").
+/// A block without springs under a constant load rises to a stop. Only if its path turns within
+/// rounding of the stop may the impact depend on where steps end (docs/numerics.md, "Statement").
 #[test]
 fn closed_form_only_grazes_within_rounding_depend_on_where_steps_end() {
-    /// η of docs/numerics.md, section 2, in parts of the motion's size.
+    /// η of docs/numerics.md, section 2, relative to the motion's size.
     const OVERSHOOT: f64 = 2e-12;
     let p = Parameters {
         box_damping: 0.0,
@@ -227,17 +226,16 @@ fn closed_form_only_grazes_within_rounding_depend_on_where_steps_end() {
     assert!(grazes > 0, "no graze depends on the step: docs/guarantees.md says that one may");
 }
 
-/// The last bounces of a chatter run are as low as the rounding of the gap, and what is kept of
-/// them between two advances is rounded to that: some may come or go with where steps end. The
-/// motion and the rest at its end are the same.
+/// The last bounces of a chatter run are as low as the rounding of w, to which the state between
+/// two advances is rounded: their number may depend on where steps end. The motion and the rest at
+/// its end do not.
 #[test]
 fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
-    /// Of displacements in gaps, and of velocities.
+    /// Difference of displacements in gaps, and of velocities.
     const ROUNDING: f64 = 1e-12;
-    /// The speed of a bounce 10⁻¹² gaps high, under the largest acceleration of these motions, 1
-    /// m/s².
+    /// Speed of a bounce 10⁻¹² gaps high, under the largest acceleration of these motions, 1 m/s².
     const SLOW: f64 = 1.5e-6;
-    /// A run in which a bounce is so slow has ended by then, s.
+    /// Time in which a run ends after a bounce of that speed, s.
     const LATER: f64 = 1e-4;
     let (mut changed, mut runs) = (0, 0);
     for (load, kappa) in [(-0.05, 0.5), (-0.03, 0.75), (-0.1, 0.2)] {
@@ -269,15 +267,15 @@ fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
             }
         }
     }
-    // That the number may change shows in the nearly elastic runs below.
+    // The nearly elastic runs of another test show that the number may change.
     println!("{changed} of {} ends change the number of bounces", 18 * runs);
     assert!(runs > 20, "{runs} runs");
 }
 
-/// A box without spring and damper, and a block that its load presses to the upper stop with the
-/// acceleration `a`, from which it bounces with the speed `u`. Advances by `span` in equal `steps`:
-/// the impacts, the time of rest, and the largest distance from the stop at the ends of steps,
-/// gaps.
+/// Bounces, with the first speed `u`, of a block that its load presses to the upper stop of a box
+/// without spring and damper with the acceleration `a`. Advances by `span` in equal `steps`;
+/// returns the impacts, the time of rest, and the largest distance from the stop at the ends of
+/// steps, gaps.
 fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64>, f64) {
     let p = Parameters {
         box_stiffness: 0.0,
@@ -308,13 +306,12 @@ fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64
     (simulator.impacts().upper, rest, height / p.stop_gap)
 }
 
-/// With κ near 1 thousands of bounces are within rounding of the stop: how many there are and when
-/// the block comes to rest depends on where steps end, and with κ = 1 whether it does. The block is
-/// on the stop but for the exception of docs/guarantees.md all the while.
+/// With κ near 1 thousands of bounces are within rounding of the stop. Where steps end decides
+/// their number and the time of rest, and with κ = 1 whether the block comes to rest. All the while
+/// the block is on the stop, up to the exception of docs/guarantees.md.
 #[test]
 fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
-    /// η of docs/numerics.md, section 2, in gaps; the size of these motions is hardly more than the
-    /// gap.
+    /// η of docs/numerics.md, section 2, in gaps, as the size of these motions is about the gap.
     const OVERSHOOT: f64 = 2e-12;
     let a = 1e-3;
     let kappa = 0.998;
@@ -329,7 +326,7 @@ fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
     assert!((end - length).abs() < 1e-6 * length, "{end}");
     assert!(many.1.is_none_or(|end| (end - length).abs() > 1e-3 * length), "{many:?}");
 
-    // 0.003 % faster than the limit by which such a run is closed: a rounding decides.
+    // 0.003 % faster than the limit at which such a run is closed: rounding decides.
     let u = 1.00003 * (2.0 * a * 1e-12f64).sqrt();
     let divided = |steps| bounce(1.0, u, a, 300.0 * 2.0 * u / a, steps);
     let (few, many) = (divided(1), divided(1000));
@@ -338,13 +335,14 @@ fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
     assert!(few.1.is_none() && many.1.is_some(), "{few:?} {many:?}: docs/guarantees.md says that it may");
 }
 
-/// w = w0 + v t + a t²/2 in many short steps, with and without loads: their roundings go all ways,
-/// also where each step moves the block by a t²/2 of less than half a unit in the last place.
+/// The motion w = w0 + v t + a t²/2 in many short steps, with and without loads. The roundings have
+/// no preferred direction, even if a t²/2 of a step is less than half a unit in the last place.
 #[test]
 fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
     const STEPS: u32 = 10_000;
-    /// Of all steps together, units in the last place of the gap: at random they add up to a third
-    /// of a unit times the square root of their number, and each half a unit one way to thousands.
+    /// Rounding of all steps together, in units in the last place of the gap. Random roundings add
+    /// up to a third of a unit times the square root of their number, roundings in one direction to
+    /// thousands of units.
     const ROUNDING: f64 = 150.0;
     let still = Parameters {
         box_stiffness: 0.0,
@@ -354,8 +352,8 @@ fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
         ..Parameters::default()
     };
     let (w0, v, a) = (0.6 * still.stop_gap, 1e-3, -1.0);
-    // The acceleration of the block by a load, and of the box by its spring, which hardly moves in
-    // this time.
+    // The block is accelerated by a load, or the box by its spring, which hardly moves in this
+    // time.
     let swung = Parameters { box_stiffness: still.box_mass, ..still };
     for (p, x1, load) in [(still, 0.0, a * still.block_mass), (swung, a, 0.0)] {
         for step in [1e-9, 3e-9, 1e-8, 1e-7] {
@@ -374,21 +372,21 @@ fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
     }
 }
 
-/// A block on a stop, all forces on which cancel but for a load that falls by next to nothing: its
-/// speed is rounding over a whole sub-step and longer, and rounding may add impacts, rests and
-/// releases. They do not move it.
+/// A block on a stop whose forces cancel except for a load that falls very slowly. Its speed is
+/// rounding for a whole sub-step and longer, and rounding may add impacts, rests and releases, but
+/// these do not move it.
 #[test]
 fn closed_form_a_block_that_hardly_any_force_moves_stays_at_its_stop() {
-    /// Speeds that are rounding, in gaps times the fastest rate, and the gap, as in
-    /// docs/guarantees.md.
+    /// Speeds that are rounding, in gaps times the fastest rate, as in docs/guarantees.md.
     const SPEED: f64 = 20.0 * f64::EPSILON;
+    /// Distances from the stop that are rounding, in gaps, as in docs/guarantees.md.
     const NEAR: f64 = 2e-12;
     const END: f64 = 1000.0;
     let mut added = 0;
     for kappa in [0.0, 0.5, 1.0] {
         let p = Parameters { drive_amplitude: 0.0, stop_restitution: kappa, ..Parameters::default() };
         let (rate, hold) = (Model::new(&p).unwrap().rate, p.coupling_stiffness * p.stop_gap);
-        // From about ε/100 of what would move it by a gap in the time 1/rate on.
+        // The largest is about ε/100 of the ramp that moves the block by a gap in the time 1/rate.
         for ramp in [1e-18, 1e-20, 1e-22, 1e-25] {
             for step in [END, 0.3, 0.01] {
                 let start = State { x: [0.0, p.stop_gap, 0.0], v: [0.0; 3] };

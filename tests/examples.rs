@@ -1,4 +1,4 @@
-//! The examples run, and what they assert holds.
+//! The examples run, with their assertions.
 
 #[path = "../examples/closed_forms.rs"]
 mod closed_forms;

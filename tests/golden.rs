@@ -1,4 +1,4 @@
-//! The simulator against sets made in 60 digits by the scripts in `tests/data`.
+//! The simulator against golden files computed in 60 digits by the scripts in `tests/data`.
 
 mod common;
 
@@ -7,8 +7,7 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Pause};
 use vibro_impact::{Simulator, State};
 
-/// Round-off of the gap after a flight of up to one and a half periods (the rows' states are of
-/// order one).
+/// Rounding of w after a flight of up to one and a half periods, with states of order one.
 const GAP_ROUNDING: f64 = 2e-14;
 
 #[test]
@@ -16,7 +15,7 @@ fn golden_every_graze_is_found_at_its_time_and_none_invented() {
     find_every_graze(1, GAP_ROUNDING);
 }
 
-/// Short communication steps take other ways through the simulator than long ones.
+/// Short communication steps take other branches of the simulator than long ones.
 #[test]
 fn golden_every_graze_is_found_in_short_communication_steps() {
     for parts in [7, 60, 333] {
@@ -25,7 +24,7 @@ fn golden_every_graze_is_found_in_short_communication_steps() {
     }
 }
 
-/// In a number of communication steps, with a rounding of the gap.
+/// Compares the grazing set with the simulator, in `parts` communication steps, to a rounding of w.
 fn find_every_graze(parts: u32, gap_rounding: f64) {
     let rows = table("grazing.csv");
     assert!(rows.len() > 300);
@@ -59,7 +58,7 @@ fn find_every_graze(parts: u32, gap_rounding: f64) {
             contacts += 1;
             let exact = row.get("speed");
             assert_eq!(side, row.get("side"), "{id}");
-            // Time as a double, and the gap's rounding over the approach speed.
+            // Rounding of the time as a double, and that of w over the approach speed.
             let late = (time - start) - row.get("delay");
             let bound = 4.0 * f64::EPSILON * time.abs() + gap_rounding / exact;
             assert!(late.abs() < bound, "{id}: {late:e}, allowed {bound:e}");
@@ -74,7 +73,7 @@ fn find_every_graze(parts: u32, gap_rounding: f64) {
 
 #[test]
 fn golden_standard_work_over_twenty_periods() {
-    /// A rounding multiplied by 50 impacts, some of them nearly grazing.
+    /// Error of a rounding that 50 impacts amplify, some of them nearly grazing.
     const TARGET: f64 = 5e-11;
     let (p, start) = standard();
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
@@ -109,8 +108,8 @@ fn golden_standard_work_over_twenty_periods() {
 
 #[test]
 fn golden_standard_work_after_two_thousand_periods() {
-    /// The motion is stable: the end is forgotten but for the rounding of 2000 periods as a double,
-    /// 1e-12 s.
+    /// Error at the end: the motion is stable, so that only the rounding of 2000 periods as a
+    /// double remains, 1e-12 s.
     const END: f64 = 1e-11;
     let (p, start) = standard();
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
@@ -121,26 +120,27 @@ fn golden_standard_work_after_two_thousand_periods() {
         v: [-0.7166788315354791, -1.2876764920670574, -0.3927812190837065],
     };
     let direct = distance(&simulator.state(), &certified, 1.0, 1.0);
-    // The transient multiplies rounding by 10⁹ between periods 20 and 60: another mathematical
-    // library may settle on the mirror image of the orbit, x → -x half a period later.
+    // The transient amplifies rounding by 10⁹ between periods 20 and 60: with another mathematical
+    // library the motion may settle on the mirror image of the orbit, x → -x half a period later.
     simulator.advance_to(2000.5 * p.period()).unwrap();
     let State { x, v } = simulator.state();
     let mirror = State { x: x.map(|x| -x), v: v.map(|v| -v) };
     let d = direct.min(distance(&mirror, &certified, 1.0, 1.0));
     assert!(d < END, "{d:e}");
     let impacts = simulator.impacts();
-    /// Impacts of a transient that takes another way, at most.
+    /// Largest difference of the number of impacts between two transients.
     const TRANSIENT: u64 = 50;
     assert!((impacts.upper + impacts.lower).abs_diff(5979) <= TRANSIENT, "{impacts:?}");
 }
 
 #[test]
 fn golden_every_chatter_ends_in_rest_and_lets_go_at_its_time() {
-    /// Of the time scale √(L/a), about 1: the run is closed at speeds of 1e-8, so its end is known
-    /// to the square of that over κ's losses, and a root of the contact force to its own rounding.
+    /// Error of an instant relative to the time scale √(L/a), about 1. A run is closed at speeds of
+    /// 1e-8, so that its end is accurate to the square of that over 1 - κ; a root of the contact
+    /// force is accurate to its own rounding.
     const INSTANT: f64 = 1e-12;
-    /// Of the gap and of the speeds: the chatter that is left is under half a unit in the last
-    /// place, the rest is the rounding of up to 150 impacts.
+    /// Error of displacements over the gap and of speeds: the chatter that is left out is under
+    /// half a unit in the last place, and up to 150 impacts add their rounding.
     const STATE: f64 = 1e-12;
     let rows = table("chatter.csv");
     assert!(rows.len() > 100);
@@ -160,7 +160,7 @@ fn golden_every_chatter_ends_in_rest_and_lets_go_at_its_time() {
                 Event::Release { time, .. } => assert!(release.replace(time).is_none(), "{id}"),
             })
             .unwrap();
-        // Rates of the system, by which the rows' time scales differ.
+        // Rate of the system, since the time scales of the rows differ.
         let rate = p.drive_frequency.max((p.box_stiffness / p.box_mass).sqrt());
         let late = |time: f64, column: &str| ((time - t0 - row.get(column)) * rate).abs();
         if row.text("kind") != "start" {

@@ -1,4 +1,4 @@
-//! What must hold whatever the motion: laws of impact, energy, independence of the steps, symmetry,
+//! Invariants of every motion: laws of impact, energy, independence of the steps, symmetry,
 //! repeatability.
 
 use vibro_impact::model::Model;
@@ -21,7 +21,7 @@ fn distance(a: &State, b: &State) -> f64 {
 
 #[test]
 fn invariant_the_state_does_not_depend_on_the_communication_steps() {
-    /// Round-off, multiplied by 400 impacts of a stable motion.
+    /// Rounding, amplified by 400 impacts of a stable motion.
     const BOUND: f64 = 1e-10;
     let p = Parameters::default();
     let end = 200.0 * p.period();
@@ -49,7 +49,7 @@ fn invariant_momentum_and_restitution_at_each_impact() {
     let mut simulator = Simulator::new(&p, &start(), 0.0).unwrap();
     let mut seen = 0;
     while seen < 200 {
-        // The state just before: a copy taken to the impact's time from the last impact's state.
+        // A copy from the last impact, to be advanced to just before this one.
         let before = simulator.clone();
         let mut impact = None;
         let begin = simulator.time();
@@ -102,14 +102,14 @@ fn invariant_energy_balance_over_ten_thousand_periods() {
     }
 }
 
-/// In steps within an interval the damping in flight is found by another rule, half an interval
-/// long or all of it.
+/// In steps shorter than an interval the damping in flight is found by another rule, over at most
+/// half an interval or over all of it.
 #[test]
 fn invariant_energy_balance_in_short_steps() {
     /// Of the energy that passed through (docs/guarantees.md).
     const BOUND: f64 = 1e-12;
     let basic = basic(1.5, 0.75);
-    // Here the drive itself is the fastest rate: the rules' errors are largest.
+    // The drive is the fastest rate, with which the errors of the rules are largest.
     let fast = Parameters { drive_frequency: 50.0, drive_amplitude: 50.0, ..basic };
     for p in [basic, fast] {
         for part in [0.99, 0.49, 0.1] {
@@ -119,13 +119,13 @@ fn invariant_energy_balance_in_short_steps() {
     }
 }
 
-/// Impacts at the same phase of the drive give the rule's error the same sign each time: beside a
-/// damper whose rate is a fifth of the fastest it adds up to more than rounding, in steps over
-/// which that rule alone finds the damping, and to next to nothing in others.
+/// Impacts that recur at one phase of the drive give the rule's error one sign, so that it adds up.
+/// With a damper whose rate is a fifth of the fastest the sum exceeds rounding, in steps over which
+/// that rule alone finds the damping, but not in other steps.
 #[test]
 fn invariant_energy_balance_in_steps_of_half_an_interval_beside_a_damper() {
-    /// Of the energy that passed through (docs/guarantees.md): where the rule's error adds up, and
-    /// else.
+    /// Bounds relative to the energy that passed through (docs/guarantees.md), in steps in which
+    /// the rule's error adds up and in others.
     const BOUNDS: [f64; 2] = [1e-11, 1e-12];
     let p = Parameters {
         box_stiffness: 0.823,
@@ -145,8 +145,8 @@ fn invariant_energy_balance_in_steps_of_half_an_interval_beside_a_damper() {
     assert!(other < BOUNDS[1], "{other:e}");
 }
 
-/// By how much the accounts do not balance after so many steps of a `part` of an interval, in parts
-/// of the energy that has passed.
+/// Imbalance of the accounts after so many `steps`, each a `part` of an interval, relative to the
+/// energy that passed through.
 fn imbalance_in_steps(p: &Parameters, part: f64, steps: u32) -> f64 {
     let interval = 0.15 / Model::new(p).unwrap().rate;
     let mut simulator = Simulator::new(p, &start(), 0.0).unwrap();
@@ -159,12 +159,12 @@ fn imbalance_in_steps(p: &Parameters, part: f64, steps: u32) -> f64 {
     error.abs() / first.max(l.mechanical).max(l.damped).max(l.input)
 }
 
-/// A box that is pushed through its gap before the drive has turned: its forced vibration is a
-/// million gaps wide.
+/// A box that moves by its gap in a small part of a drive period: its forced vibration is a million
+/// gaps wide.
 #[test]
 fn invariant_energy_balance_under_a_strong_and_slow_drive() {
-    /// Of the energy that passed through, or of what the drive does over the gap
-    /// (docs/guarantees.md).
+    /// Bound relative to the energy that passed through, or to the drive's work over the gap if
+    /// that is more (docs/guarantees.md).
     const BOUND: f64 = 1e-12;
     let soft = Parameters {
         box_stiffness: 1e-3,
@@ -186,8 +186,7 @@ fn invariant_energy_balance_under_a_strong_and_slow_drive() {
 
 #[test]
 fn second_method_drive_work_in_closed_form_and_by_quadrature() {
-    /// Rounding over 300 periods. Loads of no size have their work, and with it the drive's, found
-    /// by quadrature.
+    /// Rounding over 300 periods. Under a load, however small, all work is found by quadrature.
     const ROUNDING: f64 = 1e-12;
     let undamped = |p: Parameters, detuning: f64| {
         let resonance = (p.box_stiffness / p.box_mass).sqrt();
@@ -197,8 +196,8 @@ fn second_method_drive_work_in_closed_form_and_by_quadrature() {
     for p in [p, basic(3.0, 0.1), undamped(p, 0.0), undamped(p, 1e-4), undamped(p, 0.02), undamped(p, -0.3)] {
         let mut form = Simulator::new(&p, &start(), 0.0).unwrap();
         for n in 1..=300 {
-            // The quadrature starts anew from the same state each period: the motions must not
-            // part.
+            // The quadrature restarts from this state each period, so that the motions stay
+            // together.
             let mut rule = Simulator::new(&p, &form.state(), form.time()).unwrap();
             rule.set_loads(&Loads { derivatives: [[f64::MIN_POSITIVE, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]] })
                 .unwrap();
@@ -269,9 +268,9 @@ fn invariant_reflection_turns_the_motion_by_half_a_period() {
     assert_eq!(one.impacts().upper, two.impacts().lower);
 }
 
-/// A load throws the block to one stop and, as if that were not there, on to the other within the
-/// same interval: both stops are searched for and found, and the root at the first must not depend
-/// on which of them is the upper one.
+/// A load throws the block past one stop and, if that were not there, past the other within one
+/// interval: both stops are searched, and the root at the first must not depend on which of them is
+/// the upper one.
 #[test]
 fn invariant_the_mirror_image_has_the_same_bits_where_both_stops_are_in_reach() {
     const STARTS: u32 = 6000;
@@ -327,7 +326,7 @@ fn invariant_snapshot_and_restore_give_the_same_bits() {
 
 #[test]
 fn invariant_phase_and_state_after_a_million_periods_equal_a_restart() {
-    /// Both take the same time as a double, so only the rounding of angle and state remains.
+    /// Rounding of angle and state: both times are equal doubles.
     const BOUND: f64 = 1e-11;
     let p = Parameters::default();
     let mut long = Simulator::new(&p, &start(), 0.0).unwrap().without_energy_accounts();
@@ -345,8 +344,7 @@ fn invariant_phase_and_state_after_a_million_periods_equal_a_restart() {
     short.advance_to(1e3 * period).unwrap();
     let mut end = Simulator::new(&p, &start(), 0.0).unwrap();
     end.advance_to(1e6 * period).unwrap();
-    /// 10⁶ periods as a double are off by up to half its unit in the last place, 5e-10 s, at speeds
-    /// around 1 m/s.
+    /// Rounding of 10⁶ periods as a double, up to 5e-10 s, times speeds of about 1 m/s.
     const TIME_ROUNDING: f64 = 2e-9;
     assert!(distance(&short.state(), &end.state()) < TIME_ROUNDING);
 }

@@ -1,13 +1,13 @@
-//! Loads from samples: what the interpolant is, what the machine does under it, what is refused.
+//! Loads from samples: the interpolant, the motion under it, and refusals.
 
 use vibro_impact::load::{Body, Interpolation, Load, loads_at, next_sample};
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::simulator::{AdvanceOutcome, Event, Loads, Pause};
 use vibro_impact::{Error, Parameters, Simulator, State};
 
-/// Round-off of a motion of a few units' size over some tens of sub-steps.
+/// Rounding of a motion of a few units' size over some tens of sub-steps.
 const ROUNDING: f64 = 1e-12;
-/// The reference integrator's error over the time compared, at its tightest tolerance.
+/// Error of the reference integrator at its tightest tolerance.
 const REFERENCE: f64 = 1e-7;
 
 /// A record with flat parts, turns and unequal steps.
@@ -43,7 +43,7 @@ fn load(body: Body, interpolation: Interpolation) -> Load {
 
 #[test]
 fn closed_form_of_a_free_block_under_a_ramp() {
-    // f = t up to 1 s, then nothing: x2 = t³/6m, v2 = t²/2m, then straight on.
+    // f = t up to 1 s, then zero: x2 = t³/6m, v2 = t²/2m, then uniform motion.
     let p = free();
     let ramp = Load::new(Body::Block, &[(0.0, 0.0), (1.0, 1.0)], Interpolation::Linear).unwrap();
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
@@ -60,8 +60,8 @@ fn closed_form_of_a_free_block_under_a_ramp() {
 
 #[test]
 fn closed_form_of_the_cubic() {
-    // Samples of a straight line give it; on a parabola with equal steps the slopes are harmonic
-    // means of chords.
+    // Samples of a straight line give that line; on a parabola with equal steps the slopes are
+    // harmonic means of chords.
     let line = Load::new(Body::Box, &[(0.0, 1.0), (1.0, 3.0), (3.0, 7.0)], Interpolation::Cubic).unwrap();
     for t in [0.0, 0.3, 1.0, 2.9] {
         assert!((line.force(t) - (1.0 + 2.0 * t)).abs() < ROUNDING, "{t}");
@@ -70,8 +70,7 @@ fn closed_form_of_the_cubic() {
     let cubic = Load::new(Body::Box, &squares, Interpolation::Cubic).unwrap();
     let slope = 2.0 / (1.0 / 3.0 + 1.0 / 5.0);
     assert!((cubic.derivatives(2.0)[1] - slope).abs() < ROUNDING);
-    // The impulse on a free box: the integral of a cubic by its ends, h (f0 + f1)/2 + h² (s0 -
-    // s1)/12.
+    // Impulse on a free box: the integral of a cubic by its ends, h (f0 + f1)/2 + h² (s0 - s1)/12.
     let p = free();
     let mut simulator = Simulator::new(&p, &State::default(), 2.0).unwrap();
     simulator.advance_under(std::slice::from_ref(&cubic), 3.0, Pause::Never, None).unwrap();
@@ -197,7 +196,7 @@ fn what_is_no_record_is_refused_by_index() {
     assert!(text.starts_with("sample 1 ") && text.contains("allowed is a time later"), "{text}");
 }
 
-/// The loads of a gap whose middle lies `b` above the block's place, docs/theory.md (97).
+/// Loads that stand for a gap whose middle lies `b` above the block's place, docs/theory.md (97).
 fn off_centre(p: &Parameters, b: f64) -> Loads {
     let mut loads = Loads::default();
     (loads.derivatives[1][0], loads.derivatives[2][0]) =
@@ -207,7 +206,7 @@ fn off_centre(p: &Parameters, b: f64) -> Loads {
 
 #[test]
 fn closed_form_of_a_block_at_its_place_off_centre() {
-    // Where the coupling spring is relaxed nothing moves, and that is b below the middle of the
+    // Nothing moves with the block where the coupling spring is relaxed, b below the middle of the
     // gap.
     let p = Parameters { drive_amplitude: 0.0, ..Parameters::default() };
     let b = 0.25 * p.stop_gap;
@@ -236,12 +235,13 @@ fn invariant_mirror_image_of_an_off_centre_gap() {
     assert_eq!(above.v.map(|v| -v), below.v);
 }
 
-/// A block that its load holds on a stop, by a force that falls as (t - t0)² - d and rises again:
-/// it is let go where that is zero, however short the dip and wherever it lies between two samples,
-/// and not at all where the force stays above zero.
+/// A block that its load holds at a stop by the force (t - t0)² - d, which falls and rises again:
+/// it is released where the force is zero, however short the dip and wherever it lies between two
+/// samples, and not released if the force stays above zero.
 #[test]
 fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
-    /// Of the time at which the force falls through zero, by its rounding over its slope.
+    /// Error of the time at which the force falls through zero, times the square root of the depth:
+    /// rounding of the force over its slope.
     const TIME: f64 = 1e-14;
     let p =
         Parameters { drive_frequency: 1.0, stop_gap: 1.0, block_mass: 1.0, stop_restitution: 0.0, ..free() };
@@ -273,13 +273,13 @@ fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
     }
 }
 
-/// A block that its load holds on its stop to rounding, in steps of which one finds an impact in
-/// its past: it takes place at the present, with the state there. Otherwise the clock, and with it
-/// the loads, goes ahead of the bodies, and the block gets a speed out of nothing.
+/// A block that its load holds at its stop up to rounding, in steps of which one finds an impact
+/// before the present: it takes place at the present, with the state there. Otherwise the time, and
+/// with it the loads, would be ahead of the bodies, and the block would gain a speed from nothing.
 #[test]
 fn second_method_an_event_found_in_the_past_moves_no_clock() {
-    /// Roundings of the place, in sizes of the motion: docs/numerics.md, section 3, allows 18 in a
-    /// time of 1/r.
+    /// Rounding of w relative to the size of the motion: docs/numerics.md, section 3, allows 18 ε
+    /// in a time of 1/r.
     const ROUNDING: f64 = 18.0 * f64::EPSILON;
     const STEPS: u32 = 300;
     let p = Parameters {
@@ -298,8 +298,8 @@ fn second_method_an_event_found_in_the_past_moves_no_clock() {
         drive_phase: 0.06604562253327717,
         constant_loads: [0.0; 3],
     };
-    // The drive's force on the box, by order, is that of the load on the block: they keep together
-    // up to the fifth derivative.
+    // The load accelerates the block as the drive accelerates the box, up to the fifth derivative
+    // of the displacements.
     let load = [0.8477580355092145, 10.131094698408301, -0.6793357438453484, -8.11837159249228];
     let start = State { x: [0.0, -p.stop_gap, 282.5911201755524], v: [0.0, 0.0, -351.95968862946336] };
     let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();

@@ -1,13 +1,13 @@
-//! Pausing before an event, applying its law, and looking ahead.
+//! Pauses before events, the laws of due events, and the next event ahead.
 
 use vibro_impact::simulator::{AdvanceOutcome, Contact, DueEvent, Event, Loads, Pause, advance_together};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
-/// Sums of the input energy are formed in another order where a motion pauses: round-off of a few
-/// hundred additions.
+/// Rounding of a few hundred additions: the input energy of a motion with pauses is summed in
+/// another order.
 const SUM_ROUNDING: f64 = 1e-12;
-/// A pause takes the drive's phase anew: round-off of the phase, multiplied by some tens of impacts
-/// of a stable motion.
+/// Rounding of the drive's phase, which a pause computes anew, amplified by some tens of impacts of
+/// a stable motion.
 const PHASE_ROUNDING: f64 = 1e-11;
 
 fn start() -> State {
@@ -22,7 +22,7 @@ fn simulator(p: &Parameters) -> Simulator {
     Simulator::new(p, &start(), 0.0).unwrap()
 }
 
-/// All but the account of input energy, as bits.
+/// Bits of state, record and accounts except that of input energy.
 fn bits(s: &Simulator) -> Vec<u64> {
     let (state, (w, rate), record) = (s.state(), s.relative_motion(), s.impacts());
     let energy = s.energy_accounts();
@@ -47,7 +47,7 @@ fn invariant_pause_and_law_give_the_bits_of_a_stop_after_the_impact() {
             if let Some(DueEvent::Release { side }) = before.due_event() {
                 assert_eq!(before.contact().side(), f64::from(side));
                 releases = true;
-                break; // from here on the phase is taken anew at other times
+                break; // from here on the phase is computed anew at other times
             }
             assert_eq!(reason == AdvanceOutcome::EventDue, seen == AdvanceOutcome::Impact, "{kappa}");
             if reason == AdvanceOutcome::End {
@@ -182,7 +182,7 @@ fn closed_form_changes_while_an_event_is_due() {
     assert!(s.due_event().is_some());
     s.set_parameters(&Parameters { stop_gap: 1.5 * p.stop_gap, ..p }).unwrap();
     assert_eq!((s.due_event(), s.contact()), (None, Contact::Flight));
-    // A release that a load presses down again is none.
+    // A release is cancelled by a load that presses the block.
     let mut s = simulator(&system(1.5, 0.0));
     while !matches!(s.due_event(), Some(DueEvent::Release { .. })) {
         s.advance_until(1e3, Pause::BeforeEvent, None).unwrap();
@@ -196,9 +196,9 @@ fn closed_form_changes_while_an_event_is_due() {
 
 #[test]
 fn invariant_energies_balance_and_each_pause_has_its_event_over_a_thousand_pauses() {
-    /// Round-off of a thousand sums, of the largest energy.
+    /// Rounding of a thousand sums, relative to the largest energy.
     const BALANCE: f64 = 1e-11;
-    /// Impact, capture into rest and release may fall on one instant, but no more.
+    /// Most pauses at one instant: impact, capture into rest and release.
     const AT_ONE_TIME: u32 = 3;
     for (f10, kappa) in [(3.0, 0.0), (3.0, 0.1), (1.5, 0.75), (1.5, 1.0)] {
         for force in [[0.0; 4], [-0.02, 1e-5, 0.0, 0.0]] {
@@ -232,7 +232,7 @@ fn invariant_energies_balance_and_each_pause_has_its_event_over_a_thousand_pause
 #[test]
 fn invariant_the_time_told_is_the_events_but_for_its_rounding() {
     // An advance to that very time may end just before the event; a pause on the way to a later end
-    // comes to it.
+    // reaches it.
     for kappa in [0.0, 0.3, 0.75] {
         let mut s = simulator(&system(1.5, kappa));
         for _ in 0..100 {
@@ -251,8 +251,8 @@ fn invariant_the_time_told_is_the_events_but_for_its_rounding() {
 
 #[test]
 fn second_method_the_lanes_take_the_ends_that_one_by_one_takes() {
-    // The present as a double is off the present by rounding, to either side, and the next double
-    // below is still taken.
+    // The present as a double differs from the present by rounding, to either side; the next double
+    // below is accepted, too.
     let mut s = simulator(&system(1.5, 0.75)).without_energy_accounts();
     for _ in 0..50 {
         s.advance_until(1e4, Pause::BeforeEvent, None).unwrap();

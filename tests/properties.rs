@@ -1,5 +1,5 @@
-//! Properties over wide random parameters, loads and steps (proptest shrinks what fails;
-//! `proptest-regressions/` keeps it).
+//! Properties over wide random parameters, loads and steps. proptest shrinks cases that fail;
+//! `properties.proptest-regressions` keeps them.
 
 use proptest::prelude::*;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -12,7 +12,7 @@ fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (low.ln()..high.ln()).prop_map(f64::exp)
 }
 
-/// Zero now and then, else over several decades.
+/// Zero now and then, otherwise a number over several decades.
 fn zero_or(low: f64, high: f64) -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 5 => decades(low, high)]
 }
@@ -51,7 +51,7 @@ fn state(gap: f64) -> impl Strategy<Value = State> {
     (-2.0..2.0f64, relative, -2.0..2.0f64, prop::array::uniform3(-2.0..2.0f64), any::<bool>()).prop_map(
         move |(x1, w, x3, v, still)| {
             let v = if still { [v[0], v[0], v[2]] } else { v };
-            // w is exactly a stop where it is meant to be: the box then stands at zero.
+            // With the box at zero, w is exactly at a stop where it is meant to be.
             let x1 = if w.abs() == 1.0 { 0.0 } else { x1 };
             State { x: [x1, x1 + w * gap, x3], v }
         },
@@ -68,20 +68,20 @@ fn system() -> impl Strategy<Value = (Parameters, State)> {
     parameters().prop_flat_map(|p| (Just(p), state(p.stop_gap)))
 }
 
-/// The approach to an impact rate that is reported, not followed, is the only refusal of a valid
-/// step.
+/// Whether an error is the only allowed one of a valid step: the limit of work in a nearly elastic
+/// motion.
 fn allowed(error: &Error) -> bool {
     matches!(error, Error::WorkLimit { restitution, .. } if *restitution > 0.99)
 }
 
-/// Enough for a test run; `PROPTEST_CASES=100000 cargo test --release --test properties` digs
-/// deeper.
+/// Number of cases of a test run; `PROPTEST_CASES=100000 cargo test --release --test properties`
+/// makes more.
 fn cases() -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(400);
     ProptestConfig { cases, max_global_rejects: 10 * cases, ..ProptestConfig::default() }
 }
 
-/// By how much a small change of the start's velocities has grown at `end`.
+/// Growth of a small change of the start's velocities until `end`.
 fn growth(p: &Parameters, start: &State, load: &Loads, end: f64) -> f64 {
     const CHANGE: f64 = 1e-9;
     let mut changed = *start;
@@ -98,8 +98,7 @@ fn growth(p: &Parameters, start: &State, load: &Loads, end: f64) -> f64 {
     differences.fold(0.0, f64::max) / CHANGE
 }
 
-/// Motions in which small differences grow by more than this within the test part in earnest,
-/// whoever computes them.
+/// Largest growth of small differences with which two computations of a motion are compared.
 const MAX_GROWTH: f64 = 1e4;
 
 proptest! {
@@ -110,7 +109,8 @@ proptest! {
         (p, start) in system(),
         script in prop::collection::vec((1e-3..3.0f64, loads()), 1..20),
     ) {
-        /// Rounding of a state that may have grown to thousands of gaps under loads.
+        /// Rounding relative to the energy that passed; under loads states grow to thousands of
+        /// gaps.
         const BALANCE: f64 = 1e-9;
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         let first = simulator.energy_accounts().mechanical;
@@ -151,8 +151,7 @@ proptest! {
             let error = l.mechanical - first - l.input + l.damped + l.impact;
             prop_assert!(error.abs() <= BALANCE * passed.max(1e-6), "{error:e} of {passed:e}");
         }
-        /// Sub-steps beside one an event and one an interval of wild motion: bounded by rate, reach
-        /// and events.
+        /// Bound on the sub-steps per second that do not end at an event.
         const PER_TIME: f64 = 20_000.0;
         let work = simulator.work_counters();
         prop_assert!((work.substeps as f64) < 100.0 + 8.0 * work.events as f64 + PER_TIME * t, "{work:?} in {t}");
@@ -182,8 +181,8 @@ proptest! {
         // A slow impact or a long run of them multiplies round-off: there the two may part in
         // earnest.
         prop_assume!(least > 1e-2 && impacts < 30 && growth(&p, &start, &load, end) < MAX_GROWTH);
-        /// Round-off of some hundred sub-steps, times the growth over up to 30 impacts no slower
-        /// than 0.01 m/s.
+        /// Rounding of some hundred sub-steps, amplified by up to 30 impacts no slower than 0.01
+        /// m/s.
         const BOUND: f64 = 1e-7;
         let (a, b) = (whole.state(), split.state());
         let scale = a.x.iter().chain(&a.v).fold(1.0f64, |m, x| m.max(x.abs()));
@@ -199,14 +198,14 @@ proptest! {
         load in loads(),
         end in 0.1..8.0f64,
     ) {
-        /// The reference method's local tolerance; its error is that times the steps and what
-        /// impacts make of it. With 1e-11 a motion through rest, release and ten plastic impacts
-        /// was off by 5e-5, with 1e-12 by 5e-6, with 1e-13 by 5e-7.
+        /// Local tolerance of the reference method. Its error is this times the number of steps,
+        /// amplified by impacts: in a motion through rest, release and ten plastic impacts it was
+        /// 5e-5 with 1e-11, 5e-6 with 1e-12, 5e-7 with 1e-13.
         const TOLERANCE: f64 = 1e-12;
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         prop_assume!(simulator.set_loads(&load).is_ok()); // else out of all proportion to this system
-        // From a start in rest the reference method counts a touch of some 1e-11 m/s; this one
-        // none.
+        // From a start in rest the reference method counts a touch of some 1e-11 m/s; the simulator
+        // counts none.
         let mut flies = simulator.contact() == Contact::Flight;
         let (mut least, mut events) = (f64::INFINITY, 0);
         let outcome = simulator.advance_observed(end, &mut |e| {
@@ -225,7 +224,7 @@ proptest! {
         prop_assume!(reference.advance_to(end).is_ok());
         let (a, b) = (simulator.state(), reference.state());
         let scale = a.x.iter().chain(&a.v).fold(1.0f64, |m, x| m.max(x.abs()));
-        /// A few thousand steps' tolerance, times the growth over up to 15 impacts.
+        /// Tolerance of a few thousand steps, amplified by up to 15 impacts.
         const BOUND: f64 = 1e-5;
         for (x, y) in a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v)) {
             prop_assert!((x - y).abs() <= BOUND * scale, "{a:?} {b:?}");
@@ -241,16 +240,16 @@ proptest! {
         systems in prop::collection::vec(system(), 1..12),
         end in 0.5..12.0f64,
     ) {
-        /// Round-off of some hundred sub-steps, times the growth over up to 100 impacts.
+        /// Rounding of some hundred sub-steps, amplified by up to 100 impacts.
         const BOUND: f64 = 1e-8;
-        /// Impacts of a run that is near the limit.
+        /// Number of impacts of a run near the limit of work.
         const MANY: u64 = 900_000;
         let first: Vec<Simulator> =
             systems.iter().map(|(p, start)| Simulator::new(p, start, 0.0).unwrap().without_energy_accounts()).collect();
         let mut together = first.clone();
         let results = advance_together(&mut together, |_| end);
         for (i, (p, start)) in systems.iter().enumerate() {
-            // In other company the same bits.
+            // Bit-identical without the other motions.
             let mut single = [first[i].clone()];
             prop_assert_eq!(&advance_together(&mut single, |_| end)[0], &results[i]);
             prop_assert_eq!(single[0].snapshot(), together[i].snapshot());
@@ -260,8 +259,8 @@ proptest! {
                 impacts += 1;
             });
             let together = &together[i];
-            // The limit of impacts without end is on sub-steps, of which the two ways take not
-            // quite the same number.
+            // The limit of work counts sub-steps, whose number differs a little between the two
+            // ways.
             prop_assert!(outcome.is_ok() == results[i].is_ok() || impacts > MANY);
             if let Err(error) = &results[i] {
                 prop_assert!(allowed(error), "{error}");

@@ -10,7 +10,7 @@ use vibro_impact::simulator::{Contact, Event, Loads};
 use vibro_impact::{Error, Parameters, State};
 
 const TIGHT: Tolerance = Tolerance::new(1e-12);
-/// 1e-12 a step over some thousand steps, for a motion that does not amplify errors.
+/// Error after some thousand steps of 1e-12 each, for a motion that does not amplify errors.
 const GLOBAL: f64 = 1e-9;
 
 /// Free bodies: no springs, no drive.
@@ -130,7 +130,7 @@ fn closed_form_of_rest_and_release_under_loads() {
 
 #[test]
 fn golden_standard_work_over_20_periods() {
-    // This method reaches 1e-8 at 1e-12; the block's position between impacts is off by some more.
+    // The method reaches 1e-8 with the tolerance 1e-12; the block between impacts is less accurate.
     const AFTER_20: f64 = 1e-7;
     let (p, start) = standard();
     let mut reference = Reference::new(&p, &start, 0.0, TIGHT).unwrap();
@@ -152,8 +152,8 @@ fn golden_standard_work_over_20_periods() {
     }
 }
 
-/// Rounding decides, in the transient, between the orbit of the standard work and its mirror image:
-/// x → -x, half a period later (between periods 20 and 60 errors grow a further 10⁹ times).
+/// The motion settles on the orbit of the standard work or on its mirror image, x → -x half a
+/// period later. Rounding decides which, as errors grow 10⁹ times between periods 20 and 60.
 #[test]
 fn golden_standard_work_settles_on_the_certified_orbit_or_its_mirror() {
     const SETTLED: f64 = 1e-9;
@@ -174,8 +174,8 @@ fn golden_standard_work_settles_on_the_certified_orbit_or_its_mirror() {
 
 #[test]
 fn golden_grazing_set() {
-    // An error of this part of L in w moves the instant by that over the speed, and the velocities
-    // after the impact alike; 1e-12 a step over up to 1.6 periods.
+    // Error of w relative to L, from 1e-12 a step over up to 1.6 periods. It moves the instant of
+    // an impact by the error over the speed, and the velocities after the impact likewise.
     const GAP_ERROR: f64 = 1e-10;
     let rows = table("grazing.csv");
     assert!(rows.len() > 400);
@@ -206,8 +206,8 @@ fn golden_grazing_set() {
 
 #[test]
 fn golden_chatter_set() {
-    // A closed rebound of 4e-12 L acts for a time of 1e-6: the state departs by its height, and a
-    // chatter with kappa = 0.9 amplifies the error of its first impact by some more.
+    // A run that is closed at a rebound of 4e-12 L changes the state by that height, and a chatter
+    // with kappa = 0.9 amplifies the error of its first impact.
     const AFTER_CHATTER: f64 = 1e-9;
     let rows = table("chatter.csv");
     assert!(rows.len() > 100);
@@ -223,8 +223,7 @@ fn golden_chatter_set() {
             match *event {
                 Event::Rest { time, side } => {
                     assert_eq!(f64::from(side), row.get("side"));
-                    // Merged while rebounds of that height were still to come, each of about
-                    // 1e-6/rate.
+                    // The run is closed before its last rebounds, each of about 1e-6/rate.
                     let early = (row.get("rest") - (time - t0)) * p.drive_frequency;
                     assert!((-1e-9..1e-3).contains(&early), "row {id}: {early:e}");
                 }
@@ -257,7 +256,7 @@ fn invariant_of_splitting_the_advance() {
     assert_eq!(whole.time(), parts.time());
 }
 
-/// κ = 0 and κ = 1 on a pressed block end too: at rest at once, and in endless even bounces.
+/// A pressed block with κ = 0 rests at once, and with κ = 1 bounces evenly without end.
 #[test]
 fn limits_of_restitution() {
     let loads = Loads { derivatives: [[0.0; 4], [0.1, 0.0, 0.0, 0.0], [0.0; 4]] };

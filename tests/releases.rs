@@ -1,13 +1,13 @@
-//! A block that lets go of its stop without speed, in steps that end right then or are too short
-//! for its way to show.
+//! Releases and departures without speed, in steps that end at the release or are too short for w
+//! to change.
 
 use vibro_impact::flow::Series;
 use vibro_impact::model::{Model, RELATIVE, SmoothMode};
 use vibro_impact::simulator::{AdvanceOutcome, Contact, DoubleDouble, Event, Loads, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// A step that ends where a release was foretold, or a unit in the last place beside it, adds no
-/// impact to the motion.
+/// A step that ends at the announced time of a release, or a unit in the last place beside it, adds
+/// no impact.
 #[test]
 fn invariant_steps_that_end_at_a_release_add_no_impact() {
     let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
@@ -43,12 +43,12 @@ fn invariant_steps_that_end_at_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of {releases} releases", added.len());
 }
 
-/// A block that a force of rounding's size takes off its stop, or lets go ever so slowly, leaves it
-/// in short steps as in one advance: what is too little for w to show in a step adds up.
+/// A block that a force of the size of rounding moves off its stop, or that is released very
+/// slowly, leaves in short steps as in one advance: changes too small for w in one step add up.
 #[test]
 fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
     const STEP: f64 = 0.1;
-    /// Of the way; the roundings of ten thousand steps.
+    /// Relative difference of the displacement, by the roundings of ten thousand steps.
     const SAME: f64 = 0.02;
     for (load, end) in [
         ([-2e-15, 0.0, 0.0, 0.0], 1e3),
@@ -56,7 +56,7 @@ fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
         ([1e-15, -1e-15, 0.0, 0.0], 1e2),
         ([1e-16, -1e-16, 0.0, 0.0], 1e3),
     ] {
-        // The box's spring holds its load, so that only what acts on the block moves anything.
+        // The box's spring balances its load, so that only the force on the block moves anything.
         let p = Parameters {
             box_mass: 1.0,
             box_stiffness: 1.0,
@@ -89,14 +89,14 @@ fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
     }
 }
 
-/// A force that lets go of the block a little and turns before w shows it: no impact comes of the
-/// turn, and the block goes on with the speed that it was given.
+/// A force that releases the block slightly and turns before w changes: the turn causes no impact,
+/// and the block keeps the speed that it has gained.
 #[test]
 fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
     const STEP: f64 = 1e-3;
     const LET_GO: f64 = 3e-15; // N, and m/s² of a block of 1 kg
     const TIME: f64 = 10.0;
-    /// Of the speed: the rounding of the force.
+    /// Relative difference of the speed, by the rounding of the force.
     const SAME: f64 = 0.2;
     let bend = 8.0 * LET_GO / (TIME * TIME);
     let p = Parameters {
@@ -117,7 +117,7 @@ fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
     let load = [0.18 * bend * TIME * TIME - LET_GO, -0.6 * bend * TIME, bend, 0.0];
     simulator.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
     let speed = -2.0 / 3.0 * LET_GO * TIME;
-    // Wherever in a step the jerk turns.
+    // The jerk turns anywhere in a step.
     for phase in 0..8 {
         let mut simulator = simulator.clone();
         for n in 0..=11_000 {
@@ -129,9 +129,9 @@ fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
     }
 }
 
-/// Loads on the block with which the derivatives of w from the second to below the `order`-th are
-/// zero at the start, and that one leads away from the stop with the size `away` m/sᵏ; `None` where
-/// rounding leaves no such loads.
+/// Loads on the block with which, at the start, the derivatives of w from the second on are zero up
+/// to the one of order k = `order`, which leads away from the stop with the size `away` m/sᵏ.
+/// `None` if rounding allows no such loads.
 fn loads_of_order(simulator: &Simulator, order: usize, away: f64) -> Option<Loads> {
     let (model, side) = (Model::new(simulator.parameters()).unwrap(), simulator.relative_motion().0.signum());
     let mut derivatives = [[0.0; 4]; 3];
@@ -153,8 +153,8 @@ fn loads_of_order(simulator: &Simulator, order: usize, away: f64) -> Option<Load
     Some(Loads { derivatives })
 }
 
-/// A block on a moving box that its loads follow to some order leaves by the next one, in steps of
-/// any shortness, though all derivatives below are rounding as soon as it has left.
+/// A block whose loads follow the moving box up to some order leaves by the next order, in steps
+/// however short, though all lower derivatives are rounding as soon as it has left.
 #[test]
 fn second_method_departures_of_high_orders_in_steps_of_any_shortness() {
     let mut departures = [0; 6];
@@ -190,8 +190,8 @@ fn second_method_departures_of_high_orders_in_steps_of_any_shortness() {
     assert!(departures[3..].iter().all(|count| *count > 100), "{departures:?}");
 }
 
-/// A block that its load lets go by a jerk that the next derivative turns late in a longer step:
-/// what little speed it has from some short steps before is no impact.
+/// A block that is released by a jerk which the next derivative turns, late in a longer step: the
+/// small speed from some short steps before causes no impact.
 #[test]
 fn second_method_a_longer_step_after_short_ones_finds_no_impact_at_its_start() {
     let mut added = Vec::new();
@@ -217,14 +217,14 @@ fn second_method_a_longer_step_after_short_ones_finds_no_impact_at_its_start() {
     assert!(added.is_empty(), "{added:?}");
 }
 
-/// A machine at rest under the largest force of its drive, with the block at a stop: the force's
-/// rate is the rounding of the cosine, and what follows it decides. On one side the block is
-/// pressed and rests, on the other it is let go.
+/// A machine at rest under the largest force of its drive, with the block at a stop: the rate of
+/// the force is the rounding of the cosine, and the higher derivatives decide. On one side the
+/// block is pressed and rests, on the other it is released.
 #[test]
 fn closed_form_a_start_at_the_static_deflection_of_the_drive() {
     use std::f64::consts::PI;
     const END: f64 = 0.01;
-    /// Of the way, which the box's spring and damper change in this time.
+    /// Relative change of the displacement by the box's spring and damper in this time.
     const SAME: f64 = 0.02;
     for (mass, stiffness, damping, frequency) in
         [(1.0, 1.0, 0.1, 1.04), (3.0, 1.0, 0.1, 0.3), (0.7, 100.0, 0.0, 1.04), (2.0, 100.0, 0.1, 1.0)]
@@ -253,7 +253,7 @@ fn closed_form_a_start_at_the_static_deflection_of_the_drive() {
                     if side == toward {
                         assert_eq!(simulator.contact().side(), side, "{said}");
                     } else {
-                        // The box follows the cosine's curvature, and the block stays.
+                        // The box accelerates by the cosine's curvature, and the block does not.
                         let way = p.stop_gap - side * simulator.relative_motion().0;
                         let expected = p.drive_amplitude * frequency * frequency / mass * END.powi(4) / 24.0;
                         assert_eq!(simulator.contact(), Contact::Flight, "{said}");
@@ -265,11 +265,11 @@ fn closed_form_a_start_at_the_static_deflection_of_the_drive() {
     }
 }
 
-/// While w rounds to the stop that the block has left, a step is a part of the one step from the
-/// departure to its end: with its very bits, from a restored state too.
+/// While w rounds to the stop that the block has left, several steps are bit-identical to one step
+/// from the departure to their end, even from a restored state.
 #[test]
 fn invariant_short_steps_after_a_departure_have_the_bits_of_one() {
-    /// Of energies of some joules: the roundings of a sum for each of some hundred steps.
+    /// Rounding of energies of some joules, of one sum for each of some hundred steps.
     const ENERGIES: f64 = 1e-12;
     let mut compared = 0;
     for n in 0..40 {
@@ -309,8 +309,8 @@ fn invariant_short_steps_after_a_departure_have_the_bits_of_one() {
     assert!(compared > 10_000, "{compared}");
 }
 
-/// Forces and rates near what counts as rounding, where the derivative that decides is beyond it in
-/// flight and not in rest, or the other way round: what rounding does ends, and the motion goes on.
+/// Forces and rates near the bound on rounding, where the derivative that decides is beyond the
+/// bound in flight but not in rest, or in rest but not in flight: the motion does not stall.
 #[test]
 fn invariant_forces_at_the_edge_of_rounding_do_not_stall() {
     let still = Parameters { drive_amplitude: 0.0, ..Parameters::default() };
@@ -361,12 +361,11 @@ fn invariant_forces_at_the_edge_of_rounding_do_not_stall() {
     }
 }
 
-/// A block that leaves a stop by the ninth derivative of w, while rounding is all that its second
-/// to eighth ones are: it is kept there only as long as no derivative is beyond rounding.
+/// A block that leaves a stop by the ninth derivative of w, while the second to the eighth are
+/// rounding: it is kept there only until a derivative is beyond rounding.
 #[test]
 fn second_method_what_was_in_doubt_leaves_by_what_is_beyond_rounding() {
-    /// Roundings of the place, gaps: docs/numerics.md, section 3, allows 18 ε S, and S is some gaps
-    /// here.
+    /// Rounding of w in gaps: docs/numerics.md, section 3, allows 18 ε S, and S is some gaps here.
     const ROUNDING: f64 = 100.0 * f64::EPSILON;
     let p = Parameters {
         box_mass: 0.7982975814983321,
@@ -395,7 +394,7 @@ fn second_method_what_was_in_doubt_leaves_by_what_is_beyond_rounding() {
     let time = 0.3 / model.rate;
     let series =
         Series::<24>::expand(&model, SmoothMode::Flight, &at_rest.augmented(), Some(&derivatives), time);
-    // All that is beyond rounding.
+    // The part of the motion that is beyond rounding.
     let way: f64 = series.excess_polynomial(1.0, p.stop_gap)[9..].iter().sum();
     assert!(way < -10.0 * ROUNDING * p.stop_gap, "{way:e}");
     for steps in [1, 7, 100] {

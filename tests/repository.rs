@@ -1,8 +1,10 @@
-//! What the repository promises about itself: links lead somewhere, lines are read beside code, the
-//! pages are listed (invariant).
+//! Invariants of the repository's texts: links lead somewhere, comments are narrow, pages are
+//! listed.
 
 #[path = "repository/citations.rs"]
 mod citations;
+#[path = "repository/clauses.rs"]
+mod clauses;
 #[path = "repository/texts.rs"]
 mod texts;
 
@@ -11,7 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use texts::{PASSED_OVER, all, is_own, root, shown, walk};
 
-/// A comment that is wider than this is not read beside code.
+/// Largest width of a comment, in characters.
 const WIDEST: usize = 160;
 
 #[test]
@@ -24,7 +26,7 @@ fn invariant_comments_are_not_wider_than_a_screen() {
         }
         for (number, line) in text.lines().enumerate() {
             let line = line.trim_start();
-            // Tables and diagrams too; in a Cargo.toml also what stands behind an entry.
+            // Tables and diagrams count, too, and in a Cargo.toml comments behind an entry.
             let comment = ["//", "# ", "* "].iter().any(|mark| line.starts_with(mark));
             let behind = ending == "toml" && line.contains(" # ");
             if (comment || behind) && line.chars().count() > WIDEST {
@@ -35,7 +37,7 @@ fn invariant_comments_are_not_wider_than_a_screen() {
     assert!(found.is_empty(), "comments wider than {WIDEST} characters: {found:#?}");
 }
 
-/// A row that a blank line parts from its table is shown as text.
+/// Every row of a table has a head, since a row after a blank line would be shown as text.
 #[test]
 fn invariant_every_row_of_a_table_stands_under_its_head() {
     let is_rule = |line: &str| line.starts_with('|') && line.chars().all(|c| "|-: ".contains(c));
@@ -62,7 +64,7 @@ fn invariant_every_row_of_a_table_stands_under_its_head() {
     assert!(found.is_empty(), "rows without a head, or with other columns: {found:#?}");
 }
 
-/// Whether a text has these words, not as parts of others.
+/// Whether a text has these words, not as parts of longer words.
 fn has_words(text: &str, words: &str) -> bool {
     let inside = |c: Option<char>| c.is_some_and(char::is_alphabetic);
     let mut places = text.match_indices(words);
@@ -78,7 +80,7 @@ fn invariant_motions_progress_and_results_are_reported_and_passed_on() {
     let mut found = Vec::new();
     for (path, text) in all() {
         if path.ends_with("CHANGELOG.md") {
-            continue; // what was done, in the words of its time
+            continue; // history, in the words of its time
         }
         let page = path.extension().is_some_and(|e| e == "md");
         let avoided = ANYWHERE.iter().chain(IN_PAGES.iter().filter(|_| page));
@@ -90,7 +92,7 @@ fn invariant_motions_progress_and_results_are_reported_and_passed_on() {
     assert!(has_words("it gets on.", "gets on") && !has_words("budget one", "get on"));
 }
 
-/// The relative paths of a text that go up, e.g. `../README.md`.
+/// Relative paths of a text that go up, e.g. `../README.md`.
 fn climbing(text: &str) -> impl Iterator<Item = &str> {
     let paths = text.split(|c: char| !(c.is_alphanumeric() || "/._-".contains(c)));
     // A path behind `env!("CARGO_MANIFEST_DIR")` begins with the separator, and one at the end of a
@@ -100,7 +102,7 @@ fn climbing(text: &str) -> impl Iterator<Item = &str> {
     paths.filter(|path| path.contains('/') && path.split('/').any(|name| name == ".."))
 }
 
-/// Where a path leads from a folder of the repository, or nothing where it leads out.
+/// Target of a path from a folder of the repository; `None` if it leads out of the repository.
 fn followed(folder: &Path, path: &str) -> Option<PathBuf> {
     let mut place = folder.strip_prefix(root()).expect("a folder of the repository").to_owned();
     for name in Path::new(path) {
@@ -113,9 +115,9 @@ fn followed(folder: &Path, path: &str) -> Option<PathBuf> {
     Some(place)
 }
 
-/// Whether a path in a file leads to something of the repository, or to what is made there: read
-/// from the file's folder, or from that of its package, as paths behind
-/// `env!("CARGO_MANIFEST_DIR")` are.
+/// Whether a path in a file leads to a file or folder of the repository, or to one that is made
+/// there. The path starts in the file's folder or in that of its package, as paths behind
+/// `env!("CARGO_MANIFEST_DIR")` do.
 fn leads_into_the_repository(file: &Path, path: &str) -> bool {
     let beside = file.parent().expect("a file is in a folder");
     let package = beside.ancestors().find(|folder| folder.join("Cargo.toml").exists()).expect("a package");
@@ -126,7 +128,7 @@ fn leads_into_the_repository(file: &Path, path: &str) -> bool {
 
 #[test]
 fn invariant_every_relative_path_that_goes_up_stays_in_the_repository() {
-    // Entries of an archive, from the folder of the archive in which they are named; and what a
+    // Entries of an archive, from the archive's folder in which they are named; and paths that a
     // machine's file must not reach.
     const ELSEWHERE: [&str; 4] =
         ["../../documentation/fmi-ls-ref.txt", "../resources/", "../../../etc/passwd", "../../secret.csv"];
@@ -145,7 +147,7 @@ fn invariant_every_relative_path_that_goes_up_stays_in_the_repository() {
     }
     assert!(found.is_empty(), "not in the repository: {found:#?}");
     assert!(followed > 0, "no file cites a path that goes up");
-    // The rule refuses what leads out, also by way of a folder inside, and what is not there.
+    // The rule refuses paths that lead out, even through a folder inside, and missing files.
     let page = root().join("docs/theory.md");
     for outside in ["../../other/data.csv", "../docs/../../other", "../other/data.csv"] {
         assert!(climbing(outside).eq([outside]) && !leads_into_the_repository(&page, outside), "{outside}");
@@ -166,7 +168,7 @@ fn invariant_no_text_cites_an_issue_without_its_address() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
-/// A page without its code: fenced blocks, and what stands between backquotes in a line.
+/// A page without its code: without fenced blocks, and without text between backquotes.
 fn prose(page: &str) -> String {
     let mut fenced = false;
     let mut text = String::new();
@@ -181,15 +183,15 @@ fn prose(page: &str) -> String {
     text
 }
 
-/// What the links and pictures of a page lead to.
+/// Targets of the links and pictures of a page.
 fn links(page: &str) -> Vec<String> {
     let prose = prose(page);
     let ends = prose.split("](").skip(1).filter_map(|after| after.split_once(')'));
     ends.map(|(link, _)| link.to_owned()).collect()
 }
 
-/// The anchors of a page's headings, as GitHub makes them: lower case, a hyphen for each space, no
-/// other signs.
+/// Anchors of a page's headings, as GitHub makes them: in lower case, with a hyphen for each space
+/// and no other signs.
 fn anchors(page: &str) -> BTreeSet<String> {
     let mut fenced = false;
     let mut found = BTreeSet::new();
@@ -204,7 +206,7 @@ fn anchors(page: &str) -> BTreeSet<String> {
     found
 }
 
-/// Why a link of a page leads nowhere, if it does.
+/// Reason why a link of a page leads nowhere; `None` for a valid link.
 fn broken(page: &Path, link: &str) -> Option<String> {
     if link.contains("://") {
         return None;
@@ -235,7 +237,7 @@ fn invariant_every_link_of_a_page_leads_somewhere() {
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(followed > 50, "{followed} links were followed");
-    // The rule refuses a file and a heading that are not there, and passes over code.
+    // The rule refuses a missing file and a missing heading, and ignores code.
     let page = root().join("docs/README.md");
     for link in ["nothing.md", "speed.md#nothing", "#nothing"] {
         assert!(broken(&page, link).is_some(), "{link}");
@@ -246,7 +248,7 @@ fn invariant_every_link_of_a_page_leads_somewhere() {
 
 #[test]
 fn invariant_the_readme_is_short_and_the_index_has_every_page() {
-    // What is read in a few minutes; more belongs to a page of docs/.
+    // Words that are read in a few minutes; longer texts belong to a page of docs/.
     const MOST_WORDS: usize = 1200;
     let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
     let words = readme.split_whitespace().count();
@@ -260,8 +262,8 @@ fn invariant_the_readme_is_short_and_the_index_has_every_page() {
     }
 }
 
-/// The names that the crate's root shows: its public modules and re-exports that are not hidden
-/// from the documentation.
+/// Names that the crate's root shows: its public modules and re-exports that are not hidden from
+/// the documentation.
 fn shown_names(root: &str) -> BTreeSet<String> {
     let (mut shown, mut hidden) = (BTreeSet::new(), false);
     for line in root.lines() {

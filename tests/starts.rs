@@ -1,4 +1,4 @@
-//! Every way to start, and parameters at the edge of what is allowed.
+//! All kinds of starts, and parameters at the limits of their ranges.
 
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Loads, Pause};
@@ -8,7 +8,7 @@ fn at_stop(side: f64, relative: f64) -> State {
     State { x: [0.0, side, 0.0], v: [0.0, relative, 0.0] }
 }
 
-/// Without drive and springs only the given push acts.
+/// Machine without springs on box and block, on which only the given push acts.
 fn pushed(push: f64) -> Parameters {
     Parameters {
         box_stiffness: 0.0,
@@ -25,7 +25,7 @@ trait Push {
 }
 
 impl Push for Parameters {
-    /// A constant force on the box: sin(π/2) of a drive of frequency zero.
+    /// Constant force on the box, as a drive of frequency zero at the phase π/2.
     fn with_push(self, push: f64) -> Self {
         Self { drive_amplitude: push, drive_phase: std::f64::consts::FRAC_PI_2, ..self }
     }
@@ -110,7 +110,7 @@ fn bad_starts_are_named() {
 
 #[test]
 fn second_method_a_drive_phase_of_any_size_is_its_rest_of_a_turn() {
-    /// The reduced phase's own rounding, grown over three periods.
+    /// Rounding of the reduced phase, amplified over three periods.
     const ROUNDING: f64 = 1e-12;
     let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
     let base = Parameters::default();
@@ -145,7 +145,7 @@ fn second_method_a_drive_phase_of_any_size_is_its_rest_of_a_turn() {
 
 #[test]
 fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
-    /// Of the energy that passed; stiff springs store much more than passes.
+    /// Bound relative to the energy that passed; stiff springs store much more than passes.
     const BOUND: f64 = 1e-9;
     let p = Parameters::default();
     let cases = [
@@ -197,8 +197,8 @@ fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
 fn invariant_a_step_of_nothing_from_the_present_is_none() {
     let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
     for n in 0..200 {
-        // The end of a step is begin + step in extended precision, which the present as a double
-        // may round down.
+        // The step ends at a time in extended precision, which the present as a double may round
+        // down.
         simulator.advance_until(DoubleDouble::sum(simulator.time(), 0.0317), Pause::Never, None).unwrap();
         let before = simulator.time();
         simulator.advance_observed(before, &mut |_| {}).unwrap_or_else(|e| panic!("step {n}: {e}"));
@@ -206,8 +206,9 @@ fn invariant_a_step_of_nothing_from_the_present_is_none() {
     }
 }
 
-/// Found by the fuzzer: the sub-step's bound on the acceleration, far above what acts just after a
-/// release or between two fast impacts, must not decide how far a step may go.
+/// Motions with absurd speeds end soon and keep within the stops. The bound on the acceleration of
+/// a sub-step, far above the acceleration just after a release or between two fast impacts, must
+/// not limit the step. (Found by the fuzzer.)
 #[test]
 fn invariant_absurd_speeds_end_and_keep_the_stops() {
     for speed in [1e3, 1e12] {
@@ -225,8 +226,8 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     assert!(refused(&p, 6e66));
     assert!(refused(&Parameters { stop_gap: 1e-300, ..p }, 0.5));
     assert!(refused(&Parameters { drive_amplitude: 1e30, ..p }, 0.0));
-    // Squares of speeds would be lost, by which chatter runs are closed; gaps that are a power of
-    // two smaller have the same bits.
+    // Squares of speeds, by which chatter runs are closed, must not underflow: a motion scaled by a
+    // power of two has equal bits, or is refused.
     let scaled = |gap: f64| {
         let p = Parameters {
             drive_amplitude: 0.3 * gap,
@@ -244,8 +245,7 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     for power in [-340, -600, -1070] {
         assert!(matches!(scaled(2f64.powi(power)), Err(Error::PrecisionLost { .. })), "{power}");
     }
-    // Nor may speeds of some gaps in the system's time have squares that overflow: every state that
-    // is reached can be restored.
+    // Nor may the squares of speeds overflow: every state that is reached can be restored.
     assert!(refused(&Parameters { stop_gap: 1e101, ..p }, 0.0));
     assert!(refused(&Parameters { stop_gap: 1e99, drive_frequency: 1e3, ..p }, 0.0));
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
@@ -253,7 +253,7 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     assert!(matches!(simulator.set_loads(&huge), Err(Error::PrecisionLost { .. })));
 }
 
-/// Masses and rates of which energies and derivatives would overflow are refused by name.
+/// Masses and rates with which energies and derivatives would overflow are refused by name.
 #[test]
 fn masses_and_rates_beyond_all_machines_are_refused() {
     for (p, what) in [

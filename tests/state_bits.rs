@@ -1,9 +1,9 @@
-//! State bits of many motions against a golden file (golden file:
-//! `tests/data/state_bits.<instruction set>.txt`).
+//! Bits of the states of many motions against digests in `tests/data/state_bits.<instruction
+//! set>.txt`.
 //!
-//! A change of code that is meant to leave the arithmetic alone leaves every digest alone. Where a
-//! change is meant to alter the arithmetic, `UPDATE=1 cargo test --test state_bits` writes the file
-//! anew, and the commit says why.
+//! A change of code without a change of arithmetic leaves every digest as it is. After an intended
+//! change of arithmetic, `UPDATE=1 cargo test --test state_bits` writes the file anew, and the
+//! commit says why.
 
 mod common;
 
@@ -40,7 +40,8 @@ fn record(digest: &mut Digest, s: &Simulator) {
     }
 }
 
-/// `POINTS` points `step` periods apart, `disturb` called at each before it.
+/// Digest of a motion at `POINTS` points, `step` periods apart; `disturb` is called before the
+/// advance to each point.
 fn run(mut s: Simulator, step: f64, mut disturb: impl FnMut(&mut Simulator, u32)) -> String {
     let (mut digest, dt, begin) = (Digest::new(), step * s.parameters().period().min(100.0), s.time());
     for i in 1..=POINTS {
@@ -58,7 +59,7 @@ fn plain(s: Simulator, step: f64) -> String {
     run(s, step, |_, _| {})
 }
 
-/// Numbers in [0, 1) that are the same everywhere.
+/// Pseudo-random numbers in [0, 1), equal on all machines.
 struct Numbers(u64);
 
 impl Numbers {
@@ -209,7 +210,7 @@ fn disturbed(out: &mut Vec<(String, String)>) {
             }),
         ));
     }
-    // Near the limits of what double precision carries.
+    // Machines near the limits of double precision.
     let stiff = Parameters { coupling_stiffness: 1e4, ..basic };
     out.push(("stiff coupling".into(), plain(moving(&stiff), 0.002)));
     let far = State { x: [1e6, 1e6 + 0.5, 1e6], v: [0.0; 3] };

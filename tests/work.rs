@@ -1,5 +1,5 @@
-//! Snapshots of the work counters: a loss of efficiency shows as a changed count, on any machine.
-//! After a change that is meant to do other work: `INSTA_UPDATE=always cargo test --test work`.
+//! Snapshots of the work counters, which show a loss of efficiency on any machine. After an
+//! intended change of the work: `INSTA_UPDATE=always cargo test --test work`.
 
 use vibro_impact::model::Model;
 use vibro_impact::simulator::{Loads, advance_together};
@@ -18,8 +18,8 @@ fn weak(kappa: f64, f10: f64) -> Parameters {
 
 #[test]
 fn golden_work_of_twenty_periods_of_the_standard_case() {
-    // Twenty: later the transient multiplies round-off, and counts differ between mathematical
-    // libraries.
+    // Only twenty periods, as the transient then amplifies rounding, and counts differ between
+    // mathematical libraries.
     let p = Groups::weak(0.1, 0.75, 1.5, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).unwrap();
     insta::assert_snapshot!(work(&p, 20.0));
 }
@@ -36,7 +36,7 @@ fn golden_work_of_motion_with_rest() {
 
 #[test]
 fn invariant_the_sweep_of_the_paper_ends_everywhere() {
-    /// Sub-steps, expansions and events a period that no value of the sweep needs.
+    /// Bound on sub-steps, expansions and events per period, for all values of the sweep.
     const MANY: u64 = 200;
     const PERIODS: u64 = 120;
     for i in 0..=450 {
@@ -49,8 +49,8 @@ fn invariant_the_sweep_of_the_paper_ends_everywhere() {
     }
 }
 
-/// The sub-steps that one advance in lanes may take: 10⁶ and 64 for each sub-step length (2.4 over
-/// the fastest rate, here more than 0.1 s), and the 64 between two looks at the limit.
+/// Most sub-steps of an advance over `span` s in lanes: 10⁶, 64 for each sub-step length (2.4 over
+/// the fastest rate, here more than 0.1 s), and the 64 between two checks of the limit.
 fn most_substeps(span: f64) -> f64 {
     1e6 + 64.0 * span / 0.1 + 64.0
 }
@@ -86,7 +86,7 @@ fn busy_motions() -> Vec<Simulator> {
 #[test]
 fn invariant_one_advance_ends_soon_and_another_goes_on() {
     const END: f64 = 1000.0;
-    /// Balance of energies over a million impacts, of the largest energy.
+    /// Imbalance of energies over a million impacts, relative to the largest energy.
     const BALANCE: f64 = 1e-6;
     for mut simulator in busy_motions() {
         let first = simulator.energy_accounts().mechanical;
@@ -97,7 +97,7 @@ fn invariant_one_advance_ends_soon_and_another_goes_on() {
             assert!(time == simulator.time() && time > begin && time < END && events > 1000, "{error}");
             assert!((span - (time - begin)).abs() <= 4.0 * f64::EPSILON * time, "{error}");
             let spent = substeps(&simulator) - before;
-            // Alone the count is looked at after each sub-step.
+            // Alone the count is checked after each sub-step.
             let more = 64.0 * span * Model::new(simulator.parameters()).unwrap().rate / 2.4;
             assert!(spent > 1e6 && spent <= 1e6 + 1.0 + more, "{spent} sub-steps: {error}");
             assert!(simulator.relative_motion().0.abs() <= 1.0);
@@ -110,7 +110,7 @@ fn invariant_one_advance_ends_soon_and_another_goes_on() {
             let named = ["stop.restitution", "Remedy", "smaller steps", &time.to_string()];
             assert!(named.iter().all(|part| said.contains(part)), "{said}");
         }
-        // Smaller steps are carried out.
+        // Smaller steps succeed.
         let step = 1e-3 * (simulator.time() / 3.0);
         for n in 1..=10 {
             let end = simulator.time() + step;
@@ -136,10 +136,10 @@ fn invariant_the_lanes_have_the_same_limit() {
 
 #[test]
 fn second_method_elastic_bounces_come_to_the_same_end_in_lanes() {
-    /// So long that bounces of 0.65 intervals, which take two sub-steps each in lanes and one
-    /// alone, take more than 10⁶ in lanes and 32 for each sub-step length.
+    /// End, so late that in lanes bounces of 0.65 intervals, each of two sub-steps, take more
+    /// sub-steps than 10⁶ and 32 for each sub-step length. Alone a bounce takes one sub-step.
     const END: f64 = 144_000.0;
-    /// The part of the impacts by which round-off may change their number.
+    /// Relative change of the number of impacts by rounding.
     const ROUND_OFF: f64 = 1e-4;
     let p = Parameters {
         box_mass: 1.0,

@@ -9,7 +9,7 @@ use super::attractor::{OBSERVED, StroboscopicRecord};
 use super::free_limit::{dynamic_stiffness, forced, middle};
 use super::stroboscopic::Units;
 use nalgebra::{Complex, SMatrix, SVector};
-use vibro_impact::flow::{Column, Series, WHOLE, substep};
+use vibro_impact::flow::{Series, UnitColumn, WHOLE, substep};
 use vibro_impact::model::{COORDINATES, Model, SmoothMode};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
@@ -75,7 +75,7 @@ impl FreeFlight {
         let length = 0.5 * p.period() / pieces;
         let mut piece = SMatrix::<f64, COORDINATES, COORDINATES>::zeros();
         for j in 0..COORDINATES {
-            let unit = Column::unit(j).z;
+            let unit = UnitColumn::unit(j).z;
             let series = Series::<WHOLE>::expand(model, SmoothMode::Flight, &unit, None, length);
             piece.set_column(j, &SVector::from(series.at(1.0)));
         }

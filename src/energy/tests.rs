@@ -1,4 +1,4 @@
-//! The drive's work in closed form against the quadrature, and the Gramians against a plain one.
+//! Drive work in closed form against the Gramians; the Gramians against a quadrature in time.
 
 use super::*;
 use crate::model::Model;
@@ -37,10 +37,10 @@ fn states() -> [Augmented; 3] {
     ]
 }
 
-fn tables(p: &Parameters, mode: SmoothMode) -> (Model, f64, Table<CORE>, Gramians) {
+fn tables(p: &Parameters, mode: SmoothMode) -> (Model, f64, SubstepTable<CORE>, Gramians) {
     let model = Model::new(p).unwrap();
     let h = crate::flow::substep(&model);
-    let mut core = Table::<CORE>::zero();
+    let mut core = SubstepTable::<CORE>::zero();
     core.fill(pulp::Scalar, &model, mode, h);
     let mut energy = Gramians::zero();
     energy.set_powers(p, &model, mode);
@@ -49,10 +49,11 @@ fn tables(p: &Parameters, mode: SmoothMode) -> (Model, f64, Table<CORE>, Gramian
     (model, h, core, energy)
 }
 
-/// A rule's error on [0, 1] is e/n! times the n-th derivative of the power, with e its error for
-/// uⁿ, n the first degree that it does not integrate. Along a motion of size 1 the k-th derivative
-/// of a rate is at most max(1, k) rᵏ⁺¹, hence that of its square at most Σ C(n, k) max(1, k) max(1,
-/// n-k) rⁿ⁺², and that of the drive's power at most Σ C(n, k) max(1, k) rⁿ⁺¹.
+/// The error of a rule on [0, 1] is e/n! times the n-th derivative of the power, where n is the
+/// first degree that the rule does not integrate and e its error for uⁿ. Along a motion of size 1
+/// the k-th derivative of a rate is at most max(1, k) rᵏ⁺¹. So the n-th derivative of its square is
+/// at most Σ C(n, k) max(1, k) max(1, n-k) rⁿ⁺², and that of the drive's power at most
+/// Σ C(n, k) max(1, k) rⁿ⁺¹.
 #[test]
 fn closed_form_errors_of_the_rules() {
     const LOBATTO: f64 = 0.276_393_202_250_021;
@@ -80,7 +81,7 @@ fn closed_form_errors_of_the_rules() {
         assert!(degree > 7 || error(&FOUR, degree) < ROUNDING, "{degree}");
         assert!(degree > 5 || error(&lobatto, degree) < ROUNDING, "{degree}");
     }
-    // As the table of docs/numerics.md, section 4, has them.
+    // Bounds of the table in docs/numerics.md, section 4.
     let [five, half] = [0.15, 0.075].map(|reach| bound(error(&FIVE, 10), 10, reach)[0]);
     assert!(five < 6e-17 && half < 1e-19, "{five:e} {half:e}");
     let [damped, driven] = bound(error(&FOUR, 8), 8, 0.075);
@@ -96,7 +97,7 @@ fn second_method_drive_work_in_closed_form_and_by_quadrature() {
         let work = DriveWork::new(p.drive_amplitude, &model).expect("not at an undamped resonance");
         for z in states() {
             let mut end = [0.0; COORDINATES];
-            Table::transit(&core.full, &z, &mut end);
+            SubstepTable::transit(&core.full, &z, &mut end);
             let found = work.value(&end) - work.value(&z) + work.mean() * h;
             let expected = energy.input_up_to(pulp::Scalar, INTERVALS, &z);
             let size = work.value(&end).abs() + work.value(&z).abs() + expected.abs();
@@ -111,7 +112,7 @@ fn second_method_drive_work_in_closed_form_and_by_quadrature() {
 
 #[test]
 fn second_method_gramians_and_a_plain_quadrature() {
-    /// Pieces of the plain rule; the two differ by rounding.
+    /// Pieces of the quadrature in time; with so many, it differs from the Gramians by rounding.
     const PIECES: usize = 64;
     for mode in [SmoothMode::Flight, SmoothMode::Rest] {
         for p in systems() {
@@ -135,8 +136,8 @@ fn second_method_gramians_and_a_plain_quadrature() {
                         energy.input_up_to(pulp::Scalar, index, &z),
                         energy.damped_up_to(pulp::Scalar, index, &z),
                     );
-                    /// Sums of large entries of either sign, in systems as far apart as 300 times
-                    /// the natural frequency.
+                    /// Rounding of sums of large entries of either sign, with drives of up to 300
+                    /// times the natural frequency.
                     const CANCELLATION: f64 = 1e-13;
                     let size = passed + damped;
                     assert!((i - input).abs() <= CANCELLATION * size, "input {i:e} {input:e} {mode:?} {p:?}");

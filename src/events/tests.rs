@@ -2,10 +2,12 @@
 
 use super::*;
 
-/// Roots of products are found to the conditioning of a simple root, a few units in the last place.
+mod newton;
+
+/// Error of a simple root: a few units in the last place.
 const ROOT: f64 = 1e-14;
 
-/// Numbers between -1 and 1, always the same ones.
+/// Pseudo-random numbers between -1 and 1, from a fixed seed.
 fn random(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -34,11 +36,11 @@ fn closed_form_first_of_several_crossings() {
     assert_eq!(first_crossing(&p, -0.4, 0.24, &mut n), None);
 }
 
-/// A rate that rounding has turned at its start, as that of w is at a release: it turns once, and
-/// not again where it is still rounding.
+/// A rate whose sign at the start is rounding, as that of w is at a release: it turns there once,
+/// and not again while it is still rounding.
 #[test]
 fn closed_form_turns_of_a_rate_that_begins_with_rounding() {
-    /// By how much a zero is off whose slope is 1e-15 at most.
+    /// Error of a zero at which the slope is rounding, at most 1e-15.
     const NOISE: f64 = 1e-14;
     for rounding in [-4.722797662324724e-15, -1e-17, 0.0, 1e-17, 3e-15] {
         let c = [0.0, rounding, 1.1702631224810198, -0.6597638777761026, -0.9, 0.1, 0.0, 0.0];
@@ -84,8 +86,8 @@ fn closed_form_grazing_is_found_only_when_it_crosses() {
     }
 }
 
-/// The case by which the grazing set showed that a bisection must not end the search as a Newton
-/// step would: the last Newton step, of zero length, falls on the bracket's end.
+/// A case of the grazing set in which the last Newton step, of zero length, falls on an end of the
+/// bracket: the bisection that replaces it must not end the search.
 #[test]
 fn closed_form_shallow_crossing_to_the_last_digit() {
     let p = [
@@ -113,8 +115,8 @@ fn closed_form_triple_root_without_certain_shape() {
     assert!((u - 0.1).abs() < 1e-5, "{u}");
 }
 
-/// u (1+u)⁴ (1-u) is nothing but rounding near -1, where no halving makes its shape certain. The
-/// passage at 0 lies behind.
+/// Polynomial u (1+u)⁴ (1-u), which is nothing but rounding near -1, where no halving makes its
+/// shape certain. The passage at 0 comes later.
 #[test]
 fn closed_form_a_passage_behind_a_start_that_is_rounding() {
     let p = [0.0, 1.0, 3.0, 2.0, -2.0, -3.0, -1.0, 0.0, 0.0, 0.0];
@@ -123,11 +125,11 @@ fn closed_form_a_passage_behind_a_start_that_is_rounding() {
     assert!(u.is_some_and(|u| u.abs() < ROOT), "{u:?} after {n} pieces");
 }
 
-/// Products of roots of any multiplicity, on the axis and close to it: far fewer pieces than are
-/// allowed, and no passage missed.
+/// Products of roots of any multiplicity, on the real axis and close to it, need far fewer pieces
+/// than are allowed, and no passage is missed.
 #[test]
 fn second_method_roots_of_any_multiplicity() {
-    /// A third more than the most of three million such products.
+    /// Bound on the number of pieces: a third more than the most of three million such products.
     const PIECES: u64 = 260;
     const SAMPLES: i32 = 400;
     let mut random = random(9);
@@ -140,7 +142,7 @@ fn second_method_roots_of_any_multiplicity() {
             let root = (8.0 * 1.2 * random()).round() / 8.0;
             let beside = if random() < -0.4 { 10f64.powf(-8.0 + 8.0 * random()) } else { 0.0 };
             for _ in 0..1 + (2.5 * (1.0 + random())) as usize {
-                // One root, or a pair at a distance above and below the axis.
+                // A real root, or a pair above and below the real axis.
                 let (factor, more) = match beside {
                     0.0 => ([-root, 1.0, 0.0], 1),
                     _ => ([root * root + beside, -2.0 * root, 1.0], 2),
@@ -190,10 +192,10 @@ fn closed_form_the_allowed_pieces_are_more_than_any_polynomial_needs() {
 fn closed_form_nothing_passes_zero_in_zero_or_noise() {
     let mut n = 0;
     assert_eq!(first_crossing(&[0.0; 9], -1.0, 1.0, &mut n), None);
-    // A constant above zero, which breaks the requirement, counts as zero and is answered soon too.
+    // A constant above zero, which breaks the requirement, counts as zero; the search ends soon.
     assert_eq!(first_crossing(&[1e-17, 0.0, 0.0, 0.0], -1.0, 1.0, &mut n), Some(-1.0));
     assert!(n < 100, "{n}");
-    // Alternating round-off about zero: whatever is answered, it is answered soon.
+    // Alternating round-off about zero: any answer is right, if it comes soon.
     let noise: [f64; 9] = std::array::from_fn(|k| if k % 2 == 0 { -1e-300 } else { 1e-300 });
     first_crossing(&noise, -1.0, 1.0, &mut n);
     assert!(n < 10_000, "{n}");
@@ -229,60 +231,6 @@ fn second_method_agrees_with_dense_sampling_on_random_polynomials() {
     assert!(found > 1000);
 }
 
-/// [`flight_crossing`] from a start to an end, and the iterations it takes, in the machine's best
-/// instructions.
-struct Flight<'a>(&'a [f64; PADDED], f64, f64);
-
-impl pulp::WithSimd for Flight<'_> {
-    type Output = (Option<f64>, u64);
-
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut iterations = 0;
-        (flight_crossing(simd, self.0, self.1, self.2, &mut iterations), iterations)
-    }
-}
-
-/// The same in vectors and in single numbers.
-fn flights(c: &[f64; PADDED], lo: f64, hi: f64) -> [(Option<f64>, u64); 2] {
-    let flight = || Flight(c, lo, hi);
-    [pulp::Arch::new().dispatch(flight()), pulp::WithSimd::with_simd(flight(), pulp::Scalar)]
-}
-
-#[test]
-fn second_method_nearly_straight_passages() {
-    let mut random = random(11);
-    let mut found = 0;
-    for _ in 0..20_000 {
-        // From nearly straight to anything.
-        let bend = 10f64.powf(-4.0 * random().abs());
-        let mut c = [0.0; PADDED];
-        for (k, ck) in c.iter_mut().enumerate().take(10) {
-            *ck = random() * if k < 2 { 1.0 } else { bend.powi(k as i32 - 1) };
-        }
-        c[0] -= value(&c, -1.0).max(0.0) + 0.01 * random().abs();
-        if value(&c, -1.0) >= 0.0 {
-            continue;
-        }
-        let hi = if random() > 0.0 { 1.0 } else { random() };
-        let sure = first_crossing(&c, -1.0, hi, &mut 0);
-        for (root, _) in flights(&c, -1.0, hi) {
-            match (root, sure) {
-                (Some(a), Some(b)) => {
-                    found += 1;
-                    let slope = value_and_slope(&c, b).1;
-                    assert!((a - b).abs() < ROOT / slope.abs().min(1.0), "{a} {b} {c:?}");
-                }
-                (None, None) => {}
-                // A root at the end but for rounding: Newton's iterate lies inside, the computed
-                // p(hi) is not positive.
-                (Some(u), None) => assert!(u < hi && hi - u < ROOT, "{u} {hi} {c:?}"),
-                (None, Some(u)) => panic!("missed the passage at {u} before {hi}: {c:?}"),
-            }
-        }
-    }
-    assert!(found > 5000, "{found}");
-}
-
 #[test]
 fn closed_form_roots_at_the_ends() {
     // A root at the end is no passage, however p gets there; one at the start is.
@@ -295,142 +243,9 @@ fn closed_form_roots_at_the_ends() {
     // From zero downwards and up again: the passage is the later one.
     let u = first_crossing(&[0.0, -0.25, 1.0], 0.0, 1.0, &mut 0).unwrap();
     assert!((u - 0.25).abs() < ROOT, "{u}");
-    // What rounding leaves above zero counts as zero.
+    // A start above zero by rounding counts as zero.
     assert_eq!(first_crossing(&[1e-16, 1.0, 0.0], 0.0, 1.0, &mut 0), Some(0.0));
     assert_eq!(first_crossing(&[1e-16, -1.0, 0.0], 0.0, 1.0, &mut 0), None);
     let u = first_crossing(&[1e-16, -0.25, 1.0], 0.0, 1.0, &mut 0).unwrap();
     assert!((u - 0.25).abs() < ROOT, "{u}");
-}
-
-/// The criterion by which Newton's method ends early, against the exact root of p = (u - r)(1 + b
-/// (u - r)), for which the factor K is known.
-#[test]
-fn closed_form_the_newton_criterion_holds_up_to_its_largest_factor() {
-    let mut random = random(5);
-    let mut ended = 0;
-    for _ in 0..20_000 {
-        let (r, b) = (0.9 * random(), 0.26 * random());
-        let p = [-r * (1.0 - b * r), 1.0 - 2.0 * b * r, b];
-        let (Shape::Rising, factor) = shape(&p) else { continue };
-        assert!(factor <= MAX_NEWTON_FACTOR || factor.is_infinite());
-        let u = refine(&p, (-1.0, 1.0), 0.0, factor, &mut 0);
-        // The root's conditioning: rounding of the coefficients over the slope 1.
-        assert!((u - r).abs() < 4.0 * f64::EPSILON, "{u} {r} {b}");
-        ended += 1;
-    }
-    assert!(ended > 10_000);
-}
-
-/// The estimate that ends Newton's method early, against the same method in 60 digits where the
-/// estimate is tight, up to 7 % under and over the resolution: the same number of iterations, and
-/// the root to a few roundings.
-#[test]
-fn golden_newton_ends_where_its_estimate_says() {
-    /// The estimate allows ε |u|, and rounding of p, of the step and of u take as much again each.
-    const ERROR: f64 = 4.0 * f64::EPSILON;
-    let rows: Vec<&str> = include_str!("../../tests/data/newton.csv").lines().skip(1).collect();
-    assert!(rows.len() > 90);
-    for row in rows {
-        let numbers: Vec<f64> = row.split(',').map(|text| text.parse().unwrap()).collect();
-        let [_, c @ .., start, factor, _, _, expected, high, low] = &numbers[..] else { panic!("{row}") };
-        let c: [f64; 5] = c.try_into().unwrap();
-        // K is summed in another order.
-        let (known, own) = shape(&c);
-        assert!(known == Shape::Rising && (own - factor).abs() < 1e-10 * factor, "{row}: {own}");
-        let mut iterations = 0;
-        let u = refine(&c, (-1.0, 1.0), *start, *factor, &mut iterations);
-        assert_eq!(iterations as f64, *expected, "{row}");
-        assert!(((u - high) - low).abs() <= ERROR * u.abs(), "{row}: {u}");
-    }
-}
-
-/// At equality the estimate still ends the method: on a straight line all its numbers are exact.
-#[test]
-fn closed_form_newton_ends_where_the_estimate_equals_the_resolution() {
-    // From u = 1 the step is 2⁻²⁰, and 4 K 2⁻⁴⁰ = 2⁻⁵².
-    let (step, factor) = (2f64.powi(-20), 2f64.powi(-14));
-    let line = [step - 1.0, 1.0, 0.0, 0.0, 0.0];
-    for (factor, expected) in [(factor, 1), (factor * (1.0 + f64::EPSILON), 2)] {
-        let mut iterations = 0;
-        assert_eq!(refine(&line, (-1.0, 1.0), 1.0, factor, &mut iterations), 1.0 - step);
-        assert_eq!(iterations, expected);
-    }
-}
-
-/// The estimates by which a flight ends, against the coefficients c at which they equal the
-/// resolution in 60 digits. The flight p = u - 1/2 + c u⁸ starts from u = 1/2, where its step is m
-/// = (c/256)/(1 + c/16), and it has K = 28 c/(1 - 8 c). The first estimate is 4 K m² and the second
-/// 8 K² m² (m + 4 K m²); the resolution is ε (1/2 - m).
-#[test]
-fn golden_flights_end_where_their_estimates_say() {
-    const FIRST: f64 = 4.019_556_791_509_709e-5;
-    const SECOND: f64 = 3.092_014_722_553_670_4e-3;
-    /// The estimates grow as c³ and c⁵, and their rounding is some ε.
-    const BESIDE: f64 = 1e-14;
-    let ends = |c8: f64, most: u64| {
-        let mut c = [0.0; PADDED];
-        [c[0], c[1], c[8]] = [-0.5, 1.0, c8];
-        let sure = first_crossing(&c, -1.0, 1.0, &mut 0).unwrap();
-        flights(&c, -1.0, 1.0).map(|(root, iterations)| {
-            assert!((root.unwrap() - sure).abs() <= 2.0 * f64::EPSILON, "{c8}: {root:?} {sure}");
-            iterations <= most
-        })
-    };
-    for (tight, steps) in [(FIRST, 1), (SECOND, 2)] {
-        assert_eq!(ends(tight * (1.0 - BESIDE), steps), [true; 2], "{steps}");
-        assert_eq!(ends(tight * (1.0 + BESIDE), steps), [false; 2], "{steps}");
-    }
-    // At equality the estimate still ends the flight: at a root in the centre both sides are zero.
-    for bend in [0.0, 0.125] {
-        let mut c = [0.0; PADDED];
-        [c[1], c[2]] = [1.0, bend];
-        assert_eq!(flights(&c, -1.0, 1.0), [(Some(0.0), 1); 2], "{bend}");
-    }
-}
-
-/// Flights with a root at either end, exact in the coefficients: p = s (u - r) (1 + b (u - r)).
-#[test]
-fn closed_form_flights_with_roots_at_the_ends() {
-    /// Of the larger ones the root is found by the second step, of the smaller ones by the first.
-    const BENDS: [f64; 5] = [0.0, 1.0 / 1024.0, -1.0 / 1024.0, 0.125, -0.125];
-    for s in (1..1000).map(f64::from) {
-        for (r, b) in [-0.25, 0.5, 0.75].into_iter().flat_map(|r| BENDS.map(|b| (r, b))) {
-            let mut c = [0.0; PADDED];
-            [c[0], c[1], c[2]] = [-s * r * (1.0 - b * r), s * (1.0 - 2.0 * b * r), s * b];
-            // At the end it is no passage, which at most rounding finds before it.
-            for (root, _) in flights(&c, -1.0, r) {
-                assert!(root.is_none_or(|u| u < r && r - u < ROOT), "{s} {r} {b}: {root:?}");
-            }
-            // At the start, or just before it by rounding, it is one at the start, and none before
-            // it.
-            for lo in [r, r.next_up()] {
-                for (root, _) in flights(&c, lo, 1.0) {
-                    assert!(root.is_some_and(|u| u >= lo && u - lo < ROOT), "{s} {r} {b}: {root:?}");
-                }
-            }
-        }
-    }
-}
-
-/// Of all rising p with p' ≥ σ and |p''| ≤ 2 K σ that have a root a distance e from where p' = P,
-/// the one whose slope falls as fast as it may makes the shortest Newton step m; e is at most m + K
-/// m² for each P, and equal to it for P = σ sqrt(1 + 4 K e).
-#[test]
-fn closed_form_the_error_before_a_newton_step() {
-    const ROUNDING: f64 = 1e-12;
-    let e = 1.0;
-    for k in [0.01, 0.25, 2.0 / 3.0, 2.0, 1e2, 1e4] {
-        // With σ = 1 the slope is max(1, P - 2 K t) a distance t from the start.
-        let step = |p: f64| {
-            let bent = ((p - 1.0) / (2.0 * k)).min(e);
-            (p * bent - k * bent * bent + (e - bent)) / p
-        };
-        let bound = |m: f64| m + k * m * m;
-        for n in 0..2000 {
-            let p = 1.0 + (4.0 * k + 1.0) * f64::from(n) / 1000.0;
-            assert!(e <= bound(step(p)) * (1.0 + ROUNDING), "{k} {p}");
-        }
-        let sharpest = bound(step((1.0 + 4.0 * k * e).sqrt()));
-        assert!((sharpest - e).abs() < ROUNDING, "{k}: {sharpest}");
-    }
 }

@@ -1,14 +1,13 @@
-//! Values of polynomials, by operations whose order and rounding are the same at one place and at
-//! several side by side.
+//! Values of polynomials, bit-identical for one argument and for several side by side.
 
 use crate::model::{Augmented, COORDINATES};
 use pulp::Simd;
 
-/// So many places at a time: their sums fit into registers.
+/// Number of arguments that [`at_places`] evaluates at a time: their sums fit into registers.
 pub(super) const PLACES: usize = 4;
 
-/// `Σ_k coefficients[k] u^k` coordinate by coordinate, even and odd orders apart so that two chains
-/// run side by side.
+/// `Σ_k coefficients[k] u^k`, coordinate by coordinate. Even and odd orders are summed apart: two
+/// chains of dependent operations instead of one.
 #[inline(always)]
 pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], u: f64) -> [f64; W] {
     let square = u * u;
@@ -22,9 +21,8 @@ pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], 
     std::array::from_fn(|j| even[j] + u * odd[j])
 }
 
-/// [`polynomial`] with one coefficient for each order at the ends of equal intervals of [0, 1], and
-/// with its bits for an even number N of orders: no operation is fused. The ends lie side by side
-/// in vectors.
+/// Values of a scalar polynomial at the ends of equal intervals of [0, 1], computed in vectors.
+/// Bit-identical to [`polynomial`], as no operation is fused and the number N of orders is even.
 #[inline(always)]
 pub(super) fn at_interval_ends<S: Simd, const N: usize, const INTERVALS: usize>(
     simd: S,
@@ -48,8 +46,8 @@ pub(super) fn at_interval_ends<S: Simd, const N: usize, const INTERVALS: usize>(
     values
 }
 
-/// [`polynomial`] of augmented states at [`PLACES`] places, likewise with its bits. The places'
-/// chains of operations run side by side, where one alone would wait for each of its sums.
+/// Values of a polynomial of augmented states at [`PLACES`] arguments, bit-identical to
+/// [`polynomial`]. The arguments' chains of dependent operations run side by side.
 #[inline(always)]
 pub(super) fn at_places<S: Simd, const N: usize>(
     simd: S,

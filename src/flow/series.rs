@@ -1,6 +1,6 @@
-//! Taylor series of the augmented state about a point, by the recurrence docs/theory.md (8). How
-//! many coefficients a series has follows from its radius: the sub-step of 2.4/rate, which
-//! [`super`] divides into 16 intervals, or a part of it.
+//! Taylor series of the augmented state about a point, by the recurrence docs/theory.md (8). The
+//! number of coefficients follows from the radius: the sub-step of 2.4/rate, which [`super`]
+//! divides into 16 intervals, or a part of it.
 
 use super::polynomial;
 use crate::model::{
@@ -8,10 +8,10 @@ use crate::model::{
     RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
 };
 
-/// A bound on what a series of seven coefficients or more leaves out up to a time of `reach`/rate
-/// from its point, in parts of the motion's size S (docs/numerics.md, section 1): rate bounds the
-/// bodies alone, and at resonance the drive adds up from order to order, so that it is
-/// reach^n/(n-1)! and not reach^n/n!.
+/// Bound on the remainder of a series of seven coefficients or more, up to a time of `reach`/rate
+/// from its point, relative to the motion's size S (docs/numerics.md, section 1). It is
+/// reach^n/(n-1)! and not reach^n/n!, as the rate bounds the bodies alone and a drive at resonance
+/// adds up from order to order.
 pub const fn remainder(coefficients: usize, reach: f64) -> f64 {
     assert!(coefficients >= 7, "the bound on a coefficient holds from order seven on");
     assert!(reach < coefficients as f64, "the terms left out fall from the first on");
@@ -24,19 +24,20 @@ pub const fn remainder(coefficients: usize, reach: f64) -> f64 {
     term / (1.0 - reach / coefficients as f64)
 }
 
-/// Coefficients of a series about an interval's centre, of radius 0.075/rate: the remainder is
-/// under 0.075¹⁰/9! < 1.6e-17 of the motion's size S (docs/numerics.md, section 1).
+/// Number of coefficients of a series about an interval's centre, of radius 0.075/rate: the
+/// remainder is under 0.075¹⁰/9! < 1.6e-17 of the motion's size S (docs/numerics.md, section 1).
 pub const CENTRED: usize = 10;
-/// Coefficients of a series about the start, of radius 0.15/rate: the remainder is under 4e-18 of
-/// the size.
+/// Number of coefficients of a series about an interval's start, of radius 0.15/rate: the remainder
+/// is under 4e-18 of the motion's size.
 pub const ANCHORED: usize = 12;
-/// Coefficients of a series over a whole sub-step of 2.4/rate, for the tables: the remainder is
-/// under 4e-20 of the size.
+/// Number of coefficients of a series over a whole sub-step of 2.4/rate, for the tables: the
+/// remainder is under 4e-20 of the motion's size.
 pub const WHOLE: usize = 30;
 
-/// Coefficients of each series of [`expand_along`]: the remainder is under 3.4e-16 of the size.
+/// Number of coefficients of each series of [`expand_along`]: the remainder is under 3.4e-16 of the
+/// motion's size.
 pub const PIECE: usize = 20;
-/// Longest time that one of these series covers, times the model's rate.
+/// Longest time that a series of [`expand_along`] covers, times the model's rate.
 const PIECE_TIMES_RATE: f64 = 1.2;
 const _: () = assert!(remainder(PIECE, PIECE_TIMES_RATE) < 3.4e-16);
 
@@ -51,8 +52,8 @@ const RECIPROCALS: [f64; WHOLE] = {
     r
 };
 
-/// Taylor coefficients about a point, scaled by the radius: `z(t0 + u r) = Σ_k states[k] u^k`;
-/// `free` likewise is the free relative acceleration.
+/// Taylor coefficients about a point, scaled by the radius r: `z(t0 + u r) = Σ_k states[k] u^k`,
+/// and likewise for the free relative acceleration.
 #[derive(Clone, Copy)]
 pub struct Series<const N: usize> {
     /// Coefficients of the augmented state, by order.
@@ -62,8 +63,8 @@ pub struct Series<const N: usize> {
 }
 
 impl<const N: usize> Series<N> {
-    /// The recurrence docs/theory.md (8): each order follows from the one before through the
-    /// equations of motion.
+    /// Series about `z` by the recurrence docs/theory.md (8): each order follows from the one
+    /// before through the equations of motion.
     #[inline(always)]
     pub fn expand(
         model: &Model,
@@ -100,15 +101,15 @@ impl<const N: usize> Series<N> {
         Self { states, free }
     }
 
-    /// The augmented state at u.
+    /// Augmented state at u.
     #[inline(always)]
     pub fn at(&self, u: f64) -> Augmented {
         polynomial(&self.states, u)
     }
 
-    /// The augmented state at u, the way from the centre added in one sum. In [`at`](Self::at) the
-    /// terms of even order are added to the constant one first; in the shortest steps they would be
-    /// lost there, or rounded in one and the same direction again and again.
+    /// Augmented state at u, for the shortest steps: the change is summed first and added to the
+    /// constant term once. [`at`](Self::at) adds the even orders to the constant term one by one,
+    /// where the shortest steps lose them or round them in one direction at every step.
     #[inline(always)]
     pub fn after_way(&self, u: f64) -> Augmented {
         let mut terms = self.states;
@@ -117,7 +118,7 @@ impl<const N: usize> Series<N> {
         std::array::from_fn(|j| self.states[0][j] + way[j])
     }
 
-    /// The coefficients of `side · w - gap` (gap is L), negative while the block is inside.
+    /// Coefficients of `side · w - gap` (gap is L), negative while the block is inside.
     #[inline(always)]
     pub fn excess_polynomial(&self, side: f64, gap: f64) -> [f64; N] {
         let mut p = [0.0; N];
@@ -145,8 +146,7 @@ impl<const N: usize> Series<N> {
         derivatives
     }
 
-    /// The coefficients of the event functional: w in flight, the free relative acceleration in
-    /// rest.
+    /// Coefficients of the event functional: w in flight, the free relative acceleration in rest.
     #[inline(always)]
     pub fn functional(&self, mode: SmoothMode) -> [f64; N] {
         match mode {
@@ -156,9 +156,8 @@ impl<const N: usize> Series<N> {
     }
 }
 
-/// The flow from `start` over `span` s, under forces that do not change, as consecutive series:
-/// `visit` gets each with its length in s, its variable running over [0, 1]. Returns the state at
-/// the end.
+/// Flow from `start` over `span` s under constant forces, as consecutive series. `visit` gets each
+/// series, with its variable over [0, 1], and its length in s. Returns the state at the end.
 #[inline(always)]
 pub fn expand_along(
     model: &Model,

@@ -1,10 +1,12 @@
-//! What an impact makes of variations of the motion (docs/theory.md (83), (84)).
+//! Jump of variations of the motion at an impact (docs/theory.md (83), (84)).
 
 use super::{Augmented, BOX_RATE, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
 
-/// The jump of variations at an impact, the saltation matrix of docs/theory.md (78) in the
-/// coordinates (83): the places of x1 and x1' hold the variations of the centre of mass of box and
-/// block and of its rate. w' before the impact has its sign, so the law is one for both stops.
+/// Saltation matrix of an impact, docs/theory.md (78), in the coordinates (83): indices [`BOX`] and
+/// [`BOX_RATE`] hold the variations of the centre of mass of box and block and of its rate. One law
+/// holds for both stops, as w' before the impact enters with its sign.
+///
+/// [`BOX`]: super::BOX
 ///
 /// ```
 /// use vibro_impact::model::{Model, RELATIVE, RELATIVE_RATE, Saltation};
@@ -24,24 +26,24 @@ pub struct Saltation {
     restitution: f64,
     /// δw' after the impact per δw before it.
     kick: f64,
-    /// The change of the centre's rate per change of δw: the damper's force on the box is the only
-    /// other one that jumps.
+    /// Change of the rate of the centre of mass per change of δw, since the damper's force on the
+    /// box jumps, too.
     push: f64,
 }
 
 impl Saltation {
-    /// The jump at an impact with w' = `rate` before it, m/s, and the state `after` it, and after
-    /// the merge where one follows, under `loads`, N. Rates of variations are counted in the unit
-    /// of their displacements times `unit`, 1/s. A contact without speed changes no state; its jump
-    /// does not exist, and variations are left as they are.
+    /// Jump at an impact with w' = `rate` before it, m/s, under `loads`, N. `after` is the state
+    /// after the impact, and after the merge if one follows. Rates of variations are in units of
+    /// displacement times `unit`, 1/s. An impact without speed has no jump and does not change
+    /// variations.
     #[inline]
     pub fn new(model: &Model, rate: f64, after: &Augmented, loads: [f64; 3], unit: f64) -> Self {
         if rate == 0.0 {
             return Self { restitution: -1.0, kick: 0.0, push: 0.0 };
         }
-        // a_w⁺ + κ a_w⁻. With the centre of mass held, docs/theory.md (83), the free acceleration
-        // (6) is affine in w', whose parts cancel: what is left is 1 + κ times that of a block that
-        // moves with the box, as fast as their centre of mass, also where a merge followed.
+        // a_w⁺ + κ a_w⁻. With the centre of mass fixed, docs/theory.md (83), the free acceleration
+        // (6) is affine in w', and the parts in w' cancel. The result is 1 + κ times the free
+        // acceleration with box and block moving as their centre of mass, also after a merge.
         let mut together = *after;
         together[BOX_RATE] += model.block_share * after[RELATIVE_RATE];
         together[RELATIVE_RATE] = 0.0;
@@ -50,7 +52,7 @@ impl Saltation {
         Self { restitution: model.restitution, kick, push: push(model, unit) }
     }
 
-    /// A variation through the impact.
+    /// Applies the impact to a variation.
     #[inline(always)]
     pub fn apply(&self, v: &mut Augmented) {
         let w = v[RELATIVE];
@@ -59,9 +61,9 @@ impl Saltation {
         v[BOX_RATE] += self.push * (v[RELATIVE] - w);
     }
 
-    /// A variation through the merge into rest: what is left of its relative motion ends, and in
-    /// the bounces that the merge stands for the damper acts on the centre of mass by as much as w
-    /// changes.
+    /// Applies the merge into rest to a variation: its relative motion ends. In the bounces that
+    /// the merge stands for, the damper changes the rate of the centre of mass in proportion to the
+    /// change of w.
     #[inline(always)]
     pub fn merge(model: &Model, v: &mut Augmented, unit: f64) {
         v[BOX_RATE] -= push(model, unit) * v[RELATIVE];
@@ -69,7 +71,8 @@ impl Saltation {
     }
 }
 
-/// The change of the centre's rate per change of w by the damper's force on the box, in `unit`.
+/// Change of the rate of the centre of mass per change of w, by the damper's force on the box, in
+/// `unit`.
 #[inline(always)]
 fn push(model: &Model, unit: f64) -> f64 {
     (1.0 - model.block_share) * model.block_share * model.c1 / unit
@@ -82,8 +85,8 @@ mod tests {
     use crate::model::BOX;
     use crate::parameters::Parameters;
 
-    /// From the coordinates (83) to those of the model and back, with the block's share and its
-    /// negative.
+    /// Variation in the coordinates of the model from one in the coordinates (83), with `share` the
+    /// block's share; back, with its negative.
     fn turned(v: &Augmented, share: f64) -> Augmented {
         let mut z = *v;
         z[BOX] -= share * z[RELATIVE];
@@ -91,12 +94,12 @@ mod tests {
         z
     }
 
-    /// The bounces of a chatter run one by one, with a variation, against the merge in their place:
-    /// the damper acts on the centre of mass meanwhile.
+    /// A variation through the bounces of a chatter run, one by one, against the merge in their
+    /// place. The damper acts on the centre of mass meanwhile.
     #[test]
     fn second_method_a_merge_is_what_the_bounces_come_to() {
-        /// The run takes 4e-5 of the unit of time, in which nothing else changes by more than that
-        /// part.
+        /// Relative accuracy. The run takes 4e-5 of the unit of time, and all else changes by no
+        /// more than that part.
         const SHORT: f64 = 1e-3;
         let p = Parameters {
             box_stiffness: 0.0,

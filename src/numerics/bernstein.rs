@@ -7,8 +7,8 @@
 //! differences bounds the number of turning points (Descartes' rule), so every extremum is isolated
 //! before it is computed. See G. Farin, Curves and Surfaces for CAGD.
 
-/// Degree of the Taylor polynomials of a flight piece. With rate × step ≤ [`RATE_STEP`] the first
-/// neglected term of displacement and of velocity is under 5e-16 of the amplitude.
+/// Degree of the Taylor polynomial of a piece of a flight. With rate × step ≤ [`RATE_STEP`] the
+/// first neglected term of displacement and of velocity is under 5e-16 of the amplitude.
 pub const DEGREE: usize = 16;
 
 /// Largest product of the rate of the fastest mode and the length of one Taylor piece.
@@ -17,22 +17,22 @@ pub const RATE_STEP: f64 = 0.75;
 /// A polynomial in t ∈ [0, 1] by its monomial coefficients, lowest power first.
 pub type Polynomial = [f64; DEGREE + 1];
 
-/// Halvings after which a bound is as narrow as round-off: its distance from the polynomial shrinks
-/// by four with each.
+/// Most halvings of an interval. After these a bound is as narrow as round-off, as its distance
+/// from the polynomial shrinks by four with each halving.
 const DEPTH: u32 = 30;
 
 /// Most subdivisions of one proof. A tangency needs some 50: two intervals for each of about 25
 /// halvings.
 const SUBDIVISIONS: u32 = 512;
 
-/// A bound that exceeds the best value by no more than this, relatively, exceeds it by round-off.
+/// Relative excess of a bound over the best value that counts as round-off.
 const BOUND_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Most Newton steps; each is safeguarded by bisection, which alone would need 52.
 const NEWTON_STEPS: usize = 80;
 
-/// Accuracy of a turning point's place. Half the digits suffice, since the value there depends on
-/// the place only in second order.
+/// Accuracy of the argument at a turning point. Half the digits suffice, since the value depends on
+/// the argument only in second order there.
 const TURNING_POINT: f64 = 1e-9;
 
 /// `C(i, k) / C(DEGREE, k)`: Bernstein coefficient i is the sum over k ≤ i of this times monomial
@@ -73,12 +73,12 @@ pub fn add_sine(polynomial: &mut Polynomial, amplitude: f64, rate: f64, angle: f
     }
 }
 
-/// The Bernstein coefficients.
+/// Bernstein coefficients on [0, 1].
 fn to_bernstein(polynomial: &Polynomial) -> Polynomial {
     std::array::from_fn(|i| (0..=i).map(|k| TO_BERNSTEIN[i][k] * polynomial[k]).sum())
 }
 
-/// The Bernstein coefficients on both halves of the interval, by de Casteljau's subdivision.
+/// Bernstein coefficients on both halves of the interval, by de Casteljau's subdivision.
 fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
     let (mut left, mut right) = (*b, *b);
     for level in 1..=DEGREE {
@@ -93,9 +93,9 @@ fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
     (left, right)
 }
 
-/// Whether it is proved that the polynomial stays within `low`..=`high` on [0, 1]. False when it
-/// leaves them, when a coefficient is NaN, and when it runs along a limit so closely that the proof
-/// would need more than 512 subdivisions.
+/// Whether it is proved that the polynomial stays within `low`..=`high` on [0, 1]. False if it
+/// leaves that range, if a coefficient is NaN, and if the polynomial runs so closely along a limit
+/// that the proof would need more than 512 subdivisions.
 ///
 /// ```
 /// use vibro_impact::numerics::bernstein::{DEGREE, stays_within};
@@ -127,13 +127,12 @@ pub fn raise_to_maximum(polynomial: &Polynomial, best: &mut f64) {
     raise(polynomial, &b, 0.0, 1.0, best, DEPTH);
 }
 
-/// [`raise_to_maximum`] on [from, to], where the polynomial has the Bernstein coefficients `b`. It
-/// is halved until the coefficients rise and fall at most once, or cannot exceed `best`.
+/// [`raise_to_maximum`] on [from, to], where the polynomial has the Bernstein coefficients `b`. The
+/// interval is halved until the coefficients turn at most once or cannot exceed `best`.
 fn raise(polynomial: &Polynomial, b: &Polynomial, from: f64, to: f64, best: &mut f64, depth: u32) {
     *best = best.max(b[0].abs()).max(b[DEGREE].abs());
     let bound = b.iter().fold(0.0_f64, |bound, x| bound.max(x.abs()));
-    // Coefficients must not be NaN, which no comparison would show; those of a flight have been
-    // checked.
+    // No comparison would notice a coefficient that is NaN; those of a flight have been checked.
     if bound <= *best * (1.0 + BOUND_ROUNDING) || depth == 0 {
         return;
     }
@@ -156,7 +155,7 @@ fn raise(polynomial: &Polynomial, b: &Polynomial, from: f64, to: f64, best: &mut
     }
 }
 
-/// The one zero of the derivative in [from, to], by Newton's method safeguarded by bisection.
+/// Only zero of the derivative in [from, to], by Newton's method safeguarded by bisection.
 fn turning_point(polynomial: &Polynomial, from: f64, to: f64) -> f64 {
     let derivatives = |t: f64| {
         let (mut first, mut second) = (0.0, 0.0);

@@ -1,16 +1,16 @@
-//! The digest FNV-1a: the same on every machine and for every version, unlike the hashes of the
+//! The digest FNV-1a, which does not depend on machine and version, unlike the hashes of the
 //! standard library. It tells texts and saved bytes apart and notices accidental change; it is no
 //! signature.
 
-/// The digest of nothing, with which every other one begins.
+/// Digest of no bytes.
 pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// The digest of what has the digest `of` and of `bytes` after it.
+/// Digest of a text followed by `bytes`, where `of` is the digest of the text.
 pub fn extended(of: u64, bytes: &[u8]) -> u64 {
     bytes.iter().fold(of, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// The digest of `bytes`, 64 bit.
+/// 64-bit digest of `bytes`.
 ///
 /// ```
 /// assert_eq!(vibro_impact::numerics::digest::fnv1a(b"a"), 0xaf63_dc4c_8601_ec8c);

@@ -1,15 +1,15 @@
-//! Double-double arithmetic: an unevaluated sum of two doubles (about 32 digits), so that neither
-//! the clock nor the drive's phase ([`drive_phase`](super::drive_phase)) drifts however many
-//! sub-steps are added (T. J. Dekker, Numer. Math. 18, 1971).
+//! Double-double arithmetic: unevaluated sums of two doubles, about 32 digits (T. J. Dekker, Numer.
+//! Math. 18, 1971). Time and the drive's phase ([`drive_phase`](super::drive_phase)) are kept in
+//! it, so that they do not drift however many sub-steps are added.
 
 use serde::{Deserialize, Serialize};
 
 /// A number `hi + lo` with |lo| at most half a unit in the last place of `hi`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DoubleDouble {
-    /// The leading part: the sum rounded to a double.
+    /// Leading part: the sum rounded to a double.
     pub hi: f64,
-    /// The rest.
+    /// Trailing part.
     pub lo: f64,
 }
 
@@ -26,8 +26,7 @@ fn quick_two_sum(a: f64, b: f64) -> DoubleDouble {
     DoubleDouble { hi, lo: b - (hi - a) }
 }
 
-/// Exact product by Dekker's splitting: the same bits on machines with and without fused
-/// multiply-add.
+/// Exact product by Dekker's splitting, bit-identical with and without fused multiply-add.
 #[inline(always)]
 fn two_product(a: f64, b: f64) -> DoubleDouble {
     let split = |x: f64| {
@@ -41,7 +40,7 @@ fn two_product(a: f64, b: f64) -> DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// A double.
+    /// The value of a double.
     #[inline(always)]
     pub fn new(value: f64) -> Self {
         Self { hi: value, lo: 0.0 }
@@ -79,7 +78,7 @@ impl DoubleDouble {
         self.hi + self.lo
     }
 
-    /// The fraction in [-1/2, 1/2] left when the nearest whole number is taken away.
+    /// Difference from the nearest whole number, in [-1/2, 1/2].
     #[inline(always)]
     pub fn fraction(self) -> Self {
         let whole = self.hi.round_ties_even();

@@ -1,4 +1,4 @@
-//! The drive's phase in extended precision: it does not drift however long the motion is.
+//! Phase of the drive in extended precision, which does not drift however long the motion is.
 
 use super::double_double::DoubleDouble;
 use serde::{Deserialize, Serialize};
@@ -9,19 +9,19 @@ const TAU: DoubleDouble = DoubleDouble { hi: std::f64::consts::TAU, lo: 2.449_29
 const INVERSE_TAU: DoubleDouble =
     DoubleDouble { hi: 0.159_154_943_091_895_35, lo: -9.839_338_440_020_25e-18 };
 
-/// Later than any time of a motion, s: 1e15 time constants of a slow one.
+/// Bound on the times of motions, s: 1e15 time constants of a slow one.
 const LATEST: f64 = 1e30;
 
-/// The drive's phase in turns: `turns(t) = turns0 + ω (t - t0)/2π`, re-based when ω changes so that
-/// it stays continuous.
+/// Phase of the drive in turns, `turns(t) = base + ω (t - from)/2π`, re-based when ω changes so
+/// that it stays continuous.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivePhase {
     base: DoubleDouble,
     from: DoubleDouble,
 }
 
-/// Turns of a phase given in rad. 32 digits of π are too few for the largest doubles: the library's
-/// own reduction knows more.
+/// Turns of a phase in rad. 32 digits of π are too few for the largest doubles, which are reduced
+/// by the standard library's sine and cosine.
 fn turns_of(phase: f64) -> DoubleDouble {
     const PLAIN: f64 = 1e9;
     let phase = if phase.abs() <= PLAIN { phase } else { phase.sin().atan2(phase.cos()) };
@@ -29,7 +29,7 @@ fn turns_of(phase: f64) -> DoubleDouble {
 }
 
 impl DrivePhase {
-    /// The phase of `sin(ω t + phase)`.
+    /// Phase of `sin(ω t + phase)`.
     pub fn new(phase: f64) -> Self {
         Self { base: turns_of(phase).fraction(), from: DoubleDouble::default() }
     }
@@ -40,21 +40,21 @@ impl DrivePhase {
         (time.minus(self.from).times(rate) + self.base).fraction()
     }
 
-    /// The phase in [-π, π].
+    /// Phase in [-π, π], rad.
     #[inline(always)]
     pub fn angle(&self, omega: f64, time: DoubleDouble) -> f64 {
         self.turns(omega, time).times(TAU).value()
     }
 
-    /// Whether it is less than a turn from a time that a motion can reach, as every phase that was
-    /// not damaged.
+    /// Whether base and time are in their ranges, as they are for any undamaged phase: at most one
+    /// turn, and a time that a motion can reach.
     pub fn is_sound(&self) -> bool {
         let within = |e: &DoubleDouble, most: f64| e.hi.abs() <= most && e.lo.abs() <= e.hi.abs();
         within(&self.base, 1.0) && within(&self.from, LATEST)
     }
 
-    /// Goes on from `time` with another frequency (set by the caller) and a jump from one phase to
-    /// another, rad.
+    /// Re-bases the phase at `time`, from which the caller uses another frequency than `omega`, and
+    /// adds the difference of two drive phases, rad.
     pub fn rebase(&mut self, omega: f64, time: DoubleDouble, (from, to): (f64, f64)) {
         let shift = turns_of(to).minus(turns_of(from));
         self.base = (self.turns(omega, time) + shift).fraction();
@@ -66,13 +66,13 @@ impl DrivePhase {
 mod tests {
     use super::*;
 
-    /// Units in the last place of an angle of order 1, and the rounding of its 2π.
+    /// A few units in the last place of an angle of order 1, with the rounding of its 2π.
     const ROUNDING: f64 = 1e-15;
 
     #[test]
     fn closed_form_phase_after_a_million_periods() {
-        // After n periods of a frequency that is a power of two, ω t / 2π is n exactly where t = n
-        // 2π/ω in extended precision.
+        // For a frequency that is a power of two, t = n 2π/ω in extended precision is exactly n
+        // periods.
         let omega = 0.5;
         let time = TAU.times(DoubleDouble::new(2.0 * 1_000_000.0)).plus(0.25);
         let angle = DrivePhase::new(1.0).angle(omega, time);

@@ -1,16 +1,16 @@
 //! Roots of functions of one variable, by Brent's method (R. P. Brent, Algorithms for Minimization
 //! without Derivatives, 1973, chapter 4).
 
-/// Most steps of Brent's method. Bisection alone needs about 60 for a root and an interval of like
-/// size, and Brent's method at most a few times as many.
+/// Most steps of Brent's method. Bisection needs about 60 if root and interval are of similar size,
+/// and Brent's method at most a few times as many.
 const BRENT_STEPS: usize = 200;
 
-/// A root of `f` between `a` and `b`, where `f` must have opposite signs, to `tolerance` (plus the
-/// rounding of the root) in the argument. `None` when there is no change of sign or `f` gives NaN.
+/// Root of `f` between `a` and `b`, where `f` must have opposite signs, to `tolerance` (plus the
+/// rounding of the root) in the argument. `None` if there is no change of sign or `f` gives NaN.
 ///
-/// The interval between the present root and `c` always encloses a change of sign, so the method
-/// ends where the function is not continuous too. A step of inverse interpolation is taken where it
-/// shrinks that interval fast enough, a bisection where it does not.
+/// The interval between the present root `b` and `c` always encloses a change of sign, so the
+/// method ends even where the function is not continuous. A step of inverse interpolation is taken
+/// if it shrinks that interval fast enough, a bisection otherwise.
 ///
 /// ```
 /// use vibro_impact::numerics::roots::brent;
@@ -51,7 +51,7 @@ pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> O
             return Some(b);
         }
         if before.abs() >= enough && fa.abs() > fb.abs() {
-            // The step p/q of linear interpolation where only two points are known, else of inverse
+            // Step p/q of linear interpolation if only two points are known, otherwise of inverse
             // quadratic interpolation.
             let s = fb / fa;
             let (mut p, mut q) = if a == c {
@@ -64,8 +64,8 @@ pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> O
                 q = -q;
             }
             p = p.abs();
-            // It is taken if it stays in the interval and is less than half the step before the
-            // last.
+            // The step is taken if it stays in the interval and is less than half the step before
+            // the last.
             if 2.0 * p < (3.0 * middle * q - (enough * q).abs()).min((before * q).abs()) {
                 before = step;
                 step = p / q;
@@ -91,7 +91,7 @@ pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> O
 mod tests {
     use super::*;
 
-    /// What Brent's method is asked for, a hundred roundings of roots of order one.
+    /// Requested accuracy: a hundred roundings of roots of order one.
     const TOLERANCE: f64 = 1e-14;
 
     #[test]

@@ -1,16 +1,16 @@
-//! Small products and polynomials in the machine's vectors, chosen at run time by `pulp`; sums of
-//! products are fused where the machine can, so the last digits may differ between machines with
-//! and without the instruction.
+//! Small products and polynomials in vectors, whose instruction set `pulp` chooses at run time.
+//! Sums of products are fused where the machine has the instruction, so the last digits may differ
+//! between machines with and without it.
 
 use pulp::Simd;
 
 /// Lanes of the widest products.
 const WIDE: usize = 16;
 
-/// Orders of the polynomial of w in flight, filled up to whole vectors.
+/// Number of orders of the polynomial of w in flight, padded to whole vectors.
 pub const PADDED: usize = 16;
 
-/// p(u), even and odd orders apart so that two chains run side by side.
+/// p(u). Even and odd orders are summed apart: two chains of dependent operations instead of one.
 #[inline(always)]
 pub fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     let square = u * u;
@@ -22,15 +22,15 @@ pub fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     even + u * odd
 }
 
-/// a b + c, with one rounding where the machine has the instruction. WebAssembly has none, and
-/// there `f64::mul_add` would be a call of a function of some hundred operations.
+/// a b + c, with one rounding where the machine has the instruction. WebAssembly has none:
+/// `f64::mul_add` would call a function of some hundred operations there.
 #[inline(always)]
 pub fn multiply_add<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
     if S::IS_SCALAR || cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
 }
 
-/// `Σ_j columns[j] x_j` in vectors, of which only the first `W/F64_LANES` of V count; as two sums
-/// side by side, which takes half as long to wait for.
+/// `Σ_j columns[j] x_j` in V vectors, of which only the first `W/F64_LANES` are used. Even and odd
+/// columns are summed apart, which halves the chain of dependent operations.
 #[inline(always)]
 fn combine<S: Simd, const W: usize, const V: usize>(
     simd: S,
@@ -41,8 +41,8 @@ fn combine<S: Simd, const W: usize, const V: usize>(
     let zero = simd.splat_f64s(0.0);
     let (mut first, mut second) = ([zero; V], [zero; V]);
     if cfg!(target_family = "wasm") {
-        // Vectors of two numbers and few registers: both sums of one vector at a time stay in
-        // registers, those of all do not.
+        // WebAssembly has vectors of two numbers and few registers: the two sums of one vector at a
+        // time stay in registers, those of all vectors do not.
         let x = x.map(|x| simd.splat_f64s(x));
         for (v, sum) in first.iter_mut().enumerate().take(vectors) {
             let at = |j: usize| S::as_simd_f64s(&columns[j]).0[v];
@@ -87,19 +87,20 @@ pub fn product<S: Simd, const W: usize>(simd: S, columns: &[[f64; W]; 8], x: &[f
     out
 }
 
-/// Coefficients of 8 polynomials, a row for each order; of a row's places only the first
-/// `8/F64_LANES` are used.
-pub type Rows<S, const N: usize> = [[<S as Simd>::f64s; 8]; N];
+/// Coefficients of 8 polynomials, one row for each order, of which only the first `8/F64_LANES`
+/// vectors are used.
+pub type StateRows<S, const N: usize> = [[<S as Simd>::f64s; 8]; N];
 
-/// The row `Σ_j columns[j] x_j`.
+/// `Σ_j columns[j] x_j` as a row of [`StateRows`].
 #[inline(always)]
 pub fn row<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> [S::f64s; 8] {
     combine::<S, 8, 8>(simd, columns, x)
 }
 
-/// `Σ_k rows[k] u^k` lane by lane, even and odd orders apart so that two chains run side by side.
+/// `Σ_k rows[k] u^k` lane by lane. Even and odd orders are summed apart: two chains of dependent
+/// operations instead of one.
 #[inline(always)]
-fn evaluate<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [S::f64s; 8] {
+fn evaluate<S: Simd, const N: usize>(simd: S, rows: &StateRows<S, N>, u: f64) -> [S::f64s; 8] {
     let zero = simd.splat_f64s(0.0);
     let (at, square) = (simd.splat_f64s(u), simd.splat_f64s(u * u));
     let (mut even, mut odd) = ([zero; 8], [zero; 8]);
@@ -115,9 +116,9 @@ fn evaluate<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [S::
     even
 }
 
-/// The polynomials' values at u.
+/// Values of the polynomials `rows` at u.
 #[inline(always)]
-pub fn polynomial<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -> [f64; 8] {
+pub fn polynomial<S: Simd, const N: usize>(simd: S, rows: &StateRows<S, N>, u: f64) -> [f64; 8] {
     let mut out = [0.0; 8];
     let values = evaluate(simd, rows, u);
     let (lanes, _) = S::as_mut_simd_f64s(&mut out);
@@ -127,7 +128,7 @@ pub fn polynomial<S: Simd, const N: usize>(simd: S, rows: &Rows<S, N>, u: f64) -
     out
 }
 
-/// The quadratic form xᵀ columns x.
+/// Quadratic form xᵀ columns x.
 #[inline(always)]
 pub fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f64 {
     let sums = combine::<S, 8, 8>(simd, columns, x);
@@ -139,24 +140,27 @@ pub fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f64 {
     simd.reduce_sum_f64s(sum)
 }
 
-/// Adds, lane by lane, the parts of a form, if there is one, and of the integral of
-/// `Σ_lane weights · p²` for the polynomials p in `rows` from 0 to u by the Lobatto rule of four
-/// nodes, where `end` is p(u); `length` is that of the way there.
+/// Adds to `total`, lane by lane, the parts of two sums: of the quadratic form, if there is one,
+/// and of the integral of `Σ_lane weights · p²` over an interval of length `length`, in which the
+/// argument of the polynomials p in `rows` goes from 0 to u; `end` is p(u). The integral is by the
+/// Lobatto rule of four nodes.
 #[inline(always)]
 pub fn form_and_squares<S: Simd, const N: usize>(
     simd: S,
     form: Option<(&[[f64; 8]; 8], &[f64; 8])>,
-    rows: &Rows<S, N>,
+    rows: &StateRows<S, N>,
     (u, end): (f64, &[f64; 8]),
     length: f64,
     weights: &[f64; 8],
     total: &mut [f64; 8],
 ) {
-    /// (1 - 1/√5)/2 of the way, and the rule's weights at the ends and inside.
+    /// First inner node of the Lobatto rule, (1 - 1/√5)/2.
     const NODE: f64 = 0.276_393_202_250_021;
+    /// Weight at the ends.
     const ENDS: f64 = 1.0 / 12.0;
+    /// Weight at the inner nodes.
     const INSIDE: f64 = 5.0 / 12.0;
-    // The form first: it waits for nothing.
+    // The form first, as it depends on nothing that is still being computed.
     let mut before = [simd.splat_f64s(0.0); 8];
     if let Some((columns, x)) = form {
         let sums = combine::<S, 8, 8>(simd, columns, x);
@@ -179,7 +183,7 @@ pub fn form_and_squares<S: Simd, const N: usize>(
     }
 }
 
-/// A bit for each lane with |x| ≥ limit.
+/// Bits of the lanes with |x| ≥ limit, the first lane's the lowest.
 #[inline(always)]
 pub fn at_least<S: Simd>(simd: S, x: &[f64; 16], limit: f64) -> u64 {
     const BITS: [u64; 16] = {
@@ -205,7 +209,7 @@ pub fn at_least<S: Simd>(simd: S, x: &[f64; 16], limit: f64) -> u64 {
     (lanes[0] | lanes[1] | lanes[2] | lanes[3]) | (lanes[4] | lanes[5] | lanes[6] | lanes[7])
 }
 
-/// side · x less `gap` in its first lane.
+/// side · x, with `gap` subtracted in the first lane.
 #[inline(always)]
 pub fn excess_over<S: Simd>(simd: S, x: &[f64; 16], side: f64, gap: f64) -> [f64; 16] {
     let mut out = [0.0; 16];
@@ -218,7 +222,7 @@ pub fn excess_over<S: Simd>(simd: S, x: &[f64; 16], side: f64, gap: f64) -> [f64
     out
 }
 
-/// x y lane by lane, and the sums Σ |x y| and Σ |x y| weight.
+/// Products x y lane by lane, and the sums Σ |x y| and Σ |x y| weight.
 #[inline(always)]
 pub fn weighted<S: Simd>(
     simd: S,
@@ -239,7 +243,8 @@ pub fn weighted<S: Simd>(
     (out, simd.reduce_sum_f64s(sum), simd.reduce_sum_f64s(weighted))
 }
 
-/// Σ_j |x_j| weight_j; lane by lane, since x has just been written lane by lane.
+/// Σ_j |x_j| weight_j, without vectors: x has just been written lane by lane, and a load of whole
+/// vectors would wait for it.
 #[inline(always)]
 pub fn weigh<S: Simd>(x: &[f64; 8], weights: &[f64; 8]) -> f64 {
     let (mut even, mut odd) = (x[0].abs() * weights[0], x[1].abs() * weights[1]);

@@ -3,7 +3,7 @@
 use super::{Parameters, Range, entry};
 use crate::error::Result;
 
-/// One physical parameter. The FMU's table of variables and the command line are made from these.
+/// A physical parameter, from which the FMU's variables and the command line are made.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
     /// Structured name, e.g. `box.m`.
@@ -12,7 +12,7 @@ pub struct Field {
     pub field: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// What it is.
+    /// Description, a noun phrase.
     pub description: &'static str,
     /// Allowed values.
     pub range: Range,
@@ -28,7 +28,7 @@ macro_rules! field {
     };
 }
 
-/// From a plastic impact to an elastic one.
+/// Range of the restitution coefficient, from plastic to elastic impacts.
 const RESTITUTION: Range =
     Range { min: 0.0, max: 1.0, open_min: false, allowed: "0 <= stop.restitution <= 1" };
 
@@ -65,8 +65,8 @@ macro_rules! load {
     };
 }
 
-/// The constant loads on the three bodies, which are no variables of the FMU: its inputs `box.f`,
-/// `block.f`, `secondary.f` are held by the host.
+/// Constant loads on the three bodies. They are no variables of the FMU, which has the inputs
+/// `box.f`, `block.f`, `secondary.f` instead.
 pub const LOADS: [Field; 3] = [
     load!("load.box", 0, "Constant force on the box"),
     load!("load.block", 1, "Constant force on the block"),

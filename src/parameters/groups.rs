@@ -1,11 +1,11 @@
-//! The dimensionless groups: their values, and by name their symbol, meaning, range and accessors.
+//! Dimensionless groups: their values, and by name their symbols, meanings, ranges and accessors.
 
 use super::{Parameters, Range, Scales, entry};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// The dimensionless groups of the paper, docs/theory.md (21) and (22), all of unit 1; hats are
-/// dropped from the names.
+/// Dimensionless groups of the paper, docs/theory.md (21) and (22), all of unit 1; names have no
+/// hats.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Groups {
     /// ε = m2/m1.
@@ -18,7 +18,7 @@ pub struct Groups {
     pub sigma1: f64,
     /// γ̂1 = c1/(m1 ω10 ε).
     pub gamma1: f64,
-    /// α̂23 = β²/ε. Redundant with `beta2`, which is the one converted back.
+    /// α̂23 = β²/ε. Redundant with `beta2`, from which the stiffness is computed.
     pub alpha23: f64,
     /// β² = k23/(m2 ω10²).
     pub beta2: f64,
@@ -31,8 +31,8 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// The weak-coupling set of the paper's sections 2–4: m3 = m2 (μ13 = 1/ε) and β² = ε α̂23,
-    /// docs/theory.md (25).
+    /// Groups with weak coupling as in the paper's sections 2–4: m3 = m2 (μ13 = 1/ε) and β² = ε
+    /// α̂23, docs/theory.md (25).
     #[allow(clippy::too_many_arguments)]
     pub fn weak(
         epsilon: f64,
@@ -48,18 +48,18 @@ impl Groups {
         Self { epsilon, kappa, f10, sigma1, gamma1, alpha23, beta2, sigma30, gamma3, mu13 }
     }
 
-    /// The default data set (docs/theory.md, end of section 4). ε, κ and f̂10 are the paper's; the
-    /// others are a reconstruction, since the copy of the paper this work was built from lacks the
-    /// displayed numbers.
+    /// Default data set (docs/theory.md, end of section 4). ε, κ and f̂10 are the paper's; the
+    /// others are a reconstruction, since the copy of the paper at hand lacks the displayed
+    /// numbers.
     pub fn basic() -> Self {
         Self::weak(0.1, 0.75, 1.5, 0.4, 1.0, 0.6, 0.0, 0.6)
     }
 
-    /// The physical parameters with these groups in the given scales, docs/theory.md (23), drive
-    /// phase zero, without constant loads.
+    /// Physical parameters with these groups in the given scales, docs/theory.md (23), with drive
+    /// phase zero and without constant loads.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] when a resulting field is outside its range.
+    /// [`Error::OutOfRange`] if a resulting field is outside its range.
     pub fn to_parameters(&self, scales: Scales) -> Result<Parameters> {
         let Scales { mass: m1, stiffness: k1, length } = scales;
         let omega10 = (k1 / m1).sqrt();
@@ -85,27 +85,27 @@ impl Groups {
     }
 }
 
-/// One dimensionless group, as [`Field`](super::Field) is one physical parameter.
+/// A dimensionless group, as [`Field`](super::Field) is a physical parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Group {
-    /// Name, e.g. `sigma1`: the field of [`Groups`].
+    /// Name of the field of [`Groups`], e.g. `sigma1`.
     pub name: &'static str,
     /// The paper's symbol, for labels.
     pub symbol: &'static str,
-    /// What it is.
+    /// Description, a noun phrase.
     pub description: &'static str,
-    /// Allowed values of this group alone; [`check_together`] holds it against the others.
+    /// Allowed values of this group; [`check_together`] checks bounds that depend on another group.
     pub range: Range,
-    /// The range that pictures show unless told otherwise.
+    /// Default range of pictures.
     pub shown: (f64, f64),
     /// Reads the group.
     pub get: fn(&Groups) -> f64,
-    /// Writes the group alone; the caller keeps those that depend on it in step.
+    /// Writes the group; the caller updates the groups that depend on it.
     pub set: fn(&mut Groups, f64),
 }
 
 impl PartialEq for Group {
-    /// Names are unique.
+    /// Compares the names, which are unique.
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
     }
@@ -117,14 +117,15 @@ macro_rules! group {
     };
 }
 
-/// The block is not heavier than the box.
+/// Range of the mass ratio: the block is not heavier than the box.
 const MASS_RATIO: Range = Range { min: 0.0, max: 1.0, open_min: true, allowed: "0 < epsilon <= 1" };
-/// From a plastic impact to an elastic one.
+/// Range of the restitution coefficient, from plastic to elastic impacts.
 pub(crate) const RESTITUTION: Range =
     Range { min: 0.0, max: 1.0, open_min: false, allowed: "0 <= kappa <= 1" };
-/// The drive's frequency is positive: [`check_together`].
+/// Range of the drive's detuning: the frequency is positive, as [`check_together`] checks.
 const DRIVE_DETUNING: Range = Range::any("a finite number > -1/epsilon");
-/// The secondary oscillator's stiffness is not negative: [`check_together`].
+/// Range of the secondary oscillator's detuning: the stiffness is not negative, as
+/// [`check_together`] checks.
 const SECONDARY_DETUNING: Range = Range::any("a finite number >= -1/epsilon");
 
 const SIGMA1: Group = group!(
@@ -142,8 +143,8 @@ const SIGMA30: Group = group!(
     "detuning of the secondary oscillator, k3/(m3 omega10^2) = 1 + epsilon sigma30"
 );
 
-/// All groups, in the order of the fields of [`Groups`] but for `alpha23` and `beta2`, which say
-/// the same.
+/// All groups, in the order of the fields of [`Groups`]; `alpha23` and `beta2` describe one
+/// quantity.
 #[rustfmt::skip]
 pub const GROUPS: [Group; 10] = [
     group!(epsilon, "ε", MASS_RATIO, (0.01, 0.3), "mass ratio m2/m1"),
@@ -159,13 +160,13 @@ pub const GROUPS: [Group; 10] = [
 ];
 
 impl Group {
-    /// The group of a name.
+    /// Group with a given name.
     pub fn named(name: &str) -> Option<&'static Self> {
         GROUPS.iter().find(|g| g.name == name)
     }
 
-    /// Checks a value against the range; what depends on other groups is checked by
-    /// [`check_together`].
+    /// Checks a value against the range; [`check_together`] checks bounds that depend on another
+    /// group.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] naming this group, for NaN and infinities too.
@@ -173,15 +174,15 @@ impl Group {
         self.range.check(self.name, value)
     }
 
-    /// Label of an axis: symbol and unit 1; the meaning stands in the caption.
+    /// Label of an axis: symbol and unit 1.
     pub fn label(&self) -> String {
         format!("{} (–)", self.symbol)
     }
 }
 
-/// Checks the bounds that tie two groups: the drive's frequency ω1 = (1 + ε σ̂1) ω10 is positive
-/// and the secondary oscillator's stiffness (1 + ε σ̂30) m3 ω10² is not negative, docs/theory.md
-/// (23).
+/// Checks the bounds that depend on two groups: the drive's frequency ω1 = (1 + ε σ̂1) ω10 is
+/// positive and the secondary oscillator's stiffness (1 + ε σ̂30) m3 ω10² is not negative,
+/// docs/theory.md (23).
 ///
 /// # Errors
 /// [`Error::OutOfRange`] naming `sigma1` or `sigma30`.

@@ -1,9 +1,9 @@
-//! SI parameters, the dimensionless groups of the paper (section 2) and the way between them
-//! (docs/theory.md, sections 1 and 4).
+//! SI parameters, the dimensionless groups of the paper (section 2) and the conversions between
+//! them (docs/theory.md, sections 1 and 4).
 //!
 //! [`FIELDS`] and [`GROUPS`] list both sets by name, with ranges and accessors; input, tables and
-//! documentation are made from these lists. [`LOADS`] lists the constant loads in the same way;
-//! they are zero unless set, and the FMU has inputs instead.
+//! documentation are made from these lists. [`LOADS`] lists the constant loads, which are zero
+//! unless set; the FMU has inputs instead.
 
 mod fields;
 mod groups;
@@ -17,8 +17,8 @@ pub use range::Range;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// An entry of [`FIELDS`] or [`GROUPS`]: the accessors of a struct's field with its name, range,
-/// meaning and what else the entry's type has.
+/// Entry of [`FIELDS`] or [`GROUPS`]: name, range and description of a struct's field, its
+/// accessors, and the other fields of the entry's type.
 macro_rules! entry {
     ($type:ident, $name:expr, $field:ident, $range:expr, $text:literal, $($other:ident: $value:expr),+) => {
         $type {
@@ -33,10 +33,10 @@ macro_rules! entry {
 }
 use entry;
 
-/// The physical parameters, SI units. `Default` is the default data set (docs/theory.md, end of
-/// section 4: partly a reconstruction) in unit scales: m1 = 1 kg, k1 = 1 N/m, L = 1 m, so that SI
-/// and dimensionless numbers coincide. A machine of one's own in SI needs all of them:
-/// [`left_at_default`](Self::left_at_default) names those that were forgotten.
+/// Physical parameters, SI units. `Default` is the default data set (docs/theory.md, end of section
+/// 4: partly a reconstruction) in unit scales: m1 = 1 kg, k1 = 1 N/m, L = 1 m, so that SI and
+/// dimensionless numbers coincide. A real machine needs all parameters:
+/// [`left_at_default`](Self::left_at_default) names those that may have been forgotten.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
@@ -62,13 +62,13 @@ pub struct Parameters {
     pub stop_restitution: f64,
     /// Amplitude F10 of the harmonic force on the box, N.
     pub drive_amplitude: f64,
-    /// Angular frequency ω1 of that force, rad/s.
+    /// Angular frequency ω1 of the harmonic force, rad/s.
     pub drive_frequency: f64,
-    /// Phase of that force at time 0, rad: F10 sin(ω1 t + phase).
+    /// Phase of the harmonic force at time 0, rad: F10 sin(ω1 t + phase).
     pub drive_phase: f64,
-    /// Forces on box, block and secondary oscillator that do not change, N: gravity, the tilt of
-    /// the machine, a gap off its centre (docs/theory.md (97)). Other loads add to them. They take
-    /// the machine its symmetry, so that closed forms of symmetric motions refuse them.
+    /// Constant forces on box, block and secondary oscillator, N: gravity, the tilt of the machine,
+    /// a gap off its centre (docs/theory.md (97)). Other loads add to them. They break the symmetry
+    /// of the machine, so that closed forms of symmetric motions refuse them.
     pub constant_loads: [f64; 3],
 }
 
@@ -102,17 +102,17 @@ impl Parameters {
         FIELDS.iter().chain(&LOADS).try_for_each(|field| field.check((field.get)(self)))
     }
 
-    /// The parameters that have the default machine's values although others have not: those that
-    /// were forgotten where a machine is written as
-    /// `Parameters { box_mass: 12.0, ..Parameters::default() }`. Their values belong to a machine
-    /// of 1 kg, 1 N/m and a gap of 1 m. The drive's phase and constant loads, whose default is
-    /// none, are not among them. Empty for the default machine itself. A parameter that was meant
-    /// to have the default's value, such as a restitution of 0.75, is named too.
+    /// Parameters that have the value of the default machine although others have not. They may
+    /// have been forgotten in `Parameters { box_mass: 12.0, ..Parameters::default() }`, and belong
+    /// to a machine of 1 kg, 1 N/m and a gap of 1 m; or they are meant, such as a restitution of
+    /// 0.75. The drive's phase and the constant loads, whose default is zero, are not among them.
+    /// Empty for the default machine itself.
     ///
     /// ```
     /// use vibro_impact::Parameters;
     ///
-    /// let p = Parameters { box_mass: 12.0, box_stiffness: 48e3, stop_gap: 0.015, ..Parameters::default() };
+    /// let default = Parameters::default();
+    /// let p = Parameters { box_mass: 12.0, box_stiffness: 48e3, stop_gap: 0.015, ..default };
     /// let forgotten: Vec<&str> = p.left_at_default().iter().map(|field| field.name).collect();
     /// assert!(forgotten.contains(&"drive.amplitude") && !forgotten.contains(&"box.m"));
     /// assert!(Parameters::default().left_at_default().is_empty());
@@ -124,16 +124,16 @@ impl Parameters {
         if of_machine().all(|field| same(&field)) { Vec::new() } else { of_machine().filter(same).collect() }
     }
 
-    /// Whether the mirror image of a motion, half a drive period later, is a motion too: without
-    /// constant loads.
+    /// Whether the machine is symmetric, that is without constant loads: the mirror image of a
+    /// motion, half a drive period later, is then a motion too.
     pub fn is_symmetric(&self) -> bool {
         self.constant_loads == [0.0; 3]
     }
 
-    /// Refuses constant loads, for what holds of the symmetric machine alone.
+    /// Checks that the machine is symmetric, as closed forms require.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the first load that is not zero.
+    /// [`Error::OutOfRange`] with the first constant load that is not zero.
     pub fn check_symmetric(&self) -> Result<()> {
         match LOADS.iter().find(|load| (load.get)(self) != 0.0) {
             None => Ok(()),
@@ -150,20 +150,20 @@ impl Parameters {
         std::f64::consts::TAU / self.drive_frequency
     }
 
-    /// Natural frequency ω10 = √(k1/m1) of the box, rad/s; it scales time.
+    /// Natural frequency ω10 = √(k1/m1) of the box, rad/s, the scale of time.
     pub fn box_frequency(&self) -> f64 {
         (self.box_stiffness / self.box_mass).sqrt()
     }
 
-    /// The scales that make this set dimensionless: m1, k1 and L.
+    /// Scales of the dimensionless form: m1, k1 and L.
     pub fn scales(&self) -> Scales {
         Scales { mass: self.box_mass, stiffness: self.box_stiffness, length: self.stop_gap }
     }
 
-    /// The dimensionless groups, docs/theory.md (20) to (22).
+    /// Dimensionless groups, docs/theory.md (20) to (22).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] as [`validate`](Self::validate); [`Error::Undefined`] when k1 = 0,
+    /// [`Error::OutOfRange`] as [`validate`](Self::validate); [`Error::Undefined`] for k1 = 0,
     /// since ω10 scales time.
     pub fn groups(&self) -> Result<Groups> {
         self.validate()?;
@@ -194,7 +194,7 @@ impl Parameters {
     }
 }
 
-/// The three scales of the dimensionless form: m1, k1 and L.
+/// Scales of the dimensionless form: m1, k1 and L.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scales {
     /// m1 in kg.

@@ -1,8 +1,8 @@
-//! The range of values that a quantity may take.
+//! Range of values that a quantity may take.
 
 use crate::error::{Error, Result};
 
-/// A range of finite numbers: what may be set, and how an error message says it.
+/// Range of finite numbers, with its description in error messages.
 ///
 /// ```
 /// use vibro_impact::parameters::Range;
@@ -14,19 +14,18 @@ use crate::error::{Error, Result};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Smallest allowed value; itself refused where [`open_min`](Self::open_min) holds. Minus
-    /// infinity where there is none.
+    /// Lower bound; minus infinity if there is none.
     pub min: f64,
-    /// Largest allowed value; infinity where there is none.
+    /// Largest allowed value; infinity if there is none.
     pub max: f64,
     /// Whether `min` itself is refused.
     pub open_min: bool,
-    /// The same in words, for messages and documentation.
+    /// Description of the range, for messages and documentation.
     pub allowed: &'static str,
 }
 
 impl Range {
-    /// Every finite number.
+    /// All finite numbers.
     pub const FINITE: Self = Self::any("a finite number");
     /// Zero and the positive finite numbers.
     pub const NOT_NEGATIVE: Self =
@@ -35,8 +34,8 @@ impl Range {
     pub const POSITIVE: Self =
         Self { min: 0.0, max: f64::INFINITY, open_min: true, allowed: "a finite number > 0" };
 
-    /// Every finite number, with words of its own for a bound that depends on other quantities and
-    /// is checked elsewhere.
+    /// All finite numbers, with a description of a bound that depends on other quantities and is
+    /// checked elsewhere.
     pub const fn any(allowed: &'static str) -> Self {
         Self { min: f64::NEG_INFINITY, max: f64::INFINITY, open_min: false, allowed }
     }
@@ -47,10 +46,10 @@ impl Range {
         value.is_finite() && above && value <= self.max
     }
 
-    /// Checks the value of the quantity called `name`.
+    /// Checks the value of the quantity `name`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] when [`contains`](Self::contains) is false.
+    /// [`Error::OutOfRange`] if [`contains`](Self::contains) is false.
     pub fn check(&self, name: &'static str, value: f64) -> Result<()> {
         if self.contains(value) {
             return Ok(());

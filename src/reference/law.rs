@@ -1,8 +1,8 @@
 //! The equations of motion as the reference method integrates them (paper, section 2;
 //! docs/theory.md (3), (13) and (14)).
 //!
-//! They stand in `model.rs` too, in other coordinates. Here they are written anew on purpose: a
-//! mistake in one of the two makes the tests that compare the methods fail.
+//! `model.rs` has them too, in other coordinates. They are written twice on purpose: a mistake in
+//! one of the two makes the tests that compare the methods fail.
 
 use crate::parameters::Parameters;
 use crate::simulator::Loads;
@@ -10,8 +10,8 @@ use crate::simulator::Loads;
 /// x1, x2, x3 (m) and x1', x2', x3' (m/s).
 pub(super) type Vector = [f64; 6];
 
-/// Slack of the constraint relative to the coordinates: a block that was set on the stop is not
-/// outside it by rounding.
+/// Slack of the constraint relative to the coordinates, so that rounding does not put a block on
+/// the stop outside it.
 const SLACK: f64 = 8.0 * f64::EPSILON;
 
 /// The equations of motion, docs/theory.md (3), divided by the masses.
@@ -19,34 +19,39 @@ const SLACK: f64 = 8.0 * f64::EPSILON;
 pub(super) struct Law {
     pub(super) m1: f64,
     pub(super) m2: f64,
-    /// The reduced mass m1 m2/(m1+m2), docs/theory.md (10).
+    /// Reduced mass m1 m2/(m1+m2), docs/theory.md (10).
     pub(super) reduced: f64,
     pub(super) gap: f64,
     pub(super) restitution: f64,
-    /// k1/m1 and c1/m1.
+    /// k1/m1.
     stiffness1: f64,
+    /// c1/m1.
     damping1: f64,
-    /// k23/m2 and k23/m3.
+    /// k23/m2.
     coupling2: f64,
+    /// k23/m3.
     coupling3: f64,
-    /// k3/m3 and c3/m3.
+    /// k3/m3.
     stiffness3: f64,
+    /// c3/m3.
     damping3: f64,
-    /// F10/m1, ω1 and the phase at time 0.
+    /// F10/m1.
     amplitude: f64,
+    /// ω1.
     frequency: f64,
+    /// Phase of the drive at time 0.
     phase: f64,
     /// Polynomial coefficients of the loads over the masses, m/s² per s^order, in the time from
     /// `since`.
     loads: Option<[[f64; 4]; 3]>,
-    /// Loads that never change, N.
+    /// Constant loads of the parameters, N.
     constant: [f64; 3],
     masses: [f64; 3],
     since: f64,
 }
 
 impl Law {
-    /// The equations of a system whose parameters have been checked.
+    /// Equations of a system whose parameters have been checked.
     pub(super) fn new(p: &Parameters, time: f64) -> Self {
         let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
         let mut law = Self {
@@ -87,7 +92,7 @@ impl Law {
         });
     }
 
-    /// A typical angular frequency, rad/s, to give velocities a scale.
+    /// Typical angular frequency, rad/s, for the scale of velocities.
     pub(super) fn rate(&self, p: &Parameters) -> f64 {
         let rate = p.drive_frequency.max(self.stiffness1.sqrt());
         let rate =
@@ -95,7 +100,7 @@ impl Law {
         if rate > 0.0 { rate } else { 1.0 }
     }
 
-    /// By how much rounding may put a block on the stop outside, m.
+    /// Largest rounding by which a block on the stop may be outside, m.
     pub(super) fn slack(&self, y: &Vector) -> f64 {
         SLACK * (y[0].abs() + y[1].abs() + self.gap)
     }
@@ -124,8 +129,8 @@ impl Law {
         a
     }
 
-    /// Right-hand side of the mode: flight for `side` 0, else rest on that stop, docs/theory.md
-    /// (13).
+    /// Right-hand side of the mode: flight for `side` 0, otherwise rest on that stop,
+    /// docs/theory.md (13).
     #[inline]
     pub(super) fn slope(&self, y: &Vector, drive: f64, time: f64, side: f64) -> Vector {
         let mut a = self.accelerations(y, drive, time);

@@ -1,11 +1,11 @@
-//! One step of RKF45 and one of classical RK4 (sources: see [`crate::reference`]).
+//! Steps of RKF45 and of classical RK4 (sources: see [`crate::reference`]).
 
 use super::Reference;
 use super::law::Vector;
 
 impl Reference {
-    /// One RKF45 step: the state after it, the drive there, and the local error in units of the
-    /// tolerance.
+    /// One RKF45 step: the state after it, the box's acceleration by the drive there, and the local
+    /// error in units of the tolerance.
     #[inline]
     #[rustfmt::skip]
     pub(super) fn fehlberg(&self, h: f64) -> (Vector, f64, f64) {

@@ -1,17 +1,17 @@
 //! Energy accounts along the sub-steps (see [`crate::energy`]).
 
-use super::general::{SeriesPoint, SubstepStart};
+use super::points::{SeriesPoint, SubstepStart};
 use super::step::AdvanceState;
 use super::{Contact, Simulator};
 use crate::flow::{CENTRED, INTERVALS};
 use crate::model::{Augmented, BOX_RATE, SmoothMode};
-use crate::numerics::simd::Rows;
+use crate::numerics::simd::StateRows;
 use pulp::Simd;
 use std::sync::Arc;
 
 impl Simulator {
-    /// In a flight without loads the drive's work is the difference of a function's values: its
-    /// value here is taken off.
+    /// Begins the drive's work in a flight without loads, which is the difference of a function's
+    /// values at both ends: subtracts the value here.
     #[inline(always)]
     pub(super) fn open_account(&mut self, advance: &mut AdvanceState) {
         if self.hybrid.contact == Contact::Flight
@@ -22,7 +22,8 @@ impl Simulator {
         }
     }
 
-    /// Where such a flight is left its value here is added.
+    /// Ends the drive's work in a flight without loads: adds the function's value here and the mean
+    /// power times the time since [`open_account`](Self::open_account).
     #[inline(always)]
     pub(super) fn close_account(&mut self, advance: &AdvanceState) {
         if let Some(work) = self.flight.energy.drive_work() {
@@ -32,7 +33,7 @@ impl Simulator {
         }
     }
 
-    /// An event that changed the box's velocity from `speed` and perhaps the mode from `contact`.
+    /// Accounts for an event: `contact` is the mode and `speed` the box's velocity before it.
     #[inline(always)]
     pub(super) fn account_event(&mut self, advance: &mut AdvanceState, contact: Contact, speed: f64) {
         if contact != Contact::Flight {
@@ -47,15 +48,15 @@ impl Simulator {
         }
     }
 
-    /// A flight's last piece: from the sub-step's start to the centre of interval `index`, if it
-    /// passes one, and on along the `rows` up to u, where they have the values `end`.
+    /// Accounts for the last piece of a flight: from the sub-step's start to the centre of interval
+    /// `index`, if there is one, and on along the series `rows` to u, where the state is `end`.
     #[inline(always)]
     pub(super) fn account_flight<S: Simd>(
         &mut self,
         simd: S,
         z: &Augmented,
         index: Option<usize>,
-        rows: &Rows<S, CENTRED>,
+        rows: &StateRows<S, CENTRED>,
         (u, end): (f64, &Augmented),
     ) {
         self.prepare_gramians();
@@ -69,8 +70,8 @@ impl Simulator {
         }
     }
 
-    /// A piece that ends at a point of a series. Stands once, as it is called where every sub-step
-    /// of any kind may end.
+    /// Accounts for a sub-step that ends at a point of a series. Not inlined: each end of a
+    /// sub-step calls it.
     #[inline(never)]
     pub(super) fn account<const LOADS: usize, const N: usize>(
         &mut self,
@@ -92,7 +93,7 @@ impl Simulator {
         self.add::<LOADS>(input, damped);
     }
 
-    /// Adds to the accounts; the drive's work only where it is not found by differences.
+    /// Adds to the accounts; input only where the drive's work is not found as a difference.
     #[inline(always)]
     fn add<const LOADS: usize>(&mut self, input: f64, damped: f64) {
         if LOADS > 0 || self.tables().energy.drive_work().is_none() {
@@ -111,7 +112,8 @@ impl Simulator {
         }
     }
 
-    /// From a sub-step's start to the centre of interval `index` or to its end, without loads.
+    /// Accounts for the way from a sub-step's start to the centre of interval `index`, or to the
+    /// end for [`INTERVALS`], without loads.
     #[inline(always)]
     pub(super) fn account_up_to<S: Simd>(&mut self, simd: S, z: &Augmented, index: usize) {
         self.prepare_gramians();
@@ -124,8 +126,8 @@ impl Simulator {
         self.hybrid.sums.damped = self.hybrid.sums.damped.plus(damped);
     }
 
-    /// Under loads the powers are integrated interval by interval, up to the beginning of interval
-    /// `count`.
+    /// Input and damped energy under loads over the first `count` intervals, integrated interval by
+    /// interval, J.
     #[inline(always)]
     fn account_loaded<const LOADS: usize>(
         &mut self,

@@ -1,5 +1,5 @@
-//! The ways to advance: to a time, to an impact, with an observer, up to an event and over it, and
-//! a look ahead.
+//! Ways to advance: to a time, to an impact, with an observer, to an event and through it; and the
+//! next event found on a copy.
 
 use super::step::EventObserver;
 use super::{AdvanceOutcome, DueEvent, Event, Pause, Simulator, check_time};
@@ -31,19 +31,19 @@ impl Simulator {
         self.advance_until(end, Pause::Never, Some(observer)).map(|_| ())
     }
 
-    /// Advances to `end` (s, a double or a double-double) or to where `stop` says, and shows
-    /// `observer`, if there is one, each event in order of time. The law of an event that is
-    /// [due](Self::due_event) is applied first; it counts as the first impact for
+    /// Advances to `end` (s, a double or a double-double) or to the event at which to `pause`, and
+    /// shows `observer` each event in order of time. The law of an event that is
+    /// [due](Self::due_event) is applied first; an impact then counts as the first for
     /// [`Pause::AfterImpact`].
     ///
     /// An end before the present by no more than the rounding of [`time`](Self::time) to a double
-    /// is the present.
+    /// counts as the present.
     ///
     /// # Errors
     /// [`Error::Step`] for an end before the present or not finite, [`Error::PrecisionLost`] for
-    /// one that a double no longer tells from a moment later: nothing has changed then.
+    /// one so late that a double no longer resolves the motion: nothing has changed then.
     /// [`Error::WorkLimit`] for a motion that hardly progresses: the state then stands at the time
-    /// named.
+    /// that the error names.
     pub fn advance_until(
         &mut self,
         end: impl Into<DoubleDouble>,
@@ -62,8 +62,8 @@ impl Simulator {
         self.run(end, pause, observer)
     }
 
-    /// Checks the end of an advance; true where it lies before the present by rounding alone, so
-    /// that there is no way to go.
+    /// Checks the end of an advance; true if it lies before the present by rounding alone, so that
+    /// the motion does not move.
     pub(super) fn check_end(&self, end: DoubleDouble) -> Result<bool> {
         let span = end.minus(self.hybrid.time).value();
         let rounded = span < 0.0 && span >= -f64::EPSILON * self.time().abs();
@@ -74,15 +74,15 @@ impl Simulator {
         Ok(rounded)
     }
 
-    /// The event at which an advance with [`Pause::BeforeEvent`] has stopped and whose law is not
-    /// yet applied. State, accelerations and contact are those before it.
+    /// Event at which an advance with [`Pause::BeforeEvent`] has stopped, its law not yet applied.
+    /// State, accelerations and contact are those before it.
     pub fn due_event(&self) -> Option<DueEvent> {
         self.hybrid.due
     }
 
-    /// Applies the law of the event that is due and returns which it was; nothing happens when none
-    /// is. A further advance would do it by itself. The motion goes on with the same bits as after
-    /// [`Pause::AfterImpact`], but for the account of input energy, which is summed in another
+    /// Applies the law of the event that is due, if there is one, and returns the event. The next
+    /// advance would do it by itself. The motion continues bit-identical to one after
+    /// [`Pause::AfterImpact`], except for the account of input energy, which is summed in another
     /// order.
     pub fn apply_due_event(&mut self, mut observer: EventObserver<'_, '_>) -> Option<DueEvent> {
         let due = self.hybrid.due.take()?;
@@ -97,11 +97,12 @@ impl Simulator {
         Some(due)
     }
 
-    /// The next event up to `horizon` (s), found on a copy: this simulator stays as it is. An event
-    /// that is due is the next.
+    /// Next event up to `horizon` (s), found on a copy: this simulator does not change. An event
+    /// that is due is the next one.
     ///
-    /// Its time is rounded to a double, and an advance to that time may end just before the event.
-    /// To come to it, advance to a later end with [`Pause::BeforeEvent`] or [`Pause::AfterImpact`].
+    /// The event's time is rounded to a double, and an advance to that time may end just before the
+    /// event. To reach it, advance to a later end with [`Pause::BeforeEvent`] or
+    /// [`Pause::AfterImpact`].
     ///
     /// # Errors
     /// As [`advance_until`](Self::advance_until).

@@ -1,22 +1,22 @@
-//! What happens at an event: the impact law, the closing of a chatter run, release.
+//! Laws of the events: impact, the closing of a chatter run, release.
 
 use super::step::EventObserver;
 use super::{Contact, DueEvent, Event, Simulator};
 use crate::flow::{CENTRED, Series};
 use crate::model::{Augmented, Impact, RELATIVE, RELATIVE_RATE, SmoothMode};
 
-/// e_c of docs/theory.md (18): what is left of a chatter run when it is closed moves nothing by
-/// more than this many gaps, at most a unit in the last place.
+/// e_c of docs/theory.md (18): largest displacement, in gaps, that the rest of a chatter run would
+/// cause after it is closed, at most a unit in the last place.
 const CHATTER: f64 = 0.5 * f64::EPSILON;
-/// With κ nearer to 1 than this runs are closed by the height of their bounces instead
+/// Loss 1 - κ below which runs are closed by the height of their bounces instead
 /// (docs/numerics.md, "Chatter").
 const LEAST_LOSS: f64 = 1e-3;
-/// e_h of docs/theory.md (18), that height in gaps. It is under what any host resolves, and leaves
-/// 10⁵ bounces a second to compute, where round-off would leave 10⁹.
+/// e_h of docs/theory.md (18): height of a bounce, in gaps, below which a nearly elastic run is
+/// closed. It is under what any host resolves, and leaves 10⁵ bounces a second to compute, where
+/// round-off would leave 10⁹.
 const LEAST_BOUNCE: f64 = 1e-12;
-/// A run is closed only if the free acceleration of the merged motion changes by at most this part
-/// of itself within t_c, at a rate that is bounded over 2 t_c (docs/theory.md (19);
-/// docs/numerics.md, "Chatter").
+/// Largest relative change of the merged motion's free acceleration within t_c, at a rate bounded
+/// over 2 t_c, with which a run is closed (docs/theory.md (19); docs/numerics.md, "Chatter").
 const STEADY: f64 = 0.125;
 
 #[inline(always)]
@@ -40,15 +40,15 @@ impl Simulator {
         if self.hybrid.contact != Contact::Flight {
             z[RELATIVE_RATE] = 0.0;
             self.hybrid.contact = Contact::Flight;
-            // w' and w'' are zero and the jerk leads away, or, where it is rounding, what follows
-            // it.
+            // w' and w'' are zero. The jerk leads away, or the first higher derivative beyond
+            // rounding.
             let (_, certain) = self.flight_from_stop(z);
             self.hybrid.departing = certain.map_or(3, |order| order.max(3)) as u8;
             self.hybrid.doubtful = certain.is_none();
             report(observer, Event::Release { time, side: stop });
             return false;
         }
-        // A root whose speed round-off has turned negative is a touch.
+        // An approach speed that round-off has made negative is zero: a touch.
         z[RELATIVE_RATE] = side * (side * z[RELATIVE_RATE]).max(0.0);
         let Impact { speed, impulse, lost } = self.model.impact(z, side);
         self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
@@ -66,18 +66,18 @@ impl Simulator {
             let lost = self.model.merge(z);
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
             (self.hybrid.contact, self.hybrid.departing) = (Contact::at(side), 0);
-            // The impacts accumulate this much later; the state rests from now on, which differs by
+            // The impacts accumulate `left` s later. The state rests from now on; the difference is
             // round-off.
             report(observer, Event::Rest { time: time + left, side: stop });
         }
         true
     }
 
-    /// Whether the chatter run that starts with rebound speed `u` is to be closed now: the time
-    /// until its impacts accumulate, s (0 for nearly elastic runs), or `None`.
+    /// Time until the impacts of the chatter run with rebound speed `u` accumulate, s, if the run
+    /// is to be closed now (0 for nearly elastic runs); otherwise `None`.
     ///
-    /// The run lasts t_c = 2u/(a(1-κ)) at constant acceleration a (docs/theory.md (16)). The
-    /// conditions and why they are enough: docs/numerics.md, "Chatter".
+    /// At constant acceleration a the run lasts t_c = 2u/(a(1-κ)) (docs/theory.md (16)). The
+    /// conditions, and why they suffice: docs/numerics.md, "Chatter".
     #[inline(always)]
     fn chatter_to_be_closed<const LOADS: usize>(&self, z: &Augmented, side: f64, u: f64) -> Option<f64> {
         let forces = [(); LOADS].map(|()| self.forces_now());
@@ -91,20 +91,19 @@ impl Simulator {
         let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
         let longest = 2.0 * span;
         if longest > 0.5 * self.interval() {
-            return None; // the series below would not reach so far
+            return None; // beyond the radius of the series below
         }
-        // The motion of box and block as one body, about which that of the run deviates by less
-        // than its bounces.
+        // Box and block moving as one body: the run deviates from this by less than its bounces.
         let mut merged = *z;
         self.model.merge(&mut merged);
         let series =
             Series::<CENTRED>::expand(&self.model, SmoothMode::Rest, &merged, forces.first(), longest);
-        // In this unit of time a bound on the rate of the acceleration from now to then.
+        // Bound on the acceleration's rate of change over `longest`, with that as unit of time.
         let rate: f64 = series.free.iter().enumerate().map(|(k, c)| k as f64 * c.abs()).sum();
         (rate * (span / longest) <= STEADY * a).then_some(if elastic { 0.0 } else { span })
     }
 
-    /// The largest square of a rebound speed over the acceleration with which a run is closed, m.
+    /// Largest u²/a, rebound speed squared over acceleration, with which a run is closed, m.
     #[inline(always)]
     pub(super) fn chatter_closing_limit(&self) -> f64 {
         let loss = 1.0 - self.model.restitution;
@@ -112,7 +111,7 @@ impl Simulator {
         part * self.model.gap
     }
 
-    /// Sets contact, departure and the due event anew from state, parameters and loads; called
+    /// Determines contact, departure and the due event from state, parameters and loads; called
     /// whenever one of these is set from outside.
     pub(super) fn classify_contact(&mut self) {
         let (gap, y) = (self.model.gap, &mut self.hybrid.y);
@@ -147,7 +146,7 @@ impl Simulator {
                 self.hybrid.contact = Contact::Flight;
                 (self.hybrid.departing, self.hybrid.doubtful) = (order as u8, certain.is_none());
             }
-            // Pressed, or at rest relative to the box with nothing that moves it.
+            // Pressed to the stop, or not moved at all relative to the box.
             _ => {
                 (self.hybrid.contact, self.hybrid.departing) = (Contact::at(side), 0);
             }

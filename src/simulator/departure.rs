@@ -1,8 +1,8 @@
 //! The first moments of a departure from a stop, in which w still rounds to the stop.
 //!
-//! A state at such a moment tells only to rounding, or not at all, that the block is on its way
-//! out. So a sub-step that would begin there begins at the departure itself, where w and the
-//! derivatives that are zero are exactly so (docs/numerics.md, section 2).
+//! The state at such a moment hardly tells, or not at all, that the block is leaving: its motion is
+//! lost in rounding. So a sub-step from there begins at the departure itself, where w and the
+//! vanishing derivatives are exact (docs/numerics.md, section 2).
 
 use super::{HybridState, Simulator};
 use crate::energy::{Pending, Sums};
@@ -13,17 +13,17 @@ use crate::model::{
 use crate::numerics::double_double::DoubleDouble;
 use serde::{Deserialize, Serialize};
 
-/// A derivative of w of order k larger than this times k², in ε rᵏ S with the size S of
-/// docs/numerics.md, section 1, is no rounding: a w'' is a sum of some eight products, with the
-/// rounding of the state's coordinates in them, and off by less than half of it.
+/// Size above which a derivative of w of order k is more than rounding, in units of k² ε rᵏ S with
+/// the size S of docs/numerics.md, section 1. It is twice the rounding of w'', which is a sum of
+/// some eight products of rounded coordinates.
 const CERTAIN: f64 = 4.0;
 
-/// Where the block has left the stop that w still rounds to, less than a sub-step ago.
+/// Moment, less than a sub-step ago, at which the block left the stop that w still rounds to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Departure {
     pub(super) time: DoubleDouble,
     pub(super) z: Augmented,
-    /// What input and damped energy have gained from there to the present, J.
+    /// Gain of input and damped energy from the departure to the present, J.
     pub(super) gained: [f64; 2],
 }
 
@@ -31,13 +31,13 @@ pub(super) struct Departure {
 pub(super) struct Departing {
     from: Departure,
     order: u8,
-    /// The accounts at the departure.
+    /// Input and damped energy at the departure, J.
     accounts: [DoubleDouble; 2],
-    /// Where the sub-step would have begun.
+    /// Moment at which the sub-step would otherwise have begun.
     present: Present,
 }
 
-/// A moment of a motion, with its accounts.
+/// Moment of a motion, with its energy accounts.
 struct Present {
     time: DoubleDouble,
     z: Augmented,
@@ -46,8 +46,8 @@ struct Present {
 }
 
 impl Simulator {
-    /// Whether the next sub-step, of at most `remaining` s, begins at a departure that has to be
-    /// known at its end: its end may be so near that w still rounds to the stop.
+    /// Whether the next sub-step, of at most `remaining` s, begins at a departure that must be
+    /// remembered, since w may still round to the stop at its end.
     #[inline(always)]
     pub(super) fn is_departing(&self, remaining: f64) -> bool {
         match self.hybrid.departing {
@@ -57,14 +57,14 @@ impl Simulator {
         }
     }
 
-    /// Whether nothing but rounding moves a block that is at a stop without speed.
+    /// Whether nothing but rounding moves the block, at a stop without speed.
     #[inline(always)]
     pub(super) fn is_doubtful(&self) -> bool {
         self.hybrid.departing > 1 && self.hybrid.doubtful
     }
 
-    /// Goes back to the departure, if the block has left a stop that w still rounds to; `z` becomes
-    /// the state there.
+    /// Returns to the departure, or begins one here if none is remembered; `z` becomes the state at
+    /// the departure.
     #[cold]
     #[inline(never)]
     pub(super) fn return_to_departure(&mut self, z: &mut Augmented) -> Departing {
@@ -73,13 +73,12 @@ impl Simulator {
         let here = Departure { time, z: *z, gained: [0.0; 2] };
         let from = self.hybrid.departure.take().unwrap_or(here);
         (self.hybrid.time, *z) = (from.time, from.z);
-        // Where accounts are no longer kept, as while a batch reports, nothing would give it again.
+        // Without accounts, as while a batch reports, the gain would not be added again.
         if self.keeps_energy_accounts {
             let sums = &mut self.hybrid.sums;
             (sums.input, sums.damped) = (sums.input.plus(-from.gained[0]), sums.damped.plus(-from.gained[1]));
         }
-        // What nothing but rounding moved may have got a derivative beyond it by now, of another
-        // order.
+        // A doubtful departure may have become certain, with another order.
         if self.is_doubtful()
             && let (_, Some(order)) = self.flight_from_stop(z)
         {
@@ -88,9 +87,8 @@ impl Simulator {
         Departing { from, order: self.hybrid.departing, accounts: self.accounts(), present }
     }
 
-    /// Ends a sub-step that began at a departure. If it has come to `end`, and w still rounds to
-    /// the stop there, the next one begins at the same departure, unless that is a whole sub-step
-    /// ago.
+    /// Ends a sub-step that began at a departure. If it reached `end` with w still rounding to the
+    /// stop, and the departure is less than a sub-step ago, the next sub-step begins there again.
     #[cold]
     #[inline(never)]
     pub(super) fn keep_departure(
@@ -102,8 +100,8 @@ impl Simulator {
     ) {
         let Departing { from, order, accounts, present } = begun;
         if passage.is_some() {
-            // Another way of rounding may find an event where none was found before: it takes place
-            // at the present, and not in its past.
+            // Other roundings may find an event before the present, where none was found before.
+            // It takes place at the present.
             if self.hybrid.time.minus(present.time).value() < 0.0 {
                 *z = present.z;
                 (self.hybrid.time, self.hybrid.sums, self.pending) =
@@ -122,13 +120,13 @@ impl Simulator {
         }
     }
 
-    /// The flight from a stop at which the block has no speed: its series over 1/r, and the order
-    /// of the first derivative of w, from the second to the eighth, that is no rounding.
+    /// Flight from a stop at which the block has no speed: its series over 1/r, and the order of
+    /// the first derivative of w, from the second to the eighth, that is beyond rounding.
     pub(super) fn flight_from_stop(&self, z: &Augmented) -> (Series<9>, Option<usize>) {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;
         let series = Series::<9>::expand(&self.model, SmoothMode::Flight, z, Some(&forces), radius);
-        let mut rounding = CERTAIN * f64::EPSILON * self.largest_acceleration(z, &forces); // of the order k, over k²
+        let mut rounding = CERTAIN * f64::EPSILON * self.largest_acceleration(z, &forces); // of order k, over k²
         let certain = (2..9).find(|&k| {
             let certain = series.free[k - 2].abs() > (k * k) as f64 * rounding;
             rounding /= (k - 1) as f64;
@@ -137,8 +135,7 @@ impl Simulator {
         (series, certain)
     }
 
-    /// r² S, which the terms of an acceleration are of (docs/numerics.md, section 1); they may
-    /// cancel.
+    /// Size r² S of the terms of an acceleration (docs/numerics.md, section 1), which may cancel.
     fn largest_acceleration(&self, z: &Augmented, forces: &Forces) -> f64 {
         let model = &self.model;
         let place = model.gap + z[BOX].abs().max(z[SECONDARY].abs());
@@ -147,8 +144,8 @@ impl Simulator {
         if !self.loaded() {
             return own;
         }
-        // Of loads that were set some time ago the terms of their polynomials, and of all of them
-        // the derivatives over r.
+        // Loads count by the larger of their value and the terms of their polynomials since they
+        // were set, derivatives of order j over rʲ.
         let since = self.hybrid.time.minus(self.hybrid.loads_from).value().abs();
         let terms = shifted(&self.hybrid.loads.map(|f| f.map(f64::abs)), since);
         let load = |now: &[f64; 4], terms: &[f64; 4]| {
@@ -159,7 +156,7 @@ impl Simulator {
         own + loads.map(|((now, terms), inverse)| load(now, terms) * inverse).sum::<f64>()
     }
 
-    /// Input and damped energy with what is pending.
+    /// Input and damped energy, pending sums included, J.
     fn accounts(&self) -> [DoubleDouble; 2] {
         let mut sums = self.hybrid.sums;
         sums.settle(&mut self.pending.clone());

@@ -1,7 +1,7 @@
-//! The sub-step that almost all time is spent in: free flight without loads.
+//! Sub-steps of free flight without loads, in which a motion spends almost all of its time.
 
 use super::Simulator;
-use super::general::{SeriesPoint, SubstepStart};
+use super::points::{SeriesPoint, SubstepStart};
 use crate::events::flight_crossing;
 use crate::flow::{ANCHORED, INTERVALS, Series};
 use crate::model::{Augmented, RELATIVE, SmoothMode};
@@ -9,19 +9,19 @@ use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd::{at_least, excess_over, polynomial, product};
 use pulp::Simd;
 
-/// What the samples of a sub-step tell.
+/// Samples of w over a sub-step, and the intervals that they leave to be searched.
 pub(super) struct DisplacementSamples {
     /// w at the interval ends.
     w: [f64; INTERVALS],
-    /// No stop is reached between two samples whose sizes are both under this, m.
+    /// Size of w, m; between two samples under it no stop is reached.
     limit: f64,
-    /// The first interval must be searched.
+    /// Whether the first interval must be searched.
     pub(super) first: bool,
-    /// A bit for each interval that must be searched, the first not among them.
+    /// Bit set of the other intervals that must be searched.
     pub(super) search: u64,
 }
 
-/// Where an impact was found.
+/// Impact found in interval `index` at `u`, at the stop `side`.
 pub(super) struct LocatedImpact {
     pub(super) index: usize,
     pub(super) u: f64,
@@ -74,10 +74,10 @@ impl Simulator {
         None
     }
 
-    /// A step within one interval, if at both its ends the block is farther from the stops than its
-    /// acceleration, at most `bound`, can bend its path in between. Returns false, and has done
-    /// nothing, where it is not: then the interval has to be searched. It is a function of its own,
-    /// not inlined, because the long sub-steps use all registers.
+    /// A step within one interval, if at both ends the block is farther from the stops than its
+    /// acceleration, at most `bound`, can bend its path in between. Otherwise returns false and
+    /// changes nothing: the interval must be searched. Not inlined, because the long sub-steps use
+    /// all registers.
     #[inline(never)]
     pub(super) fn short_flight_substep<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -120,8 +120,8 @@ impl Simulator {
             return false;
         }
         self.work.expansions += 1;
-        // About the start itself where that series reaches to the end: the shortest steps then have
-        // the least rounding.
+        // A series about the start, where it reaches to the end, has the least rounding for the
+        // shortest steps.
         let radius = 0.5 * self.interval();
         let centred = remaining > radius;
         let centre = if centred { product(simd, &self.flight.core.centre[0], z) } else { *z };
@@ -150,7 +150,7 @@ impl Simulator {
     ) -> DisplacementSamples {
         let interval = self.interval();
         let w = product(simd, &self.flight.core.sample, z);
-        // Between the ends of an interval h long w lies within bound h²/8 of its chord.
+        // Between the ends of an interval of length h, w lies within bound h²/8 of its chord.
         let limit = self.model.gap - bound * interval * interval * 0.125;
         let near = at_least(simd, &w, limit);
         let clear = self.clears_first_interval(z, bound, limit);
@@ -159,7 +159,8 @@ impl Simulator {
         DisplacementSamples { w, limit, first: !clear || near & 1 != 0, search }
     }
 
-    /// Looks for an impact in interval `index`, not the first, up to the `remaining` time.
+    /// First impact in interval `index`, not the first interval, within `remaining` s of the
+    /// sub-step's start.
     #[inline(always)]
     pub(super) fn locate_impact<S: Simd>(
         &mut self,
@@ -178,8 +179,7 @@ impl Simulator {
         }
         let ends = [samples.w[index - 1], samples.w[index]];
         let (most, least) = (ends[0].max(ends[1]), ends[0].min(ends[1]));
-        // No branch where only one stop is near: in chaotic motion the processor cannot predict
-        // which one.
+        // Without a branch on the stop: in chaotic motion the processor cannot predict it.
         let mut side = if most >= -least { 1.0 } else { -1.0 };
         let mut found = None;
         loop {
@@ -196,7 +196,7 @@ impl Simulator {
         }
     }
 
-    /// Moves to the impact that was found: state, energy accounts and time.
+    /// Moves to a located impact: state, energy accounts and time.
     #[inline(always)]
     pub(super) fn move_to_impact<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -211,8 +211,7 @@ impl Simulator {
         arrived
     }
 
-    /// The state at `u` of interval `index`, with the energy accounts up to there; the time is the
-    /// caller's.
+    /// State at `u` of interval `index`; updates the energy accounts, but not the time.
     #[inline(always)]
     fn state_in_interval<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -223,7 +222,7 @@ impl Simulator {
     ) -> Augmented {
         let centre = product(simd, &self.flight.core.centre[index], z);
         let rows = self.flight.local.states(simd, &centre);
-        // The state first: the next sub-step waits for it, but not for the accounts.
+        // The state before the accounts: the next sub-step waits only for the state.
         let arrived = polynomial(simd, &rows, u);
         if ACCOUNTS {
             self.account_flight(simd, z, Some(index), &rows, (u, &arrived));
@@ -232,8 +231,8 @@ impl Simulator {
         arrived
     }
 
-    /// Searches the first interval, in which the block may just be leaving a stop, and moves to its
-    /// first event if it has one: the state there and the stop.
+    /// First event in the first interval, in which the block may just be leaving a stop: the state
+    /// there and the stop.
     #[cold]
     fn first_interval(&mut self, mut z: Augmented, bound: f64, span: f64) -> Option<(Augmented, f64)> {
         self.work.expansions += 1;

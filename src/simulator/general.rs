@@ -1,66 +1,62 @@
-//! Sub-steps of any kind (short ones, rest, motion under loads): prove that no event falls in one
-//! and pass over it, or go to the first event. The sub-step of plain flight has its own faster way
-//! in `flight`.
+//! Sub-steps of any kind (short ones, rest, motion under loads): proof that no event falls in one,
+//! or the way to the first event. The sub-step of flight without loads has a faster way in
+//! `flight.rs`, which leaves here whatever it cannot prove.
+//!
+//! # Why it is so
+//!
+//! An interval is passed over unsearched only where the samples at its ends stay farther from the
+//! event's limit than the functional can bend in between: |g''| h²/8. All other intervals are
+//! searched on a series by [`first_crossing`], which finds the first passage or proves that there
+//! is none. So each way out of a sub-step is an event found or a proof (docs/numerics.md,
+//! "Events").
+//!
+//! Three starts need more than this:
+//! - A departure from a stop: the functional is zero at the start. The known power of u is divided
+//!   out, so that a return is found however soon it comes (`first_event_from_start`).
+//! - A contact force that is rounding at the start, but pressed by its first certain derivative:
+//!   divided likewise (`divide_where_pressed`).
+//! - A departure of which not even the direction is certain: the step is cut to a quarter of an
+//!   interval, and a return found in it means that the block stays (`substep_within_interval`).
+//!
+//! # What must not change without proof
+//!
+//! - The order of operations: this code runs without vectors, so that its bits are equal on all
+//!   instruction sets (`tests/state_bits.rs`). Both stops are searched over the whole way, so that
+//!   a motion and its mirror image have the same bits.
+//! - [`MAX_REACH`] and [`SHORT`]: docs/numerics.md, sections 1 and 2.
+//! - Where the time becomes `end` exactly. A step that reaches its end sets it; a sum would drift.
+//!
+//! # Changes
+//!
+//! - Another reason to shorten a step: the condition in `general_substep` that chooses
+//!   `substep_within_interval`.
+//! - Another event functional: `Series::functional`, the samples of `flow::SubstepTable` with their
+//!   bound, and the limit in `substep_by_tables` and `search_intervals`.
 
+use super::points::{SeriesPoint, SubstepStart};
 use super::{Contact, Simulator};
 use crate::events::first_crossing;
-use crate::flow::{ANCHORED, CENTRED, INTERVALS, LOAD, Series, Table, shifted};
-use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
+use crate::flow::{ANCHORED, CENTRED, INTERVALS, Series, SubstepTable};
+use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
 use crate::numerics::simd::value;
 use std::sync::Arc;
 
-/// What rounding may leave of a gap that is closed beyond zero at a search's start, in parts of the
-/// path and the gap; checked in debug builds only.
+/// Largest penetration of a stop at the start of a search, relative to path and gap, that counts as
+/// rounding; checked in debug builds only.
 const START_ROUNDING: f64 = 1e-9;
 
-/// A step shorter than this part of an interval moves the state by a sum of its own, so that the
-/// roundings of many of them do not add up (docs/numerics.md, section 1).
+/// Part of an interval below which a step is short: its change of state is summed apart, so that
+/// the roundings of many short steps do not add up (docs/numerics.md, section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
-/// A sub-step's intervals are searched one by one only while the block's path in one stays under
-/// this many gaps; beyond, steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
+/// Longest path of the block in an interval, in gaps, with which the interval is searched as a
+/// whole. Beyond it steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
 
-/// A point on a series at which an event or the step's end lies.
-pub(super) struct SeriesPoint<'a, const N: usize> {
-    pub(super) series: &'a Series<N>,
-    /// Time from the sub-step's start to the series' centre, s.
-    pub(super) base: f64,
-    pub(super) radius: f64,
-    pub(super) u: f64,
-    /// The interval the series is centred on, or none where it is anchored at the start.
-    pub(super) interval: Option<usize>,
-}
-
-/// The sub-step's start: state, loads (one or none, so that a motion without loads is compiled
-/// without them) and bound.
-pub(super) struct SubstepStart<const LOADS: usize> {
-    pub(super) z: Augmented,
-    pub(super) forces: [Forces; LOADS],
-    pub(super) bound: f64,
-}
-
-impl<const LOADS: usize> SubstepStart<LOADS> {
-    #[inline(always)]
-    fn forces(&self) -> Option<&Forces> {
-        self.forces.first()
-    }
-
-    #[inline(always)]
-    pub(super) fn forces_after(&self, dt: f64) -> Option<Forces> {
-        self.forces.first().map(|f| shifted(f, dt))
-    }
-
-    /// The forces as columns of the load tables.
-    #[inline(always)]
-    fn columns(&self) -> Option<[f64; LOAD]> {
-        self.forces.first().map(|f| std::array::from_fn(|c| f[c / 4][c % 4]))
-    }
-}
 impl Simulator {
-    /// A sub-step of any kind: short ones, rest, motion under loads. Compiled once, for all
-    /// machines.
+    /// A sub-step of at most `remaining` s from `z`: the state at its end and the stop of its
+    /// event, if it reached one. Compiled once, for all instruction sets.
     #[inline(never)]
     pub(super) fn general_substep<const LOADS: usize>(
         &mut self,
@@ -84,8 +80,8 @@ impl Simulator {
         let wild = self.hybrid.contact == Contact::Flight && self.exceeds_reach(&z, start.bound);
         let doubtful = self.is_doubtful();
         let side = if remaining <= interval || wild || doubtful {
-            // In a quarter of an interval the ninth and higher derivatives, which doubt does not
-            // ask for, do next to nothing.
+            // A doubtful departure has rounding up to the eighth derivative. In a quarter of an
+            // interval the higher ones do next to nothing.
             let longest = if doubtful { 0.25 * interval } else { interval };
             self.substep_within_interval(&mut z, &start, remaining.min(longest), remaining, end)
         } else {
@@ -94,7 +90,7 @@ impl Simulator {
         (z, side)
     }
 
-    /// A step within one interval, on a series anchored at its start.
+    /// A step within one interval, on a series about its start.
     #[inline(always)]
     fn substep_within_interval<const LOADS: usize>(
         &mut self,
@@ -109,8 +105,8 @@ impl Simulator {
         self.work.expansions += 1;
         let mut series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
         if self.hybrid.contact == Contact::Flight {
-            // The coefficients bound the block's path; where it is longer than MAX_REACH gaps the
-            // step is shortened.
+            // The coefficients bound the block's path. The step is halved until it is at most
+            // MAX_REACH gaps.
             let reach =
                 |u: f64| series.states[1..].iter().rev().fold(0.0, |sum, c| (sum + c[RELATIVE].abs()) * u);
             let mut part = 1.0;
@@ -125,15 +121,14 @@ impl Simulator {
                 series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
             }
         }
-        // What is zero at a departure is so but for rounding, which would lead the block here or
-        // there.
+        // At a departure the derivatives below the order of departure are zero; their rounding
+        // would move the block in either direction.
         let order = self.hybrid.departing;
         let zero = usize::from(order);
         series.states.iter_mut().take(zero).skip(1).for_each(|state| state[RELATIVE] = 0.0);
         series.states.iter_mut().take(zero.saturating_sub(1)).for_each(|state| state[RELATIVE_RATE] = 0.0);
         let passage = self.first_event_from_start(&series, start, near, span);
-        // What brings the block back where nothing but rounding had moved it is rounding, too: it
-        // stays.
+        // A block that nothing but rounding moves, and that comes back, stays.
         let stays = self.is_doubtful() && passage.is_some();
         let (u, side) = passage.filter(|_| !stays).map_or((1.0, None), |(u, side)| (u, Some(side)));
         let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
@@ -149,6 +144,7 @@ impl Simulator {
     }
 
     /// A sub-step by the tables: 16 samples of the event functional and the bound between them.
+    /// Intervals that these do not clear are searched.
     #[inline(always)]
     fn substep_by_tables<const LOADS: usize>(
         &mut self,
@@ -167,7 +163,7 @@ impl Simulator {
         }
         let margin = start.bound * interval * interval * 0.125;
         let whole = remaining >= self.substep;
-        // A function that stays `margin` away from its limit at both ends of an interval does not
+        // A functional at least `margin` away from its limit at both ends of an interval does not
         // reach it in between.
         let (first, clear) = if flight {
             let limit = gap - margin;
@@ -198,8 +194,8 @@ impl Simulator {
         None
     }
 
-    /// Searches the intervals that the samples do not clear; arrives at the first event, if there
-    /// is one.
+    /// Searches the intervals that the samples `g` do not clear, and moves to the first event: its
+    /// stop, or `None` and `z` unchanged.
     #[inline(always)]
     fn search_intervals<const LOADS: usize>(
         &mut self,
@@ -212,7 +208,7 @@ impl Simulator {
     ) -> Option<f64> {
         let interval = self.interval();
         let side = self.hybrid.contact.side();
-        // A sample is near where `excess` is not negative: within the margin of a limit or past it.
+        // A sample is near, that is within the margin of a limit or past it, where this is ≥ 0.
         let limit = self.model.gap - margin;
         let excess = |x: f64| if side == 0.0 { x.abs() - limit } else { margin - side * x };
         if !first_clear || excess(g[0]) >= 0.0 {
@@ -225,7 +221,7 @@ impl Simulator {
                 return Some(side);
             }
         }
-        // The intervals that the step reaches into and that have a near sample at an end.
+        // Intervals that the step reaches into, searched where a sample at an end is near.
         let count = ((remaining / interval).ceil() as usize).min(INTERVALS);
         let nearest = g.iter().position(|&x| excess(x) >= 0.0)?;
         for i in nearest.max(1)..count {
@@ -245,7 +241,7 @@ impl Simulator {
         None
     }
 
-    /// The series about the centre of an interval and the time to there.
+    /// Series about the centre of an interval, and the time from the sub-step's start to it.
     #[inline(never)]
     pub(super) fn centred<const LOADS: usize>(
         &mut self,
@@ -257,10 +253,10 @@ impl Simulator {
         let base = (index as f64 + 0.5) * interval;
         let tables = self.tables();
         let mut z = [0.0; 8];
-        Table::transit(&tables.core.centre[index], &start.z, &mut z);
+        SubstepTable::transit(&tables.core.centre[index], &start.z, &mut z);
         let forces = start.forces_after(base);
         if let Some(columns) = start.columns() {
-            Table::transit(&tables.load.centre[index], &columns, &mut z);
+            SubstepTable::transit(&tables.load.centre[index], &columns, &mut z);
         }
         if self.hybrid.contact != Contact::Flight {
             (z[RELATIVE], z[RELATIVE_RATE]) = (start.z[RELATIVE], 0.0);
@@ -268,8 +264,8 @@ impl Simulator {
         (Series::expand(&self.model, self.mode(), &z, forces.as_ref(), 0.5 * interval), base)
     }
 
-    /// The first event between two points, with its stop, from the coefficients of the event
-    /// functional.
+    /// First event between `lo` and `hi`, with its stop, from the coefficients of the event
+    /// functional. `near` tells which stops, upper and lower, may be reached.
     #[inline(never)]
     fn first_event<const N: usize>(
         &mut self,
@@ -289,15 +285,14 @@ impl Simulator {
             if near {
                 let mut p = functional.map(|w| side * w);
                 p[0] -= self.model.gap;
-                // In rest there is no such check: forces may cancel, and what is left of them has
-                // no scale of its own.
+                // Rest has no such check: forces may cancel, and their difference has no scale.
                 debug_assert!(
                     value(&p, lo)
                         <= START_ROUNDING * (self.model.gap + p.iter().map(|x| x.abs()).sum::<f64>()),
                     "the block is beyond a stop where a search begins: {p:?}"
                 );
-                // Over the whole way, also behind a passage of the other stop, so that a motion and
-                // its mirror image have the same bits.
+                // Up to `hi` even behind a passage of the other stop, so that a motion and its
+                // mirror image have the same bits.
                 if let Some(u) = first_crossing(&p, lo, hi, iterations)
                     && found.is_none_or(|(first, _)| u < first)
                 {
@@ -308,9 +303,9 @@ impl Simulator {
         found
     }
 
-    /// The same on a series anchored at the sub-step's start, where the block may just be leaving a
-    /// stop: the roots at the start are divided out, so that a return is found however soon it
-    /// comes.
+    /// First event on a series about the sub-step's start, with its stop. Where the block is just
+    /// leaving a stop, the roots at the start are divided out, so that a return is found however
+    /// soon it comes.
     #[inline(never)]
     pub(super) fn first_event_from_start<const LOADS: usize>(
         &mut self,
@@ -345,9 +340,9 @@ impl Simulator {
         found
     }
 
-    /// A contact force that is rounding at the start, and whose first derivative beyond rounding
-    /// presses, is divided by that power of u: it does not fall there, whatever round-off says.
-    /// What is beyond rounding is asked as for a departure, so that both answers agree.
+    /// Divides a contact force that is rounding at the start by uᵏ, where k is the order of its
+    /// first derivative beyond rounding, if that derivative presses: the force does not fall there,
+    /// whatever round-off says. The order is the one that decides a departure, so that both agree.
     fn divide_where_pressed(&self, functional: &mut [f64; ANCHORED], z: &Augmented) {
         let side = self.hybrid.contact.side();
         if side * functional[0] > functional[1..].iter().map(|a| a.abs()).sum() {
@@ -382,7 +377,7 @@ impl Simulator {
         self.hybrid.departing = 0;
     }
 
-    /// Passes over a whole sub-step without event.
+    /// Moves over a whole sub-step without event.
     #[inline(always)]
     pub(super) fn advance_whole_substep<const LOADS: usize>(
         &mut self,
@@ -394,9 +389,9 @@ impl Simulator {
         }
         let tables = self.tables();
         let mut next = [0.0; 8];
-        Table::transit(&tables.core.full, &start.z, &mut next);
+        SubstepTable::transit(&tables.core.full, &start.z, &mut next);
         if let Some(columns) = start.columns() {
-            Table::transit(&tables.load.full, &columns, &mut next);
+            SubstepTable::transit(&tables.load.full, &columns, &mut next);
         }
         if self.hybrid.contact != Contact::Flight {
             (next[RELATIVE], next[RELATIVE_RATE]) = (start.z[RELATIVE], 0.0);

@@ -1,30 +1,30 @@
-//! What a start, a drive and loads may be, so that double precision carries the motion.
+//! Limits on starts, drive and loads within which double precision resolves the motion.
 
 use super::{Contact, DueEvent, HybridState, State};
 use crate::error::{Error, Result};
 use crate::model::{Forces, Model};
 use crate::parameters::Parameters;
 
-/// A start this close to a stop, in units of the rounding of the displacements, is on the stop.
+/// Distance from a stop, in roundings of the displacements, within which a start is on the stop.
 const ON_STOP_ULPS: f64 = 4.0;
-/// The gap is the difference of displacements: with these this many times larger than it, fewer
-/// than 6 digits are left.
+/// Largest displacement in gaps. The relative displacement is a difference of displacements: beyond
+/// this it has fewer than 6 digits.
 const MAX_DRIFT: f64 = 1e10;
-/// Speeds, and accelerations by drive and loads, in gaps and the system's fastest rate: beyond this
-/// the block's flights are shorter than the resolution of the motion that they are part of.
+/// Largest speed, and largest acceleration by drive and loads, in gaps and the fastest rate. Beyond
+/// this the block's flights are shorter than the resolution of the motion.
 const MAX_VIOLENCE: f64 = 1e12;
 
-/// What is said of a load that is too large for the system.
+/// Quantity named in the error for a load that is too large for the system.
 const VIOLENT_LOAD: &str = "load over its body's mass, stop.gap and the square of the fastest rate";
 
-/// The highest order of the first derivative that leads away from a stop.
+/// Highest order of the first derivative that leads away from a stop.
 const MAX_DEPARTING: u8 = 8;
 
-/// Time in units of the fastest rate: beyond this a double does not tell two moments of the motion
-/// apart.
+/// Largest time times the fastest rate. Beyond this a double does not tell two moments of the
+/// motion apart.
 const MAX_TIME: f64 = 1e15;
 
-/// A time against what a double resolves at the fastest `rate` (1/s).
+/// Checks that a double resolves the motion at `time`, s, with the fastest `rate`, 1/s.
 #[inline]
 pub fn check_time(rate: f64, time: f64) -> Result<()> {
     let value = (rate * time).abs();
@@ -34,40 +34,43 @@ pub fn check_time(rate: f64, time: f64) -> Result<()> {
     Err(Error::PrecisionLost { what: "time times the fastest rate", value, limit: MAX_TIME })
 }
 
-fn limit(what: &'static str, value: f64) -> Result<()> {
+fn check_limit(what: &'static str, value: f64) -> Result<()> {
     if value.abs() <= MAX_VIOLENCE {
         return Ok(());
     }
     Err(Error::PrecisionLost { what, value: value.abs(), limit: MAX_VIOLENCE })
 }
 
-/// The drive and constant loads against what the gap and the system's rates can resolve.
+/// Checks drive and constant loads against [`MAX_VIOLENCE`].
 pub(super) fn check_constant_forces(model: &Model) -> Result<()> {
     let unit = model.gap * model.rate * model.rate;
-    limit("drive.amplitude over box.m, stop.gap and the square of the fastest rate", model.drive / unit)?;
+    check_limit(
+        "drive.amplitude over box.m, stop.gap and the square of the fastest rate",
+        model.drive / unit,
+    )?;
     check_loads(model, &model.constant_loads.map(|load| [load, 0.0, 0.0, 0.0]))
 }
 
-/// Loads with their derivatives against the same.
+/// Checks loads and their derivatives against [`MAX_VIOLENCE`].
 pub(super) fn check_loads(model: &Model, loads: &Forces) -> Result<()> {
     for (derivatives, inverse_mass) in loads.iter().zip(&model.inverse_mass) {
         let mut unit = model.gap * model.rate * model.rate;
         for derivative in derivatives {
-            limit(VIOLENT_LOAD, derivative * inverse_mass / unit)?;
+            check_limit(VIOLENT_LOAD, derivative * inverse_mass / unit)?;
             unit *= model.rate;
         }
     }
     Ok(())
 }
 
-/// Speeds and the secondary's place against what the gap and the system's rates can resolve.
+/// Checks speeds, and the displacement of the secondary oscillator, against [`MAX_VIOLENCE`].
 pub(super) fn check_speeds(model: &Model, state: &State) -> Result<()> {
     let (gap, rate) = (model.gap, model.rate);
-    limit("secondary.s over stop.gap", state.x[2] / gap)?;
+    check_limit("secondary.s over stop.gap", state.x[2] / gap)?;
     let speeds = [state.v[0], state.v[2], state.v[1] - state.v[0]];
     speeds
         .into_iter()
-        .try_for_each(|v| limit("start speed over stop.gap and the fastest rate", v / (gap * rate)))
+        .try_for_each(|v| check_limit("start speed over stop.gap and the fastest rate", v / (gap * rate)))
 }
 
 /// x1, w, x3 and rates of a state, checked against the stops.
@@ -75,7 +78,7 @@ pub(super) fn coordinates(parameters: &Parameters, state: &State) -> Result<[f64
     const NAMES: [[&str; 3]; 2] = [["box.s", "block.s", "secondary.s"], ["box.v", "block.v", "secondary.v"]];
     for (names, values) in NAMES.iter().zip([&state.x, &state.v]) {
         for (name, &value) in names.iter().zip(values) {
-            // The square must not overflow: energies are kept.
+            // Squares must not overflow in the energies.
             if value.is_nan() || value.abs() > 1e100 {
                 return Err(Error::OutOfRange { name, value, allowed: "a finite number up to 1e100" });
             }
@@ -102,7 +105,7 @@ pub(super) fn coordinates(parameters: &Parameters, state: &State) -> Result<[f64
     Ok(y)
 }
 
-/// Whether contact, departure and due event of a snapshot fit its place: each of them is at a stop.
+/// Checks that contact, departure and due event of a snapshot agree with its w and w'.
 pub(super) fn check_contact(hybrid: &HybridState, gap: f64) -> Result<()> {
     let refuse = |name, value, allowed| Err(Error::OutOfRange { name, value, allowed });
     let (w, rate, side) = (hybrid.y[1], hybrid.y[4], hybrid.contact.side());

@@ -2,26 +2,27 @@
 //! at each.
 //!
 //! A communication step is a reporting interval, not an integration step: ten steps of h and one of
-//! 10 h agree to round-off. Nothing is allocated while advancing, except where a table that is
-//! shared with another simulator is first filled: it is then copied.
+//! 10 h agree to round-off. Advancing allocates nothing, except for the first filling of a table
+//! that is shared with another simulator, which is then copied.
 //!
-//! The kernels, when they run, and what proves that no event is missed:
+//! Four kernels advance a motion by a sub-step. For each: its use, its proof that no event is
+//! missed, and its bits.
 //!
-//! - `flight_substep` (`flight.rs`): flight without loads, more than an interval to go. Samples and
-//!   the bound on w''; dominance in the intervals that these do not clear. Its bits depend on the
-//!   instruction set.
-//! - `short_flight_substep` (`flight.rs`): the same with at most one interval to go, both ends
-//!   clear of the stops. The bound on w'' over the interval. Its bits depend on the instruction
-//!   set.
-//! - `general_substep` (`general.rs`): rest, loads, fast blocks, and what the two above leave. The
-//!   same samples and bound, for w or the contact force; dominance on series from the start. Its
-//!   bits are equal on all instruction sets.
-//! - `batch/`: many flights without loads or energy accounts side by side. The same bound;
-//!   dominance in vectors. Its bits do not depend on the other motions, and are not those of one by
-//!   one.
+//! - `flight_substep` (`flight.rs`), for flight without loads with more than an interval to go.
+//!   Proof: samples of w and a bound on w''; dominance in the intervals that these do not clear.
+//!   Bits: depend on the instruction set.
+//! - `short_flight_substep` (`flight.rs`), for flight without loads with at most an interval to go
+//!   and both ends clear of the stops. Proof: the bound on w'' over the interval. Bits: depend on
+//!   the instruction set.
+//! - `general_substep` (`general.rs`), for rest, loads, fast blocks, and whatever the first two
+//!   leave. Proof: samples of w or the contact force, and a bound; dominance on series. Bits: equal
+//!   on all instruction sets.
+//! - `batch/`, for many flights side by side without loads and energy accounts. Proof: samples of w
+//!   and a bound on w''; dominance in vectors. Bits: independent of the other motions, but not
+//!   those of the kernels above.
 //!
 //! The first three end in `finish_substep` (`step.rs`), which applies the event's law
-//! (`contact.rs`) and limits the work; `batch/` applies the law to plain impacts in its lanes and
+//! (`contact.rs`) and limits the work. `batch/` applies the law of plain impacts in its lanes and
 //! leaves rest, chatter and release to `finish_substep`. The statements and their error bounds are
 //! in `docs/numerics.md`.
 
@@ -33,6 +34,7 @@ mod departure;
 mod flight;
 mod general;
 mod limits;
+mod points;
 mod snapshot;
 mod step;
 mod tables;
@@ -71,14 +73,14 @@ struct HybridState {
     /// x1, w, x3 and their rates.
     y: [f64; 6],
     contact: Contact,
-    /// In flight from a stop: the order of the first derivative of w that leads away from it; else
-    /// 0.
+    /// Order of the first derivative of w that leads away from the stop, in flight from a stop;
+    /// otherwise 0.
     departing: u8,
-    /// Whether that order may be rounding: no derivative was beyond it.
+    /// Whether the order of departure may be rounding: no derivative was beyond rounding.
     doubtful: bool,
-    /// The departure, where w still rounds to that stop.
+    /// Start of the flight from a stop, while w still rounds to that stop.
     departure: Option<Departure>,
-    /// The event at which the motion stands, its law not yet applied.
+    /// Event at which the motion stands, its law not yet applied.
     due: Option<DueEvent>,
     phase: DrivePhase,
     loads: Forces,
@@ -88,7 +90,7 @@ struct HybridState {
 }
 
 impl HybridState {
-    /// From a checked start, in flight until it is classified, without loads.
+    /// Checks a start. It counts as flight until its contact is classified, and has no loads.
     fn new(parameters: &Parameters, model: &Model, state: &State, time: f64) -> Result<Self> {
         if !time.is_finite() {
             return Err(Error::OutOfRange { name: "time", value: time, allowed: "a finite number" });
@@ -120,8 +122,9 @@ pub struct Simulator {
     parameters: Parameters,
     model: Model,
     substep: f64,
-    /// Shared by the simulators that were made from one another.
+    /// Tables of flight, shared by the simulators that were made from one another.
     flight: Arc<ModeTables>,
+    /// Tables of rest, shared likewise.
     rest: Arc<ModeTables>,
     hybrid: HybridState,
     pending: Pending,
@@ -155,8 +158,8 @@ impl Simulator {
         Ok(simulator)
     }
 
-    /// Another simulator of the same system from `time` (s) and `state` on, without loads; it
-    /// shares this one's tables, so that it costs next to nothing.
+    /// Another simulator of this system from `time` (s) and `state` on, without loads. It shares
+    /// this one's tables, so that it costs next to nothing.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -167,9 +170,9 @@ impl Simulator {
         Ok(simulator)
     }
 
-    /// Starts anew, with the bits of [`new`](Self::new), in the memory of this simulator: nothing
-    /// is allocated unless another simulator shares its tables, and with the parameters in force
-    /// the tables are kept. Whether energy accounts are kept stays as it is.
+    /// Starts anew in the memory of this simulator, bit-identical to [`new`](Self::new). Nothing is
+    /// allocated unless another simulator shares the tables, and with unchanged parameters the
+    /// tables are kept. Whether energy accounts are kept does not change.
     ///
     /// ```
     /// use vibro_impact::{Parameters, Simulator, State};
@@ -177,7 +180,8 @@ impl Simulator {
     /// let p = Parameters::default();
     /// let mut one = Simulator::new(&p, &State::default(), 0.0)?;
     /// one.advance_to(10.0)?;
-    /// let (other, start) = (Parameters { stop_restitution: 0.5, ..p }, State { x: [0.0, 0.4, 0.0], v: [0.0; 3] });
+    /// let other = Parameters { stop_restitution: 0.5, ..p };
+    /// let start = State { x: [0.0, 0.4, 0.0], v: [0.0; 3] };
     /// one.restart(&other, &start, 3.0)?;
     /// assert_eq!(one.snapshot(), Simulator::new(&other, &start, 3.0)?.snapshot());
     /// # Ok::<(), vibro_impact::Error>(())
@@ -197,7 +201,7 @@ impl Simulator {
         Ok(())
     }
 
-    /// The same without the accounts of input and damped energy, for sweeps that do not ask for
+    /// This simulator without the accounts of input and damped energy, for sweeps that do not need
     /// them.
     #[must_use]
     pub fn without_energy_accounts(mut self) -> Self {
@@ -210,14 +214,14 @@ impl Simulator {
         &self.parameters
     }
 
-    /// Sets the parameters, which hold at once; a change of drive frequency keeps the drive's phase
+    /// Sets the parameters from now on. A change of drive frequency keeps the drive's phase
     /// continuous, a change of drive phase shifts it. Energy that the change itself adds to springs
-    /// and masses counts as input.
+    /// and masses counts as input. Loads in force stay, even if [`set_loads`](Self::set_loads)
+    /// would refuse them for the new machine.
     ///
     /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop,
-    /// and its law takes the new values; a release that is due is decided anew, as contact is after
-    /// every change. The same holds for [`set_loads`](Self::set_loads). Loads in force stay, also
-    /// where they are such that `set_loads` would refuse them for the new machine.
+    /// and its law takes the new values. Contact, and with it a release that is due, is decided
+    /// anew after every change.
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing has changed then.
@@ -244,8 +248,7 @@ impl Simulator {
         Ok(())
     }
 
-    /// Puts parameters in force, with their model, which the caller has made and checked, and its
-    /// tables.
+    /// Sets the parameters and their model, which the caller has checked, and renews the tables.
     fn install(&mut self, parameters: &Parameters, model: Model) {
         self.parameters = *parameters;
         self.substep = flow::substep(&model);
@@ -253,12 +256,13 @@ impl Simulator {
         self.renew_tables();
     }
 
-    /// Sets the loads from now on, as polynomials in the time from now; they hold until set again.
-    /// The constant loads of the [parameters](Parameters::constant_loads) add to them.
+    /// Sets the loads, as polynomials in the time from now, until they are set again. The constant
+    /// loads of the [parameters](Parameters::constant_loads) add to them. An event that is due is
+    /// treated as in [`set_parameters`](Self::set_parameters).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] when one is not finite, [`Error::PrecisionLost`] when it is out of all
-    /// proportion; nothing has changed then.
+    /// [`Error::OutOfRange`] for a load that is not finite, [`Error::PrecisionLost`] for one too
+    /// large for the system in double precision; nothing has changed then.
     pub fn set_loads(&mut self, loads: &Loads) -> Result<()> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(&loads.derivatives) {
@@ -279,7 +283,7 @@ impl Simulator {
         Ok(())
     }
 
-    /// r, the fastest rate of the system, 1/s (docs/numerics.md, section 1).
+    /// Fastest rate r of the system, 1/s (docs/numerics.md, section 1).
     #[doc(hidden)]
     pub fn fastest_rate(&self) -> f64 {
         self.model.rate
@@ -320,9 +324,9 @@ impl Simulator {
     }
 
     /// Contact force λ in N (docs/theory.md (14)): positive in resting contact at either stop,
-    /// where it pushes block and box apart, and exactly 0 in flight. It acts on the box in the
-    /// direction of the stop, `contact().side() * λ`, and on the block against it; impacts are not
-    /// forces and do not show.
+    /// where it pushes block and box apart, and exactly 0 in flight. On the box it acts in the
+    /// direction of the stop, `contact().side() * λ`, on the block against it. Impulses of impacts
+    /// are not part of it.
     pub fn contact_force(&self) -> f64 {
         let side = self.hybrid.contact.side();
         let force = self.model.reduced_mass * side * self.accelerations().free;
@@ -340,8 +344,8 @@ impl Simulator {
         Loads { derivatives: self.forces_now() }
     }
 
-    /// Energy accounts (zero for input and damped
-    /// [`without_energy_accounts`](Self::without_energy_accounts)).
+    /// Energy accounts; input and damped are zero for a simulator
+    /// [`without_energy_accounts`](Self::without_energy_accounts).
     pub fn energy_accounts(&self) -> EnergyAccounts {
         let Sums { input, damped, impact } = self.hybrid.sums;
         EnergyAccounts {
@@ -358,7 +362,7 @@ impl Simulator {
         self.hybrid.sums.impact.value()
     }
 
-    /// Impacts so far.
+    /// Record of the impacts so far.
     pub fn impacts(&self) -> &ImpactRecord {
         &self.hybrid.record
     }
@@ -373,7 +377,7 @@ impl Simulator {
         self.hybrid.contact.mode()
     }
 
-    /// The augmented state: x1, w, x3, their rates, cos θ and sin θ.
+    /// Augmented state: x1, w, x3, their rates, cos θ and sin θ.
     #[inline(always)]
     pub fn augmented(&self) -> Augmented {
         let mut z = [0.0; COORDINATES];

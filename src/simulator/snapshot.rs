@@ -1,4 +1,4 @@
-//! A point of a motion, kept to come back to.
+//! Snapshots: the state of a simulator as plain data, to be restored.
 
 use super::departure::Departure;
 use super::limits::{check_constant_forces, check_contact, check_time};
@@ -10,39 +10,39 @@ use crate::numerics::double_double::DoubleDouble;
 use crate::parameters::Parameters;
 use serde::{Deserialize, Serialize};
 
-/// Everything that changes as the simulator advances, with its parameters, as plain data: restore
-/// then continue is bit-identical.
+/// Everything that changes as the simulator advances, with its parameters, as plain data. A motion
+/// restored from it continues bit-identically.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     parameters: Parameters,
     hybrid: HybridState,
 }
 
-/// Above this the squares in energies overflow. No motion of a start that is allowed comes to such
-/// displacements and speeds, unless loads drive it there for 1e8 of its time constants and longer,
-/// or stay in force for a machine for which they would be refused.
+/// Largest number in a state: above it the squares in energies overflow. No allowed start leads to
+/// such displacements and speeds, unless loads drive the motion for 1e8 of its time constants or
+/// stay in force for a machine for which they would be refused.
 const MAX_NUMBER: f64 = 1e150;
 
 impl Simulator {
-    /// All that is needed to come back to this point.
+    /// Snapshot of the present point of the motion.
     #[inline]
     pub fn snapshot(&self) -> Snapshot {
         Snapshot { parameters: self.parameters, hybrid: self.hybrid }
     }
 
-    /// [`snapshot`](Self::snapshot) into the place of an older one, without a copy in between.
+    /// Overwrites `snapshot` with the present point of the motion, without an intermediate copy.
     #[inline]
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         snapshot.parameters = self.parameters;
         snapshot.hybrid = self.hybrid;
     }
 
-    /// Puts back a snapshot, its parameters included; continuing gives the same bits as not having
-    /// left.
+    /// Restores a snapshot, its parameters included. The motion continues bit-identical to the one
+    /// from which the snapshot was taken.
     ///
     /// # Errors
-    /// As [`new`](Self::new) when the snapshot's parameters or state are no valid ones (a foreign
-    /// or damaged snapshot).
+    /// As [`new`](Self::new) for invalid parameters or state (a foreign or damaged snapshot);
+    /// nothing has changed then.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let hybrid = snapshot.hybrid;
         let finite = |e: &DoubleDouble| e.hi.is_finite() && e.lo.is_finite();
@@ -76,7 +76,7 @@ impl Simulator {
     }
 }
 
-/// The time, and what acts on the bodies from outside, against what a machine can carry.
+/// Checks time, departure, drive and loads of a snapshot against the limits of a machine.
 fn check_motion(model: &Model, hybrid: &HybridState) -> Result<()> {
     check_time(model.rate, hybrid.time.value())?;
     check_constant_forces(model)?;
@@ -95,7 +95,7 @@ fn check_motion(model: &Model, hybrid: &HybridState) -> Result<()> {
     Ok(())
 }
 
-/// Whether the departure of a snapshot is one from which its state can have come.
+/// Checks that the state of a snapshot can have come from its departure.
 fn check_departure(model: &Model, hybrid: &HybridState) -> Result<()> {
     let Some(Departure { time, z, gained }) = hybrid.departure else { return Ok(()) };
     let since = hybrid.time.minus(time).value();
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    /// Energies are as squares of speeds: they may be beyond what a speed may be.
+    /// Energies are of the size of squared speeds and may exceed the limit on a speed.
     #[test]
     fn a_departure_of_a_fast_machine_is_restored() {
         let p = Parameters { stop_gap: 1e90, ..Parameters::default() };

@@ -1,5 +1,5 @@
-//! An advance: sub-step after sub-step, each to its end or to its first event, whose law is
-//! applied.
+//! An advance: sub-steps one after another, each to its end or to its first event, whose law is
+//! then applied; and the limit on the work of an advance.
 
 use super::general::{MAX_REACH, SHORT};
 use super::{AdvanceOutcome, Contact, DueEvent, Event, ModeTables, Pause, Simulator};
@@ -11,49 +11,49 @@ use crate::numerics::simd;
 use pulp::Simd;
 use std::ops::ControlFlow;
 
-/// cos θ and sin θ are taken anew from the extended phase after this many sub-steps (about ten
-/// drive periods); the rotations in between add a few units in the last place.
+/// Sub-steps (about ten drive periods) after which cos θ and sin θ are computed anew from the
+/// extended phase; the rotations in between add a few units in the last place.
 pub(super) const RENEW: u32 = 32;
-/// The sub-steps that one advance may take however little its motion progresses. Each ends at an
-/// event, or is cut short because the block is fast; it takes 0.4 µs (bounces on a stop) to 0.9 µs
-/// (a fast block under loads), so that the advance ends within about a second.
+/// Sub-steps that an advance may take however little its motion progresses. Such a sub-step ends at
+/// an event or is cut short because the block is fast. It takes 0.4 µs (bounces on a stop) to
+/// 0.9 µs (a fast block under loads), so that the advance ends within about a second.
 const WORK_BASE: u64 = 1_000_000;
-/// The further sub-steps that it may take for each sub-step length by which the motion progresses.
-/// An ordinary motion, with an impact or two in that time, takes 1 to 3, so that it never comes
-/// near the limit however long the advance is. Alone a bounce takes one, in lanes two where it is
-/// longer than 0.6 intervals, of which there are 27 in that time: with 64 both come to the same
-/// end.
+/// Further sub-steps that an advance may take for each sub-step length of progress. An ordinary
+/// motion, with an impact or two in that time, takes 1 to 3, so that it never comes near the limit.
+/// A bounce takes one sub-step alone, and in lanes two if it is longer than 0.6 intervals. 27 such
+/// bounces fit into a sub-step length, so that with 64 motions alone and in lanes end alike.
 const WORK_PER_SUBSTEP: f64 = 64.0;
 
-/// What an advance carries from sub-step to sub-step; the state in one cache line.
+/// Data that an advance carries from sub-step to sub-step; the state fills one cache line.
 #[repr(C, align(64))]
 pub(super) struct AdvanceState {
     pub(super) z: Augmented,
-    /// Sub-steps since cos θ and sin θ were taken anew.
+    /// Sub-steps since cos θ and sin θ were computed anew.
     pub(super) since_renewal: u32,
-    /// Where the flight began whose drive work is kept as a difference (see
-    /// [`Simulator::open_account`]).
+    /// Start of the flight whose drive work is kept as a difference ([`Simulator::open_account`]).
     pub(super) flown_from: DoubleDouble,
-    /// Time and counts of sub-steps and events at the beginning of the advance.
+    /// Time at the beginning of the advance.
     begin: DoubleDouble,
+    /// Count of sub-steps at the beginning of the advance.
     substeps_before: u64,
+    /// Count of events at the beginning of the advance.
     events_before: u64,
-    /// The count of sub-steps that was allowed for the time reached when it was last worked out.
+    /// Largest allowed count of sub-steps, for the time reached at the last check.
     pub(super) allowed: u64,
 }
 
-/// An advance, to be compiled once for each instruction set.
-struct Run<'a, 'b, const ACCOUNTS: bool> {
+/// Arguments of an advance that is compiled once for each instruction set.
+struct DispatchedAdvance<'a, 'b, const ACCOUNTS: bool> {
     simulator: &'a mut Simulator,
     end: DoubleDouble,
     pause: Pause,
     observer: EventObserver<'a, 'b>,
 }
 
-/// What is shown each event in order of time, if there is anything.
+/// Optional function that is shown each event in order of time.
 pub type EventObserver<'a, 'b> = Option<&'a mut (dyn FnMut(&Event) + 'b)>;
 
-impl<const ACCOUNTS: bool> pulp::WithSimd for Run<'_, '_, ACCOUNTS> {
+impl<const ACCOUNTS: bool> pulp::WithSimd for DispatchedAdvance<'_, '_, ACCOUNTS> {
     type Output = Result<AdvanceOutcome>;
 
     #[inline(always)]
@@ -74,13 +74,13 @@ impl Simulator {
         match (self.loaded(), self.keeps_energy_accounts) {
             (false, false) => self.dispatch::<false>(end, pause, observer),
             (false, true) => self.dispatch::<true>(end, pause, observer),
-            // Under loads every sub-step is a general one, which asks itself whether accounts are
-            // kept.
+            // Under loads every sub-step is a general one, which checks at run time whether
+            // accounts are kept.
             (true, _) => self.run_as::<_, 1, false>(pulp::Scalar, end, pause, observer),
         }
     }
 
-    /// Runs the code compiled for the best instruction set at hand.
+    /// Runs the code compiled for the best instruction set of this machine.
     #[inline(never)]
     fn dispatch<const ACCOUNTS: bool>(
         &mut self,
@@ -88,7 +88,7 @@ impl Simulator {
         pause: Pause,
         observer: EventObserver<'_, '_>,
     ) -> Result<AdvanceOutcome> {
-        pulp::Arch::new().dispatch(Run::<ACCOUNTS> { simulator: self, end, pause, observer })
+        pulp::Arch::new().dispatch(DispatchedAdvance::<ACCOUNTS> { simulator: self, end, pause, observer })
     }
 
     #[inline(always)]
@@ -100,7 +100,7 @@ impl Simulator {
         mut observer: EventObserver<'_, '_>,
     ) -> Result<AdvanceOutcome> {
         let mut advance = self.begin_advance();
-        // The drive's work in a flight without loads is kept as a difference of values.
+        // Drive work in a flight without loads is a difference of values.
         let by_difference = ACCOUNTS && LOADS == 0;
         if by_difference {
             self.open_account(&mut advance);
@@ -120,7 +120,7 @@ impl Simulator {
         }
     }
 
-    /// Begins an advance.
+    /// Data of an advance from the present state.
     #[inline(always)]
     pub(super) fn begin_advance(&self) -> AdvanceState {
         let time = self.hybrid.time;
@@ -136,7 +136,7 @@ impl Simulator {
         }
     }
 
-    /// One sub-step of an advance with the event at its end; breaks at the end of the advance.
+    /// One sub-step of an advance, with the law of its event; breaks at the end of the advance.
     #[inline(always)]
     pub(super) fn next_substep<S: Simd, const LOADS: usize, const ACCOUNTS: bool>(
         &mut self,
@@ -146,7 +146,7 @@ impl Simulator {
         pause: Pause,
         observer: &mut EventObserver<'_, '_>,
     ) -> ControlFlow<Result<AdvanceOutcome>> {
-        // Far from the end the leading parts tell enough; near it every digit counts.
+        // Far from the end the leading parts are accurate enough; near it every digit counts.
         let mut remaining = end.hi - self.hybrid.time.hi;
         if remaining <= 2.0 * self.substep {
             remaining = end.minus(self.hybrid.time).value();
@@ -186,16 +186,15 @@ impl Simulator {
         advance.since_renewal += 1;
     }
 
-    /// sin θ and cos θ from the drive's phase; a function of its own, so that the frequent path
-    /// stays short.
+    /// sin θ and cos θ from the drive's phase; not inlined, so that the frequent path stays short.
     #[cold]
     #[inline(never)]
     fn sine_and_cosine(&self) -> (f64, f64) {
         self.drive_phase().sin_cos()
     }
 
-    /// The end of a sub-step: the law of its event, if it reached one, and the check of the work
-    /// done.
+    /// Ends a sub-step: applies the law of the event at stop `passage`, if there is one, and checks
+    /// the work done.
     #[inline(always)]
     pub(super) fn finish_substep<const LOADS: usize>(
         &mut self,
@@ -223,10 +222,10 @@ impl Simulator {
         ControlFlow::Continue(())
     }
 
-    /// Works out what is allowed for the time reached.
+    /// Computes the allowed count of sub-steps for the time reached.
     ///
     /// # Errors
-    /// [`Error::WorkLimit`] when more has been done; the state then stands at the time reached.
+    /// [`Error::WorkLimit`] if it is exceeded; the state then stands at the time reached.
     #[cold]
     pub(super) fn check_work(&mut self, advance: &mut AdvanceState) -> Result<()> {
         let span = self.hybrid.time.minus(advance.begin).value();
@@ -245,10 +244,9 @@ impl Simulator {
         })
     }
 
-    /// Keeps the state at which an advance ends. The block may be past a stop there by the rounding
-    /// of w, just before an impact or after passing close by: it is put on the stop, so that the
-    /// state is one in which a motion may begin. An impact that lies ahead is then the first event
-    /// of the next advance.
+    /// Stores the state at which an advance ends. A block past a stop by the rounding of w, just
+    /// before an impact or after passing close by, is put on the stop, so that a motion may begin
+    /// there. An impact that is imminent is then the first event of the next advance.
     #[inline(always)]
     fn keep_state(&mut self, z: &Augmented) {
         self.hybrid.y.copy_from_slice(&z[..6]);
@@ -256,8 +254,8 @@ impl Simulator {
         self.hybrid.y[RELATIVE] = z[RELATIVE].clamp(-gap, gap);
     }
 
-    /// Ends an advance at an event with its law not yet applied: w and w' are the exact left limits
-    /// that the law takes.
+    /// Ends an advance at an event whose law is not yet applied: w and w' become the exact left
+    /// limits that the law takes.
     #[cold]
     fn pause_before_event(&mut self, advance: &mut AdvanceState, side: f64) -> AdvanceOutcome {
         let z = &mut advance.z;
@@ -299,8 +297,7 @@ impl Simulator {
                 if remaining > interval {
                     return self.flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end);
                 }
-                // The shortest steps are taken by `general_substep`, which sums them with more
-                // care.
+                // The shortest steps need `general_substep`, which sums their changes apart.
                 if remaining >= SHORT * interval
                     && self.short_flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end)
                 {
@@ -313,16 +310,15 @@ impl Simulator {
         side
     }
 
-    /// The length of an interval, s.
+    /// Length of an interval, s.
     #[inline(always)]
     pub(super) fn interval(&self) -> f64 {
         self.substep * (1.0 / INTERVALS as f64)
     }
 
-    /// Whether the block in flight meets no stop between the sub-step's start and its first sample,
-    /// provided that this sample is within the `limit`: it starts within the limit too, or it
-    /// leaves a stop so fast that its acceleration, at most `bound`, cannot turn it back within the
-    /// interval.
+    /// Whether the block in flight meets no stop in the first interval if the sample at its end is
+    /// within `limit`: it starts within `limit` too, or it leaves a stop so fast that its
+    /// acceleration, at most `bound`, cannot turn it back in the interval.
     #[inline(always)]
     pub(super) fn clears_first_interval(&self, z: &Augmented, bound: f64, limit: f64) -> bool {
         match self.hybrid.departing {
@@ -332,7 +328,8 @@ impl Simulator {
         }
     }
 
-    /// Whether an interval is too long to be searched as a whole.
+    /// Whether the block's path in an interval may exceed [`MAX_REACH`] gaps, so that the interval
+    /// cannot be searched as a whole.
     #[inline(always)]
     pub(super) fn exceeds_reach(&self, z: &Augmented, bound: f64) -> bool {
         let interval = self.interval();

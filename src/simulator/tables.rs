@@ -1,19 +1,19 @@
-//! The precomputed tables of a simulator: filled when parameters change, each part when it is first
-//! needed.
+//! Precomputed tables of a simulator. A change of parameters makes them stale; each part is filled
+//! when it is first needed.
 
 use super::Simulator;
 use crate::energy::Gramians;
-use crate::flow::{CORE, LOAD, Local, Table};
+use crate::flow::{CORE, LOAD, Local, SubstepTable};
 use crate::model::{Model, SmoothMode};
 use std::sync::Arc;
 
-/// Tables of one mode; the load part is filled when loads first appear.
+/// Tables of one smooth mode.
 #[derive(Clone, Debug)]
 pub(super) struct ModeTables {
-    pub(super) core: Table<CORE>,
-    pub(super) load: Table<LOAD>,
+    pub(super) core: SubstepTable<CORE>,
+    pub(super) load: SubstepTable<LOAD>,
     pub(super) energy: Gramians,
-    /// Flight only.
+    /// Series about interval centres, of flight only.
     pub(super) local: Local,
     pub(super) core_ready: bool,
     pub(super) load_ready: bool,
@@ -23,8 +23,8 @@ pub(super) struct ModeTables {
 impl ModeTables {
     pub(super) fn zero() -> Self {
         Self {
-            core: Table::zero(),
-            load: Table::zero(),
+            core: SubstepTable::zero(),
+            load: SubstepTable::zero(),
             energy: Gramians::zero(),
             local: Local::zero(),
             core_ready: false,
@@ -33,8 +33,8 @@ impl ModeTables {
         }
     }
 
-    /// Fills what flight needs by the best instruction set at hand. No operation is fused, so that
-    /// all give the same bits.
+    /// Fills the tables of flight by the best instruction set of this machine. No operation is
+    /// fused, so that the tables are bit-identical for all instruction sets.
     fn fill_flight(&mut self, model: &Model, substep: f64) {
         struct Fill<'a>(&'a mut ModeTables, &'a Model, f64);
         impl pulp::WithSimd for Fill<'_> {
@@ -52,7 +52,7 @@ impl ModeTables {
 }
 
 impl Simulator {
-    /// Marks all tables stale and fills those that flight needs at once.
+    /// Marks all tables stale and fills those that flight needs.
     pub(super) fn renew_tables(&mut self) {
         for (tables, mode) in [(&mut self.flight, SmoothMode::Flight), (&mut self.rest, SmoothMode::Rest)] {
             let tables = Arc::make_mut(tables);

@@ -1,4 +1,4 @@
-//! What goes into a simulation and what comes out of it.
+//! Inputs and results of a simulation: loads, events, records, accounts, pauses.
 
 use crate::model::SmoothMode;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ pub struct Loads {
     pub derivatives: [[f64; 4]; 3],
 }
 
-/// What happened, in order of time, inside an advance.
+/// Event of a motion, as shown to an observer in order of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// An impact at stop `side` (+1 or -1).
@@ -39,11 +39,11 @@ pub enum Event {
     },
     /// A chatter run (or κ = 0) ended in resting contact.
     Rest {
-        /// The instant at which the impacts accumulate, s. The run is closed, and the state rests,
-        /// at the last impact reported, earlier by the t_c of docs/theory.md (16): at most 1.5e-8
-        /// sqrt(L/(a (1 - κ))) with the acceleration a that presses the block to the stop. The end
-        /// of the advance, and later events, may lie in between. Where κ = 0 or 1 - κ < 10⁻³ it is
-        /// the time of that impact itself.
+        /// Instant at which the impacts accumulate, s. The state rests from the last reported
+        /// impact on, which is earlier by the t_c of docs/theory.md (16): at most 1.5e-8 sqrt(L/(a
+        /// (1 - κ))) with the acceleration a that presses the block to the stop. The end of the
+        /// advance, and later events, may lie in between. For κ = 0 or 1 - κ < 10⁻³ it is the time
+        /// of the last impact itself.
         time: f64,
         /// +1 upper, -1 lower.
         side: i8,
@@ -66,14 +66,14 @@ pub struct ImpactRecord {
     pub lower: u64,
     /// Time of the last impact, s (0 before the first).
     pub last_time: f64,
-    /// Its impulse, N·s.
+    /// Impulse of the last impact, N·s.
     pub last_impulse: f64,
-    /// Its approach speed |w'⁻|, m/s.
+    /// Approach speed |w'⁻| of the last impact, m/s.
     pub last_speed: f64,
-    /// Sum of all impulses (absolute), N·s.
+    /// Sum of the absolute impulses, N·s.
     pub total_impulse: f64,
-    /// Impulse of the stops on the box, N·s: with sign, of all impacts and of the merges into rest;
-    /// the block has the opposite. The contact force in rest is not in it (docs/theory.md (114)).
+    /// Signed impulse of the stops on the box, N·s, from all impacts and merges into rest, without
+    /// the contact force in rest (docs/theory.md (114)). The block has the opposite.
     pub box_impulse: f64,
 }
 
@@ -90,15 +90,15 @@ pub struct EnergyAccounts {
     pub impact: f64,
 }
 
-/// Where an advance ends if not at the time it was given.
+/// Event at which an advance ends before its given time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pause {
-    /// Nowhere: it goes through all events.
+    /// None: the advance goes through all events.
     #[default]
     Never,
-    /// Just after the first impact, its law applied.
+    /// The first impact, after its law.
     AfterImpact,
-    /// At the first event (impact or release) and before its law: the state is the left limit.
+    /// The first event (impact or release), before its law: the state is the left limit.
     BeforeEvent,
 }
 
@@ -113,8 +113,8 @@ pub enum AdvanceOutcome {
     EventDue,
 }
 
-/// An event at which a motion stands and whose law has yet to be applied. (Capture into rest is no
-/// event of its own: the impact law decides on it.)
+/// Event at which a motion stands, its law not yet applied. Capture into rest is no event of its
+/// own: the impact law decides on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DueEvent {
     /// The block touches stop `side` from inside.
@@ -138,7 +138,7 @@ impl DueEvent {
     }
 }
 
-/// Counters of work done, for snapshots that catch lost efficiency.
+/// Counters of work done, by which tests notice lost efficiency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WorkCounters {
     /// Sub-steps begun.

@@ -1,11 +1,12 @@
 //! Branches of steady states in one parameter, with their special points.
 //!
 //! Every steady state of [`steady`](super) is a root of a quadratic, so a branch needs no predictor
-//! and no corrector: it is two sheets over the parameter, joined where the discriminant is zero.
-//! Each interval with real roots is sampled at nodes spaced as a cosine, in which both sheets pass
-//! smoothly through their folds. Between neighbouring nodes every change of a test function's sign
-//! (docs/theory.md (81)) is then located to [`LOCATION`]. Two changes between the same two nodes
-//! are noticed in the discriminant and missed in the other tests; more nodes resolve them.
+//! and no corrector: it consists of two sheets over the parameter, joined where the discriminant is
+//! zero. Each interval with real roots is sampled at nodes spaced as a cosine, in which both sheets
+//! pass smoothly through their folds. Between neighbouring nodes every change of a test function's
+//! sign (docs/theory.md (81)) is located to [`LOCATION`]. Two changes of sign between two
+//! neighbouring nodes are noticed in the discriminant but not in the other tests; more nodes
+//! resolve them.
 //!
 //! ```
 //! use vibro_impact::steady::{Bifurcation, continuation::{self, Special}};
@@ -14,8 +15,9 @@
 //! // The force-response curve of the exact orbit.
 //! let path = |f10| Groups { f10, ..Groups::basic() }.to_parameters(Scales::default());
 //! let branch = continuation::exact_orbit(path, (0.5, 3.0), 200)?;
-//! let breaking = branch.specials().find(|p| p.special == Some(Special::Bifurcation(Bifurcation::SymmetryBreaking)));
-//! assert!((breaking.expect("one").value - 2.04).abs() < 0.01);
+//! let breaking = Some(Special::Bifurcation(Bifurcation::SymmetryBreaking));
+//! let point = branch.specials().find(|p| p.special == breaking).expect("one");
+//! assert!((point.value - 2.04).abs() < 0.01);
 //! # Ok::<(), vibro_impact::Error>(())
 //! ```
 
@@ -27,14 +29,13 @@ use crate::error::{Error, Result};
 use crate::parameters::{Field, Groups, Parameters};
 use scan::Scan;
 
-/// Special points are located to this much in the parameter: absolutely for values below 1,
-/// relatively above.
+/// Accuracy of the parameter at special points: absolute for values below 1, relative above.
 pub const LOCATION: f64 = 1e-11;
 
 /// Fewest nodes of a scan.
 const FEWEST_NODES: usize = 3;
 
-/// A point that ends, joins or divides a branch.
+/// Kind of a point that ends, joins or divides a branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Special {
@@ -54,7 +55,7 @@ pub enum Special {
 }
 
 impl std::fmt::Display for Special {
-    /// The point's name, for tables and messages.
+    /// Name of the kind, for tables and messages.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Fold => "fold",
@@ -72,77 +73,77 @@ impl std::fmt::Display for Special {
 /// One point of a branch.
 #[derive(Clone, Copy, Debug)]
 pub struct BranchPoint<P> {
-    /// The parameter.
+    /// Value of the parameter.
     pub value: f64,
-    /// Which root of the quadratic.
+    /// Root of the quadratic.
     pub sheet: Sheet,
-    /// The steady state.
+    /// Steady state.
     pub solution: P,
-    /// Whether the piece of the branch from here to the next point is stable and admissible; at a
-    /// curve's last point, the piece before it.
+    /// Whether the piece of the branch from here to the next point is stable and admissible; at the
+    /// last point of a curve, the piece before it.
     pub stable: bool,
-    /// What is special here.
+    /// Kind of a special point.
     pub special: Option<Special>,
 }
 
-/// One connected curve, its points in order along it. A curve that turns round at folds runs over
-/// both sheets.
+/// A connected curve. A curve that turns at folds runs over both sheets.
 #[derive(Clone, Debug)]
 pub struct Curve<P> {
-    /// The points.
+    /// Points in order along the curve.
     pub points: Vec<BranchPoint<P>>,
     /// Whether the last point joins the first: an isola.
     pub closed: bool,
 }
 
-/// Everything found in the range of the parameter.
+/// All curves in the range of the parameter.
 #[derive(Clone, Debug)]
 pub struct Branch<P> {
-    /// The curves, by increasing parameter of their intervals.
+    /// Curves, by increasing parameter of their intervals.
     pub curves: Vec<Curve<P>>,
 }
 
 impl<P> Branch<P> {
-    /// All special points but ends of the range.
+    /// All special points except ends of the range.
     pub fn specials(&self) -> impl Iterator<Item = &BranchPoint<P>> {
         let special = |p: &&BranchPoint<P>| p.special.is_some_and(|s| s != Special::RangeEnd);
         self.curves.iter().flat_map(|c| &c.points).filter(special)
     }
 }
 
-/// What [`branch`] must know of a quadratic at one value of the parameter, on both sheets.
+/// Family of steady states at one value of the parameter, on both sheets, as [`branch`] needs it.
 pub trait Family: Sized {
-    /// A steady state.
+    /// Steady state.
     type Solution: Copy;
 
-    /// Negative without solutions, zero at a fold.
+    /// Discriminant of the quadratic: negative without solutions, zero at a fold.
     fn discriminant(&self) -> f64;
 
-    /// The root, signed so that a steady state exists where it is positive. `None` without a real
-    /// root.
+    /// Root of a sheet, signed so that a steady state exists where it is positive. `None` without a
+    /// real root.
     fn root(&self, sheet: Sheet) -> Option<f64>;
 
-    /// The steady state of a sheet with a positive root.
+    /// Steady state of a sheet; `None` if its root is not positive.
     ///
     /// # Errors
-    /// When it cannot be computed.
+    /// If it cannot be computed.
     fn solution(&self, sheet: Sheet) -> Result<Option<Self::Solution>>;
 
-    /// Whether it is stable and admissible.
+    /// Whether the steady state is stable and admissible.
     fn is_stable(solution: &Self::Solution) -> bool;
 
     /// Whether the block keeps clear of the stops between its impacts.
     fn is_clear(solution: &Self::Solution) -> bool;
 
-    /// Functions that are zero at bifurcations and smooth along a sheet, docs/theory.md (81).
+    /// Test functions, which are zero at bifurcations and smooth along a sheet, docs/theory.md
+    /// (81).
     fn tests(solution: &Self::Solution) -> [f64; 3];
 
-    /// Names the bifurcation at a zero of test `index`; `None` when the sign changes without one,
-    /// as at a pole or where two real multipliers have the product 1.
+    /// Bifurcation at a zero of test `index`; `None` if the sign changes without one, as at a pole
+    /// or where two real multipliers have the product 1.
     fn confirm(solution: &Self::Solution, index: usize) -> Option<Bifurcation>;
 }
 
-/// A path that varies one physical parameter.
+/// Path of parameters that varies one physical parameter.
 pub fn along_field(base: Parameters, field: &'static Field) -> impl Fn(f64) -> Result<Parameters> {
     move |value| {
         let mut parameters = base;
@@ -152,12 +153,12 @@ pub fn along_field(base: Parameters, field: &'static Field) -> impl Fn(f64) -> R
     }
 }
 
-/// The branch of exact orbits along a path of parameters, e.g. [`along_field`], over `range` with
+/// Branch of exact orbits along a path of parameters, e.g. [`along_field`], over `range` with
 /// `nodes` per sheet and interval (200 show a curve).
 ///
 /// # Errors
-/// [`Error::Range`] for an empty or unbounded range; whatever the path or
-/// [`OrbitFamily::new`](super::exact_orbit::OrbitFamily::new) refuses.
+/// [`Error::Range`] for an empty or unbounded range; errors of the path and of
+/// [`OrbitFamily::new`](super::exact_orbit::OrbitFamily::new).
 pub fn exact_orbit(
     path: impl Fn(f64) -> Result<Parameters>,
     range: (f64, f64),
@@ -166,7 +167,7 @@ pub fn exact_orbit(
     branch(|value| super::exact_orbit::OrbitFamily::new(&path(value)?), range, nodes)
 }
 
-/// The branch of multiple-scales fixed points (C > 0) along a path of groups; see [`exact_orbit`].
+/// Branch of multiple-scales fixed points (C > 0) along a path of groups; see [`exact_orbit`].
 ///
 /// # Errors
 /// As [`exact_orbit`], with [`MultipleScales::new`](super::multiple_scales::MultipleScales::new).
@@ -178,7 +179,7 @@ pub fn multiple_scales(
     branch(|value| super::multiple_scales::MultipleScales::new(&path(value)?), range, nodes)
 }
 
-/// The branch of strongly coupled steady states (νC > 0) along a path of groups; see
+/// Branch of strongly coupled steady states (νC > 0) along a path of groups; see
 /// [`exact_orbit`].
 ///
 /// # Errors
@@ -191,10 +192,10 @@ pub fn strong_coupling(
     branch(|value| super::strong_coupling::StrongCoupling::new(&path(value)?), range, nodes)
 }
 
-/// The branch of any family over a range of its parameter.
+/// Branch of any family over a range of its parameter.
 ///
 /// # Errors
-/// [`Error::Range`] for an empty or unbounded range; whatever `family` refuses.
+/// [`Error::Range`] for an empty or unbounded range; errors of `family`.
 pub fn branch<F: Family>(
     family: impl Fn(f64) -> Result<F>,
     range: (f64, f64),

@@ -7,16 +7,18 @@
 //! | [`exact_orbit`] | the exact orbit of the full system; docs/theory.md, sections 9 and 10 | any parameters |
 //! | [`continuation`] | branches of any of these in one parameter | – |
 //!
-//! Nothing here calls the simulator and the simulator calls nothing here, so the tests hold each
-//! against the other.
+//! Nothing here calls the simulator and the simulator calls nothing here, so that each tests the
+//! other.
 //!
 //! ```
 //! use vibro_impact::{Groups, Parameters, steady};
 //!
-//! let approximate = steady::multiple_scales::fixed_points(&Groups::basic())?.expect("two roots").upper;
+//! let points = steady::multiple_scales::fixed_points(&Groups::basic())?;
+//! let approximate = points.expect("two roots").upper;
 //! let exact = steady::exact_orbit::solve(&Parameters::default())?.upper.expect("an orbit");
 //! assert!(approximate.admissibility.all() && exact.is_stable());
-//! assert!((approximate.a3 / exact.amplitudes()[2] - 1.0).abs() < 0.08); // as the paper says for ε = 0.1
+//! // The paper's error for ε = 0.1.
+//! assert!((approximate.a3 / exact.amplitudes()[2] - 1.0).abs() < 0.08);
 //! # Ok::<(), vibro_impact::Error>(())
 //! ```
 
@@ -36,27 +38,26 @@ use crate::parameters::{GROUPS, Groups, Range};
 use nalgebra::Complex;
 use quadratic::Quadratic;
 
-/// Half-width of the angle around ±π/2 within which a complex pair on the unit circle is called a
-/// period doubling, rad. Such a crossing has codimension two, so only a pair this near is told from
-/// its neighbours.
+/// Half-width of the angle about ±π/2 within which a complex pair on the unit circle is called a
+/// period doubling, rad. It is narrow, as such a crossing has codimension two.
 pub const QUARTER_TURN_TOLERANCE: f64 = 1e-6;
 
 /// Penetration of a stop, in units of L, that counts as round-off: a flight is known to a few 1e-15
 /// per Taylor piece.
 pub const PENETRATION_ROUNDING: f64 = 1e-12;
 
-/// An impedance this much smaller than its terms is zero but for rounding.
+/// Impedance relative to the sum of its terms at or below which it is zero but for rounding.
 const IMPEDANCE_ROUNDING: f64 = 1e-14;
 
 /// Most QR sweeps for the eigenvalues of a matrix; a handful suffice, and NaN would never end.
 const EIGENVALUE_SWEEPS: usize = 300;
 
-/// The three independent tests of an approximate steady state (paper, section 3.2; docs/theory.md,
-/// section 7).
+/// Results of the three independent tests of an approximate steady state (paper, section 3.2;
+/// docs/theory.md, section 7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Admissibility {
-    /// The block leaves the stop it meets and never passes either: |W| ≤ 1 over the cycle,
-    /// docs/theory.md (48) and (68).
+    /// Geometric test: the block leaves the stop that it meets and never passes a stop, |W| ≤ 1
+    /// over the cycle, docs/theory.md (48) and (68).
     pub geometric: bool,
     /// Stable fixed point: all eigenvalues of the slow flow's Jacobian have negative real parts,
     /// docs/theory.md (51) and (66).
@@ -73,8 +74,8 @@ impl Admissibility {
     }
 }
 
-/// What happens when a multiplier μ of the half-cycle map crosses the unit circle (docs/theory.md,
-/// table in section 10).
+/// Bifurcation at which a multiplier μ of the half-cycle map crosses the unit circle
+/// (docs/theory.md, table in section 10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Bifurcation {
@@ -91,8 +92,7 @@ pub enum Bifurcation {
 }
 
 impl Bifurcation {
-    /// The bifurcation that a multiplier of the half-cycle map announces, by its direction in the
-    /// complex plane.
+    /// Bifurcation that a multiplier of the half-cycle map announces, by its argument.
     pub fn of(multiplier: Complex<f64>) -> Self {
         let angle = multiplier.im.abs().atan2(multiplier.re);
         if multiplier.im == 0.0 {
@@ -105,8 +105,8 @@ impl Bifurcation {
     }
 }
 
-/// An approximate steady motion at one phase: dimensionless displacements (unit L) and their
-/// derivatives with respect to the phase; multiply these by Ω1 for d/dτ, by ω1 L for m/s.
+/// Approximate steady motion at one phase: dimensionless displacements (unit L) and their
+/// derivatives with respect to the phase. Times Ω1 a derivative is d/dτ, times ω1 L it is in m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyMotion {
     /// U = X1 + ε X2.
@@ -124,7 +124,7 @@ pub struct SteadyMotion {
 }
 
 impl SteadyMotion {
-    /// From the leading-order values and slopes of U, X2 and X3, docs/theory.md (29).
+    /// Motion from the leading-order values and slopes of U, X2 and X3, docs/theory.md (29).
     fn new(epsilon: f64, (u, du): (f64, f64), (x2, dx2): (f64, f64), (x3, dx3): (f64, f64)) -> Self {
         let (block, box_share) = inverse_mass_factors(epsilon);
         Self {
@@ -143,9 +143,9 @@ fn inverse_mass_factors(epsilon: f64) -> (f64, f64) {
     (1.0 - epsilon + epsilon * epsilon, epsilon - epsilon * epsilon)
 }
 
-/// Refuses groups outside the range in which the approximations mean anything. These are the ranges
-/// of [`GROUPS`] with two exceptions: ε may be zero, which is the limit that the approximations are
-/// about, and `alpha23` is not read, since `beta2` says the same.
+/// Checks that groups are in the ranges in which the approximations have a meaning. These are the
+/// ranges of [`GROUPS`] with two exceptions: ε may be zero, the limit of the approximations, and
+/// `alpha23` is not read, since `beta2` describes the same quantity.
 fn check_groups(groups: &Groups) -> Result<()> {
     for group in GROUPS.iter().filter(|group| group.name != "alpha23") {
         let range = match group.name {
@@ -162,14 +162,14 @@ fn spectral_radius([first, second]: [Complex<f64>; 2]) -> f64 {
     first.norm().max(second.norm())
 }
 
-/// The one of two multipliers with the larger modulus, the first when both are equal.
+/// The multiplier with the larger modulus, the first if both are equal.
 fn largest([first, second]: [Complex<f64>; 2]) -> Complex<f64> {
     if first.norm_sqr() >= second.norm_sqr() { first } else { second }
 }
 
 /// Eigenvalues of a real 2 × 2 matrix from its trace and determinant, the larger real part first.
-/// Of two real ones that of larger modulus is found first, without cancellation, and the other from
-/// the determinant.
+/// Of two real eigenvalues the one of larger modulus is computed first, without cancellation, and
+/// the other from the determinant.
 fn eigenvalue_pair(trace: f64, determinant: f64) -> [Complex<f64>; 2] {
     let half = 0.5 * trace;
     let discriminant = half * half - determinant;

@@ -1,8 +1,8 @@
-//! The quadratic behind every steady state of this module, its two roots and their names.
+//! The quadratic whose roots are the steady states, its two roots and their names.
 
 use nalgebra::Complex;
 
-/// The two roots of the quadratic behind every steady state of this module.
+/// Two roots of a quadratic, or the steady states that belong to them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roots<T> {
     /// The smaller root.
@@ -12,7 +12,7 @@ pub struct Roots<T> {
 }
 
 impl<T> Roots<T> {
-    /// The root of the given sheet.
+    /// Root of the given sheet.
     pub fn get(self, sheet: Sheet) -> T {
         match sheet {
             Sheet::Lower => self.lower,
@@ -26,7 +26,7 @@ impl<T> Roots<T> {
     }
 }
 
-/// Which root of the quadratic: the two sheets of a branch, joined where the discriminant is zero.
+/// Sheet of a branch: one of the two roots. The sheets join where the discriminant is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sheet {
     /// The smaller root.
@@ -35,23 +35,23 @@ pub enum Sheet {
     Upper,
 }
 
-/// The quadratic `|αC + α₀|² = f²` in the real amplitude C: docs/theory.md (43) and (44) for
-/// multiple scales, (64) for strong coupling, and with the impulse p for C (73) and (74) for the
-/// exact orbit. `αC + α₀ = f e^{iδ}` gives the phase δ of the drive at the upper impact besides.
+/// Quadratic `|αC + α₀|² = f²` in the real amplitude C: docs/theory.md (43) and (44) for multiple
+/// scales, (64) for strong coupling, and, with the impulse p in place of C, (73) and (74) for the
+/// exact orbit. `αC + α₀ = f e^{iδ}` also gives the phase δ of the drive at the upper impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Quadratic {
     /// α, the force per amplitude.
     pub alpha: Complex<f64>,
     /// α₀, the force at amplitude zero.
     pub alpha0: Complex<f64>,
-    /// f, the amplitude of the force; its sign does not matter here.
+    /// f, the amplitude of the force; its sign has no effect.
     pub force: f64,
-    /// |α₀|² - f². The caller forms it, since it may know f² more directly than by squaring f.
+    /// |α₀|² - f², from the caller, which may have f² more directly than as a square of f.
     pub constant: f64,
 }
 
 impl Quadratic {
-    /// The complex force αC + α₀ that holds the motion at amplitude C.
+    /// Complex force αC + α₀ that maintains the motion at amplitude C.
     pub fn balance(&self, c: f64) -> Complex<f64> {
         self.alpha * c + self.alpha0
     }
@@ -66,18 +66,18 @@ impl Quadratic {
         (self.alpha.norm_sqr(), 2.0 * self.product().re, self.constant)
     }
 
-    /// b² - 4ac as the product of docs/theory.md (44), which keeps its digits near the fold, where
-    /// it is zero.
+    /// b² - 4ac as the product of docs/theory.md (44), which is accurate near the fold, where it is
+    /// zero.
     pub fn discriminant(&self) -> f64 {
         let reach = self.alpha.norm() * self.force.abs();
         let turn = self.product().im.abs();
         4.0 * (reach - turn) * (reach + turn)
     }
 
-    /// Both roots; `None` when none is real, or when α is zero.
+    /// Both roots; `None` if none is real or α is zero.
     ///
-    /// The root of larger modulus is found without cancellation and the other one from their
-    /// product. The discriminant is formed as a product as in [`discriminant`](Self::discriminant).
+    /// The root of larger modulus is computed without cancellation and the other from their
+    /// product. The discriminant is a product as in [`discriminant`](Self::discriminant).
     pub fn roots(&self) -> Option<Roots<f64>> {
         let (square, Complex { re: cross, im: turn }) = (self.alpha.norm_sqr(), self.product());
         let reach = square.sqrt() * self.force.abs();
@@ -96,13 +96,13 @@ impl Quadratic {
 mod tests {
     use super::*;
 
-    /// Roots of order one after a few roundings, and relatively for the small one.
+    /// A few roundings: absolute for the root of order one, relative for the small one.
     const ROUNDING: f64 = 1e-15;
 
     #[test]
     fn closed_form_roots_of_very_different_size() {
-        // With α = 1 the quadratic is (C - 1)(C - 1e-9), of which the small root needs the large
-        // one first.
+        // With α = 1 the quadratic is (C - 1)(C - 1e-9), whose small root is accurate only if it is
+        // computed from the large one.
         let (x, y) = (1.0_f64, 1e-9_f64);
         let (cross, constant) = (-0.5 * (x + y), x * y);
         let quadratic = Quadratic {

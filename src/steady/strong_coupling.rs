@@ -1,11 +1,11 @@
 //! Strong coupling and comparable masses (paper, section 5) in closed form (docs/theory.md, section
-//! 8; past the paper).
+//! 8; not in the paper).
 //!
 //! With β² = k23/(m2 ω10²) and μ13 = m1/m3 of order one, the block swings on its spring between the
 //! stops: the modified sawtooth Z*, docs/theory.md (59), takes the place of the sawtooth, and X3
-//! moves the block. In phasors (a quantity is Im(z e^{is}) with the phase s since the impact at the
-//! upper stop) the impact law and the balance of harmonics leave a quadratic in C, (63) and (64).
-//! At β = 0 this is [`multiple_scales`](super::multiple_scales).
+//! moves the block. A quantity with the phasor z is Im(z e^{is}), where s is the phase since the
+//! impact at the upper stop. In phasors the impact law and the balance of harmonics give a
+//! quadratic in C, (63) and (64). At β = 0 this is [`multiple_scales`](super::multiple_scales).
 //!
 //! All three tests have a closed form or a small matrix:
 //! - geometric: |W| ≤ 1 by (68), and νC > 0, so that the block moves *into* the stop. For 1 < β < 2
@@ -24,19 +24,19 @@ use crate::parameters::Groups;
 use nalgebra::{Complex, Matrix2, Matrix4};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Distance of β from a positive integer below which a set is refused: closer than this, C loses
-/// more than half its digits.
+/// Distance of β from a positive integer below which groups are refused, as C would lose more than
+/// half its digits.
 const INTEGER_DISTANCE: f64 = 1e-7;
 
-/// Below this β the sawtooth Z and the modified one Z* differ by less than round-off, which is of
-/// order β².
+/// Largest β at which the sawtooth Z replaces the modified one Z*: they differ by order β², which
+/// is under round-off.
 const SAWTOOTH_BETA: f64 = 1e-8;
 
-/// Largest β: the approximation takes it as of order one.
+/// Largest β; the approximation assumes that it is of order one.
 const LARGEST_BETA: f64 = 1e3;
 
-/// The modified sawtooth Z*(s) = sin(β (π/2) Z(s))/sin(β π/2) of period 2π, docs/theory.md (59),
-/// and its derivative (at a kink that after it); the sawtooth Z for β = 0. Singular at even β > 0.
+/// Modified sawtooth Z*(s) = sin(β (π/2) Z(s))/sin(β π/2) of period 2π, docs/theory.md (59), and
+/// its derivative, at a kink the value after it; the sawtooth Z for β = 0. Singular at even β > 0.
 pub fn modified_sawtooth(beta: f64, s: f64) -> (f64, f64) {
     let (z, slope) = (sawtooth(s), sawtooth_slope(s));
     if beta < SAWTOOTH_BETA {
@@ -47,15 +47,18 @@ pub fn modified_sawtooth(beta: f64, s: f64) -> (f64, f64) {
     (sin / size, beta * FRAC_PI_2 * slope * cos / size)
 }
 
-/// The closed form of one parameter set, with everything that does not depend on the root prepared.
+/// Closed form of one parameter set, with all that does not depend on the root computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrongCoupling {
     groups: Groups,
     beta: f64,
-    /// ν, ρ*, q and c₁ of docs/theory.md (60).
+    /// ν of docs/theory.md (60).
     nu: f64,
+    /// ρ* of docs/theory.md (60).
     rho: f64,
+    /// q of docs/theory.md (60).
     q: f64,
+    /// c₁ of docs/theory.md (60).
     c1: f64,
     /// ξ of docs/theory.md (62): the phasor of X3 per C.
     xi: Complex<f64>,
@@ -63,7 +66,7 @@ pub struct StrongCoupling {
     quadratic: Quadratic,
 }
 
-/// One steady state with its three tests. Amplitudes in units of L, phases in rad, eigenvalues per
+/// Steady state with its three tests. Amplitudes are in units of L, phases in rad, eigenvalues per
 /// unit of the slow time τ1 = ετ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrongPoint {
@@ -88,7 +91,7 @@ pub struct StrongPoint {
     model: StrongCoupling,
 }
 
-/// Both steady states, by C; `None` when the quadratic has no real root.
+/// Both steady states, by C; `None` if the quadratic has no real root.
 ///
 /// # Errors
 /// As [`StrongCoupling::new`] and [`StrongCoupling::solutions`].
@@ -97,7 +100,7 @@ pub fn solve(groups: &Groups) -> Result<Option<Roots<StrongPoint>>> {
 }
 
 impl StrongCoupling {
-    /// Prepares the closed form.
+    /// Closed form for a set of groups.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] within
@@ -115,7 +118,7 @@ impl StrongCoupling {
         }
         let (nu, c1) = slopes(beta);
         let rho = nu * (1.0 - g.kappa) / (1.0 + g.kappa);
-        // β² - 1 as a product keeps its digits near β = 1.
+        // β² - 1 as a product, which is accurate near β = 1.
         let off = (beta - 1.0) * (beta + 1.0);
         let (q, coupling) = (g.beta2 / off, g.mu13 * g.beta2);
         let impedance = Complex::new(g.sigma30 - 2.0 * g.sigma1 - coupling / off, g.gamma3);
@@ -155,8 +158,8 @@ impl StrongCoupling {
         self.rho
     }
 
-    /// The slow invariant manifold, docs/theory.md (63): |u - q x3| as a function of C, √((C-1)² +
-    /// ρ*²C²).
+    /// Slow invariant manifold, docs/theory.md (63): |u - q x3| = √((C-1)² + ρ*²C²) as a function
+    /// of C.
     pub fn manifold(&self, c: f64) -> f64 {
         (c - 1.0).hypot(self.rho * c)
     }
@@ -171,17 +174,17 @@ impl StrongCoupling {
         self.quadratic.discriminant()
     }
 
-    /// Both steady states, by C; `None` when the quadratic has no real root.
+    /// Both steady states, by C; `None` if the quadratic has no real root.
     ///
     /// # Errors
-    /// [`Error::NoConvergence`] when the eigenvalues of the slow flow are not found.
+    /// [`Error::NoConvergence`] if the eigenvalues of the slow flow are not found.
     pub fn solutions(&self) -> Result<Option<Roots<StrongPoint>>> {
         let Some(roots) = self.quadratic.roots() else { return Ok(None) };
-        Ok(Some(Roots { lower: self.at(roots.lower)?, upper: self.at(roots.upper)? }))
+        Ok(Some(Roots { lower: self.steady_state(roots.lower)?, upper: self.steady_state(roots.upper)? }))
     }
 
-    /// The steady state at the root C of the quadratic.
-    fn at(&self, c: f64) -> Result<StrongPoint> {
+    /// Steady state at the root C of the quadratic.
+    fn steady_state(&self, c: f64) -> Result<StrongPoint> {
         let g = &self.groups;
         let force = self.quadratic.balance(c) * if g.f10 < 0.0 { -1.0 } else { 1.0 };
         let u = c * (Complex::new(-self.rho, 1.0) + self.q * self.xi) - Complex::new(0.0, 1.0);
@@ -234,8 +237,8 @@ impl StrongCoupling {
         if jacobian.iter().any(|x| !x.is_finite()) {
             return Err(lost);
         }
-        // Sweeps compare with the diagonal. Where that is zero, without dampers and losses, they do
-        // not end unless it is moved away.
+        // The sweeps compare entries with the diagonal and do not end where it is zero, without
+        // dampers and losses. A shift of the diagonal helps.
         let found = [0.0, jacobian.norm()].into_iter().find_map(|by| {
             let moved = jacobian + Matrix4::identity() * by;
             let values = moved.try_schur(f64::EPSILON, EIGENVALUE_SWEEPS)?.complex_eigenvalues();
@@ -285,7 +288,7 @@ impl StrongPoint {
         SteadyMotion::new(self.model.groups.epsilon, (u.im, u.re), block, (x3.im, x3.re))
     }
 
-    /// The same at the phase Ω1 τ of the drive (rad): the force is f̂10 sin(Ω1 τ).
+    /// Motion at the phase Ω1 τ of the drive (rad), where the force is f̂10 sin(Ω1 τ).
     pub fn motion_at_drive(&self, drive_phase: f64) -> SteadyMotion {
         self.motion(drive_phase - self.drive_phase)
     }
@@ -295,7 +298,7 @@ impl StrongPoint {
         let beta = self.model.beta;
         let count = (PI * beta.max(1.0) / RATE_STEP).ceil();
         let h = PI / count;
-        // These are at most a few thousand pieces, since β ≤ 1000.
+        // At most a few thousand pieces, since β ≤ 1000.
         (0..count as u32).map(move |i| {
             let s = f64::from(i) * h;
             let mut p = [0.0; DEGREE + 1];
@@ -312,7 +315,7 @@ impl StrongPoint {
         })
     }
 
-    /// Whether |W| ≤ 1 over the cycle but for round-off, proved by Bernstein bounds: docs/theory.md
+    /// Whether |W| ≤ 1 over the cycle up to round-off, proved by Bernstein bounds: docs/theory.md
     /// (68).
     fn is_clear(&self) -> bool {
         let limit = 1.0 + PENETRATION_ROUNDING;
@@ -326,13 +329,13 @@ impl StrongPoint {
         best
     }
 
-    /// Amplitude of X1, its largest |value| over a cycle, in units of L: an exact extremum.
+    /// Largest |X1| over a cycle, in units of L: an exact extremum.
     pub fn a1(&self) -> f64 {
         let (_, box_share) = inverse_mass_factors(self.model.groups.epsilon);
         self.amplitude(-box_share * self.c, self.u - box_share * self.model.q * self.x3)
     }
 
-    /// Amplitude of X2, its largest |value| over a cycle, in units of L: an exact extremum.
+    /// Largest |X2| over a cycle, in units of L: an exact extremum.
     pub fn a2(&self) -> f64 {
         let (block, _) = inverse_mass_factors(self.model.groups.epsilon);
         block * self.amplitude(self.c, self.model.q * self.x3)
@@ -343,7 +346,7 @@ impl StrongPoint {
         spectral_radius(self.multipliers)
     }
 
-    /// The bifurcation that the largest multiplier announces.
+    /// Bifurcation that the largest multiplier announces.
     pub fn bifurcation(&self) -> Bifurcation {
         Bifurcation::of(largest(self.multipliers))
     }

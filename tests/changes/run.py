@@ -48,7 +48,7 @@ FILES = {
 # before it counts as hanging.
 SLOWER, MORE = 10.0, 60.0
 
-# Only what a change touches is compiled anew: a third of the time, and the arithmetic is the same.
+# Only the changed package is compiled anew: a third of the time, with unchanged arithmetic.
 PARTS = 64
 
 # Integers up to this one are indices, exponents and factors; larger ones are limits of loops and
@@ -74,7 +74,7 @@ SWAPS = [
     (".is_some()", ".is_none()"),
     ("true", "false"),
 ]
-# What is put for what, one way: the other way gives what no one would write.
+# Replacements in one direction: the other direction gives code that no one would write.
 PUTS = [(" % ", " * ")]
 NUMBER = re.compile(r"(?<![\w.])(\d[\d_]*\.\d+(?:e-?\d+)?|\d[\d_]*(?:e-?\d+)?)(?![\w.]|\.\w)")
 NEGATIVE = re.compile(r"(?:(?<=[(,=\[{|] )|(?<=[(\[|]))-(?=[\w(&*])")
@@ -100,7 +100,7 @@ def masked(text):
 
 
 def other_number(literal, rng):
-    """Another constant in place of a literal, or the literal where another would be as good: limits and tolerances."""
+    """Another constant in place of a literal, or the literal itself if another would be as good: limits and tolerances."""
     if "." not in literal and "e" not in literal:
         value = int(literal.replace("_", ""))
         if value > MEANT:
@@ -218,7 +218,7 @@ class Copy:
         self.times = {}
 
     def bring(self):
-        """Brings every file of the repository that git knows or would add, and takes away those that are gone."""
+        """Copies every file of the repository that git knows or would add, and removes those that are gone."""
         listed = subprocess.run(
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=ROOT, check=True, capture_output=True,
@@ -302,7 +302,7 @@ class Copy:
         return sorted(self.times, key=value)
 
     def judge(self, change):
-        """What becomes of a change: its verdict, and the test binary that caught it with the test that failed."""
+        """Verdict on a change, and the test binary that caught it with the test that failed."""
         file, number, line, instead = change
         path = self.tree / file
         was = path.read_text()

@@ -1,16 +1,16 @@
-//! An allocator that counts, for tests that stand alone in their process.
+//! An allocator that counts, for tests in a process of their own.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 thread_local! {
-    /// Allocations of a test's own thread: the harness allocates in others meanwhile.
+    /// Allocations of the test's own thread, since the harness allocates in other threads.
     pub static COUNT: Cell<usize> = const { Cell::new(0) };
 }
 
 struct Counting;
 
-// SAFETY: hands everything on to the system's allocator.
+// SAFETY: passes every call to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.set(COUNT.get() + 1);

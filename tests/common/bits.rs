@@ -5,11 +5,11 @@ use std::fmt::Write;
 use std::{env, fs};
 use vibro_impact::numerics::digest;
 
-/// Folder of the golden files: the tests of two packages come here.
+/// Folder of the golden files of the package under test.
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
 
-/// FNV-1a over the bits of what was recorded: any bit that differs gives another digest, but for
-/// one chance in 2⁶⁴.
+/// FNV-1a digest of recorded bits: any bit that differs changes the digest, except for one chance
+/// in 2⁶⁴.
 #[derive(Clone, Copy, Debug)]
 pub struct Digest(u64);
 
@@ -39,7 +39,8 @@ impl Digest {
     }
 }
 
-/// The instruction set the library chooses here; on each the arithmetic is ordered otherwise.
+/// Instruction set that the library chooses on this machine; the order of the arithmetic depends on
+/// it.
 fn instruction_set() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {
@@ -56,8 +57,8 @@ fn instruction_set() -> &'static str {
 }
 
 /// Compares with the golden file of this machine's instruction set. `UPDATE=1` in the environment
-/// writes it instead. On an instruction set without a file the comparison cannot be made: that is
-/// printed.
+/// writes the file instead. For an instruction set without a file nothing is compared, and a line
+/// says so.
 pub fn compare(name: &str, found: &[(String, String)]) {
     let folder = DATA;
     let path = format!("{folder}/{name}.{}.txt", instruction_set());

@@ -1,4 +1,4 @@
-//! Reads the golden files of `tests/data` (their columns: the headers of the scripts there).
+//! Reads the golden files of `tests/data`. Their columns are described in the scripts there.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -11,7 +11,7 @@ pub struct Row(HashMap<String, String>);
 
 /// All rows of `tests/data/<name>`.
 pub fn table(name: &str) -> Vec<Row> {
-    // The tests of the root package and the benches, a folder below it, come here.
+    // The package is the root or, for the benches, a folder below it.
     let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
     let found =
         folders.find_map(|folder| Some(folder.join("tests/data").join(name)).filter(|path| path.exists()));
@@ -57,12 +57,13 @@ pub fn distance(a: &State, b: &State, length: f64, speed: f64) -> f64 {
     })
 }
 
-/// The machine of the standard work with another restitution coefficient and drive.
+/// Machine of the standard work with another restitution coefficient and drive.
 pub fn weak(kappa: f64, f10: f64) -> Parameters {
     Groups::weak(0.1, kappa, f10, 0.0, 0.4, 0.2, 0.0, 0.4).to_parameters(Scales::default()).expect("valid")
 }
 
-/// The standard work (benches/standard_work.rs) in the very doubles that the library uses for it.
+/// Machine and start of the standard work (benches/standard_work.rs), bit-identical to the
+/// library's.
 pub fn standard() -> (Parameters, State) {
     (weak(0.75, 1.5), State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] })
 }

@@ -1,4 +1,4 @@
-//! What several tests share.
+//! Helpers of several tests.
 #![allow(dead_code, missing_docs)] // every test binary uses its own part
 
 pub mod bits;

@@ -1,4 +1,4 @@
-"""The model in extended precision: what the make_*.py scripts of this folder share.
+"""The model in extended precision, shared by the make_*.py scripts of this folder.
 
 A smooth mode is a linear system with a harmonic force, so exp(A h) applied to a state is the Taylor series about
 it; the series is summed until its remainder is under the working precision. Contacts are found by bisection with
@@ -145,7 +145,7 @@ def shift(p, c):
 
 def first_root(p, lo, hi):
     """Smallest root of p in (lo, hi]; p(lo) = 0 exactly must have been divided out."""
-    # A cheap bound first: most windows stay far from the stop.
+    # A cheap bound first, as most windows stay far from the stop.
     rest, power = 0, 1
     for a in p[1:]:
         power = power * hi
@@ -153,7 +153,7 @@ def first_root(p, lo, hi):
     if abs(p[0]) > rest:
         return None
     c, r = (lo + hi) / 2, (hi - lo) / 2
-    # The same about the centre, in doubles with a margin far over their rounding: it settles most
+    # A bound about the centre, in doubles with a margin far over their rounding, which settles most
     # intervals.
     b, scale = [float(a) for a in p], sum(abs(float(a)) * float(hi) ** k for k, a in enumerate(p))
     b = shift(b, float(c))

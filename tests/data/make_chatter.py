@@ -47,7 +47,7 @@ def chatter(s, y, t, side, limit):
     first = None
     touching, reach = 0, limit
     while True:
-        # A short look first: rebounds become far shorter than a period.
+        # A short span first, as rebounds become far shorter than a period.
         hit = s.first_contact(y, t, min(limit, reach), touching)
         if hit is None and reach < limit:
             hit = s.first_contact(y, t, limit, touching)
@@ -121,7 +121,7 @@ def solve(rng, parameters, kind, side, want_release):
             return None
         y, t_rest, first, first_speed = [mpf(a) for a in start], mpf(t0), None, None
     else:
-        # A quick look: the series must be over well before the pressing ends.
+        # A quick check: the series must end well before the pressing does.
         speed = max(abs(start[4] - start[3]), math.sqrt(2 * pressing * (quick.gap - abs(start[1] - start[0]))))
         if 2 * speed / (pressing * max(1 - quick.kappa, 0.05)) > period * 0.6:
             return None

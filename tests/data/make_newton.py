@@ -80,7 +80,7 @@ def main():
     while len(rows) < 96:
         step, part = 1 + len(rows) % 3, PARTS[len(rows) // 3 % 4]
         root = 10 ** draw.uniform(-2, -0.1) * draw.choice((-1, 1))
-        # How near the curvature comes to the slope sets K, from 0.02 to some hundreds.
+        # The ratio of curvature and slope sets K, from 0.02 to some hundreds.
         bend = 0.5 * (1 - 10 ** draw.uniform(-2.5, -0.05)) * draw.choice((-1, 1))
         twist = (0.5 - abs(bend)) * draw.uniform(-0.2, 0.2)
         c = [0.0, 1.0, bend, twist, 0.2 * twist]

@@ -37,7 +37,7 @@ def decimal():
 
 
 def double():
-    """The same operations, in the same order, as `Groups::weak` and `to_parameters` in unit scales."""
+    """Parameters by the operations of `Groups::weak` and `to_parameters` in unit scales, in their order."""
     e = 0.1
     m2, m3, beta2 = e * 1.0, 1.0 / (1.0 / e), e * 0.2
     values = (1.0, 1.0, 0.4 * e, m2, m3, (1.0 + e * 0.0) * m3, 0.4 * m3 * e, beta2 * m2, 1.0, 0.75, 1.5 * e, 1.0 + e * 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""The sweep on dask: as computed here without it, for any number of workers, and when one is killed midway."""
+"""The sweep on dask: equal to one without dask, for any number of workers, and if one is killed midway."""
 
 import os
 import signal
@@ -49,17 +49,17 @@ def test_rows_are_sensible(alone):
 
 @pytest.fixture(scope="module", params=["package", "fmu"])
 def measure(request, fmu, tmp_path_factory):
-    """Both ways."""
+    """Measures by the package and by the FMU."""
     if request.param == "package":
         return dask_sweep.Measure(discard=50, periods=10)
     folder = fmpy.extract(str(fmu), unzipdir=str(tmp_path_factory.mktemp("unpacked")))
     return replace(MEASURE, model=(folder, fmpy.read_model_description(folder)))
 
 
-# Of the largest of 64 samples a period, which may miss a corner at an impact.
+# Error of the largest of 64 samples a period, which may miss a corner at an impact.
 SAMPLES = 0.02
-# Of what the FMU counts and adds up between its own communication points, which are whole periods
-# but for rounding.
+# Error of counts and sums that the FMU makes between its communication points, which are whole
+# periods up to rounding.
 COUNTED = 1e-6
 
 
@@ -81,7 +81,7 @@ def test_the_start_is_that_of_the_command_line_in_the_scales_of_the_point(measur
     row = measure.row({**scales, "drive.frequency": 63.0, "drive.amplitude": 50.0})
     assert row["block.v"] == pytest.approx(0.01 * 4000.0**0.5, rel=1e-15)
     assert [row[name] for name in dask_sweep.START if name != "block.v"] == [0.0] * 5
-    # Another start is the one that was asked for.
+    # Another start is used as given.
     assert measure.row({"block.v": 0.25, "box.s": 0.1})["block.v"] == 0.25
 
 

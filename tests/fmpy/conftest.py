@@ -1,4 +1,4 @@
-"""What all tests share. `cargo test` sets the two environment variables; by hand, build the FMU first."""
+"""Fixtures of the tests. `cargo test` sets the two environment variables; by hand, build the FMU first."""
 
 import os
 from pathlib import Path
@@ -74,7 +74,7 @@ class Instance:
         self.log.append((status, category.decode(), message.decode()))
 
     def enter(self):
-        """Into initialization mode, where start values can be set and read."""
+        """Enters initialization mode, where start values can be set and read."""
         self.slave.setupExperiment(startTime=0.0)
         self.slave.enterInitializationMode()
         return self

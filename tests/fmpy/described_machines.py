@@ -13,11 +13,11 @@ from fmpy.validation import validate_fmu
 
 # A tenth of a second of the fall of a ball.
 ROUNDING = 1e-14
-# CVode's relative tolerance, and the difference that is allowed, in parts of each variable's
-# largest value: errors grow from event to event, and a flank of 200 MN/m magnifies them.
+# CVode's relative tolerance, and the allowed difference relative to each variable's largest value:
+# errors grow from event to event, and a flank of 200 MN/m amplifies them.
 TOLERANCE = 1e-10
 EXCHANGE = 1e-5
-# The part of the run that CVode makes.
+# Part of the run that is also made in Model Exchange by CVode.
 PART = 0.1
 
 

@@ -41,7 +41,7 @@ def simulate(p, state, times, f=(0.0, 0.0, 0.0), offset=0.0):
     now, y = times[0], np.array(state, dtype=float)
     done = 0
     while done < len(times):
-        # No step so long that a short contact hides in it.
+        # No step is so long that it contains a whole short contact.
         step = 0.02 * 2.0 * np.pi / p["drive.frequency"]
         run = solve_ivp(flight, (now, times[-1]), y, "DOP853", times[done:], events=(upper, lower),
                         rtol=TOLERANCE, atol=TOLERANCE, max_step=step)

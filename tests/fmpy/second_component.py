@@ -14,7 +14,7 @@ from fmpy.validation import validate_fmu
 
 GRAVITY, RESTITUTION, HEIGHT = 9.81, 0.7, 1.0
 END = 2.0
-# Co-Simulation is exact but for rounding; CVode's tolerance is 1e-9 a step, for some two hundred
+# Co-Simulation is exact up to rounding; CVode's tolerance is 1e-9 a step, for some two hundred
 # steps.
 ROUNDING, SOLVER = 1e-13, 1e-6
 

@@ -25,7 +25,7 @@ pythonfmu_runs = pytest.mark.skipif(
     reason="pythonfmu has binaries for 64-bit Linux and Windows on x86 only",
 )
 
-# Of the closed form in the oscillator: a few roundings.
+# Error of the oscillator against its closed form: a few roundings.
 ROUND_OFF = 1e-13
 
 # Sums of 4000 steps of 0.01 s that one host takes in nanoseconds: times differ by 1e-12 s, and
@@ -92,7 +92,7 @@ def test_coupling_errors_fall_with_the_order_of_each_master(fmu, oscillator):
 def test_steps_to_the_announced_events_cost_one_step_each(fmu, oscillator):
     """No step is taken back: beside the steps to the grid there are those that end at events, some of them in two parts."""
     run = partitioned.cut_by_events(vibro.fmi3_beside(fmu), oscillator, 40, 10)
-    met = 15  # at most two a period, and the start
+    met = 15  # impacts: at most two a period, and the start
     assert run.computed == run.steps == run.iterations <= 40 * partitioned.PERIODS + 2 * met
     same = partitioned.cut_by_events(vibro.fmi3_beside(fmu), oscillator, 40, 10)
     assert np.array_equal(run.states, same.states)
@@ -308,7 +308,7 @@ def test_a_motor_on_the_damper_turns_as_in_the_machine_in_one_piece(fmu, tmp_pat
 
 @pythonfmu_runs
 def test_ssp_in_libcosimpy_gives_what_fmpy_gives(archive):
-    """Both couple by Jacobi's scheme, and the outputs are zero at the start; libcosimpy's times are whole nanoseconds."""
+    """Both hosts couple by Jacobi's scheme, and outputs are zero at the start; libcosimpy's times are whole nanoseconds."""
     pytest.importorskip("libcosimpy", reason="libcosimpy has no wheel for this Python or platform")
     ours, theirs = (run(archive, 40.0, 0.01) for run in (ssp.run_fmpy, ssp.run_libcosimpy))
     assert set(theirs) == set(ours)

@@ -1,4 +1,4 @@
-"""What the archive says about itself."""
+"""Contents of the archive's descriptions."""
 
 import posixpath
 import zipfile

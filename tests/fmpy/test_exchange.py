@@ -69,7 +69,7 @@ def test_euler_keeps_the_block_in_the_box_and_converges(fmu, period):
 
 
 def test_euler_does_not_fall_through_a_stop_in_chatter(fmu, period):
-    """Euler cannot resolve the last bounces and goes on bouncing at every step, but at the stop."""
+    """Euler cannot resolve the last bounces: the block bounces at every step, but stays at the stop."""
     start = {**PRESSED, "block.f": 0.02}
     stop, step = 10 * period, period / 5000
     expected = run(fmu, "CoSimulation", stop, start, output_interval=stop)

@@ -36,7 +36,7 @@ CASES = {
 
 
 def load(time_end):
-    """A load on the box in steps: between its jumps fmpy reads the same value wherever a step begins."""
+    """A load on the box in steps: between its jumps fmpy reads one value wherever a step begins."""
     begins = np.arange(0.0, time_end, 0.5)
     rows = [(time, 0.05 * np.sin(0.7 * begin)) for begin in begins for time in (begin, begin + 0.5)]
     return np.array(rows, dtype=[("time", float), ("box.f", float)])
@@ -127,7 +127,7 @@ def reference(fmu, name):
 
 
 def test_impacts_are_those_of_the_native_library(fmu3):
-    """Made by the native library and shipped as reference result."""
+    """The reference result of the archive, made by the native library."""
     native = reference(fmu3, "impacts.csv")
     stop = 100.0
     count = int((native["time"] < stop).sum()) // 2
@@ -224,7 +224,7 @@ def test_a_restitution_set_at_an_event_is_that_of_its_law(machine):
         one.slave.enterEventMode()
         kappa = 0.5 + 0.02 * (met % 10)
         one.set("stop.restitution", kappa)
-        # The right limit shows at once, and stays when it is carried out.
+        # The right limit is visible at once and does not change when the event is carried out.
         shown = one.get("box.v", "block.v")
         one.slave.updateDiscreteStates()
         after = one.get("box.v", "block.v")
@@ -289,7 +289,7 @@ def test_arrays_are_read_as_they_are_described(fmu, description3, tmp_path):
 
 @pytest.mark.parametrize("version", ["", "-FMI3"])
 def test_euler_at_the_default_step_ends_the_default_experiment(fmu, version):
-    """What a host does that knows no better: Model Exchange by Euler's rule at the step that the description says."""
+    """Model Exchange by Euler's rule at the step of the description, as a simple host makes it."""
     path = fmu.replace(".fmu", f"{version}.fmu")
     experiment = fmpy.read_model_description(path).defaultExperiment
     rows = simulate_fmu(

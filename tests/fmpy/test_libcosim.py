@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from conftest import STATES
 
-# Half seconds are exact in binary and in libcosim's nanoseconds, so nothing may differ but the
-# build; the bound of the contract all the same.
+# The bound of the contract. Half seconds are exact in binary and in libcosim's nanoseconds, so that
+# only the build may differ.
 SAME = 1e-10
 
 

@@ -6,13 +6,14 @@ from conftest import STATES
 
 EVENT_DRIVEN, MULTIPLE_SCALES, EXACT_ORBIT = 1, 2, 3
 
-# The same formulas in the same library; the FMU's clock and the table's differ by rounding.
+# Rounding by which the FMU's time and the table's differ; the formulas are those of one library.
 SAME = 1e-12
 
 # Issue 4: the simulation forgets its start by the orbit's multipliers (0.9124 each half period).
 SETTLED = 1e-9
 
-# Slopes of the errors of multiple scales over the mass ratio: one, but for the next order in it.
+# Deviation from one of the slopes of the errors of multiple scales over the mass ratio, by the next
+# order.
 SLOPE = (0.9, 1.1)
 
 RATIOS = (0.1, 0.05, 0.02, 0.01, 0.005)

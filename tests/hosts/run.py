@@ -31,8 +31,7 @@ STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 # is exact in binary and in libcosim's nanoseconds.
 STEP, STEPS = 0.5, 1200
 
-# Co-Simulation: the bound of the contract. Where the points are exact there is nothing to differ
-# but the build.
+# Co-Simulation: the bound of the contract. With exact points only the build may differ.
 SAME = 1e-10
 
 # Model Exchange is driven over 20 s with a dozen impacts from the start.
@@ -49,7 +48,7 @@ EULER_STEPS = (1 / 2000, 1 / 4000)
 EULER_RATIO = (1.6, 2.5)
 EULER = 0.005
 
-# What a host of FMI 3.0 can do about events: name, flags of fmpy, flags of fmi-sim.
+# Ways of a host of FMI 3.0 to handle events: name, flags of fmpy, flags of fmi-sim.
 EVENTS = (
     ("", "", ()),
     (", Event Mode", "+event", ("--event-mode-used",)),
@@ -68,7 +67,7 @@ ASSEMBLIES = (
     ("CoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768, 192),
 )
 
-# Of a variable's largest value. CVode at 1e-10, times the growth of errors from event to event.
+# Error relative to a variable's largest value: CVode at 1e-10, amplified from event to event.
 ASSEMBLY_SAME = 1e-10
 ASSEMBLY_CVODE = 1e-5
 
@@ -81,7 +80,7 @@ class Missing(Exception):
 
 
 class NotFound(Exception):
-    """A host that no registry has and that is not on this machine."""
+    """A host that no registry offers and that is not on this machine."""
 
 
 def run(command, timeout=3600, names=()):

@@ -6,7 +6,7 @@ TOLERANCE = 1e-9  # s, of sums of time
 
 
 class Watch(Fmi2Slave):
-    """Sees how a master steps."""
+    """Records how a master steps."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -21,7 +21,7 @@ class Watch(Fmi2Slave):
 
     def do_step(self, current_time, step_size):
         self.steps += 1
-        # A master may tell of an impact a step late.
+        # A master may report an impact a step late.
         self.begins = [*self.begins[-2:], current_time]
         if self.impact != self.seen:
             self.met += any(abs(self.impact - begin) < TOLERANCE for begin in self.begins)

@@ -1,5 +1,5 @@
-//! A shared library that panics inside an FMI call, for `fmu-build/tests/loading.rs`: the packaged
-//! one has no way to.
+//! A shared library that panics inside an FMI call, for `fmu-build/tests/loading.rs`, since the
+//! packaged one cannot.
 #![allow(unsafe_code)] // exported by name
 
 use vibro_fmi::component;

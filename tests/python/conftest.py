@@ -1,4 +1,4 @@
-"""What the tests share. `cargo test -p fmu-build --test python_package` sets the environment variables and installs the package."""
+"""Fixtures of the tests. `cargo test -p fmu-build --test python_package` sets the environment variables and installs the package."""
 
 import json
 import os
@@ -15,7 +15,7 @@ def pytest_addoption(parser):
 
 @pytest.fixture(scope="session")
 def native():
-    """What the library finds, written by fmu-build/tests/python_package.rs."""
+    """Results of the library, written by fmu-build/tests/python_package.rs."""
     file = os.environ.get("VIBRO_IMPACT_NATIVE")
     assert file, "VIBRO_IMPACT_NATIVE names no file: run this through `cargo test -p fmu-build --test python_package`"
     return json.loads(Path(file).read_text())

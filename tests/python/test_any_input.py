@@ -34,7 +34,7 @@ starts = st.one_of(
     st.dictionaries(st.sampled_from(["x1", "x2", "v2", "block_s", "box_v", "no"]), mostly_fair, max_size=3),
     wild,
 )
-# Numbers of periods that are allowed and take minutes are left out.
+# Without allowed numbers of periods that take minutes.
 few = st.one_of(st.integers(0, 12), st.integers(0, 12), wild.filter(lambda x: type(x) is not int or not 12 < x <= 10**9))
 
 
@@ -81,7 +81,7 @@ def ask(changes, start, periods, kind, values):
 
 
 class TooLong(Exception):
-    """A machine whose rates are far apart takes minutes by right."""
+    """A call that takes minutes, as with a machine whose rates are far apart."""
 
 
 @contextlib.contextmanager
@@ -125,7 +125,7 @@ def test_any_input_is_answered_or_refused(request):
     end = time.monotonic() + 60 * request.config.getoption("--minutes")
     rounds = 0
     while rounds == 0 or time.monotonic() < end:
-        # The first round tries the same each time, later ones something new.
+        # The first round has a fixed seed, later ones have new seeds.
         settings(max_examples=300, derandomize=rounds == 0, **QUIET)(ANYTHING(ask_for_seconds))()
         rounds += 1
     print(f"{300 * rounds} questions")

@@ -1,4 +1,4 @@
-"""Machines of one's own: the bits of the library and of the command line, and what is refused."""
+"""Described machines: bit-identical to the library and to the command line; refusals."""
 
 import csv
 import io
@@ -15,7 +15,7 @@ import vibro_impact as vi
 EXAMPLES = Path(__file__).parents[2] / "examples" / "assembly"
 #: 1 - 1e-12: rounding of a sum of some hundred terms.
 ROUNDING = 1e-12
-#: A motion that has settled to 1e-9 of its size.
+#: Relative error of a settled motion.
 SETTLED = 1e-6
 
 

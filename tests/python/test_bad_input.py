@@ -1,4 +1,4 @@
-"""What is refused, with the argument's name, its value and what is allowed."""
+"""Refusals name the argument, its value and the allowed values."""
 
 import numpy as np
 import pytest

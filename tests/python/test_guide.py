@@ -16,8 +16,8 @@ from conftest import ROOT
 
 matplotlib.use("agg")
 
-# Part of full brightness by which a picture may differ on average: another processor has another
-# chaos, and sets the dots elsewhere.
+# Mean difference of a picture relative to full brightness: on another processor chaotic motions
+# differ, and so do their dots.
 SAME_PICTURE = 0.02
 
 

@@ -1,4 +1,4 @@
-"""Pictures: what is drawn is the result's, into the axes that are given."""
+"""Pictures: the result's numbers, drawn into the given axes."""
 
 import matplotlib
 import numpy as np

@@ -54,7 +54,7 @@ def test_a_signal_ends_a_long_call_at_once(call, signals):
     else:
         work, machine = LONG_OF_ASSEMBLY[name], vi.Assembly(DAMPER)
     delays = []
-    # The least of three: another process may hold the processor when the signal comes.
+    # The least time of three, as another process may hold the processor when the signal comes.
     for _ in range(3):
         sent = []
 

@@ -1,4 +1,4 @@
-"""The package against the library and the FMU: the same kernels give the same bits."""
+"""The package is bit-identical to the library and the FMU."""
 
 import os
 
@@ -9,8 +9,8 @@ import vibro_impact as vi
 
 STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 
-# The two add communication points and steps in another order where these are no binary fractions:
-# rounding of 1e-13 at t = 600 s, which the stable default motion does not amplify.
+# Rounding of 1e-13 at t = 600 s, as the two add communication points and steps in another order,
+# which matters unless these are binary fractions. The stable default motion does not amplify it.
 SAME = 1e-11
 
 

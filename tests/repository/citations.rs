@@ -1,5 +1,4 @@
-//! What a text cites is there: documents, equations, sections, clauses of the FMI standard, tests
-//! (invariant).
+//! Citations lead somewhere (invariant): documents, equations, sections, tests.
 
 use crate::texts::{all, root, shown};
 use std::collections::BTreeSet;
@@ -22,8 +21,8 @@ fn invariant_every_document_that_is_cited_is_in_the_repository() {
             let beside = path.parent().expect("a file is in a folder").join(word);
             let there =
                 [beside, root().join(word), root().join("docs").join(word)].iter().any(|p| p.exists());
-            // A licence's text in the packed archive and in packages of others; the notes, which a
-            // release makes.
+            // Licences in the packed archive and in other packages, and the notes that a release
+            // makes, are not in the repository.
             let others = word.contains("LICENSE") || word.ends_with("RELEASE_NOTES.md");
             if !there && !others {
                 missing.insert(format!("{}: {word}", shown(&path)));
@@ -33,7 +32,7 @@ fn invariant_every_document_that_is_cited_is_in_the_repository() {
     assert!(missing.is_empty(), "cited and not there: {missing:#?}");
 }
 
-/// What stands around each mention of a page, from which a part of it may be cited:
+/// Texts before and after each mention of a page, where a part of the page may be cited:
 /// `(12) of docs/theory.md`, `theory.md (12)`, `[theory.md](theory.md), section 2`.
 fn around<'t>(text: &'t str, page: &'t str) -> impl Iterator<Item = (&'t str, &'t str)> {
     text.match_indices(page).map(move |(at, _)| {
@@ -42,11 +41,11 @@ fn around<'t>(text: &'t str, page: &'t str) -> impl Iterator<Item = (&'t str, &'
     })
 }
 
-/// What links the parts of one citation.
-const LINKS: [&str; 3] = [", ", " and ", " to "];
+/// Separators between the parts of one citation.
+pub const LINKS: [&str; 3] = [", ", " and ", " to "];
 
-/// The label of an equation in brackets at the beginning of a text, such as `(12)` or `(A3)`, and
-/// what follows it.
+/// Label of an equation in brackets at the beginning of a text, such as `(12)` or `(A3)`, and the
+/// text after it.
 fn leading_label(text: &str) -> Option<(&str, &str)> {
     let (label, rest) = text.strip_prefix('(')?.split_once(')')?;
     let digits = label.trim_start_matches(['A', 'N']);
@@ -54,7 +53,7 @@ fn leading_label(text: &str) -> Option<(&str, &str)> {
     (number && label.len() - digits.len() <= 1).then_some((label, rest))
 }
 
-/// The labels at the beginning of `(12)`, `(12), (13)`, `(12) to (14)`.
+/// Labels at the beginning of a text such as `(12)`, `(12), (13)`, `(12) to (14)`.
 fn leading_labels(mut text: &str) -> Vec<&str> {
     let mut labels = Vec::new();
     while let Some((label, rest)) = leading_label(text) {
@@ -64,7 +63,7 @@ fn leading_labels(mut text: &str) -> Vec<&str> {
     labels
 }
 
-/// All labels in a text, but those of calls and of numbers in formulas.
+/// All labels in a text, without arguments of calls and numbers in formulas.
 fn labels(text: &str) -> impl Iterator<Item = &str> {
     let begins = text.match_indices(" (").map(|(at, _)| &text[at + 1..]);
     begins.filter_map(leading_label).map(|(label, _)| label)
@@ -108,7 +107,7 @@ fn invariant_every_equation_that_is_cited_is_on_its_page() {
     assert!(wrong.is_empty(), "cited and not there: {wrong:#?}");
     println!("{cited} citations");
     assert!(cited > 400, "{cited} citations");
-    // What the test looks for is found, in each of its forms.
+    // Each form of a citation is found.
     assert_eq!(leading_labels("(12) to (14)."), ["12", "14"]);
     assert_eq!(labels("as in (A3) f(x) (N5)").collect::<Vec<_>>(), ["A3", "N5"]);
     let before = around("the balance (90) of docs/theory.md is", "theory.md").next().expect("a mention").0;
@@ -116,7 +115,7 @@ fn invariant_every_equation_that_is_cited_is_on_its_page() {
 }
 
 /// A text as one line, without the marks at the beginnings of comments' lines.
-fn flowing(text: &str) -> String {
+pub fn flowing(text: &str) -> String {
     let mut flowing = String::new();
     for line in text.lines() {
         let line = line.trim_start();
@@ -128,8 +127,7 @@ fn flowing(text: &str) -> String {
     flowing
 }
 
-/// The numbers and the titles of a page's sections, and what its paragraphs begin with in bold or
-/// italics.
+/// Numbers and titles of a page's sections, with the paragraphs that begin in bold or italics.
 fn sections(page: &str) -> (BTreeSet<usize>, String) {
     let mut numbers = BTreeSet::new();
     let mut titles = String::new();
@@ -148,7 +146,7 @@ fn sections(page: &str) -> (BTreeSet<usize>, String) {
     (numbers, titles)
 }
 
-/// The numbers at the beginning of `1`, `1 and 2`, `6 to 9`, `1, 2 and 4`.
+/// Numbers at the beginning of a text such as `1`, `1 and 2`, `6 to 9`, `1, 2 and 4`.
 fn leading_numbers(mut rest: &str) -> Vec<usize> {
     let mut numbers = Vec::new();
     loop {
@@ -163,7 +161,7 @@ fn leading_numbers(mut rest: &str) -> Vec<usize> {
     }
 }
 
-/// The numbers of sections that are cited right behind a page's name or in front of it.
+/// Numbers of sections that are cited right after a page's name or before it.
 fn cited_sections(before: &str, after: &str) -> Vec<usize> {
     let behind = after.strip_prefix(", ").or(after.strip_prefix(" ")).unwrap_or("");
     let behind = behind.trim_start_matches("end of ").trim_start_matches("table in ");
@@ -177,7 +175,8 @@ fn cited_sections(before: &str, after: &str) -> Vec<usize> {
     numbers.concat()
 }
 
-/// The sections that a page cites of itself: those that are not of another page or of the paper.
+/// Numbers of a page's own sections that the page cites, without those of other pages and of the
+/// paper.
 fn own_sections(page: &str) -> Vec<usize> {
     let own = page.match_indices("section").filter(|(at, _)| {
         let before = page[..*at].trim_end_matches([' ', '(', ',', ')']);
@@ -229,7 +228,7 @@ fn invariant_every_section_that_is_cited_is_on_its_page() {
     assert!(wrong.is_empty(), "cited and not there: {wrong:#?}");
     println!("{cited} citations");
     assert!(cited > 100, "{cited} citations");
-    // What the test looks for is found: a section too many, a title that no section has.
+    // A missing section and a title that no section has are noticed.
     let (numbers, titles) = sections("# Page\n## 1. One\n**Two.** Text\n- *Three* and more");
     assert!(numbers.contains(&1) && !numbers.contains(&2));
     assert!(["One", "Two", "Three"].iter().all(|title| titles.contains(title)) && !titles.contains("Four"));
@@ -238,7 +237,7 @@ fn invariant_every_section_that_is_cited_is_on_its_page() {
     assert_eq!(own_sections("as in section 7; see [a](a.md), section 8, and sections 1 and 2"), [7, 1, 2]);
 }
 
-/// What a text says: a page all of it, code in its comments.
+/// Prose of a text: all of a page, or the comments of code.
 fn prose(path: &Path, text: &str) -> String {
     let page = path.extension().is_some_and(|ending| ending == "md");
     let comment = |line: &&str| page || ["//", "#"].iter().any(|mark| line.trim_start().starts_with(mark));
@@ -270,141 +269,4 @@ fn invariant_every_test_that_is_cited_is_there() {
     }
     assert!(missing.is_empty(), "cited and not there: {missing:#?}");
     assert!(cited > 150, "{cited} citations");
-}
-
-/// Clauses of the FMI standard, with what each defines.
-const CLAUSES: &str = include_str!("../data/fmi-clauses.txt");
-
-/// The clauses at the beginning of `2.3.1`, `2.4, 3.4 and 4.4`, `2.2.7 to 2.2.12`.
-fn leading_clauses(mut text: &str) -> Vec<&str> {
-    let mut clauses = Vec::new();
-    loop {
-        let end = text.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(text.len());
-        let clause = text[..end].trim_end_matches('.');
-        if !clause.contains('.') {
-            return clauses;
-        }
-        clauses.push(clause);
-        let rest = &text[clause.len()..];
-        let Some(next) = LINKS.iter().find_map(|link| rest.strip_prefix(link)) else { return clauses };
-        text = next;
-    }
-}
-
-/// The functions and types in backquotes right before the bracket in which a text ends.
-fn named_before(text: &str) -> Vec<&str> {
-    let Some((mut text, bracket)) = text.rsplit_once('(') else { return Vec::new() };
-    let mut names = Vec::new();
-    while let Some(rest) = text.trim_end().strip_suffix('`')
-        && let Some((before, name)) = rest.rsplit_once('`')
-        && !bracket.contains(')')
-    {
-        names.push(name);
-        text = before.strip_suffix(" and ").or(before.strip_suffix(", ")).unwrap_or("");
-    }
-    names
-}
-
-/// A citation of the standard: its version, the clauses, and what is said to be defined there.
-type Citation<'t> = (&'t str, Vec<&'t str>, Vec<&'t str>);
-
-/// The citations in a text: `FMI 2.0, 2.1.5`, `FMI 3.0.2 (2.4.8)`.
-fn cited_clauses(text: &str) -> Vec<Citation<'_>> {
-    let mentions = text.match_indices("FMI ").map(|(at, mark)| (&text[..at], &text[at + mark.len()..]));
-    let cited = mentions.filter_map(|(before, rest)| {
-        let (version, rest) = rest.split_at_checked(3).filter(|(v, _)| ["2.0", "3.0"].contains(v))?;
-        let patch = rest.strip_prefix('.').and_then(|rest| rest.get(1..)).unwrap_or(rest);
-        let clauses = leading_clauses(patch.strip_prefix(", ").or(patch.strip_prefix(" ("))?);
-        (!clauses.is_empty()).then(|| (version, clauses, named_before(before)))
-    });
-    cited.collect()
-}
-
-/// The functions of a door's tables, under the clauses that head them.
-fn headed_clauses<'t>(text: &'t str, version: &'t str) -> Vec<Citation<'t>> {
-    let (mut clauses, mut cited) = (Vec::new(), Vec::new());
-    for line in text.lines().map(str::trim) {
-        if let Some(heading) = line.strip_prefix('"').and_then(|rest| rest.strip_suffix("\":")) {
-            clauses = leading_clauses(heading);
-        } else if let Some((name, _)) = line.split_once(", ").filter(|(name, _)| name.starts_with("fmi"))
-            && name.bytes().all(|b| b.is_ascii_alphanumeric())
-            && !clauses.is_empty()
-        {
-            cited.push((version, clauses.clone(), vec![name]));
-        }
-    }
-    cited
-}
-
-/// Version, number and title of each clause that is listed, with what it defines behind a colon.
-fn listed_clauses() -> Vec<(&'static str, &'static str, &'static str)> {
-    let lines = CLAUSES.lines().filter(|line| !line.starts_with('#'));
-    let parts = lines
-        .map(|line| line.split_once(' ').and_then(|(version, rest)| Some((version, rest.split_once(' ')?))));
-    parts
-        .map(|parts| parts.map(|(version, (number, title))| (version, number, title)).expect("three parts"))
-        .collect()
-}
-
-/// What is wrong with a citation: clauses that are not there, and names that others define.
-fn problems((version, clauses, names): &Citation<'_>, listed: &[(&str, &str, &str)]) -> Vec<String> {
-    let there = |clause: &str| listed.iter().any(|(v, c, _)| v == version && *c == clause);
-    let missing = clauses.iter().filter(|clause| !there(clause));
-    let mut wrong: Vec<String> = missing.map(|clause| format!("FMI {version} has no {clause}")).collect();
-    for name in names {
-        let defined =
-            |text: &str| text.split_once(": ").is_some_and(|(_, own)| own.split(' ').any(|n| n == *name));
-        let defining = listed.iter().filter(|(v, _, text)| v == version && defined(text));
-        let at: Vec<&str> = defining.map(|line| line.1).collect();
-        let within = |own: &&str| clauses.iter().any(|c| own == c || own.starts_with(&format!("{c}.")));
-        if !at.is_empty() && !at.iter().any(within) {
-            wrong.push(format!("{name} is defined in {at:?}, not in {clauses:?}"));
-        }
-    }
-    wrong
-}
-
-#[test]
-fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
-    let listed = listed_clauses();
-    let (mut wrong, mut cited, mut named) = (Vec::new(), 0, 0);
-    for (path, text) in all() {
-        let place = shown(&path);
-        let text = if place == "docs/design.md" { standing_apart(&text) } else { text };
-        let flowing = flowing(&text);
-        let mut found = cited_clauses(&flowing);
-        for (folder, version) in [("doors/src/fmi2/abi", "2.0"), ("doors/src/fmi3/abi", "3.0")] {
-            if place.starts_with(folder) {
-                found.extend(headed_clauses(&text, version));
-            }
-        }
-        for citation in found {
-            cited += citation.1.len();
-            named += citation.2.len();
-            wrong.extend(problems(&citation, &listed).into_iter().map(|what| format!("{place}: {what}")));
-        }
-    }
-    assert!(wrong.is_empty(), "not so in the standard: {wrong:#?}");
-    println!("{cited} citations, {named} names");
-    assert!(cited > 200 && named > 150, "{cited} citations, {named} names");
-    // What the test looks for is found: the parts of a citation, a clause that is not there, one
-    // that defines something else.
-    let text = "`fmi2A` and `fmi3DoStep` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7 to 2.2.99)";
-    let names = vec!["fmi3DoStep", "fmi2A"];
-    let expected = [("2.0", vec!["2.1.8"], names.clone()), ("3.0", vec!["2.2.7", "2.2.99"], names)];
-    assert_eq!(cited_clauses(text), expected);
-    assert_eq!(problems(&expected[0], &listed), [""; 0]);
-    assert_eq!(problems(&expected[1], &listed).len(), 2);
-}
-
-/// The design page with the standard's name before each clause of the section in which it is left
-/// out.
-fn standing_apart(page: &str) -> String {
-    let (before, rest) = page.split_once("Clauses are those of version 3.0.2.").expect("the section");
-    let (section, after) = rest.split_once("\n## ").expect("a section behind it");
-    let marked = section.split('(').map(|part| {
-        let digit = part.starts_with(|c: char| c.is_ascii_digit());
-        if digit { format!("(FMI 3.0.2, {part}") } else { format!("({part}") }
-    });
-    format!("{before}{}\n{after}", marked.collect::<String>())
 }

@@ -1,4 +1,4 @@
-"""What the checks of sections 6 and 7 share: symbols, parameter sets, fixed points, the slow flow."""
+"""Shared by the checks of sections 6 and 7: symbols, parameter sets, fixed points, the slow flow."""
 
 from typing import Any, Dict, List, Tuple
 

@@ -58,7 +58,7 @@ def sym(name: str) -> sympy.Symbol:
 
 
 def tokens_of(tex: str) -> List[str]:
-    """The tokens that carry meaning; fails on a character it does not know."""
+    """The meaningful tokens; fails on an unknown character."""
     tex = re.sub(r"\\(?:left|right|quad)(?![A-Za-z])|\.(?=\s|$)", " ", tex)
     rest = TOKEN.sub("", tex)
     if rest.strip():

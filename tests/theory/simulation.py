@@ -9,8 +9,8 @@ from typing import Any, Dict, List, Tuple
 import mpmath
 
 DIGITS = 30
-STEP = 0.25  # short enough to see every impact
-STRIDE = 0.6  # where none has to be seen; 0.6**28 / 28! is far under the digits
+STEP = 0.25  # short enough to find every impact
+STRIDE = 0.6  # where no impact has to be found; 0.6**28 / 28! is far under the digits
 TERMS = 28
 GUARD = mpmath.mpf(10) ** -20
 
@@ -26,7 +26,7 @@ def basic(**changes: float) -> Parameters:
 
 
 def other() -> Parameters:
-    """Nothing here is one or small."""
+    """A data set without ones and small numbers."""
     return basic(m_1=2, k_1=3, c_1=0.25, m_2=0.7, m_3=1.3, k_3=2.1, c_3=0.15, k_23=0.4, L=0.8, kappa=0.6, F_10=2.5, omega_1=1.5)
 
 

@@ -189,7 +189,7 @@ def test_eq_78_saltation_matrix_by_perturbation(case: str) -> None:
         assert start[6] < before[6]
         found = differences(through, at, step)
         assert mpmath.norm(found - S) < mpmath.mpf(10) ** -12 * (1 + mpmath.norm(S))
-        # The same matrix does to the gap what the page says.
+        # The matrix acts on the gap as the page says.
         row = [S[1, j] - S[0, j] for j in range(6)]
         assert max(abs(a - b) for a, b in zip(row, [k["kappa"], -k["kappa"], 0, 0, 0, 0])) < TIGHT
 

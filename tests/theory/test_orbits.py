@@ -15,7 +15,8 @@ DIFFERENCE = mpmath.mpf(10) ** -14
 STEP = mpmath.mpf(10) ** -10
 # Phases of the motion with the word UUL at f10 = 2.7, to some digits.
 UUL_PHASES = [3.4248, 6.5312, 8.3225]
-# The same where its second impact has no speed, with the force, and the flight that ends there.
+# Phases of the word UUL where its second impact has no speed, with the force, and the flight that
+# ends there.
 TOUCH, TOUCH_FLIGHT = [3.462, 6.6588, 8.4478, 0.28998], 0
 
 

@@ -1,10 +1,10 @@
 //! Many independent motions at a time on one thread, each in a lane of the machine's vectors.
 //!
-//! Nearly all sub-steps of a motion are of one kind: free flight for a whole sub-step, to its end
-//! or to an impact that is easily proved to be the first. These are computed for all lanes at once.
-//! Whatever the lanes cannot prove, and all that is not free flight, is computed for each motion
-//! alone with the code of [`step`](super::super::step). Which of the two computes a sub-step is
-//! decided by the motion's own state, so its result does not depend on its neighbours.
+//! Nearly all sub-steps of a motion are free flight over a whole sub-step, to its end or to an
+//! impact that is easily proved to be the first. These are computed for all lanes at once. Whatever
+//! the lanes cannot prove, and all that is not free flight, is computed for each motion alone with
+//! the code of [`step`](super::super::step). The motion's own state decides which of the two
+//! computes a sub-step, so its result does not depend on its neighbours.
 
 mod centres;
 mod maxima;
@@ -23,20 +23,20 @@ use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::ROW;
 use centres::Centres;
 use pulp::Simd;
-use report::{Piece, Reporter};
+use report::{Reporter, SubstepOrigin};
 use rows::{LaneStates, LaneSystems, SubstepStarts};
 use std::ops::ControlFlow;
 use substep::{Progress, SearchedIntervals};
 
-/// cos θ and sin θ are computed anew from the extended phase after this many sub-steps in a lane.
-/// The other coordinates are never renewed, and in so many sub-steps these two collect no more
-/// round-off than they do.
+/// Sub-steps in a lane after which cos θ and sin θ are computed anew from the extended phase. In so
+/// many sub-steps they collect no more round-off than the other coordinates, which are never
+/// renewed.
 const RENEWAL: u32 = 64;
-/// On machines whose vectors have fewer lanes nothing is gained, and all motions are advanced
+/// Fewest lanes of a vector with which lanes are faster; on other machines all motions are advanced
 /// alone.
 const FEWEST_LANES: usize = 4;
 
-/// The work of one thread, to be compiled once for each instruction set.
+/// Work of one thread, compiled once for each instruction set.
 pub(super) struct Lanes<'a> {
     pub(super) simulators: &'a mut [Simulator],
     pub(super) queue: &'a mut dyn MotionQueue,
@@ -77,7 +77,7 @@ impl pulp::WithSimd for Lanes<'_> {
     }
 }
 
-/// A motion under way.
+/// Motion under way.
 struct LaneMotion {
     advance: AdvanceState,
     end: DoubleDouble,
@@ -88,23 +88,26 @@ struct LaneMotion {
 struct Rounds<'a> {
     work: Lanes<'a>,
     motions: [Option<LaneMotion>; ROW],
-    /// The index of the simulator of each lane's motion.
+    /// Index of the simulator of each lane's motion.
     simulator_of: [usize; ROW],
     systems: Box<LaneSystems>,
     states: Box<LaneStates>,
     searched: Box<SearchedIntervals>,
-    /// The states at the centres of the intervals in which samples lie.
+    /// States at the centres of the intervals in which samples lie.
     samples: Box<Centres>,
     starts: Box<SubstepStarts>,
-    /// The lanes that have a motion, those of them that report, and those that look for maxima.
+    /// Lanes that have a motion.
     active: LaneSet,
+    /// Lanes whose motion reports.
     reporting: LaneSet,
+    /// Lanes whose motion reports maxima.
     finding: LaneSet,
     used: LaneUse,
 }
 
 impl Rounds<'_> {
-    /// A sub-step of all lanes, and of each motion that they leave over at least one alone.
+    /// A sub-step of all lanes; each motion that the lanes cannot move is advanced alone, by one
+    /// sub-step or more.
     #[inline(always)]
     fn round<S: Simd>(&mut self, simd: S) {
         for lane in lanes_of(self.states.due_for_renewal(simd, f64::from(RENEWAL)) & self.active) {
@@ -132,7 +135,7 @@ impl Rounds<'_> {
         }
     }
 
-    /// The lanes of whose next sub-step samples may be taken or maxima be read.
+    /// Lanes in whose next sub-step samples or maxima may lie.
     #[inline(always)]
     fn reading<S: Simd>(&self, simd: S) -> LaneSet {
         let mut sampled = 0;
@@ -142,7 +145,7 @@ impl Rounds<'_> {
         (sampled & self.reporting) | self.finding
     }
 
-    /// Renews the drive's phase of a motion and checks whether it progresses.
+    /// Renews cos θ and sin θ of a motion and checks its limit on work.
     #[inline(never)]
     fn renew(&mut self, lane: usize) {
         let Some(motion) = &mut self.motions[lane] else { return };
@@ -158,8 +161,8 @@ impl Rounds<'_> {
         }
     }
 
-    /// Advances a motion alone and takes it back into its lane, or the next motion where it has
-    /// ended.
+    /// Advances a motion alone and returns it to its lane; if it has ended, the lane takes the next
+    /// motion.
     #[inline(always)]
     fn hand_over<S: Simd>(&mut self, simd: S, lane: usize, touched: Option<f64>) {
         let Some(motion) = &mut self.motions[lane] else { return };
@@ -175,8 +178,8 @@ impl Rounds<'_> {
         }
     }
 
-    /// Loads a lane with the next motion of the queue that can be advanced in lanes; those before
-    /// it are advanced alone. Without a next one the lane stays empty.
+    /// Loads a lane with the next motion of the queue that lanes can advance; the motions before it
+    /// are advanced alone to their ends. The lane stays empty if there is none.
     #[inline(never)]
     fn take_next(&mut self, lane: usize, mut ended: Option<Result<()>>) {
         let bit: LaneSet = 1 << lane;
@@ -195,8 +198,7 @@ impl Rounds<'_> {
                 }
             };
             if simulator.loaded() {
-                // The lanes know no loads, so that this motion never suits them: it comes back
-                // ended.
+                // Lanes have no loads, so this motion is advanced alone to its end.
                 ended = advance_loaded(&mut motion, simulator, (&mut *self.work.queue, lane));
                 continue;
             }
@@ -215,8 +217,7 @@ impl Rounds<'_> {
     }
 }
 
-/// [`Rounds::report`] as a function of its own, so that its code takes no registers from the lanes'
-/// loop.
+/// [`Rounds::report`], not inlined so that it takes no registers from the lanes' loop.
 #[inline(never)]
 fn report_apart<S: Simd>(simd: S, rounds: &mut Rounds<'_>, done: &Progress) -> LaneSet {
     struct Report<'a, 'w>(&'a mut Rounds<'w>, &'a Progress);
@@ -231,10 +232,10 @@ fn report_apart<S: Simd>(simd: S, rounds: &mut Rounds<'_>, done: &Progress) -> L
     simd.vectorize(Report(rounds, done))
 }
 
-/// A set of lanes, the first lane's bit the lowest.
+/// Set of lanes, the first lane's bit the lowest.
 type LaneSet = u64;
 
-/// The lanes of a set, in order.
+/// Lanes of a set, in order.
 #[inline(always)]
 fn lanes_of(mut set: LaneSet) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -244,8 +245,7 @@ fn lanes_of(mut set: LaneSet) -> impl Iterator<Item = usize> {
     })
 }
 
-/// [`LaneMotion::advance_alone`] as a function of its own, so that its code takes no registers from
-/// the lanes' loop.
+/// [`LaneMotion::advance_alone`], not inlined so that it takes no registers from the lanes' loop.
 #[inline(never)]
 fn advance_alone<'q, S: Simd>(
     simd: S,
@@ -272,7 +272,8 @@ fn advance_alone<'q, S: Simd>(
     simd.vectorize(Alone(motion, simulator, report_to, touched))
 }
 
-/// The same under loads, to the motion's end: by the code that is compiled once for all machines.
+/// Advances a motion under loads to its end, by the code that is compiled once for all instruction
+/// sets.
 #[inline(never)]
 fn advance_loaded(
     motion: &mut LaneMotion,
@@ -282,8 +283,7 @@ fn advance_loaded(
     motion.advance_alone::<_, 1>(pulp::Scalar, simulator, report_to, None)
 }
 
-/// An observer that keeps the events of one law: an impact or a release, and that the block comes
-/// to rest.
+/// Observer that keeps the events of one law: an impact or a release, and the rest that may follow.
 #[inline(always)]
 fn keep_in(events: &mut [Option<Event>; 2]) -> impl FnMut(&Event) {
     |event| {
@@ -293,8 +293,8 @@ fn keep_in(events: &mut [Option<Event>; 2]) -> impl FnMut(&Event) {
 }
 
 impl LaneMotion {
-    /// Begins a motion, with the law of an event that is due. One that cannot be advanced in lanes
-    /// is advanced to its end, and there is nothing to begin.
+    /// Begins a motion, applying the law of an event that is due. A motion that can neither be
+    /// advanced in lanes nor has reports is advanced to its end: `None`.
     fn begin(
         simulator: &mut Simulator,
         plan: &Plan,
@@ -307,11 +307,11 @@ impl LaneMotion {
         if let Some(reporter) = &mut reporter
             && simulator.due_event().is_some()
         {
-            let from = Piece::from(simulator, &simulator.begin_advance());
+            let from = SubstepOrigin::from(simulator, &simulator.begin_advance());
             let mut events = [None; 2];
             simulator.apply_due_event(Some(&mut keep_in(&mut events)));
             let after = simulator.augmented();
-            // No sample is due yet, which alone could end the motion.
+            // Only a sample could end the motion, and none is due yet.
             let _ = reporter.report_alone(simulator, &from, &after, events, report_to);
         }
         let alone = simulator.keeps_energy_accounts || (simulator.loaded() && reporter.is_none());
@@ -322,9 +322,9 @@ impl LaneMotion {
         Ok(Some(Self { advance: simulator.begin_advance(), end, reporter }))
     }
 
-    /// Advances this motion by the code for a single one until its next sub-step suits the lanes;
-    /// returns how the advance has ended if it is over. Where the lanes have brought the block to
-    /// the stop `touched` without applying the law of the impact, it begins with that law.
+    /// Advances this motion by the code for a single motion until its next sub-step suits the
+    /// lanes; returns how the motion has ended if it is over. If the lanes have brought the block
+    /// to the stop `touched`, the law of that impact is applied first.
     #[inline(always)]
     fn advance_alone<S: Simd, const LOADS: usize>(
         &mut self,
@@ -334,11 +334,11 @@ impl LaneMotion {
         touched: Option<f64>,
     ) -> Option<Result<()>> {
         let Self { advance, end, reporter } = self;
-        // The lanes renew cos θ and sin θ less often than the code for a single motion does.
+        // Lanes renew cos θ and sin θ less often than the code for a single motion.
         advance.since_renewal = advance.since_renewal.min(RENEW);
         let mut law_is_due = touched.is_some();
         loop {
-            let from = Piece::from(simulator, advance);
+            let from = SubstepOrigin::from(simulator, advance);
             let mut events = [None; 2];
             let going = {
                 let mut keep = keep_in(&mut events);
@@ -373,9 +373,9 @@ impl LaneMotion {
 }
 
 impl Simulator {
-    /// Whether the next sub-step is likely to be one for the lanes: free flight without loads from
-    /// inside or just off a stop, with a whole sub-step and an interval to go before `end`. The
-    /// lanes prove what they need themselves; this only decides who tries first.
+    /// Whether lanes can probably compute the next sub-step: free flight without loads from inside
+    /// or just off a stop, with a whole sub-step and an interval to go before `end`. This decides
+    /// only which code tries first: the lanes prove what they need.
     #[inline(always)]
     fn suits_lanes(&self, z: &Augmented, end: DoubleDouble) -> bool {
         self.hybrid.contact == Contact::Flight

@@ -1,4 +1,5 @@
-//! Many independent motions in one call, side by side in the machine's vectors where that pays.
+//! Many independent motions in one call, side by side in the machine's vectors where that is
+//! faster.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -13,8 +14,8 @@
 //! | `lanes/maxima.rs` | local maxima of a displacement |
 //! | `vectors.rs` | vectors with operators |
 //!
-//! docs/numerics.md, "Many motions side by side", says why each part is right, docs/guarantees.md
-//! what its bits agree with.
+//! Why each part is right is in docs/numerics.md, "Many motions side by side"; which results are
+//! bit-identical is in docs/guarantees.md.
 
 mod lanes;
 mod queue;
@@ -26,39 +27,40 @@ use self::lanes::Lanes;
 use super::Simulator;
 use crate::error::Result;
 
-/// The number of lanes: so many motions are under way at a time on one thread.
+/// Number of lanes: motions under way at a time on one thread.
 pub const TOGETHER: usize = vectors::ROW;
 
-/// Advances the motions of a queue until it has no more. A lane whose motion has ended takes the
-/// next one. Nothing is allocated for a motion. A motion and its reports depend neither on the
-/// other motions nor on their order or number.
+/// Advances the motions of a queue until the queue is empty. A lane whose motion has ended takes
+/// the next one, without allocation. A motion and its reports depend neither on the other motions
+/// nor on their order or number.
 ///
 /// Motions that keep their energy accounts or are under loads are advanced one by one. Reports
-/// switch the accounts off. They are made under the constant loads of the parameters too; under
-/// other loads they are refused, in `next`, with [`Error::OutOfRange`](crate::Error::OutOfRange).
+/// switch the accounts off. Reports under loads other than the constant ones of the parameters are
+/// refused with [`Error::OutOfRange`](crate::Error::OutOfRange), which `next` receives.
 ///
 /// # Panics
-/// Where a plan names a simulator that does not exist.
+/// If a plan names a simulator that does not exist.
 pub fn advance_queue(simulators: &mut [Simulator], queue: &mut dyn MotionQueue) -> LaneUse {
     advance_queue_by(Way::Together, simulators, queue)
 }
 
-/// The ways to advance a queue, for comparisons of results and speed.
+/// Ways to advance a queue, for comparisons of results and speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Way {
     /// Side by side in the widest vectors of the machine, as [`advance_queue`] does.
     #[default]
     Together,
-    /// By the code for a single motion: one motion after another, all in lane 0. It is what
+    /// One motion after another by the code for a single motion, all in lane 0, as
     /// [`advance_queue`] does on machines without wide vectors.
     OneByOne,
-    /// [`Together`](Self::Together) in the vectors of AVX2 on a machine that has wider ones.
+    /// [`Together`](Self::Together) in vectors of AVX2, on a machine that has wider ones.
     TogetherAvx2,
     /// [`OneByOne`](Self::OneByOne) with AVX2.
     OneByOneAvx2,
 }
 
-/// [`advance_queue`] in a given way. Where the machine has no AVX2, it is left out.
+/// [`advance_queue`] in a given way. On a machine without AVX2 the ways with AVX2 use what there
+/// is.
 ///
 /// # Panics
 /// As [`advance_queue`].
@@ -75,21 +77,22 @@ pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn 
 /// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does. The results are in
 /// the simulators' order; an error of one motion does not touch the others.
 ///
-/// On machines with AVX2 or AVX-512 the motions lie side by side in the vectors. One or two take
-/// longer than by `advance_to`; from some three on all together take less time than one after
-/// another, and eight or more less than half, unless rest takes up much of the motions. Those that
-/// keep their energy accounts or are under loads are advanced one by one.
+/// On machines with AVX2 or AVX-512 the motions lie side by side in the vectors. One or two motions
+/// take longer than by `advance_to`, about three or more take less time than one after another, and
+/// eight or more less than half, unless the motions rest for much of their time. Motions that keep
+/// their energy accounts or are under loads are advanced one by one.
 ///
-/// A motion ends as accurately as by `advance_to`, with its impacts proved in the same way, but not
-/// on the same bits: the arithmetic is ordered otherwise, and differences in the last digits grow
-/// as all differences do in a motion with impacts. The result depends neither on the other motions
+/// A motion ends as accurately as by `advance_to`, with its impacts proved likewise, but not
+/// bit-identically: the arithmetic has another order, and differences in the last digits grow as
+/// any difference does in a motion with impacts. The result depends neither on the other motions
 /// nor on their order or number.
 ///
 /// ```
 /// use vibro_impact::simulator::advance_together;
 /// use vibro_impact::{Parameters, Simulator, State};
 ///
-/// let first = Simulator::new(&Parameters::default(), &State::default(), 0.0)?.without_energy_accounts();
+/// let first = Simulator::new(&Parameters::default(), &State::default(), 0.0)?;
+/// let first = first.without_energy_accounts();
 /// let start = |x2: f64| first.with_state(&State { x: [0.0, x2, 0.0], v: [0.0; 3] }, 0.0);
 /// let mut motions = [-0.5, 0.0, 0.5, 0.9].map(|x2| start(x2).expect("inside the box"));
 /// for result in advance_together(&mut motions, |_| 100.0) {
@@ -99,7 +102,7 @@ pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn 
 /// # Ok::<(), vibro_impact::Error>(())
 /// ```
 pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -> f64) -> Vec<Result<()>> {
-    /// Each simulator once, in order.
+    /// Queue of each simulator once, in order.
     struct Each<F> {
         end: F,
         next: usize,

@@ -1,40 +1,39 @@
-//! Numbers of several motions side by side in one of the machine's vectors, with the usual
-//! operators. Each lane of a result is computed from the same lane of the operands alone, so a
-//! motion's numbers never depend on its neighbours'.
+//! Vectors of numbers of several motions, with the usual operators. Each lane of a result depends
+//! on that lane of the operands alone, so a motion's numbers never depend on its neighbours'.
 
 use pulp::{Simd, bytemuck};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// Motions side by side in memory: a whole number of vectors on every machine, two with AVX-512 and
-/// four with AVX2.
+/// Number of motions side by side in memory: a whole number of vectors on every machine, two with
+/// AVX-512 and four with AVX2.
 pub(crate) const ROW: usize = 16;
 
-/// One number of each motion in memory, aligned to a cache line.
+/// One number of each motion, in memory, aligned to a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(crate) struct Row(pub(crate) [f64; ROW]);
+pub(crate) struct LaneRow(pub(crate) [f64; ROW]);
 
-impl Row {
+impl LaneRow {
     pub(crate) const ZERO: Self = Self([0.0; ROW]);
 
-    /// How many vectors a row has.
+    /// Number of vectors in a row.
     #[inline(always)]
     pub(crate) fn vectors<S: Simd>() -> usize {
         ROW / S::F64_LANES
     }
 }
 
-/// A vector: one number of each of some neighbouring motions.
+/// Vector of one number of each of some neighbouring motions.
 #[derive(Clone, Copy)]
 pub(crate) struct Wide<S: Simd> {
     simd: S,
     x: S::f64s,
 }
 
-/// A bit for each lane of a vector, the first lane's the lowest.
+/// Bit of each lane of a vector, the first lane's the lowest.
 const LANE_BITS: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
 
-/// A truth value in each lane of a vector.
+/// Vector of truth values.
 #[derive(Clone, Copy)]
 pub(crate) struct Mask<S: Simd> {
     simd: S,
@@ -50,13 +49,13 @@ impl<S: Simd> Wide<S> {
 
     /// Vector `v` of a row.
     #[inline(always)]
-    pub(crate) fn load(simd: S, row: &Row, v: usize) -> Self {
+    pub(crate) fn load(simd: S, row: &LaneRow, v: usize) -> Self {
         Self { simd, x: S::as_simd_f64s(&row.0).0[v] }
     }
 
     /// Vector `v` of each row.
     #[inline(always)]
-    pub(crate) fn load_each<const N: usize>(simd: S, rows: &[Row; N], v: usize) -> [Self; N] {
+    pub(crate) fn load_each<const N: usize>(simd: S, rows: &[LaneRow; N], v: usize) -> [Self; N] {
         let mut all = [Self::splat(simd, 0.0); N];
         for (one, row) in all.iter_mut().zip(rows) {
             *one = Self::load(simd, row, v);
@@ -64,9 +63,8 @@ impl<S: Simd> Wide<S> {
         all
     }
 
-    /// The first, second, third and fourth of four numbers each of as many motions as a vector has
-    /// lanes. Which lane a motion comes to is the same for all four and depends on the instruction
-    /// set.
+    /// Transposes four numbers of each of as many motions as a vector has lanes into four vectors.
+    /// The lane of a motion is the same in all four and depends on the instruction set.
     #[inline(always)]
     pub(crate) fn transposed(simd: S, motions: &[[f64; 4]]) -> [Self; 4] {
         let mut vectors = [simd.splat_f64s(0.0); 4];
@@ -76,10 +74,9 @@ impl<S: Simd> Wide<S> {
         [Self { simd, x: a }, Self { simd, x: b }, Self { simd, x: c }, Self { simd, x: d }]
     }
 
-    /// Σ_j rows[j] x_j from vector `v` of each row, each product but the first added with one
-    /// rounding.
+    /// Σ_j rows[j] x_j from vector `v` of each row, by fused multiply-adds after the first product.
     #[inline(always)]
-    pub(crate) fn dot<const N: usize>(simd: S, rows: &[Row; N], v: usize, x: &[Self; N]) -> Self {
+    pub(crate) fn dot<const N: usize>(simd: S, rows: &[LaneRow; N], v: usize, x: &[Self; N]) -> Self {
         let mut sum = Self::load(simd, &rows[0], v) * x[0];
         for (row, x) in rows.iter().zip(x).skip(1) {
             sum = Self::load(simd, row, v).mul_add(*x, sum);
@@ -89,7 +86,7 @@ impl<S: Simd> Wide<S> {
 
     /// Writes vector `v` of a row.
     #[inline(always)]
-    pub(crate) fn store(self, row: &mut Row, v: usize) {
+    pub(crate) fn store(self, row: &mut LaneRow, v: usize) {
         S::as_mut_simd_f64s(&mut row.0).0[v] = self.x;
     }
 
@@ -121,13 +118,13 @@ impl<S: Simd> Wide<S> {
         Self { x: self.simd.max_f64s(self.x, b.x), ..self }
     }
 
-    /// Where this is less than `b`; false for NaN.
+    /// `self < b` lane by lane; false for NaN.
     #[inline(always)]
     pub(crate) fn less_than(self, b: Self) -> Mask<S> {
         Mask { simd: self.simd, m: self.simd.less_than_f64s(self.x, b.x) }
     }
 
-    /// Where this is at most `b`; false for NaN.
+    /// `self ≤ b` lane by lane; false for NaN.
     #[inline(always)]
     pub(crate) fn at_most(self, b: Self) -> Mask<S> {
         Mask { simd: self.simd, m: self.simd.less_than_or_equal_f64s(self.x, b.x) }
@@ -162,20 +159,20 @@ impl<S: Simd> Neg for Wide<S> {
 }
 
 impl<S: Simd> Mask<S> {
-    /// From a bit for each lane, the first lane's the lowest.
+    /// Mask from a bit for each lane, the first lane's the lowest.
     #[inline(always)]
     pub(crate) fn from_bits(simd: S, bits: u64) -> Self {
         let lanes = S::as_simd_u64s(&LANE_BITS).0[0];
         Self { simd, m: simd.equal_u64s(simd.and_u64s(simd.splat_u64s(bits), lanes), lanes) }
     }
 
-    /// `yes` in the lanes that hold true and `no` in the others.
+    /// `yes` in the lanes that are true and `no` in the others.
     #[inline(always)]
     pub(crate) fn select(self, yes: Wide<S>, no: Wide<S>) -> Wide<S> {
         Wide { simd: self.simd, x: self.simd.select_f64s(self.m, yes.x, no.x) }
     }
 
-    /// A bit for each lane that holds true, the first lane's the lowest.
+    /// Bit of each lane that is true, the first lane's the lowest.
     #[inline(always)]
     pub(crate) fn bits(self) -> u64 {
         if size_of::<S::m64s>() == 1 {
@@ -218,9 +215,8 @@ impl<S: Simd> Not for Mask<S> {
     }
 }
 
-/// Sums in extended precision, lane by lane. The formulas are those of [`DoubleDouble::plus`],
-/// written again because the two compute on different types; `second_method_sums_are_double_double`
-/// holds them to the same bits.
+/// Vector of sums in extended precision, by the formulas of [`DoubleDouble::plus`] on vectors;
+/// `second_method_sums_are_double_double` checks that both are bit-identical.
 ///
 /// [`DoubleDouble::plus`]: crate::numerics::double_double::DoubleDouble::plus
 #[derive(Clone, Copy)]
@@ -230,20 +226,20 @@ pub(crate) struct WideDoubleDouble<S: Simd> {
 }
 
 impl<S: Simd> WideDoubleDouble<S> {
-    /// From the leading and trailing parts in vector `v` of two rows.
+    /// Vector `v` of two rows, which hold the leading and trailing parts.
     #[inline(always)]
-    pub(crate) fn load(simd: S, [hi, lo]: &[Row; 2], v: usize) -> Self {
+    pub(crate) fn load(simd: S, [hi, lo]: &[LaneRow; 2], v: usize) -> Self {
         Self { hi: Wide::load(simd, hi, v), lo: Wide::load(simd, lo, v) }
     }
 
-    /// Writes vector `v` of two rows in the lanes of `chosen`; the others keep what `before` holds.
+    /// Writes vector `v` of two rows: this in the lanes `chosen`, `before` in the others.
     #[inline(always)]
-    pub(crate) fn store_where(self, chosen: Mask<S>, before: Self, [hi, lo]: &mut [Row; 2], v: usize) {
+    pub(crate) fn store_where(self, chosen: Mask<S>, before: Self, [hi, lo]: &mut [LaneRow; 2], v: usize) {
         chosen.select(self.hi, before.hi).store(hi, v);
         chosen.select(self.lo, before.lo).store(lo, v);
     }
 
-    /// The sum with a vector of doubles.
+    /// Sum with a vector of doubles.
     #[inline(always)]
     pub(crate) fn plus(self, b: Wide<S>) -> Self {
         let sum = self.hi + b;
@@ -260,7 +256,7 @@ mod tests {
     use crate::numerics::double_double::DoubleDouble;
     use proptest::prelude::*;
 
-    /// Sums of the terms of each lane from the same start.
+    /// Sums of the terms of each lane, all from one start.
     struct Sums<'a>(f64, &'a [[f64; ROW]]);
 
     impl pulp::WithSimd for Sums<'_> {
@@ -268,12 +264,12 @@ mod tests {
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let mut parts = [Row([self.0; ROW]), Row::ZERO];
-            for v in 0..Row::vectors::<S>() {
+            let mut parts = [LaneRow([self.0; ROW]), LaneRow::ZERO];
+            for v in 0..LaneRow::vectors::<S>() {
                 for terms in self.1 {
                     let sum = WideDoubleDouble::load(simd, &parts, v);
                     let all = Mask::from_bits(simd, u64::MAX);
-                    let more = sum.plus(Wide::load(simd, &Row(*terms), v));
+                    let more = sum.plus(Wide::load(simd, &LaneRow(*terms), v));
                     more.store_where(all, sum, &mut parts, v);
                 }
             }

@@ -1,5 +1,4 @@
-//! The three quadratics as families: their roots, their test functions and the names of their
-//! bifurcations.
+//! The three kinds of steady states as families: roots, test functions and bifurcations.
 
 use super::super::exact_orbit::{ExactOrbit, OrbitFamily};
 use super::super::multiple_scales::{FixedPoint, MultipleScales};
@@ -9,21 +8,24 @@ use super::Family;
 use crate::error::Result;
 use nalgebra::Complex;
 
-/// Distance from the unit circle, or relatively from the imaginary axis, within which a located
-/// pair counts as on it. A location is good to 1e-12, and multipliers near a double one move with
-/// the square root of the parameter, so by 1e-6.
+/// Distance from the unit circle, or relative distance from the imaginary axis, within which a
+/// located pair counts as on it. A location is accurate to 1e-12, and multipliers near a double one
+/// move with the square root of the parameter, so by 1e-6.
 const ON_CIRCLE: f64 = 1e-5;
 
 /// t_SB of docs/theory.md (81), Π(1+μ) over the half-cycle multipliers: zero where the symmetry
 /// breaks.
-fn breaking(multipliers: &[Complex<f64>]) -> f64 {
+fn symmetry_breaking_test(multipliers: &[Complex<f64>]) -> f64 {
     multipliers.iter().map(|m| m + 1.0).product::<Complex<f64>>().re
 }
 
-/// The real part of the product of `factor` over all pairs: with 1-μᵢμⱼ it is t_NS of
-/// docs/theory.md (81), zero where a complex pair is on the unit circle; with λᵢ+λⱼ it is zero
-/// where a complex pair of eigenvalues is on the imaginary axis.
-fn pairs(values: &[Complex<f64>], factor: impl Fn(Complex<f64>, Complex<f64>) -> Complex<f64>) -> f64 {
+/// Real part of the product of `factor` over all pairs. With 1-μᵢμⱼ it is t_NS of docs/theory.md
+/// (81), zero where a complex pair is on the unit circle; with λᵢ+λⱼ it is zero where a complex
+/// pair of eigenvalues is on the imaginary axis.
+fn product_over_pairs(
+    values: &[Complex<f64>],
+    factor: impl Fn(Complex<f64>, Complex<f64>) -> Complex<f64>,
+) -> f64 {
     let mut product = Complex::new(1.0, 0.0);
     for (i, &a) in values.iter().enumerate() {
         for &b in &values[i + 1..] {
@@ -33,16 +35,16 @@ fn pairs(values: &[Complex<f64>], factor: impl Fn(Complex<f64>, Complex<f64>) ->
     product.re
 }
 
-/// The complex multiplier nearest the unit circle, if it is on it.
+/// Bifurcation of the complex multiplier nearest the unit circle, if it is on the circle.
 fn complex_on_circle(multipliers: &[Complex<f64>]) -> Option<Bifurcation> {
     let complex = multipliers.iter().filter(|m| m.im != 0.0);
     let nearest = complex.min_by(|a, b| (a.norm() - 1.0).abs().total_cmp(&(b.norm() - 1.0).abs()))?;
     ((nearest.norm() - 1.0).abs() < ON_CIRCLE).then(|| Bifurcation::of(*nearest))
 }
 
-/// Whether a multiplier is the target, 1 or -1; near a double one it moves with the square root of
-/// the parameter.
-fn near(multipliers: &[Complex<f64>], target: f64) -> bool {
+/// Whether a multiplier is at `target`, 1 or -1, within the square root of [`ON_CIRCLE`], since
+/// near a double multiplier it moves with the square root of the parameter.
+fn has_multiplier_at(multipliers: &[Complex<f64>], target: f64) -> bool {
     multipliers.iter().any(|m| (m - target).norm() < ON_CIRCLE.sqrt())
 }
 
@@ -69,16 +71,16 @@ impl Family for OrbitFamily {
         solution.is_clear()
     }
 
-    /// A multiplier 1 occurs at the fold alone, so it needs no test.
+    /// A multiplier 1 occurs only at the fold and needs no test.
     fn tests(solution: &ExactOrbit) -> [f64; 3] {
         let m = solution.multipliers();
-        [breaking(&m), pairs(&m, |a, b| 1.0 - a * b), 1.0]
+        [symmetry_breaking_test(&m), product_over_pairs(&m, |a, b| 1.0 - a * b), 1.0]
     }
 
     fn confirm(solution: &ExactOrbit, index: usize) -> Option<Bifurcation> {
         let m = solution.multipliers();
         match index {
-            0 => near(&m, -1.0).then_some(Bifurcation::SymmetryBreaking),
+            0 => has_multiplier_at(&m, -1.0).then_some(Bifurcation::SymmetryBreaking),
             _ => complex_on_circle(&m),
         }
     }
@@ -88,10 +90,10 @@ impl Family for OrbitFamily {
 /// eigenvalues.
 fn slow_tests(multipliers: &[Complex<f64>; 2], eigenvalues: &[Complex<f64>; 4]) -> [f64; 3] {
     let saddle: Complex<f64> = multipliers.iter().map(|m| 1.0 - m).product();
-    [breaking(multipliers), saddle.re, pairs(eigenvalues, |a, b| a + b)]
+    [symmetry_breaking_test(multipliers), saddle.re, product_over_pairs(eigenvalues, |a, b| a + b)]
 }
 
-/// The bifurcation at a zero of one of [`slow_tests`].
+/// Bifurcation at a zero of one of [`slow_tests`].
 fn slow_confirm(
     multipliers: &[Complex<f64>; 2],
     eigenvalues: &[Complex<f64>; 4],
@@ -99,8 +101,8 @@ fn slow_confirm(
 ) -> Option<Bifurcation> {
     let on_axis = |e: &Complex<f64>| e.im != 0.0 && e.re.abs() < ON_CIRCLE * e.norm();
     match index {
-        0 => near(multipliers, -1.0).then_some(Bifurcation::SymmetryBreaking),
-        1 => near(multipliers, 1.0).then_some(Bifurcation::SaddleNode),
+        0 => has_multiplier_at(multipliers, -1.0).then_some(Bifurcation::SymmetryBreaking),
+        1 => has_multiplier_at(multipliers, 1.0).then_some(Bifurcation::SaddleNode),
         _ => eigenvalues.iter().any(on_axis).then_some(Bifurcation::NeimarkSacker),
     }
 }
@@ -138,9 +140,9 @@ impl Family for MultipleScales {
 }
 
 impl StrongCoupling {
-    /// A sheet's solution with its C, signed so that it is positive where the block moves into the
-    /// stop it meets (νC > 0). The sheets are ordered by that signed C, so that they do not change
-    /// places where ν changes its sign.
+    /// Solution of a sheet, and its C with the sign by which it is positive if the block moves into
+    /// the stop it meets (νC > 0). The sheets are ordered by that signed C, so that they are not
+    /// exchanged where ν changes its sign.
     fn inward(&self, sheet: Sheet) -> Result<Option<(f64, StrongPoint)>> {
         let sign = if self.nu() < 0.0 { -1.0 } else { 1.0 };
         let order = |r: Roots<StrongPoint>| {

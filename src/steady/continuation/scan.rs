@@ -1,5 +1,5 @@
-//! The scan along the parameter: intervals with real roots, nodes, special points, and the joining
-//! of sheets.
+//! Scan along the parameter: intervals with real roots, nodes, special points, and the joining of
+//! sheets.
 
 use super::super::Sheet;
 use super::{BranchPoint, Curve, Family, LOCATION, Special};
@@ -7,10 +7,10 @@ use crate::error::Result;
 use crate::numerics::roots::brent;
 use std::cell::Cell;
 
-/// Golden-section steps that find a hidden extremum of the discriminant between three nodes.
+/// Most golden-section steps to a hidden extremum of the discriminant between three nodes.
 const GOLDEN_STEPS: usize = 40;
 
-/// An interval of the parameter with real roots; an end is a fold or the range's end.
+/// Interval of the parameter with real roots; each end is a fold or an end of the range.
 pub struct Interval {
     from: f64,
     to: f64,
@@ -18,29 +18,34 @@ pub struct Interval {
     fold_to: bool,
 }
 
-/// A connected piece of one sheet, and once joined of a curve, its points in order.
-pub type Run<P> = Vec<BranchPoint<P>>;
+/// Points in order of a connected piece of one sheet or, once joined, of a curve.
+pub type SheetRun<P> = Vec<BranchPoint<P>>;
 
-/// A family over its parameter and the number of nodes per interval.
+/// Family over its parameter, with the number of nodes per interval.
 pub struct Scan<M> {
     family: M,
     nodes: usize,
 }
 
-/// Width of the interval in which a special point is enclosed before its location counts as found.
+/// Width of the interval about a special point at which its search ends.
 fn width(value: f64) -> f64 {
     0.1 * LOCATION * value.abs().max(1.0)
 }
 
 impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
-    /// A scan of the family that `family` gives at each value of the parameter.
+    /// Scan of `family`, which gives the family at each value of the parameter.
     pub fn new(family: M, nodes: usize) -> Self {
         Self { family, nodes }
     }
 
-    /// By bisection, the last value on the way from `inside`, where the condition holds, to
-    /// `outside`, where it does not.
-    fn edge(&self, mut inside: f64, mut outside: f64, holds: impl Fn(&F) -> Result<bool>) -> Result<f64> {
+    /// Last value, by bisection, at which a condition holds on the way from `inside`, where it
+    /// holds, to `outside`, where it does not.
+    fn last_value_inside(
+        &self,
+        mut inside: f64,
+        mut outside: f64,
+        holds: impl Fn(&F) -> Result<bool>,
+    ) -> Result<f64> {
         while (outside - inside).abs() > width(inside) {
             let middle = 0.5 * (inside + outside);
             if middle == inside || middle == outside {
@@ -51,7 +56,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(inside)
     }
 
-    /// The intervals of the range in which the quadratic has real roots.
+    /// Intervals of the range in which the quadratic has real roots.
     pub fn intervals(&self, from: f64, to: f64) -> Result<Vec<Interval>> {
         let n = self.nodes;
         let discriminant = |v: f64| (self.family)(v).map(|f| f.discriminant());
@@ -66,7 +71,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             let sign = if w[1].1 < 0.0 { -1.0 } else { 1.0 };
             let [a, b, c] = [w[0].1, w[1].1, w[2].1].map(|d| sign * d);
             if b <= a && b <= c && a >= 0.0 && c >= 0.0 {
-                let v = self.least(w[0].0, w[2].0, sign)?;
+                let v = self.least_discriminant(w[0].0, w[2].0, sign)?;
                 let d = discriminant(v)?;
                 if sign * d < 0.0 {
                     hidden.push((v, d));
@@ -81,11 +86,11 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             let real = |f: &F| Ok(f.discriminant() >= 0.0);
             match (w[0].1 >= 0.0, w[1].1 >= 0.0, start) {
                 (true, false, Some((from, fold_from))) => {
-                    let to = self.edge(w[0].0, w[1].0, real)?;
+                    let to = self.last_value_inside(w[0].0, w[1].0, real)?;
                     intervals.push(Interval { from, to, fold_from, fold_to: true });
                     start = None;
                 }
-                (false, true, _) => start = Some((self.edge(w[1].0, w[0].0, real)?, true)),
+                (false, true, _) => start = Some((self.last_value_inside(w[1].0, w[0].0, real)?, true)),
                 _ => {}
             }
         }
@@ -95,9 +100,9 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(intervals)
     }
 
-    /// Where sign × discriminant is least in [a, b], by golden section; stops at the first value
-    /// below zero.
-    fn least(&self, mut a: f64, mut b: f64, sign: f64) -> Result<f64> {
+    /// Value in [a, b] at which sign × discriminant is least, by golden section; ends at the first
+    /// negative value.
+    fn least_discriminant(&self, mut a: f64, mut b: f64, sign: f64) -> Result<f64> {
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let value = |v: f64| (self.family)(v).map(|f| sign * f.discriminant());
         let (mut low, mut high) = (b - golden * (b - a), a + golden * (b - a));
@@ -119,7 +124,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(if at_low < at_high { low } else { high })
     }
 
-    /// The point of a sheet at a value of the parameter; `None` where the root is not positive.
+    /// Point of a sheet at a value of the parameter; `None` if the root is not positive.
     fn point(
         &self,
         value: f64,
@@ -136,12 +141,12 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         }))
     }
 
-    /// One sheet over an interval by increasing parameter: runs of steady states, broken where the
-    /// root is not positive.
-    pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<Run<F::Solution>>> {
+    /// Runs of steady states on one sheet over an interval, by increasing parameter; they are
+    /// broken where the root is not positive.
+    pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<SheetRun<F::Solution>>> {
         let root = |f: &F| f.root(sheet).unwrap_or(f64::NAN) > 0.0;
         let (half, n) = (0.5 * (interval.to - interval.from), self.nodes);
-        let mut runs: Vec<Run<F::Solution>> = Vec::new();
+        let mut runs: Vec<SheetRun<F::Solution>> = Vec::new();
         let mut before: Option<(f64, bool)> = None;
         for i in 0..=n {
             let value = match i {
@@ -159,7 +164,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             let exists = point.is_some();
             if let Some((last, existed)) = before.filter(|b| b.1 != exists) {
                 let (inside, outside) = if existed { (last, value) } else { (value, last) };
-                let edge = self.edge(inside, outside, |f| Ok(root(f)))?;
+                let edge = self.last_value_inside(inside, outside, |f| Ok(root(f)))?;
                 let end = self.point(edge, sheet, Some(Special::Vanishing))?;
                 match (end, existed) {
                     (Some(end), true) => self.extend(&mut runs, end)?,
@@ -178,16 +183,15 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(runs)
     }
 
-    /// Appends a point to the last run, with the special points between it and the run's last one.
-    fn extend(&self, runs: &mut [Run<F::Solution>], next: BranchPoint<F::Solution>) -> Result<()> {
+    /// Appends a point to the last run, after the special points between it and the run's last one.
+    fn extend(&self, runs: &mut [SheetRun<F::Solution>], next: BranchPoint<F::Solution>) -> Result<()> {
         let Some(run) = runs.last_mut() else { return Ok(()) };
         let Some(&last) = run.last() else {
             run.push(next);
             return Ok(());
         };
         if next.value <= last.value {
-            // The edge of the sheet coincides with its node: of the two points the special one
-            // stays.
+            // The edge of the sheet coincides with a node: the special point of the two is kept.
             if last.special.is_none() {
                 run.pop();
                 run.push(next);
@@ -202,7 +206,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(())
     }
 
-    /// The bifurcations between two neighbours on a sheet, where a test function changes its sign.
+    /// Bifurcations between two neighbours on a sheet, where a test function changes its sign.
     fn bifurcations(
         &self,
         last: &BranchPoint<F::Solution>,
@@ -237,8 +241,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(found)
     }
 
-    /// The point between two neighbours on a sheet at which the block begins to touch a stop
-    /// between its impacts, if there is one.
+    /// Point between two neighbours on a sheet at which the block begins to touch a stop between
+    /// its impacts, if there is one.
     fn grazing(
         &self,
         last: &BranchPoint<F::Solution>,
@@ -250,20 +254,21 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         }
         let clear = |f: &F| Ok(f.solution(next.sheet)?.is_some_and(|s| F::is_clear(&s)));
         let (inside, outside) = if was_clear { (last.value, next.value) } else { (next.value, last.value) };
-        let edge = self.edge(inside, outside, clear)?;
+        let edge = self.last_value_inside(inside, outside, clear)?;
         self.point(edge, next.sheet, Some(Special::Grazing))
     }
 
-    /// Joins runs end to end at their folds: those of the upper sheet by increasing, of the lower
-    /// by decreasing parameter.
-    pub fn join(&self, mut runs: Vec<Run<F::Solution>>) -> Result<Vec<Curve<F::Solution>>> {
+    /// Joins runs end to end at their folds. Runs of the upper sheet are given by increasing, those
+    /// of the lower by decreasing parameter.
+    pub fn join(&self, mut runs: Vec<SheetRun<F::Solution>>) -> Result<Vec<Curve<F::Solution>>> {
         let fold = |point: Option<&BranchPoint<F::Solution>>| {
             point.filter(|p| p.special == Some(Special::Fold)).map(|p| p.value)
         };
-        let (first, last) = (|r: &Run<F::Solution>| fold(r.first()), |r: &Run<F::Solution>| fold(r.last()));
+        let (first, last) =
+            (|r: &SheetRun<F::Solution>| fold(r.first()), |r: &SheetRun<F::Solution>| fold(r.last()));
         let mut i = 0;
         while i < runs.len() {
-            let follows = |(j, run): (usize, &Run<F::Solution>)| {
+            let follows = |(j, run): (usize, &SheetRun<F::Solution>)| {
                 j != i && last(&runs[i]).is_some() && first(run) == last(&runs[i])
             };
             let Some(j) = runs.iter().enumerate().position(follows) else {
@@ -275,16 +280,16 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             runs[i].extend(tail.into_iter().skip(1));
         }
         runs.iter_mut().try_for_each(|run| self.mark_stability(run))?;
-        let curve = |points: Run<F::Solution>| {
+        let curve = |points: SheetRun<F::Solution>| {
             let closed = points.len() > 1 && first(&points).is_some() && first(&points) == last(&points);
             Curve { points, closed }
         };
         Ok(runs.into_iter().map(curve).collect())
     }
 
-    /// Gives each special point the stability of the piece that follows, and the last point that of
-    /// the piece before it.
-    fn mark_stability(&self, run: &mut Run<F::Solution>) -> Result<()> {
+    /// Sets the stability of each special point to that of the piece that follows; for the last
+    /// point, of the piece before.
+    fn mark_stability(&self, run: &mut SheetRun<F::Solution>) -> Result<()> {
         for i in 0..run.len() {
             if run[i].special.is_none() {
                 continue;

@@ -1,12 +1,12 @@
-//! Whether an orbit keeps within the stops, to its own rounding.
+//! Proof that an orbit keeps within the stops, up to its own rounding.
 
 use super::super::PENETRATION_ROUNDING;
 use crate::numerics::bernstein::{Polynomial, stays_within};
 
-/// The proof that the block keeps within the stops along the Taylor pieces of an orbit, to 1e-12 L
-/// and the orbit's rounding. From piece to piece that adds up, and next to the resonance of a box
-/// without damper what the force and the impacts do cancels: behind thousands of pieces, or of
-/// gaps, it is more.
+/// Proof that the block keeps within the stops along the Taylor pieces of an orbit, to 1e-12 L and
+/// the orbit's rounding. The rounding grows from piece to piece; and it is large next to the
+/// resonance of a box without damper, where the parts of the motion by the force and by the impacts
+/// are many gaps and cancel.
 pub struct Clearance {
     limit: f64,
     of_pieces: f64,
@@ -14,15 +14,15 @@ pub struct Clearance {
 }
 
 impl Clearance {
-    /// For flights of so many `pieces` from a `contact` that is off its stop by so much (gaps),
-    /// where the force alone would swing the box by `forced` gaps.
+    /// Proof for flights of at most `pieces` Taylor pieces, which start at a distance `contact` off
+    /// their stop, in gaps; `forced` is the box's amplitude under the force alone, in gaps.
     pub fn new(contact: f64, pieces: u32, forced: f64) -> Self {
         let limit = 1.0 + PENETRATION_ROUNDING + contact + 16.0 * f64::EPSILON * forced;
         Self { limit, of_pieces: f64::EPSILON * f64::from(pieces), size: 0.0 }
     }
 
-    /// Whether it is proved for the next piece, in which w (gaps) is a polynomial and the box
-    /// begins at x1 (gaps).
+    /// Whether the proof holds for the next piece, in which `w` (gaps) is a polynomial and the box
+    /// starts at `x1` (gaps).
     pub fn holds(&mut self, w: &Polynomial, x1: f64) -> bool {
         self.size = self.size.max(1.0 + x1.abs());
         let limit = self.limit + self.of_pieces * self.size;

@@ -1,5 +1,5 @@
-//! The flight between impacts in units of L and of the drive's phase (docs/theory.md, section 9):
-//! Taylor pieces, exact to round-off, and the matrices made from them.
+//! Flight between impacts in units of L and of the drive's phase (docs/theory.md, section 9):
+//! Taylor pieces, exact to round-off, and the transition matrices made from them.
 
 use crate::error::{Error, Result};
 use crate::numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, evaluate};
@@ -10,12 +10,12 @@ use std::f64::consts::PI;
 /// A state (x1, x2, x3, v1, v2, v3) in units of L and ω1 L.
 pub type Vector6 = nalgebra::Vector6<f64>;
 
-/// Most Taylor pieces in half a period. It bounds the work, and a mode so much faster than the
-/// drive that it needs more would make the orbit as sensitive.
+/// Most Taylor pieces in half a period. A mode so much faster than the drive that it needs more
+/// would cost too much work and make the orbit too sensitive.
 const MOST_PIECES: u32 = 1 << 16;
 
-/// Largest response, in units of L per unit of impulse or force, that still counts as no resonance:
-/// beyond it the amplitudes cancel to under four digits.
+/// Largest response without resonance, in units of L per unit of impulse or force: beyond it the
+/// amplitudes cancel to under four digits.
 const LARGEST_RESPONSE: f64 = 1e12;
 
 /// 1/((k+1)(k+2)).
@@ -29,9 +29,14 @@ const INVERSE: [f64; DEGREE + 1] = {
     table
 };
 
-/// Coefficients of the flight, docs/theory.md (69): x1'' = -k1 x1 - c1 x1' + F sin θ, x2'' = -k2
-/// (x2-x3), x3'' = -k3 x3 - c3 x3' - k32 (x3-x2), where a prime is a derivative with respect to the
-/// drive's phase θ and lengths are in L.
+/// Coefficients of the flight, docs/theory.md (69), where a prime is a derivative with respect to
+/// the drive's phase θ and lengths are in L:
+///
+/// ```text
+/// x1'' = -k1 x1 - c1 x1' + F sin θ
+/// x2'' = -k2 (x2 - x3)
+/// x3'' = -k3 x3 - c3 x3' - k32 (x3 - x2)
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
     /// κ₁ of docs/theory.md (69).
@@ -52,7 +57,7 @@ pub struct Flight {
     pub epsilon: f64,
     /// Restitution coefficient.
     pub kappa: f64,
-    /// A bound on the rates of the modes and of the drive, in units of ω1.
+    /// Bound on the rates of the modes and of the drive, in units of ω1.
     pub rate: f64,
     /// Taylor pieces in half a period, a power of two.
     pub pieces: u32,
@@ -60,8 +65,8 @@ pub struct Flight {
     pub(super) kick: [f64; 2],
 }
 
-/// The free flight's map exp(A Δ) over a span Δ of the phase, in its two blocks: in flight the box
-/// and the other two bodies do not act on each other.
+/// Transition matrix exp(A Δ) of free flight over a span Δ of the phase, as two blocks: in flight
+/// the box and the other two bodies do not act on each other.
 ///
 /// ```
 /// use vibro_impact::{Parameters, steady::exact_orbit::{Flight, Vector6}};
@@ -74,14 +79,14 @@ pub struct Flight {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Transition {
-    /// The block of the box, on (x1, v1).
+    /// Matrix of the box, on (x1, v1).
     pub one: Matrix2<f64>,
-    /// The block of block and secondary oscillator, on (x2, x3, v2, v3).
+    /// Matrix of block and secondary oscillator, on (x2, x3, v2, v3).
     pub pair: Matrix4<f64>,
 }
 
 impl Transition {
-    /// The state a span later, without the drive.
+    /// State a span later, without the drive.
     #[inline]
     pub fn apply(&self, s: &Vector6) -> Vector6 {
         let one = self.one * Vector2::new(s[0], s[3]);
@@ -90,8 +95,8 @@ impl Transition {
     }
 }
 
-/// The flight over half a period and its periodic answer to alternating unit impulses,
-/// docs/theory.md (72).
+/// Flight over half a period and its periodic response to alternating unit impulses, docs/theory.md
+/// (72).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfPeriod {
     /// M = exp(πA).
@@ -101,11 +106,11 @@ pub(super) struct HalfPeriod {
 }
 
 impl Flight {
-    /// The flight of a parameter set.
+    /// Flight for a set of parameters.
     ///
     /// # Errors
     /// As [`Parameters::validate`]; [`Error::Undefined`] without drive frequency;
-    /// [`Error::PrecisionLost`] when a mode is more than about 15,000 times faster than the drive.
+    /// [`Error::PrecisionLost`] for a mode more than about 15,000 times faster than the drive.
     pub fn new(p: &Parameters) -> Result<Self> {
         p.validate()?;
         let w = p.drive_frequency;
@@ -153,7 +158,7 @@ impl Flight {
         Ok(flight)
     }
 
-    /// The least power of two of Taylor pieces into which a span of the phase must be divided.
+    /// Least power of two of Taylor pieces into which a span of the phase must be divided.
     fn doubled_pieces(&self, span: f64) -> u32 {
         let mut pieces = 1;
         while span * self.rate > RATE_STEP * f64::from(pieces) && pieces < 1 << 31 {
@@ -162,17 +167,16 @@ impl Flight {
         pieces
     }
 
-    /// The number of equal Taylor pieces into which a span of the phase must at least be divided so
-    /// that each is exact to round-off.
+    /// Least number of equal Taylor pieces of a span of the phase that are each exact to round-off.
     pub fn least_pieces(&self, span: f64) -> u32 {
         (span * self.rate / RATE_STEP).ceil().max(1.0) as u32
     }
 
-    /// exp(A Δ) over a span Δ ≥ 0 of the phase, exact to round-off: a Taylor piece, squared as
-    /// often as it takes.
+    /// exp(A Δ) over a span Δ ≥ 0 of the phase, exact to round-off: one Taylor piece, squared
+    /// repeatedly.
     pub fn transition(&self, span: f64) -> Transition {
         if span == 0.0 {
-            // A piece without length has no rates.
+            // A piece without length has no rates: they are derivatives over the length.
             return Transition { one: Matrix2::identity(), pair: Matrix4::identity() };
         }
         let pieces = self.doubled_pieces(span);
@@ -183,8 +187,8 @@ impl Flight {
             j.into_iter().for_each(|j| s[j] = 1.0);
             Self::state(&self.piece(&s, 0.0, h, 0.0), 1.0, h)
         };
-        // In flight the box and the other two do not act on each other, so two columns come from
-        // one piece.
+        // One piece gives a column of the box and one of the other two bodies, which do not act on
+        // each other in flight.
         let columns = [free(0, Some(1)), free(2, None), free(3, Some(4)), free(5, None)];
         let mut one = Matrix2::new(columns[0][0], columns[2][0], columns[0][3], columns[2][3]);
         let mut pair = Matrix4::from_fn(|row, column| columns[column][[1, 2, 4, 5][row]]);
@@ -201,9 +205,8 @@ impl Flight {
     }
 
     /// x1, x2, x3 over [phase, phase + h] as polynomials in t ∈ [0, 1], from the state `s` at
-    /// `phase`, with the force `force` sin θ; [`least_pieces`](Self::least_pieces) says how large h
-    /// may be. The coefficients follow order by order from the equations of motion, as in
-    /// docs/theory.md (8).
+    /// `phase`, with the force `force` sin θ; [`least_pieces`](Self::least_pieces) limits h. The
+    /// coefficients follow order by order from the equations of motion, as in docs/theory.md (8).
     pub fn piece(&self, s: &Vector6, phase: f64, h: f64, force: f64) -> [Polynomial; 3] {
         let (sin, cos) = if force == 0.0 { (0.0, 0.0) } else { phase.sin_cos() };
         let h2 = h * h;
@@ -226,18 +229,17 @@ impl Flight {
         x
     }
 
-    /// The state at t ∈ [0, 1] of a piece of length h.
+    /// State at t ∈ [0, 1] of a piece of length h.
     pub fn state(x: &[Polynomial; 3], t: f64, h: f64) -> Vector6 {
         let [(x1, v1), (x2, v2), (x3, v3)] = [0, 1, 2].map(|i| evaluate(&x[i], t));
         Vector6::new(x1, x2, x3, v1 / h, v2 / h, v3 / h)
     }
 
-    /// M = exp(πA) and the periodic answer to unit impulses of alternating sign, docs/theory.md
+    /// M = exp(πA) and the periodic response to unit impulses of alternating sign, docs/theory.md
     /// (72).
     ///
     /// # Errors
-    /// [`Error::Undefined`] when an undamped mode oscillates an odd number of times per drive
-    /// period.
+    /// [`Error::Undefined`] if an undamped mode oscillates an odd number of times per drive period.
     pub(super) fn half_period(&self, p: &Parameters) -> Result<HalfPeriod> {
         let map = self.transition(PI);
         let first = (Matrix2::identity() + map.one).lu().solve(&Vector2::new(0.0, self.epsilon));
@@ -256,8 +258,8 @@ impl Flight {
         }
     }
 
-    /// H of docs/theory.md (71), amplitude and phase of the box under the force alone: x1 = Im(H
-    /// e^{iθ}). The other two rest.
+    /// H of docs/theory.md (71), amplitude and phase of the box under the force alone:
+    /// x1 = Im(H e^{iθ}). The other two bodies do not move.
     ///
     /// # Errors
     /// [`Error::Undefined`] for the undamped box at resonance.
@@ -275,7 +277,7 @@ impl Flight {
         })
     }
 
-    /// The rate of a state in flight at which the drive's force has the value `force`.
+    /// Time derivative of a state in flight, where the drive's force has the value `force`.
     pub fn rate_of(&self, s: &Vector6, force: f64) -> Vector6 {
         let stretch = s[1] - s[2];
         let a1 = force - self.k1 * s[0] - self.c1 * s[3];

@@ -1,14 +1,14 @@
-//! The impact law in the units of the closed forms, and what an impact makes of variations.
+//! The impact law in the units of the closed forms, for states and for their variations.
 //!
-//! `model.rs` states the law for the simulator. It stands here anew on purpose: the exact orbit is
-//! the simulator's oracle, so that the two share nothing but the parameters (docs/design.md, "What
+//! `model.rs` has the law of the simulator. It is written twice on purpose: the exact orbit is the
+//! simulator's oracle, so that the two share nothing but the parameters (docs/design.md, "What
 //! stands once").
 
 use super::flight::{Flight, Vector6};
 
 impl Flight {
-    /// A state after an impulse p on the block away from the upper stop, in units of m2 ω1 L: -p g
-    /// of docs/theory.md (77).
+    /// State after an impulse p on the block away from the upper stop, in units of m2 ω1 L: -p g of
+    /// docs/theory.md (77).
     pub(super) fn pushed(&self, z: &Vector6, p: f64) -> Vector6 {
         let mut after = *z;
         after[3] += p * self.epsilon;
@@ -16,9 +16,8 @@ impl Flight {
         after
     }
 
-    /// The impact law J of docs/theory.md (27). The gap's rate w' at the impact is that of `z` and
-    /// a part `forced` that is not in `z`; its sign is that of the stop, so that the law is one for
-    /// both.
+    /// State after the impact law J of docs/theory.md (27). The rate w' before the impact is that
+    /// of `z` plus `forced`. Its sign is that of the stop, so that one law holds for both stops.
     pub fn strike(&self, z: &Vector6, forced: f64) -> Vector6 {
         self.kicked(*z, z[4] - z[3] + forced)
     }
@@ -29,15 +28,16 @@ impl Flight {
         z
     }
 
-    /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺ of
-    /// docs/theory.md (78) and (104): from the rates of the state just before and just after it, of
-    /// which `forced` is the part of w'' that is not in `approach`.
+    /// Change of the state just after an impact per unit of phase by which the impact is delayed,
+    /// J f⁻ - f⁺ of docs/theory.md (78) and (104). `approach` and `departure` are the rates of the
+    /// state just before and just after the impact; `forced` is added to the w'' of `approach`.
     pub fn delay(&self, approach: &Vector6, forced: f64, departure: &Vector6) -> Vector6 {
         self.kicked(approach - departure, approach[4] - approach[3] + forced)
     }
 
-    /// A variation of the state through an impact, S of docs/theory.md (78), with the
-    /// [`delay`](Self::delay) over w' before it: the neighbour meets the stop later by -δw/w'.
+    /// Variation of the state after an impact, by S of docs/theory.md (78). `delay` is
+    /// [`delay`](Self::delay) divided by w' before the impact, as the neighbouring motion meets the
+    /// stop later by -δw/w'.
     pub fn saltate(&self, variation: &Vector6, delay: &Vector6) -> Vector6 {
         let w = variation[1] - variation[0];
         self.kicked(variation - delay * w, variation[4] - variation[3])
@@ -50,7 +50,7 @@ mod tests {
     use crate::model::{Augmented, BOX_RATE, Model, RELATIVE_RATE};
     use crate::parameters::Parameters;
 
-    /// The law of the closed forms against that of the simulator, at both stops.
+    /// Impact law of the closed forms against that of the simulator, at both stops.
     #[test]
     fn second_method_the_two_laws_agree() {
         const ROUNDING: f64 = 1e-15;
@@ -63,7 +63,7 @@ mod tests {
                 let impact = model.impact(&mut z, f64::signum(w));
                 let before = Vector6::new(0.0, 0.0, 0.0, v1, v1 + w, 0.0);
                 let after = flight.strike(&before, 0.0);
-                // A part of the rate that is not in the state acts as one that is.
+                // A rate given apart acts like one that is part of the state.
                 let apart = flight.strike(&Vector6::new(0.0, 0.0, 0.0, v1, v1, 0.0), w);
                 for (found, exact) in [
                     (after[3], z[BOX_RATE]),

@@ -1,10 +1,10 @@
 //! The exact symmetric orbit with two impacts per period, at any mass ratio (docs/theory.md,
-//! sections 9 and 10; past the paper).
+//! sections 9 and 10; not in the paper).
 //!
 //! Such an orbit repeats itself with the opposite sign after half a period: s(t + π/ω1) = -s(t).
-//! Its impulsive part starts from p G⁺, where G⁺ is the periodic answer to alternating unit
+//! Its impulsive part starts from p G⁺, where G⁺ is the periodic response to alternating unit
 //! impulses, docs/theory.md (72); the force adds the harmonic response H, (71). The impact law then
-//! leaves a quadratic in the impulse p, (74), and the phase δ of the force at the impact, (75).
+//! gives a quadratic in the impulse p, (74), and the phase δ of the force at the impact, (75).
 //! There is no small parameter and no truncation but that of double precision.
 
 mod clearance;
@@ -22,21 +22,22 @@ use crate::parameters::Parameters;
 use flight::HalfPeriod;
 use nalgebra::Complex;
 
-/// The quadratic of one parameter set, with everything that does not depend on the root prepared.
+/// The two orbits of one parameter set, with all that does not depend on the root computed.
 #[derive(Clone, Copy, Debug)]
 pub struct OrbitFamily {
     parameters: Parameters,
     flight: Flight,
     half: HalfPeriod,
-    /// H_w of docs/theory.md (71): the gap under the force alone is w = Im(response e^{iθ}).
+    /// H_w of docs/theory.md (71): under the force alone w = Im(response e^{iθ}).
     response: Complex<f64>,
-    /// G_w of docs/theory.md (73): the gap at the impact per unit of impulse.
+    /// G_w of docs/theory.md (73): w at the impact per unit of impulse.
     gap_answer: f64,
     /// R of docs/theory.md (73): (w'⁺ + κ w'⁻)/(1+κ) at the impact per unit of impulse.
     rate_answer: f64,
 }
 
-/// Both orbits of a parameter set, by their impulse p; a root with p ≤ 0 is no orbit and `None`.
+/// Both orbits of a parameter set, by their impulse p; `None` for a root with p ≤ 0, which is no
+/// orbit.
 ///
 /// # Errors
 /// As [`OrbitFamily::new`] and [`OrbitFamily::orbit`].
@@ -45,7 +46,7 @@ pub fn solve(parameters: &Parameters) -> Result<Roots<Option<ExactOrbit>>> {
 }
 
 impl OrbitFamily {
-    /// Prepares the quadratic. Loads on the bodies are zero.
+    /// Quadratic of a parameter set, without loads on the bodies.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] as [`Parameters::validate`]; [`Error::Undefined`] for ω1 = 0, for the
@@ -77,14 +78,13 @@ impl OrbitFamily {
         self.circle().discriminant()
     }
 
-    /// The impulses of both roots in N·s, of either sign; `None` when the quadratic has no real
-    /// root.
+    /// Impulses of both roots in N·s, of either sign; `None` if the quadratic has no real root.
     pub fn impulses(&self) -> Option<Roots<f64>> {
         let unit = self.unit_of_impulse();
         self.circle().roots().map(|r| Roots { lower: unit * r.lower, upper: unit * r.upper })
     }
 
-    /// docs/theory.md (73) as `|p (R + i G_w) - i|² = |H_w|²`.
+    /// Equation (73) of docs/theory.md as `|p (R + i G_w) - i|² = |H_w|²`.
     fn circle(&self) -> Quadratic {
         Quadratic {
             alpha: Complex::new(self.rate_answer, self.gap_answer),
@@ -99,7 +99,7 @@ impl OrbitFamily {
         p.block_mass * p.drive_frequency * p.stop_gap
     }
 
-    /// Both orbits; a root with p ≤ 0 is no orbit and `None`.
+    /// Both orbits; `None` for a root with p ≤ 0, which is no orbit.
     ///
     /// # Errors
     /// As [`Self::orbit`].
@@ -107,10 +107,10 @@ impl OrbitFamily {
         Ok(Roots { lower: self.orbit(Sheet::Lower)?, upper: self.orbit(Sheet::Upper)? })
     }
 
-    /// The orbit of one root; `None` when the quadratic has no real root or this one has p ≤ 0.
+    /// Orbit of one root; `None` if the quadratic has no real root or this one has p ≤ 0.
     ///
     /// # Errors
-    /// [`Error::NoConvergence`] when the eigenvalues of the half-cycle map are not found.
+    /// [`Error::NoConvergence`] if the eigenvalues of the half-cycle map are not found.
     pub fn orbit(&self, sheet: Sheet) -> Result<Option<ExactOrbit>> {
         let Some(p) = self.circle().roots().map(|r| r.get(sheet)).filter(|&p| p > 0.0) else {
             return Ok(None);
@@ -118,13 +118,13 @@ impl OrbitFamily {
         // e^{iδ} of docs/theory.md (73).
         let turn = Complex::new(-p * self.rate_answer, 1.0 - p * self.gap_answer) / self.response;
         if !turn.norm().is_finite() {
-            return Ok(None); // Without force there is no phase.
+            return Ok(None); // without force there is no phase
         }
         ExactOrbit::new(self, sheet, p, turn.arg()).map(Some)
     }
 }
 
-/// The error when the QR sweeps for the half-cycle map do not end.
+/// Error if the QR sweeps for the half-cycle map do not end.
 fn no_eigenvalues() -> Error {
     Error::NoConvergence { what: "eigenvalues of the half-cycle map" }
 }

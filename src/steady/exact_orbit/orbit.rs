@@ -1,4 +1,4 @@
-//! One exact orbit: its states, its clearance from the stops, its amplitudes and its multipliers.
+//! An exact orbit: its states, clearance from the stops, amplitudes and multipliers.
 
 use super::super::{Bifurcation, EIGENVALUE_SWEEPS, Sheet};
 use super::clearance::Clearance;
@@ -11,22 +11,22 @@ use crate::state::State;
 use nalgebra::{Complex, SMatrix};
 use std::f64::consts::{PI, TAU};
 
-/// Relative rounding of a difference of phases that still counts as none.
+/// Relative difference of phases that counts as rounding.
 const PHASE_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Deflation threshold of the QR sweeps.
 const EIGENVALUE_PRECISION: f64 = f64::EPSILON;
 
-/// The Taylor pieces of half a period from the upper impact, in order.
+/// Taylor pieces of half a period from the upper impact, in order.
 #[derive(Clone, Debug)]
-struct Pieces {
+struct OrbitPieces {
     flight: Flight,
     state: Vector6,
     phase: f64,
     next: u32,
 }
 
-impl Iterator for Pieces {
+impl Iterator for OrbitPieces {
     type Item = [Polynomial; 3];
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -41,21 +41,20 @@ impl Iterator for Pieces {
     }
 }
 
-/// States of an orbit at one phase after another. Each piece of the orbit starts where the one
-/// before ends, so a state costs the way to its piece; for rising phases a walk goes that way once,
-/// and a phase that lies behind starts it anew. The states are those of [`ExactOrbit::state`] to
-/// the last bit.
+/// States of an orbit at one phase after another, bit-identical to [`ExactOrbit::state`]. Each
+/// Taylor piece starts where the one before ends, so a state costs all pieces up to its own. For
+/// rising phases a walk computes each piece once; a phase that lies behind restarts it.
 #[derive(Clone, Debug)]
 pub struct OrbitWalk<'a> {
     orbit: &'a ExactOrbit,
-    pieces: Pieces,
+    pieces: OrbitPieces,
     /// Pieces taken so far; the last of them is `piece`.
     next: u32,
     piece: [Polynomial; 3],
 }
 
 impl OrbitWalk<'_> {
-    /// The state at phase θ (rad) of the drive, as [`ExactOrbit::state`].
+    /// State at phase θ (rad) of the drive, as [`ExactOrbit::state`].
     pub fn state(&mut self, theta: f64) -> State {
         let (since, sign) = self.orbit.since_impact(theta);
         let (flight, h) = (&self.orbit.flight, self.orbit.flight.step());
@@ -64,7 +63,7 @@ impl OrbitWalk<'_> {
             (self.pieces, self.next) = (self.orbit.pieces(), 0);
         }
         while self.next <= index as u32 {
-            // The index is under the number of pieces, so there is one.
+            // There is a next piece, as the index is less than their number.
             self.piece = self.pieces.next().unwrap_or_default();
             self.next += 1;
         }
@@ -72,7 +71,7 @@ impl OrbitWalk<'_> {
     }
 }
 
-/// One symmetric orbit with two impacts per period.
+/// Symmetric orbit with two impacts per period.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactOrbit {
     parameters: Parameters,
@@ -82,15 +81,16 @@ pub struct ExactOrbit {
     impulse: f64,
     /// δ in [0, 2π).
     phase: f64,
-    /// σ⁻ and σ⁺ of docs/theory.md (77), the states just before and after the upper impact.
+    /// σ⁻ of docs/theory.md (77), the state just before the upper impact.
     before: Vector6,
+    /// σ⁺ of docs/theory.md (77), the state just after the upper impact.
     after: Vector6,
     clear: bool,
     multipliers: [Complex<f64>; 6],
 }
 
 impl ExactOrbit {
-    /// The orbit with impulse p (units of m2 ω1 L) and phase δ of the force at the upper impact,
+    /// Orbit with impulse p (units of m2 ω1 L) and phase δ of the force at the upper impact,
     /// docs/theory.md (77).
     pub(super) fn new(family: &OrbitFamily, sheet: Sheet, p: f64, phase: f64) -> Result<Self> {
         let flight = family.flight;
@@ -124,17 +124,17 @@ impl ExactOrbit {
         Ok(orbit)
     }
 
-    /// The Taylor pieces of half a period from the upper impact, in order.
-    fn pieces(&self) -> Pieces {
-        Pieces { flight: self.flight, state: self.after, phase: self.phase, next: 0 }
+    /// Taylor pieces of half a period from the upper impact, in order.
+    fn pieces(&self) -> OrbitPieces {
+        OrbitPieces { flight: self.flight, state: self.after, phase: self.phase, next: 0 }
     }
 
-    /// The parameters whose orbit this is.
+    /// Parameters of the machine.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// Which root of the quadratic.
+    /// Root of the quadratic.
     pub fn sheet(&self) -> Sheet {
         self.sheet
     }
@@ -151,60 +151,59 @@ impl ExactOrbit {
         self.phase
     }
 
-    /// The state just before the impact at the upper stop.
+    /// State just before the impact at the upper stop.
     pub fn before_impact(&self) -> State {
         self.si(&self.before)
     }
 
-    /// The state just after the impact at the upper stop.
+    /// State just after the impact at the upper stop.
     pub fn after_impact(&self) -> State {
         self.si(&self.after)
     }
 
-    /// The state at phase θ (rad) of the drive F10 sin θ; just after the impact at an impact. On
-    /// the orbit, θ = ω1 t + [`Parameters::drive_phase`].
+    /// State at phase θ (rad) of the drive F10 sin θ; at an impact, the state just after it. On the
+    /// orbit, θ = ω1 t + [`Parameters::drive_phase`].
     pub fn state(&self, theta: f64) -> State {
         self.walk().state(theta)
     }
 
-    /// A walk along the orbit, for states at many phases: see [`OrbitWalk`].
+    /// Walk along the orbit, for states at many phases; see [`OrbitWalk`].
     pub fn walk(&self) -> OrbitWalk<'_> {
         OrbitWalk { orbit: self, pieces: self.pieces(), next: 0, piece: Default::default() }
     }
 
-    /// The phase since the last impact as (since, sign): at the lower stop the orbit is the mirror
-    /// image, sign = -1.
+    /// Phase since the last impact, and the sign of the orbit: -1 after the impact at the lower
+    /// stop, where the orbit is the mirror image.
     fn since_impact(&self, theta: f64) -> (f64, f64) {
-        // A phase that is that of an impact but for rounding counts as the impact's, and the state
-        // is the one after it.
+        // A phase within rounding of an impact counts as the impact, with the state after it.
         let rounding = PHASE_ROUNDING * (theta.abs() + TAU);
         let since = (theta - self.phase + rounding).rem_euclid(TAU);
         let (since, sign) = if since < PI { (since, 1.0) } else { (since - PI, -1.0) };
         ((since - rounding).max(0.0), sign)
     }
 
-    /// The state at time 0, where the phase of the drive is [`Parameters::drive_phase`].
+    /// State at time 0, where the phase of the drive is [`Parameters::drive_phase`].
     pub fn initial_state(&self) -> State {
         self.state(self.parameters.drive_phase)
     }
 
-    /// A state in units of L and ω1 L in SI units.
+    /// Converts a state from units of L and ω1 L to SI units.
     fn si(&self, s: &Vector6) -> State {
         let length = self.parameters.stop_gap;
         let speed = length * self.parameters.drive_frequency;
         State { x: [0, 1, 2].map(|i| length * s[i]), v: [3, 4, 5].map(|i| speed * s[i]) }
     }
 
-    /// Whether |w| ≤ L between the impacts, to 1e-12 L and the rounding of the orbit, which is more
-    /// where a mode is thousands of times faster than the drive or the box without damper near
-    /// resonance: proved by Bernstein bounds of the Taylor pieces over half a period; the other
-    /// half is its mirror image. A root that fails is no orbit of the system, which meets a stop
-    /// earlier.
+    /// Whether |w| ≤ L between the impacts, proved by Bernstein bounds of the Taylor pieces over
+    /// half a period, of which the other half is the mirror image. The proof holds to 1e-12 L and
+    /// the rounding of the orbit, which is larger if a mode is thousands of times faster than the
+    /// drive or a box without damper is near resonance. A root that fails is no orbit of the
+    /// system, which meets a stop earlier.
     pub fn is_clear(&self) -> bool {
         self.clear
     }
 
-    /// Largest |x1|, |x2|, |x3| over a period, m: exact extrema, not samples.
+    /// Largest |x1|, |x2|, |x3| over a period, m: exact extrema.
     pub fn amplitudes(&self) -> [f64; 3] {
         let mut best = [0.0; 3];
         for x in self.pieces() {
@@ -223,8 +222,8 @@ impl ExactOrbit {
         self.parameters.stop_gap * best
     }
 
-    /// The six multipliers of the half-cycle map, docs/theory.md (79), largest modulus first. Those
-    /// of the full period are their squares.
+    /// Six multipliers of the half-cycle map, docs/theory.md (79), largest modulus first. The
+    /// multipliers of the full period are their squares.
     pub fn multipliers(&self) -> [Complex<f64>; 6] {
         self.multipliers
     }
@@ -240,18 +239,17 @@ impl ExactOrbit {
         self.clear && self.spectral_radius() < 1.0
     }
 
-    /// The bifurcation that the largest multiplier announces, or has brought about when it is
-    /// outside the circle.
+    /// Bifurcation that the largest multiplier announces, or that has occurred if it is outside the
+    /// unit circle.
     pub fn bifurcation(&self) -> Bifurcation {
         Bifurcation::of(self.multipliers[0])
     }
 }
 
-/// Eigenvalues by decreasing modulus; `None` where numbers are not finite, or the sweeps do not
-/// end.
+/// Eigenvalues by decreasing modulus; `None` if numbers are not finite or the sweeps do not end.
 ///
-/// There are matrices in whose own order of coordinates the sweeps turn in circles. Another order
-/// has the same eigenvalues, and its sweeps go other ways.
+/// For some matrices the QR sweeps cycle without end. The coordinates are then taken in another
+/// order, which has equal eigenvalues but other sweeps.
 pub fn eigenvalues(map: SMatrix<f64, 6, 6>) -> Option<[Complex<f64>; 6]> {
     if map.iter().any(|x| !x.is_finite()) {
         return None;

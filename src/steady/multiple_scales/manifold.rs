@@ -1,5 +1,5 @@
-//! The slow invariant manifold: which U and W of the sawtooth form meet the impact law at all
-//! (paper, section 3.1; docs/theory.md, section 6), and how far they are admissible (section 7).
+//! The slow invariant manifold: U and W of the sawtooth form that satisfy the impact law (paper,
+//! section 3.1; docs/theory.md, section 6), and their range of admissibility (section 7).
 
 use crate::error::{Error, Result};
 use crate::numerics::roots::brent;
@@ -9,11 +9,11 @@ use std::f64::consts::{PI, TAU};
 /// Upper end C of the search for C_Gmax: at κ = 1, where it is largest, C_Gmax ≈ 8.235.
 const C_GMAX_BRACKET: f64 = 10.0;
 
-/// C_Gmax is found to this much; the geometric test itself does not use it.
+/// Accuracy of C_Gmax, which the geometric test itself does not use.
 const C_GMAX_TOLERANCE: f64 = 1e-14;
 
-/// The sawtooth Z(s) = (2/π) asin(cos s), docs/theory.md (31): 1 at s = 0, falling linearly to -1
-/// at π, of period 2π.
+/// Sawtooth Z(s) = (2/π) asin(cos s) of period 2π, docs/theory.md (31): 1 at s = 0, falling
+/// linearly to -1 at π.
 pub fn sawtooth(s: f64) -> f64 {
     let s = s.rem_euclid(TAU);
     if s <= PI { 1.0 - 2.0 * s / PI } else { 2.0 * s / PI - 3.0 }
@@ -24,7 +24,7 @@ pub fn sawtooth_slope(s: f64) -> f64 {
     if s.rem_euclid(TAU) < PI { -2.0 / PI } else { 2.0 / PI }
 }
 
-/// The two branches of the manifold over B, docs/theory.md (37), which meet at C_min.
+/// Branch of the manifold over B, docs/theory.md (37); the two meet at C_min.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
     /// C < C_min.
@@ -33,8 +33,8 @@ pub enum Branch {
     Right,
 }
 
-/// The slow invariant manifold B² = (C-1)² + ρ² C², docs/theory.md (35), of a restitution
-/// coefficient κ. All quantities have unit 1 (amplitudes in units of L).
+/// Slow invariant manifold B² = (C-1)² + ρ² C², docs/theory.md (35), for a restitution coefficient
+/// κ. All quantities have unit 1 (amplitudes in units of L).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold {
     kappa: f64,
@@ -42,7 +42,7 @@ pub struct Manifold {
 }
 
 impl Manifold {
-    /// The manifold for κ.
+    /// Manifold for κ.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 0 ≤ κ ≤ 1.
@@ -51,7 +51,7 @@ impl Manifold {
         Ok(Self { kappa, rho: 2.0 / PI * (1.0 - kappa) / (1.0 + kappa) })
     }
 
-    /// κ.
+    /// Restitution coefficient κ.
     pub fn kappa(&self) -> f64 {
         self.kappa
     }
@@ -66,7 +66,7 @@ impl Manifold {
         1.0 / (1.0 + self.rho * self.rho)
     }
 
-    /// The least B, ρ/√(1+ρ²): docs/theory.md (36).
+    /// Least B, ρ/√(1+ρ²): docs/theory.md (36).
     pub fn b_min(&self) -> f64 {
         self.rho / (1.0 + self.rho * self.rho).sqrt()
     }
@@ -87,7 +87,7 @@ impl Manifold {
         }
     }
 
-    /// The branch on which C lies.
+    /// Branch on which C lies.
     pub fn branch(&self, c: f64) -> Branch {
         if c < self.c_min() { Branch::Left } else { Branch::Right }
     }
@@ -103,15 +103,15 @@ impl Manifold {
         (1.0 + self.rho * self.rho) * c - 1.0
     }
 
-    /// The gap W at a phase s ∈ [0, π] after the impact at the upper stop, docs/theory.md (39).
+    /// W at a phase s ∈ [0, π] after the impact at the upper stop, docs/theory.md (39).
     pub fn w(&self, c: f64, s: f64) -> f64 {
         c * sawtooth(s) - (c - 1.0) * s.cos() + self.rho * c * s.sin()
     }
 
     /// Largest |W| over the cycle, for C > 0: docs/theory.md (48).
     ///
-    /// W(s) + W(π-s) = 2ρC sin s ≥ 0 makes the maximum the larger of the two extrema. For C ≤ 1, or
-    /// B ≤ 2C/π, W falls all the way from 1 to -1.
+    /// Since W(s) + W(π-s) = 2ρC sin s ≥ 0, no minimum is larger in size than the maximum. For C ≤
+    /// 1, or B ≤ 2C/π, W falls monotonically from 1 to -1.
     pub fn w_max(&self, c: f64) -> f64 {
         let b = self.b(c);
         let q = 2.0 * c / (PI * b);
@@ -123,8 +123,8 @@ impl Manifold {
         (c * (1.0 - 2.0 * s / PI) + b * (1.0 - q * q).sqrt()).max(1.0)
     }
 
-    /// The geometric test: whether a motion of amplitude C keeps to |W| ≤ 1 and meets the stops
-    /// from inside.
+    /// Geometric test: whether a motion of amplitude C keeps to |W| ≤ 1 and meets the stops from
+    /// inside.
     pub fn is_geometric(&self, c: f64) -> bool {
         c > 0.0 && self.w_max(c) <= 1.0
     }
@@ -132,8 +132,8 @@ impl Manifold {
     /// Largest C that the geometric test allows, by Brent's method. It is 1 at κ = 0, about 6.07 at
     /// κ = 0.75.
     ///
-    /// At W = 1 the gap rises with C, so there is one such C; the search starts at docs/theory.md
-    /// (49).
+    /// The largest W rises with C where it is 1, so there is only one such C; the search starts at
+    /// docs/theory.md (49).
     pub fn c_gmax(&self) -> f64 {
         let excess = |c: f64| {
             let b = self.b(c);
@@ -141,7 +141,7 @@ impl Manifold {
             let s = PI + q.acos() - self.impact_phase(c);
             c * (1.0 - 2.0 * s / PI) + b * (1.0 - q * q).sqrt() - 1.0
         };
-        // Below this C, W falls all the way; just above it the maximum is still under 1.
+        // Below this C, W falls monotonically; just above it the maximum is still under 1.
         let turning = 1.0 / (1.0 - (4.0 / (PI * PI) - self.rho * self.rho).max(0.0).sqrt());
         if self.kappa == 0.0 {
             return 1.0;
@@ -161,9 +161,9 @@ impl Manifold {
         PI * PI / (PI * PI - 4.0)
     }
 
-    /// The matrix D of the half-cycle map of perturbations of impact phase and block speed with U
-    /// held, docs/theory.md (53); the paper's section 3.3 to leading order in ε. The first row is
-    /// the phase, the second the speed.
+    /// Matrix D of the half-cycle map of perturbations of impact phase (first row) and block speed
+    /// (second row) for fixed U, docs/theory.md (53); the paper's section 3.3 to leading order in
+    /// ε.
     ///
     /// # Errors
     /// [`Error::Undefined`] at C = 0, where the block does not move.
@@ -194,13 +194,17 @@ mod tests {
 
     /// Closed forms, a few roundings.
     const ROUNDING: f64 = 1e-14;
-    /// Half a unit of the last digit printed.
+    /// Half a unit of the last digit of the golden ρ.
     const GOLDEN_RHO: f64 = 5e-7;
+    /// Half a unit of the last digit of the golden C_min.
     const GOLDEN_C_MIN: f64 = 5e-6;
+    /// Half a unit of the last digit of the golden C_Smax.
     const GOLDEN_C_SMAX: f64 = 5e-5;
+    /// Half a unit of the last digit of the golden C_Gmax and its B.
     const GOLDEN_C_MAX: f64 = 5e-3;
+    /// Error of C_Gmax for κ = 1 by minimising on a grid.
     const GOLDEN_C_ELASTIC: f64 = 1e-8;
-    /// Dense sampling misses a maximum by the square of its step.
+    /// Error of a maximum by dense sampling, which is of the order of the step squared.
     const SAMPLING: f64 = 1e-6;
 
     #[test]
@@ -240,7 +244,7 @@ mod tests {
                 assert_eq!(manifold.is_geometric(c), c < limit, "kappa {kappa}, C {c}");
             }
         }
-        // κ = 1 by minimising (1 - cos s)/(1 - 2s/π - cos s) on a grid, which is the same limit.
+        // The limit for κ = 1 by minimising (1 - cos s)/(1 - 2s/π - cos s) on a grid.
         assert!((Manifold::new(1.0).unwrap().c_gmax() - 8.235007738).abs() < GOLDEN_C_ELASTIC);
         let plastic = Manifold::new(0.0).unwrap();
         assert_eq!(plastic.c_gmax(), 1.0);

@@ -6,8 +6,8 @@
 //! point of the slow flow is a root of a C² + b C + c = 0 (44). The error is O(ε) in every
 //! amplitude.
 //!
-//! Past the paper, the eigenvalues of the slow flow have a closed form (51). It shows that on the
-//! right branch of the manifold, with damping, exactly the upper root of the quadratic is a stable
+//! Beyond the paper, the eigenvalues of the slow flow have a closed form (51). It shows that on the
+//! right branch of the manifold, with damping, only the upper root of the quadratic is a stable
 //! fixed point.
 
 mod manifold;
@@ -26,17 +26,17 @@ use crate::parameters::Groups;
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// 8/π²: the first Fourier coefficient of the sawtooth, docs/theory.md (31).
+/// First Fourier coefficient of the sawtooth, 8/π²: docs/theory.md (31).
 const SAWTOOTH_HARMONIC: f64 = 8.0 / (PI * PI);
 
-/// The slow flow of one parameter set, with everything that does not depend on the root prepared.
-/// The weak coupling is taken as α̂ = μ13 β², docs/theory.md (26), which equals [`Groups::alpha23`]
-/// for the paper's m3 = m2 and stays right for other m3.
+/// Slow flow of one parameter set, with all that does not depend on the root computed. The weak
+/// coupling is α̂ = μ13 β², docs/theory.md (26), which equals [`Groups::alpha23`] for the paper's
+/// m3 = m2 and is right for other m3, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultipleScales {
     groups: Groups,
     manifold: Manifold,
-    /// α̂ = μ13 β²: the weak coupling as the secondary oscillator feels it.
+    /// α̂ = μ13 β²: weak coupling, relative to the secondary oscillator.
     coupling: f64,
     /// f̂ e^{iδ} = αC + α₀ with the phase δ of the force at the upper impact, docs/theory.md (43).
     quadratic: Quadratic,
@@ -44,7 +44,7 @@ pub struct MultipleScales {
     a3_per_c: f64,
 }
 
-/// One fixed point of the slow flow, with its three tests. Amplitudes in units of L, phases in rad,
+/// Fixed point of the slow flow, with its three tests. Amplitudes are in units of L, phases in rad,
 /// eigenvalues per unit of the slow time τ1 = ετ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedPoint {
@@ -62,7 +62,7 @@ pub struct FixedPoint {
     pub psi: f64,
     /// ψ3: X3 = A3 sin(Ω1 τ - ψ3).
     pub psi3: f64,
-    /// The branch of the manifold.
+    /// Branch of the manifold.
     pub branch: Branch,
     /// The three tests.
     pub admissibility: Admissibility,
@@ -74,23 +74,22 @@ pub struct FixedPoint {
     epsilon: f64,
 }
 
-/// For which amplitude f̂10 ≥ 0 of the force the quadratic has solutions, everything else held.
+/// Amplitudes f̂10 ≥ 0 of the force with which the quadratic has solutions, for fixed other groups.
 /// Unit 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceRange {
-    /// The fold: the roots are real from here on.
+    /// Least amplitude with real roots: the fold.
     pub real_from: f64,
-    /// There is a root C > 0 from here on, without upper end.
+    /// Least amplitude with a root C > 0; there is no largest.
     pub positive_from: f64,
-    /// There are two roots C > 0 up to here; equal to `positive_from` when there is never more than
+    /// Largest amplitude with two roots C > 0; equal to `positive_from` if there is never more than
     /// one.
     pub two_until: f64,
-    /// The interval in which a root passes all three tests, if there is one; its lower end is
-    /// excluded.
+    /// Interval in which a root passes all three tests, if there is one, without its lower end.
     pub admissible: Option<(f64, f64)>,
 }
 
-/// Both fixed points of the slow flow, by C; `None` when the quadratic has no real root.
+/// Both fixed points of the slow flow, by C; `None` if the quadratic has no real root.
 ///
 /// # Errors
 /// As [`MultipleScales::new`].
@@ -99,11 +98,11 @@ pub fn fixed_points(groups: &Groups) -> Result<Option<Roots<FixedPoint>>> {
 }
 
 impl MultipleScales {
-    /// Prepares the slow flow of the groups.
+    /// Slow flow for a set of groups.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] when γ̂3
-    /// = 0 and σ̂30 - 2σ̂1 + α̂ = 0, where A3 has no bound.
+    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] for
+    /// γ̂3 = 0 with σ̂30 - 2σ̂1 + α̂ = 0, where A3 has no bound.
     pub fn new(groups: &Groups) -> Result<Self> {
         check_groups(groups)?;
         let g = *groups;
@@ -137,12 +136,12 @@ impl MultipleScales {
         })
     }
 
-    /// The slow invariant manifold.
+    /// Slow invariant manifold.
     pub fn manifold(&self) -> &Manifold {
         &self.manifold
     }
 
-    /// The groups.
+    /// Dimensionless groups.
     pub fn groups(&self) -> &Groups {
         &self.groups
     }
@@ -157,15 +156,15 @@ impl MultipleScales {
         self.quadratic.discriminant()
     }
 
-    /// Both fixed points, by C; `None` when the quadratic has no real root. Allocates nothing.
+    /// Both fixed points, by C; `None` if the quadratic has no real root. Allocates nothing.
     pub fn fixed_points(&self) -> Option<Roots<FixedPoint>> {
         let roots = self.quadratic.roots()?;
-        Some(Roots { lower: self.at(roots.lower), upper: self.at(roots.upper) })
+        Some(Roots { lower: self.fixed_point(roots.lower), upper: self.fixed_point(roots.upper) })
     }
 
-    /// The fixed point at amplitude C, which must be a root of the quadratic: the force's phase is
-    /// taken from αC + α₀, whatever its amplitude.
-    fn at(&self, c: f64) -> FixedPoint {
+    /// Fixed point at amplitude C. Requires a root of the quadratic: only the phase of αC + α₀ is
+    /// used, not its modulus.
+    fn fixed_point(&self, c: f64) -> FixedPoint {
         let g = &self.groups;
         let m = &self.manifold;
         let force = self.quadratic.balance(c);
@@ -196,17 +195,17 @@ impl MultipleScales {
         }
     }
 
-    /// The force f̂10 ≥ 0 that holds the motion at amplitude C, |αC + α₀|: docs/theory.md (46).
+    /// Force f̂10 = |αC + α₀| ≥ 0 that maintains the motion at amplitude C: docs/theory.md (46).
     pub fn force(&self, c: f64) -> f64 {
         self.quadratic.balance(c).norm()
     }
 
-    /// The ranges of f̂10 with solutions and with an admissible one, all other groups held:
+    /// Ranges of f̂10 with solutions and with an admissible one, for fixed other groups:
     /// docs/theory.md (46) with the limits (49) and (56) of C.
     ///
     /// # Errors
-    /// [`Error::Undefined`] where α = 0 (κ = 1, γ̂1 = 0, σ̂1 = -4/π²): the force does not decide
-    /// the amplitude.
+    /// [`Error::Undefined`] for α = 0 (κ = 1, γ̂1 = 0, σ̂1 = -4/π²), where the force does not
+    /// determine the amplitude.
     pub fn force_range(&self) -> Result<ForceRange> {
         let size = self.quadratic.alpha.norm();
         if size == 0.0 {
@@ -235,9 +234,9 @@ impl MultipleScales {
 }
 
 impl FixedPoint {
-    /// Amplitude of X1, its largest |value| over a cycle, in units of L: docs/theory.md (47).
+    /// Largest |X1| over a cycle, in units of L: docs/theory.md (47).
     pub fn a1(&self) -> f64 {
-        // X1 = B sin η - eC(1 - 2s/π) with e = ε - ε² and η = s + Φ, over s ∈ [0, π]; it turns
+        // X1 = B sin η - eC(1 - 2s/π) with e = ε - ε² and η = s + Φ over s ∈ [0, π] has extrema
         // where B cos η = -2eC/π.
         let (_, e) = inverse_mass_factors(self.epsilon);
         let (b, c, phase) = (self.b, self.c, self.impact_phase);
@@ -254,7 +253,7 @@ impl FixedPoint {
         best
     }
 
-    /// Amplitude of X2, (1-ε+ε²) |C|, in units of L: docs/theory.md (47).
+    /// Largest |X2| over a cycle, (1-ε+ε²) |C|, in units of L: docs/theory.md (47).
     pub fn a2(&self) -> f64 {
         inverse_mass_factors(self.epsilon).0 * self.c.abs()
     }
@@ -264,7 +263,7 @@ impl FixedPoint {
         spectral_radius(self.multipliers)
     }
 
-    /// The bifurcation that the largest multiplier announces.
+    /// Bifurcation that the largest multiplier announces.
     pub fn bifurcation(&self) -> Bifurcation {
         Bifurcation::of(largest(self.multipliers))
     }

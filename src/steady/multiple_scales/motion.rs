@@ -15,7 +15,7 @@ impl FixedPoint {
         SteadyMotion::new(self.epsilon, (self.b * sin, self.b * cos), block, secondary)
     }
 
-    /// The same at the phase Ω1 τ of the drive (rad): the force is f̂10 sin(Ω1 τ).
+    /// Motion at the phase Ω1 τ of the drive (rad), where the force is f̂10 sin(Ω1 τ).
     pub fn motion_at_drive(&self, drive_phase: f64) -> SteadyMotion {
         self.motion(drive_phase - self.psi)
     }

@@ -5,7 +5,7 @@ use super::{Branch, MultipleScales, SAWTOOTH_HARMONIC};
 use crate::error::{Error, Result};
 use nalgebra::{Complex, Matrix4};
 
-/// A state of the slow flow: amplitudes in units of L, phases in rad.
+/// State of the slow flow: amplitudes in units of L, phases in rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlowState {
     /// B.
@@ -18,16 +18,16 @@ pub struct SlowState {
     pub psi3: f64,
 }
 
-/// What the flow and its Jacobian share: C on the branch, its slope C_B = B/m, docs/theory.md (38),
-/// and χ, (41).
-struct Point {
+/// Terms shared by the slow flow and its Jacobian: C on the branch, its slope C_B = B/m,
+/// docs/theory.md (38), and χ, (41).
+struct SharedTerms {
     c: f64,
     c_b: f64,
     chi: f64,
 }
 
 impl MultipleScales {
-    fn point(&self, branch: Branch, state: &SlowState) -> Result<Point> {
+    fn shared_terms(&self, branch: Branch, state: &SlowState) -> Result<SharedTerms> {
         let out =
             |name, value, allowed| Err(Error::Undefined { name, value, needed_by: "slow flow", allowed });
         let finite = [state.b, state.psi, state.a3, state.psi3].iter().all(|x| x.is_finite());
@@ -39,7 +39,7 @@ impl MultipleScales {
             return out("A3", state.a3, "A3 other than 0");
         }
         let chi = state.psi - state.psi3 + self.manifold.impact_phase(c);
-        Ok(Point { c, c_b: state.b / self.manifold.slope(c), chi })
+        Ok(SharedTerms { c, c_b: state.b / self.manifold.slope(c), chi })
     }
 
     /// Right-hand side of the slow flow, docs/theory.md (40) and (41): (B', ψ', A3', ψ3') per unit
@@ -49,7 +49,7 @@ impl MultipleScales {
     /// [`Error::Undefined`] below B_min, at B = 0 and at A3 = 0, where amplitude and phase are no
     /// coordinates.
     pub fn slow_flow(&self, branch: Branch, state: &SlowState) -> Result<[f64; 4]> {
-        let Point { c, chi, .. } = self.point(branch, state)?;
+        let SharedTerms { c, chi, .. } = self.shared_terms(branch, state)?;
         let (g, rho, a) = (&self.groups, self.manifold.rho(), self.coupling);
         let b = state.b;
         Ok([
@@ -68,7 +68,7 @@ impl MultipleScales {
     /// # Errors
     /// As [`Self::slow_flow`].
     pub fn jacobian(&self, branch: Branch, state: &SlowState) -> Result<Matrix4<f64>> {
-        let Point { c, c_b, chi } = self.point(branch, state)?;
+        let SharedTerms { c, c_b, chi } = self.shared_terms(branch, state)?;
         let (g, rho, a) = (&self.groups, self.manifold.rho(), self.coupling);
         let (b, a3) = (state.b, state.a3);
         let (sin, cos) = state.psi.sin_cos();
@@ -97,8 +97,8 @@ impl MultipleScales {
         ))
     }
 
-    /// Eigenvalues at the fixed point with this C in closed form, docs/theory.md (51). At C_min
-    /// they are infinite.
+    /// Eigenvalues at the fixed point with amplitude C in closed form, docs/theory.md (51). At
+    /// C_min they are infinite.
     pub(super) fn eigenvalues(&self, c: f64) -> [Complex<f64>; 4] {
         let (g, m) = (&self.groups, self.manifold.slope(c));
         let quadratic = &self.quadratic;

@@ -10,10 +10,10 @@ use std::f64::consts::PI;
 const EPSILONS: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.005];
 /// A first-order error halves with ε; terms of second order bend the slope at ε = 0.1.
 const SLOPE: f64 = 0.15;
-/// At the small end the slope is settled.
+/// Bound on the deviation of the slope between the smallest ε, where higher terms are small.
 const LAST_SLOPE: f64 = 0.05;
 
-/// An ε so small that only the leading term of a multiplier's error is left.
+/// Small ε, at which only the leading term of a multiplier's error remains.
 const TINY_EPSILON: f64 = 1e-4;
 /// Factor of ε in the error of a fast multiplier and of ε² in that of a slow one: bounds on the
 /// groups' sizes here.
@@ -81,7 +81,7 @@ fn check_multipliers(orbit: &ExactOrbit, epsilon: f64, fast: [Complex<f64>; 2], 
         let distance = |m: &Complex<f64>| (m - e).norm();
         let nearest =
             (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b]))).unwrap();
-        // Fast ones are off by O(ε), slow ones by O(ε²).
+        // The error of fast multipliers is O(ε), that of slow ones O(ε²).
         let allowed = if i < 2 { ERROR_FACTOR * epsilon } else { ERROR_FACTOR * epsilon * epsilon };
         assert!(distance(&left[nearest]) < allowed, "{i}: {e} of {left:?}");
         left.remove(nearest);

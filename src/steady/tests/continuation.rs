@@ -1,5 +1,4 @@
-//! Branches against closed forms of their special points, and against families whose branches are
-//! known.
+//! Branches against closed forms of their special points, and families with known branches.
 
 use crate::error::{Error, Result};
 use crate::parameters::{FIELDS, Groups, Parameters, Scales};
@@ -7,13 +6,14 @@ use crate::steady::continuation::{self, Branch, Family, LOCATION, Special};
 use crate::steady::multiple_scales::{Manifold, MultipleScales};
 use crate::steady::{Bifurcation, Sheet, exact_orbit};
 
-/// Half a unit of the last digit printed for the stable range of the exact orbit.
+/// Half a unit of the last digit of the golden lower end of the exact orbit's stable range.
 const GOLDEN_LOW: f64 = 5e-4;
+/// Half a unit of the last digit of the golden upper end of the exact orbit's stable range.
 const GOLDEN_HIGH: f64 = 5e-3;
-/// At a located special point the multiplier itself; it moves at most a hundred times as fast as
+/// Error of a multiplier at a located special point; it moves at most a hundred times as fast as
 /// the parameter.
 const MULTIPLIER: f64 = 1e-9;
-/// A fold is square-root sharp: multipliers there are good to the root of the location.
+/// Error of multipliers at a fold, where they move with the square root of the parameter.
 const AT_FOLD: f64 = 1e-4;
 
 /// Rounding of an impulse between a fold and its neighbour, where it moves with the square root of
@@ -21,9 +21,10 @@ const AT_FOLD: f64 = 1e-4;
 const IMPULSE_ROUNDING: f64 = 1e-7;
 /// Largest step of the impulse between the nodes of a curve without jumps.
 const IMPULSE_STEP: f64 = 0.02;
-/// A located multiplier that is nearly double moves with the square root of the parameter, so it is
-/// found to fewer digits.
+/// Error of a located complex pair of multipliers that is nearly double, which moves with the
+/// square root of the parameter.
 const LOCATED_PAIR: f64 = 1e-7;
+/// Error of a located multiplier -1 that is nearly double.
 const LOCATED_BREAKING: f64 = 1e-6;
 
 fn force(f10: f64) -> Result<Parameters> {
@@ -47,7 +48,7 @@ fn golden_stable_range_of_the_exact_orbit() {
     let at = branch.specials().find(|p| p.special == Some(BREAKING)).unwrap();
     assert!((at.solution.spectral_radius() - 1.0).abs() < MULTIPLIER);
     assert_eq!(at.solution.bifurcation(), Bifurcation::SymmetryBreaking);
-    // Below it a complex pair is outside the unit circle.
+    // Below this range a complex pair is outside the unit circle.
     let torus = values(&branch, Special::Bifurcation(Bifurcation::NeimarkSacker));
     assert!(torus.len() == 1 && (torus[0] - low).abs() < MULTIPLIER, "{torus:?}");
 }
@@ -57,7 +58,8 @@ fn closed_form_of_the_fold() {
     let branch = continuation::exact_orbit(force, (0.3, 3.0), 50).unwrap();
     let folds = values(&branch, Special::Fold);
     assert_eq!(folds.len(), 1);
-    // |Hw| is proportional to f̂10, so the fold is where |Hw| = R/√(Gw²+R²): from the quadratic at any f̂10.
+    // |Hw| is proportional to f̂10, and the fold is where |Hw| = R/√(Gw²+R²): both follow from the
+    // quadratic at any f̂10.
     let (square, twice, constant) = exact_orbit::OrbitFamily::new(&force(1.0).unwrap()).unwrap().quadratic();
     let per_force = 1.0 - constant;
     let fold = ((1.0 - 0.25 * twice * twice / square) / per_force).sqrt();
@@ -204,7 +206,7 @@ fn wrong_ranges_are_errors() {
         Err(Error::OutOfRange { name: "box.m", .. })
     ));
 }
-/// A quadratic with known branch: root = shift ± √(size - (v - 1/3)²), which circles (1/3, shift).
+/// Quadratic with a known branch: root = shift ± √(size - (v - 1/3)²), a circle about (1/3, shift).
 #[derive(Clone, Copy)]
 struct Circle {
     v: f64,
@@ -293,7 +295,7 @@ fn closed_form_of_a_broken_isola_as_one_open_curve() {
         assert!((end.value - expected).abs() < LOCATION, "{}", end.value);
     }
     assert_eq!(values(&branch, Special::Fold).len(), 2);
-    // Range ends cut it as well.
+    // Ends of the range cut the curve, too.
     let cut = Circle::branch(1.0, 0.5, (0.0, 3.0), 60);
     assert_eq!(cut.curves.len(), 1);
     assert_eq!(cut.curves[0].points[0].special, Some(Special::RangeEnd));

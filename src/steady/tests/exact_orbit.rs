@@ -1,5 +1,5 @@
-//! The exact orbit against direct integration by a classical method, and against the laws it must
-//! keep.
+//! The exact orbit against direct integration by a classical method, and against the laws that it
+//! must satisfy.
 
 use crate::State;
 use crate::error::Error;
@@ -8,31 +8,37 @@ use crate::steady::Sheet;
 use crate::steady::exact_orbit::*;
 use std::f64::consts::{PI, TAU};
 
-/// Golden numbers of an earlier prototype: p/m2 and the radius have nine decimals, amplitudes
-/// seven, the second set ten (its radius eight).
+/// Rounding of the golden p/m2 and radius of the default set, which have nine decimals. All golden
+/// numbers are of an earlier prototype.
 const GOLDEN: f64 = 6e-10;
-/// The prototype sampled its amplitudes: each true maximum lies at or above its number.
+/// Rounding of golden amplitudes, which have seven decimals.
 const GOLDEN_AMPLITUDE: f64 = 6e-8;
+/// Excess of a maximum over its golden amplitude, which the prototype sampled.
 const GOLDEN_SAMPLING: f64 = 3e-7;
+/// Rounding of the golden numbers of the second set, which have ten decimals.
 const GOLDEN_SECOND: f64 = 6e-11;
+/// Rounding of the golden radius of the second set, which has eight decimals.
 const GOLDEN_RADIUS: f64 = 6e-9;
-/// Round-off of half a period, amplitudes of order one.
+/// Rounding over half a period, with amplitudes of order one.
 const ROUNDING: f64 = 1e-13;
-/// The classical Runge-Kutta method with 2000 steps per half period: h⁴ ≈ 6e-12.
+/// Error of the classical Runge-Kutta method with 2000 steps per half period: h⁴ ≈ 6e-12.
 const RUNGE_KUTTA: f64 = 1e-10;
-/// Multipliers of nearly double pairs lose half their digits; products keep them.
+/// Error of products of multipliers. The multipliers of nearly double pairs lose half their digits,
+/// their products do not.
 const PRODUCT: f64 = 1e-11;
 
-/// Samples of an amplitude miss the maximum by the square of their spacing.
+/// Error of a sampled amplitude, which misses the maximum by the square of the spacing.
 const SAMPLING: f64 = 1e-5;
-/// A sampled gap that exceeds the stop by less than this touches it.
+/// Largest excess of a sampled w over the stop that counts as a touch.
 const TOUCH: f64 = 1e-9;
-/// Step of the central differences, and their error in the characteristic polynomial.
+/// Step of the central differences.
 const STEP: f64 = 1e-5;
+/// Error of the characteristic polynomial by central differences.
 const DIFFERENCE: f64 = 1e-6;
-/// Simpson's rule with 2000 nodes over half a period.
+/// Error of Simpson's rule with 2000 nodes over half a period.
 const QUADRATURE: f64 = 1e-9;
-/// A plastic impact makes two multipliers zero; a double one is found to the root of the rounding.
+/// Error of the two multipliers that a plastic impact makes zero: a double one is accurate to the
+/// root of the rounding.
 const LOST_MULTIPLIER: f64 = 1e-6;
 
 fn basic() -> ExactOrbit {
@@ -46,7 +52,7 @@ fn weak(g: [f64; 8]) -> Parameters {
         .unwrap()
 }
 
-/// A set with all masses comparable and no unit scale.
+/// Parameters with comparable masses and no unit scale.
 fn odd() -> Parameters {
     Parameters {
         box_mass: 2.3,
@@ -304,7 +310,7 @@ fn invariant_energy_balance_over_half_a_period() {
     let n = 2000;
     let power = |i: u32| {
         let theta = orbit.drive_phase() + PI * f64::from(i) / f64::from(n);
-        // The last node lies at the next impact: take the state before it.
+        // The last node lies at the next impact: the state before it is needed.
         let s = if i < n { orbit.state(theta) } else { orbit.before_impact() };
         let sign = if i < n { 1.0 } else { -1.0 };
         let v = s.v.map(|v| sign * v);
@@ -353,9 +359,9 @@ fn invariant_plastic_and_elastic_impacts() {
     assert!((a.v[1] - a.v[0] + b.v[1] - b.v[0]).abs() < ROUNDING * 10.0);
 }
 
-/// With a strong damper half a period is thousands of Taylor pieces, and next to the resonance of a
-/// box without damper numbers of thousands of gaps cancel: the rounding of either must not pass for
-/// a stop that is met earlier.
+/// Orbits with much rounding: half a period has thousands of Taylor pieces with a strong damper,
+/// and numbers of thousands of gaps cancel next to the resonance of a box without damper. The
+/// rounding must not count as a stop that is met earlier.
 #[test]
 fn second_method_orbits_of_more_rounding_are_those_of_the_simulator() {
     let p = Parameters {

@@ -1,5 +1,5 @@
-//! Tests that hold the methods of `steady` against each other, against golden numbers and against
-//! direct integration.
+//! The methods of `steady` against each other, against golden numbers and against direct
+//! integration.
 
 mod asymptotics;
 mod continuation;

@@ -1,4 +1,4 @@
-//! Multiple scales against its own equations by other ways: differences, sampling, elimination.
+//! Multiple scales against its own equations by other methods: differences, sampling, elimination.
 
 use crate::error::Error;
 use crate::parameters::Groups;
@@ -6,11 +6,11 @@ use crate::steady::multiple_scales::*;
 use crate::steady::{Bifurcation, Roots};
 use std::f64::consts::PI;
 
-/// The golden numbers have nine decimals.
+/// Rounding of golden numbers, which have nine decimals.
 const GOLDEN: f64 = 5e-10;
-/// Ends of ranges are printed with three decimals.
+/// Rounding of golden ends of ranges, which have three decimals.
 const GOLDEN_RANGE: f64 = 5e-4;
-/// Closed forms of amplitudes of order one; conditioned by a few units.
+/// Rounding of closed forms of amplitudes of order one.
 const ROUNDING: f64 = 1e-13;
 /// Central differences with step 1e-6: rounding 1e-10; third derivatives grow with powers of 1/B,
 /// at least 0.05 here.
@@ -20,13 +20,13 @@ const EIGENVALUE: f64 = 1e-9;
 
 /// Step of the central differences.
 const STEP: f64 = 1e-6;
-/// Just before an impact, and by how much slopes of order one change until then, with the rounding
-/// of the phase.
+/// Phase before an impact at which its left limits are read, rad.
 const BEFORE: f64 = 1e-9;
+/// Change of slopes of order one from there to the impact, with the rounding of the phase.
 const SLOPE: f64 = 1e-7;
-/// Rounding of an amplitude or of the gap by way of another phase.
+/// Rounding of an amplitude or of W computed from another phase.
 const PHASE_ROUNDING: f64 = 1e-12;
-/// Samples of an amplitude miss the maximum by the square of their spacing.
+/// Error of a sampled amplitude, which misses the maximum by the square of the spacing.
 const SAMPLING: f64 = 1e-7;
 
 fn basic() -> Roots<FixedPoint> {
@@ -195,7 +195,7 @@ fn invariant_impact_law_of_the_multiple_scales_motion() {
         assert!((at.dw + kappa * before.dw).abs() < SLOPE * (1.0 + p.c.abs()));
         // momentum: U is smooth
         assert!((at.du - before.du).abs() < SLOPE * (1.0 + p.b));
-        // the same instant by the phase of the drive
+        // motion at this instant by the phase of the drive
         let drive = p.motion_at_drive(p.drive_phase);
         assert!((drive.w.abs() - 1.0).abs() < PHASE_ROUNDING * (1.0 + p.c.abs()));
     }

@@ -6,7 +6,7 @@ use crate::steady::{exact_orbit, multiple_scales, strong_coupling};
 /// Rounding of the gap between large coordinates.
 const GAP_ROUNDING: f64 = 1e-12;
 
-/// A linear congruential generator is random enough to pick parameters.
+/// Linear congruential generator, random enough to pick parameters.
 struct Random(u64);
 
 impl Random {

@@ -7,30 +7,32 @@ use crate::steady::strong_coupling::*;
 use crate::steady::{Roots, multiple_scales};
 use std::f64::consts::PI;
 
-/// The same closed form by two routes, amplitudes of order one.
+/// Rounding of a closed form computed in two ways, with amplitudes of order one.
 const ROUNDING: f64 = 1e-13;
 /// Eigenvalues by QR; a nearly double pair keeps half its digits.
 const EIGENVALUE: f64 = 1e-9;
 
 /// A nearly double pair of multipliers keeps half its digits.
 const MULTIPLIER: f64 = 1e-6;
-/// Just before an impact, and by how much slopes and the gap change until then, with the rounding
-/// of the phase.
+/// Phase before an impact at which its left limits are read, rad.
 const BEFORE: f64 = 1e-10;
+/// Change of slopes from there to the impact, with the rounding of the phase.
 const SLOPE: f64 = 1e-8;
+/// Change of W from there to the impact, with the rounding of the phase.
 const RELATIVE: f64 = 1e-9;
-/// Step of second differences, with rounding over its square.
+/// Step of second differences.
 const STEP: f64 = 1e-4;
+/// Error of second differences: rounding over the square of the step.
 const SECOND_DIFFERENCE: f64 = 1e-6;
-/// The midpoint rule with 20,000 nodes.
+/// Error of the midpoint rule with 20,000 nodes.
 const QUADRATURE: f64 = 1e-7;
-/// Samples of an amplitude miss the maximum by the square of their spacing, and exceed it by
-/// rounding only.
+/// Error of a sampled amplitude, which misses the maximum by the square of the spacing.
 const SAMPLING: f64 = 1e-6;
+/// Rounding by which a sampled amplitude may exceed the maximum.
 const SAMPLE_ROUNDING: f64 = 1e-11;
-/// Distance of β from 1 on either side, and the difference of the amplitudes there: their slope is
-/// under fifty.
+/// Distance of β from 1 on either side.
 const NEAR_ONE: f64 = 1e-5;
+/// Difference of the amplitudes on either side of β = 1, where their slope is under fifty.
 const LIMIT: f64 = 1e-3;
 
 fn strong() -> Groups {
@@ -185,7 +187,7 @@ fn resonances_are_errors() {
 
 #[test]
 fn closed_form_sum_of_the_eigenvalues_where_sweeps_turn_in_circles() {
-    // Elastic impacts and no dampers: the slow flow keeps volumes.
+    // Elastic impacts and no dampers: the slow flow conserves volumes.
     for [epsilon, f10, sigma1, beta2, sigma30, mu13] in [
         [
             0.3559830366926683,

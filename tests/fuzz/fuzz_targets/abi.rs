@@ -65,7 +65,7 @@ unsafe extern "C" fn log(_: *mut c_void, _: *const c_char, status: c_int, catego
 
 type Plain = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char);
 
-/// One instance and the states it gave out.
+/// An instance and the states taken from it.
 struct Host {
     c: FmiComponent,
     states: [*mut c_void; 3],
@@ -80,7 +80,7 @@ impl Host {
         if status == 0 { value } else { 0.0 }
     }
 
-    /// The longest step that is worth an iteration.
+    /// Longest step of an iteration, s.
     fn longest(&self) -> f64 {
         longest(|name| self.real(name))
     }

@@ -1,5 +1,5 @@
 //! Any calls with any arguments through the C interface of FMI 3.0, in both interface types, with
-//! any handling of events, with a callback that does what it likes: no crash, no panic
+//! any handling of events, with a callback that makes any calls: no crash, no panic
 //! (`fmi3Fatal`), no status the standard does not have, nothing written beyond an array, no number
 //! that is not finite, and an instance that still answers. Saved states go on in an instance of FMI
 //! 2.0.
@@ -61,14 +61,14 @@ struct Input {
     early_return: u8,
     callback: bool,
     required: Vec<u8>,
-    /// What the callback does, in turn.
+    /// Calls that the callback makes, in turn.
     inside: Vec<Call>,
     calls: Vec<Call>,
-    /// Errors that are not led out of by a reset.
+    /// Whether errors are left without a reset.
     stubborn: bool,
 }
 
-/// One instance, the states it gave out, and what its callback is to do.
+/// An instance, the states taken from it, and the calls that its callback is to make.
 struct Host {
     c: FmiInstance,
     states: [*mut c_void; 3],
@@ -117,7 +117,7 @@ impl Host {
         if status == OK { value } else { 0.0 }
     }
 
-    /// The longest step that is worth an iteration.
+    /// Longest step of an iteration, s.
     fn longest(&self) -> f64 {
         longest(|name| self.real(name))
     }
@@ -236,7 +236,7 @@ impl Host {
     }
 }
 
-/// A state of FMI 3.0 goes on in FMI 2.0, or is refused.
+/// A state of FMI 3.0 continues in FMI 2.0, or is refused.
 unsafe fn go_on_in_fmi2(saved: &[u8]) {
     // SAFETY: valid strings; the component is freed once.
     unsafe {

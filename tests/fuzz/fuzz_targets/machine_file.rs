@@ -1,5 +1,5 @@
-//! Any text as a machine's file: it is refused in words, or there is an instance that moves, whose
-//! values are numbers.
+//! Any text as a machine's file: it is refused with a message, or gives an instance that moves and
+//! whose values are numbers.
 //!
 //! `cargo +nightly fuzz run --fuzz-dir tests/fuzz machine_file examples/assembly -- -only_ascii=1 -timeout=60`
 //! begins with the examples.
@@ -12,7 +12,7 @@ use libfuzzer_sys::fuzz_target;
 use std::sync::Arc;
 use vibro_assembly_fmi::{FILE, Machine, Plan};
 
-/// Longer files are as good in parts.
+/// Largest size of a file; longer files are no better test.
 const LONGEST: usize = 4096;
 /// Steps, s: some in which little happens, and some in which work must have its limit.
 const STEPS: [f64; 4] = [1e-6, 1e-3, 0.03, 0.1];
@@ -46,7 +46,7 @@ fuzz_target!(|text: &str| {
     let references: Vec<u32> = (1..=plan.table.rows.len() as u32).collect();
     for size in STEPS {
         let time = machine.time();
-        // A refused step leaves it where it stood.
+        // A refused step does not move the instance.
         if machine.advance(time, size, &mut Silent).is_err() {
             assert_eq!(machine.time(), time);
         }

@@ -1,4 +1,4 @@
-//! What the targets of both C interfaces draw and check.
+//! Inputs and checks of the targets of both C interfaces.
 
 use arbitrary::Arbitrary;
 use std::ffi::{CStr, c_char, c_int};
@@ -8,9 +8,9 @@ use vibro_impact::numerics::digest::fnv1a;
 pub const FATAL: c_int = 4;
 /// Elements of every buffer: the largest count that is not refused.
 pub const ROOM: usize = 4096;
-/// Stands behind every buffer.
+/// Value of the guard behind every buffer.
 pub const GUARD: u64 = 0x5afe_5afe_5afe_5afe;
-/// Sub-steps per step that are still worth an iteration; a longer step is cut.
+/// Most sub-steps of a step, so that an iteration is fast; a longer step is cut.
 const WORK: f64 = 2000.0;
 
 /// A number: plain, over many decades, or raw bits.
@@ -31,7 +31,7 @@ impl Number {
     }
 }
 
-/// How many elements a call says there are.
+/// Number of elements passed to a call.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 pub enum Count {
     Few(u8),
@@ -64,7 +64,7 @@ impl<T: Copy + PartialEq + std::fmt::Debug> Buffer<T> {
     }
 }
 
-/// The longest step that is worth an iteration, of a machine with these values.
+/// Longest step of an iteration, s, for a machine with these values.
 pub fn longest(v: impl Fn(&str) -> f64) -> f64 {
     let k = v("box.k") / v("box.m")
         + v("coupling.k") * (1.0 / v("block.m") + 4.0 / v("secondary.m"))
@@ -87,7 +87,8 @@ pub unsafe fn message<'a>(status: c_int, category: *const c_char, text: *const c
     text
 }
 
-/// Puts the right checksum (FNV-1a) behind altered bytes, so that what is behind it is reached.
+/// Writes the right checksum (FNV-1a) into altered bytes, so that the code after its check is
+/// reached.
 pub fn mend(bytes: &mut [u8]) {
     if let Some((content, checksum)) = bytes.split_last_chunk_mut::<8>() {
         *checksum = fnv1a(content).to_le_bytes();

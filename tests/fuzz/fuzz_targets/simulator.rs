@@ -54,12 +54,12 @@ struct Input {
     actions: Vec<Action>,
 }
 
-/// Sub-steps per step that are still worth an iteration; a longer step is cut.
+/// Most sub-steps of a step, so that an iteration is fast; a longer step is cut.
 const WORK: f64 = 200.0;
-/// The same for nearly elastic stops, where up to 10⁶ impacts in each sub-step are followed one by
-/// one: true, and bounded, but the time of a sub-step is then a tenth of a second.
+/// Most sub-steps of a step with nearly elastic stops, where up to 10⁶ impacts in a sub-step length
+/// are followed one by one, which takes a tenth of a second.
 const ELASTIC_WORK: f64 = 5.0;
-/// Of the energy that passed, or is stored at the scale of the springs.
+/// Imbalance relative to the energy that passed, or is stored at the scale of the springs.
 const BALANCE: f64 = 1e-6;
 
 fn set(p: &mut Parameters, field: u8, value: f64) {
@@ -86,7 +86,7 @@ fn run(input: &Input) -> Option<()> {
     }
     let state = State { x, v: input.speed.map(Number::value) };
     let mut simulator = Simulator::new(&p, &state, 0.0).ok()?;
-    // Beyond these the balance of energies, sums of very different sizes, says nothing.
+    // Beyond these the energies differ so much in size that their balance is meaningless.
     let plain = |x: f64| x.abs() < 1e4;
     let mut comparable = state.x.iter().chain(&state.v).all(|&x| plain(x))
         && FIELDS.iter().all(|f| plain((f.get)(&p))) && p.block_mass > 1e-4 && p.box_mass > 1e-4 && p.secondary_mass > 1e-4;

@@ -3,21 +3,20 @@
 use super::rows::{LaneSystems, state_in};
 use crate::flow::INTERVALS;
 use crate::numerics::simd::product;
-use crate::simulator::batch::vectors::{ROW, Row, Wide};
+use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use pulp::Simd;
 
-/// The coordinates that are transposed at a time.
+/// Number of coordinates that are transposed at a time.
 const GROUP: usize = 4;
 
-/// The states of some lanes at the centres of intervals. Since the interval differs from lane to
-/// lane, so does the matrix that leads there, and each state is one product. Motion by motion the
-/// states are written as the products leave them, and the vectors are transposed when they are
-/// read.
+/// States of some lanes at the centres of intervals. The interval, and so the transition matrix,
+/// differs from lane to lane: each state is a product of its own, written motion by motion, and
+/// transposed into vectors when it is read.
 #[repr(align(64))]
 pub(super) struct Centres {
-    /// The states by halves: `[half][place][coordinate]`.
+    /// Halves of the states: `[half][place][coordinate]`.
     halves: [[[f64; GROUP]; ROW]; 2],
-    /// The place of each lane, which undoes the order in which the vectors are transposed.
+    /// Place of each lane, which undoes the order in which the vectors are transposed.
     place: [u8; ROW],
 }
 
@@ -28,8 +27,8 @@ impl Centres {
         for (place, state) in numbered.halves[0].iter_mut().enumerate() {
             *state = [place as f64; GROUP];
         }
-        let mut there = Row::ZERO;
-        for v in 0..Row::vectors::<S>() {
+        let mut there = LaneRow::ZERO;
+        for v in 0..LaneRow::vectors::<S>() {
             numbered.load(simd, v)[0].store(&mut there, v);
         }
         for (place, there) in numbered.place.iter_mut().zip(there.0) {
@@ -47,7 +46,7 @@ impl Centres {
         systems: &LaneSystems,
         lane: usize,
         interval: usize,
-        rows: &[Row; 8],
+        rows: &[LaneRow; 8],
     ) {
         let Some(table) = systems.table(lane) else { return };
         let [a, b, c, d, e, f, g, h] =
@@ -56,7 +55,7 @@ impl Centres {
         (self.halves[0][place], self.halves[1][place]) = ([a, b, c, d], [e, f, g, h]);
     }
 
-    /// The states in vector `v`.
+    /// States in vector `v`.
     #[inline(always)]
     pub(super) fn load<S: Simd>(&self, simd: S, v: usize) -> [Wide<S>; 8] {
         let lanes = v * S::F64_LANES..(v + 1) * S::F64_LANES;

@@ -1,13 +1,12 @@
-//! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples
-//! of it.
+//! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples.
 //!
 //! q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from
-//! above to below zero: at a root within a sub-step, which [`turns`] finds with the same proof as
-//! the simulator's events, or at an impact that reverses the rate. A maximum that lasts, of w while
-//! the block rests at the upper stop, counts once, where it ends.
+//! above to below zero: at a root within a sub-step, which [`turns`] finds with the proof that
+//! finds the simulator's events, or at an impact that reverses the rate. A maximum that lasts (w
+//! while the block rests at the upper stop) counts once, at its end.
 //!
-//! Over a sub-step of flight 16 values of the rate and a bound on its second derivative leave few
-//! intervals to be searched, as they do for the gap.
+//! Over a sub-step of flight 16 samples of the rate and a bound on its second derivative leave few
+//! intervals to be searched, as in the search for impacts.
 
 use crate::events::turns;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, expand_along, weighted_sum};
@@ -15,7 +14,7 @@ use crate::model::{Augmented, BOX, BOX_RATE, Forces, Model, SmoothMode};
 use crate::numerics::simd::{product, value, weigh};
 use crate::simulator::Simulator;
 use crate::simulator::batch::queue::Maximum;
-use crate::simulator::batch::vectors::{Row, Wide};
+use crate::simulator::batch::vectors::{LaneRow, Wide};
 use pulp::Simd;
 
 /// Follows the sign of a displacement's rate along a motion.
@@ -27,7 +26,7 @@ pub(super) struct MaximumFinder {
 }
 
 impl MaximumFinder {
-    /// For a motion that is about to begin, with the weights of x1, x2 and x3.
+    /// Finder for a motion that is about to begin, with the weights of x1, x2 and x3.
     pub(super) fn new(simulator: &Simulator, [a, b, c]: [f64; 3]) -> Self {
         let weights = [a + b, b, c];
         let rising = weighted_sum(&weights, &simulator.augmented(), BOX_RATE) > 0.0;
@@ -78,7 +77,7 @@ impl MaximumFinder {
         // Between the ends of an interval the rate lies within this of its chord.
         let margin = 0.125 * h * h * weigh::<S>(z, &self.table.bound);
         let start = weighted_sum(&self.weights, z, BOX_RATE);
-        let rates = Row(product(simd, &self.table.sample, z));
+        let rates = LaneRow(product(simd, &self.table.sample, z));
         // A sub-step may end a little beyond its last interval.
         let count = ((span / h).ceil() as usize).clamp(1, INTERVALS);
         let last = count - 1;
@@ -94,8 +93,8 @@ impl MaximumFinder {
                 break;
             }
             let (before, after) = (if i == 0 { start } else { rates.0[i - 1] }, rates.0[i]);
-            // A rate that goes up by more than four margins rises throughout, so that it passes
-            // zero once. Where that is in a whole interval, the minimum need not be found.
+            // A rate that grows by more than four margins grows throughout, so that it passes zero
+            // once. In a whole interval, that minimum of q need not be located.
             if !self.rising && i != last && before < 0.0 && after > 0.0 && after - before > 4.0 * margin {
                 self.rising = true;
             } else {
@@ -118,8 +117,8 @@ impl MaximumFinder {
     ) {
         let model = &simulator.model;
         if index == 0 {
-            // About the start itself: a block that leaves a stop has its maximum of w there,
-            // exactly.
+            // A series about the start: a block that leaves a stop has its maximum of w exactly
+            // there.
             let series = Series::<ANCHORED>::expand(model, SmoothMode::Flight, z, None, end);
             return self.search_series(&series, (0.0, 1.0), (time, end), found);
         }
@@ -133,7 +132,7 @@ impl MaximumFinder {
         self.search_series(&series, (from, to), (time + centre_time, radius), found);
     }
 
-    /// Searches a series between two places of its variable; `time` is that of its centre.
+    /// Searches a series between two values of its variable; `time` is that of its centre.
     #[inline(always)]
     fn search_series<const N: usize>(
         &mut self,
@@ -158,27 +157,27 @@ impl MaximumFinder {
         });
     }
 
-    /// Looks at an impact after which the state is `after`.
+    /// Checks an impact for a maximum; `after` is the state after it.
     #[inline(always)]
     pub(super) fn pass_impact(&mut self, after: &Augmented, time: f64, found: &mut dyn FnMut(Maximum)) {
         let rate = weighted_sum(&self.weights, after, BOX_RATE);
         if self.rising && rate < 0.0 {
             found(Maximum { time, value: weighted_sum(&self.weights, after, BOX), corner: true });
         }
-        // Where the rate is zero after the impact, what follows decides.
+        // With a rate of zero after the impact, the motion that follows decides.
         if rate != 0.0 {
             self.rising = rate > 0.0;
         }
     }
 }
 
-/// The intervals of a sub-step, the first one's bit the lowest, at both of whose ends the rate is
-/// above `margin`, and those at both of whose ends it is below minus `margin`.
+/// Bit sets of the intervals of a sub-step, the first one's bit the lowest: those with a rate above
+/// `margin` at both ends, and those with a rate below `-margin` at both ends.
 #[inline(always)]
-fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &Row, margin: f64) -> [u64; 2] {
+fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &LaneRow, margin: f64) -> [u64; 2] {
     let (mut above, mut below) = (u64::from(start > margin), u64::from(-start > margin));
     let margin = Wide::splat(simd, margin);
-    for v in 0..Row::vectors::<S>() {
+    for v in 0..LaneRow::vectors::<S>() {
         let rate = Wide::load(simd, rates, v);
         above |= margin.less_than(rate).bits() << (v * S::F64_LANES + 1);
         below |= margin.less_than(-rate).bits() << (v * S::F64_LANES + 1);
@@ -186,7 +185,7 @@ fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &Row, margin: f64) -> [u64
     [above & above >> 1, below & below >> 1]
 }
 
-/// The table of a displacement's rate, by the best instruction set at hand.
+/// Table of a displacement's rate, by the best instruction set of this machine.
 fn rate_table(model: &Model, weights: &[f64; 3], substep: f64) -> RateTable {
     struct Fill<'a>(&'a Model, &'a [f64; 3], f64);
     impl pulp::WithSimd for Fill<'_> {

@@ -1,10 +1,10 @@
-//! Free flights about the centre of an interval, one in each lane: their series, the gap's first
-//! zero with its proof, and the state there.
+//! Free flights about the centre of an interval, one in each lane: their series, the first passage
+//! of a stop with its proof, and the state there.
 
 use super::rows::LaneSystems;
 use crate::flow::{CENTRED, remainder};
 use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE};
-use crate::simulator::batch::vectors::{Mask, Row, Wide};
+use crate::simulator::batch::vectors::{LaneRow, Mask, Wide};
 use pulp::Simd;
 
 /// 1/k!.
@@ -17,14 +17,14 @@ const FACTORIALS: [f64; CENTRED] = {
     }
     r
 };
-/// How far from its centre a series serves, in half intervals. A tenth of an interval beyond the
-/// end its remainder, 0.09¹⁰/9!, is still under the rounding of a double (docs/numerics.md, section
-/// 1), and a gap that is only just short of the stop at the end can be followed into the next
-/// interval.
+/// Radius about its centre in which a series is used, in half intervals: a tenth of an interval
+/// beyond the end. The remainder there, 0.09¹⁰/9!, is still under the rounding of a double
+/// (docs/numerics.md, section 1), and a block only just short of the stop at the end can be
+/// followed into the next interval.
 pub(super) const REACH: f64 = 6.0 / 5.0;
 const _: () = assert!(remainder(CENTRED, 0.075 * REACH) < 9.8e-17);
-/// How far the first iterate of a search may be, in half intervals: up to here the bounds up to
-/// [`REACH`] still tell enough (docs/numerics.md, section 7).
+/// Largest first iterate of a search, in half intervals: up to here the bounds that hold within
+/// [`REACH`] are still strong enough (docs/numerics.md, section 7).
 const BEYOND: f64 = 5.0 / 4.0;
 /// REACH^k.
 const POWERS: [f64; CENTRED] = {
@@ -36,16 +36,15 @@ const POWERS: [f64; CENTRED] = {
     }
     r
 };
-/// A root counts as found when the proof bounds its error by this part of half an interval: the
-/// rounding of 1.
+/// Bound on the error of a root, in half intervals, with which it counts as found: the rounding of
+/// 1.
 const RESOLUTION: f64 = 0.5 * f64::EPSILON;
 
-/// The derivatives at the centre in the time unit of half an interval.
+/// Derivatives of the motions at their centres, with half an interval as unit of time.
 pub(super) struct CentredFlights<S: Simd> {
     /// x1, w, x3.
     positions: [Wide<S>; 3],
-    /// Derivatives of their rates, `[order][coordinate]`, which are those of the positions one
-    /// order on.
+    /// Derivatives of the rates of x1, w, x3, `[order][coordinate]`.
     rates: [[Wide<S>; 3]; CENTRED],
     /// cos θ and sin θ.
     cos: Wide<S>,
@@ -53,20 +52,20 @@ pub(super) struct CentredFlights<S: Simd> {
 }
 
 impl<S: Simd> CentredFlights<S> {
-    /// Order after order from the equations of motion, docs/theory.md (6) and (8). `Series::expand`
-    /// does the same for one motion; it is written again for vectors of systems, and
-    /// `second_method_flights_are_the_series` holds the two together.
+    /// Derivatives order by order from the equations of motion, docs/theory.md (6) and (8). This is
+    /// `Series::expand` for vectors of systems; `second_method_flights_are_the_series` compares the
+    /// two.
     #[inline(always)]
     pub(super) fn expand(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Self {
-        let load = |row: &Row| Wide::load(simd, row, v);
+        let load = |row: &LaneRow| Wide::load(simd, row, v);
         let (k1, c1, k2) = (load(&systems.k1), load(&systems.c1), load(&systems.k2));
         let (k3, c3, k32) = (load(&systems.k3), load(&systems.c3), load(&systems.k32));
         let (drive, omega, radius) = (load(&systems.drive), load(&systems.omega), load(&systems.radius));
         let positions = [z[BOX], z[RELATIVE], z[SECONDARY]];
         let mut rates =
             [[z[BOX_RATE] * radius, z[RELATIVE_RATE] * radius, z[SECONDARY_RATE] * radius]; CENTRED];
-        // The drive's derivatives of even and odd order: each is the one two orders before times
-        // -ω².
+        // Derivatives of the drive's force, even and odd orders: each is -ω² times the one two
+        // orders below.
         let square = -(omega * omega);
         let mut push = [drive * z[DRIVE_SIN], drive * omega * z[DRIVE_COS]];
         let mut x = positions;
@@ -85,7 +84,7 @@ impl<S: Simd> CentredFlights<S> {
         Self { positions, rates, cos: z[DRIVE_COS], sin: z[DRIVE_SIN] }
     }
 
-    /// side·w - L as polynomials: by how much the block is past the stop `side`, negative inside.
+    /// Polynomials side·w - L: the excess of the block past the stop `side`, negative inside.
     #[inline(always)]
     pub(super) fn excess(&self, side: Wide<S>, gap: Wide<S>) -> Excess<S> {
         let zero = side.uniform(0.0);
@@ -99,7 +98,7 @@ impl<S: Simd> CentredFlights<S> {
         excess
     }
 
-    /// The state at u, the time since the centre in half intervals.
+    /// State at u, the time since the centre in half intervals.
     #[inline(always)]
     pub(super) fn state_at(&self, systems: &LaneSystems, simd: S, v: usize, u: Wide<S>) -> [Wide<S>; 8] {
         let zero = u.uniform(0.0);
@@ -139,7 +138,7 @@ impl<S: Simd> CentredFlights<S> {
     }
 }
 
-/// The polynomials p(u) = side·w - L.
+/// Polynomials p(u) = side·w - L.
 pub(super) struct Excess<S: Simd> {
     /// Coefficients of p, lowest order first.
     c: [Wide<S>; CENTRED],
@@ -147,17 +146,17 @@ pub(super) struct Excess<S: Simd> {
     d: [Wide<S>; CENTRED - 1],
 }
 
-/// Where the polynomials pass zero upwards.
+/// Upward zeros of the polynomials.
 pub(super) struct Crossing<S: Simd> {
     pub(super) u: Wide<S>,
-    /// The lanes in which u is proved to be the first zero.
+    /// Lanes in which u is proved to be the first zero.
     pub(super) found: Mask<S>,
-    /// Newton steps.
+    /// Numbers of Newton steps.
     pub(super) iterations: Wide<S>,
 }
 
 impl<S: Simd> Excess<S> {
-    /// Divides the `chosen` by u: they start at a stop, and the zero there is no return to it.
+    /// Divides the polynomials `chosen` by u: they start at a stop, and that zero is no return.
     #[inline(always)]
     pub(super) fn divide_by_u(&mut self, chosen: Mask<S>) {
         let zero = self.c[0].uniform(0.0);
@@ -171,13 +170,13 @@ impl<S: Simd> Excess<S> {
         }
     }
 
-    /// The lanes in which the polynomials are proved to stay below zero and above -2 `gap`, so that
-    /// the block meets neither stop, from `from` to [`REACH`].
+    /// Lanes in which the polynomials are proved to stay below zero and above -2 `gap` from `from`
+    /// to [`REACH`], so that the block meets neither stop.
     ///
-    /// Two proofs are tried. The parabola of the first three orders is largest at an end or at its
-    /// vertex, and the sizes of the other terms bound what they add. Or, for `from` = 0, the
-    /// polynomial is at most what is left of it without the negative terms of order two and more;
-    /// that is convex, so it is enough that it is negative at both ends.
+    /// Two proofs are tried. First, the parabola of the first three orders is largest at an end or
+    /// at its vertex, and the sizes of the other terms bound their sum. Second, for `from` = 0, the
+    /// polynomial is at most itself without its negative terms of order two and more; that bound is
+    /// convex, so it suffices that it is negative at both ends.
     #[inline(always)]
     pub(super) fn stays_negative(&self, from: Wide<S>, gap: Wide<S>) -> Mask<S> {
         let c = &self.c;
@@ -200,9 +199,9 @@ impl<S: Simd> Excess<S> {
         (low | convex) & path.less_than(gap)
     }
 
-    /// The first zero in (`from`, [`REACH`]), proved as in [`crate::events::flight_crossing`],
-    /// which does the same for one motion. It is found only for a path that rises and is nearly
-    /// straight; `second_method_crossings_and_their_absence` holds the two together.
+    /// First zero in (`from`, [`REACH`]), proved as in [`crate::events::flight_crossing`], its
+    /// counterpart for one motion. It is found only for a path that rises and is nearly straight.
+    /// `second_method_crossings_and_their_absence` compares the two.
     #[inline(always)]
     pub(super) fn upward_crossing(&self, from: Wide<S>, gap: Wide<S>) -> Crossing<S> {
         let Self { c, d } = self;
@@ -215,31 +214,31 @@ impl<S: Simd> Excess<S> {
             curvatures[chain] = size.mul_add(splat(k as f64 * POWERS[k - 1]), curvatures[chain]);
         }
         let (sum, curvature) = (sums[0] + sums[1], curvatures[0] + curvatures[1]);
-        // The slope is at least this, and the second derivative at most `curvature`, up to REACH.
+        // Within REACH the slope is at least `spare` and the second derivative at most `curvature`.
         let spare = d[0] - sum;
         let straight = zero.less_than(spare) & curvature.less_than(half * spare);
         let squares = half * curvature / spare;
 
-        // The inverse series to third order gives the starting value.
+        // Starting value by third-order reversion of the series.
         let scale = one / c[1];
         let linear = -(c[0] * scale);
         let (bend, twist) = (c[2] * scale, c[3] * scale);
         let inner = (bend + bend).mul_add(bend, -twist);
         let start = linear * linear.neg_mul_add(linear.neg_mul_add(inner, bend), one);
-        // With K = `squares` the error after a step m is at most 4 K m² for K m ≤ 1; where K m > 1,
-        // `last` is large and nothing is found (docs/numerics.md, section 7).
+        // With K = `squares` the error after a step m with K m ≤ 1 is at most 4 K m². With K m > 1,
+        // `last` is too large and nothing is found (docs/numerics.md, section 7).
         let step = polynomial(c, start) / polynomial(d, start);
         let error = splat(4.0) * squares * step * step;
         let once = start - step;
         let inverse = one / polynomial(d, once);
         let twice = once - polynomial(c, once) * inverse;
         let rest = squares * error * error;
-        // The third step uses the slope of the second, taken at most error + rest away from the
-        // zero: it is wrong by at most |p''| times that distance.
+        // The third step uses the slope of the second, taken at most error + rest from the zero: it
+        // is off by at most max |p''| times that distance.
         let thrice = twice - polynomial(c, twice) * inverse;
         let last = (squares + squares) * (error + rest) * rest;
-        // The last bounces of a chatter run are found with as many digits as the first: from the
-        // start on, relatively to u.
+        // From a start the resolution is relative to u, so that the last bounces of a chatter run
+        // are found with as many digits as the first.
         let centred = from.at_most(-one);
         let resolution = splat(RESOLUTION) * centred.select(one, once.abs());
         let (enough, soon) = (rest.at_most(resolution), error.at_most(resolution));
@@ -247,9 +246,9 @@ impl<S: Simd> Excess<S> {
         let reach = splat(REACH);
         let near = start.abs().less_than(reach) & once.abs().less_than(splat(BEYOND));
         let inside = near & from.less_than(u) & u.less_than(reach);
-        // What rises from c[0] to zero stays in between. Where a zero at the start was divided out,
-        // the block is at most REACH times |c[0]| away from its stop until it returns, so it does
-        // not come to the other one.
+        // A path that rises from c[0] to zero stays in between. Where a zero at the start was
+        // divided out, the block stays within REACH |c[0]| of its stop until it returns. In both
+        // cases it does not reach the other stop.
         let alone = centred | (-c[0]).less_than(gap);
         Crossing {
             u,
@@ -259,7 +258,8 @@ impl<S: Simd> Excess<S> {
     }
 }
 
-/// Σ_k c_k u^k by pairs of neighbouring orders, whose short chains of operations run side by side.
+/// Σ_k c_k u^k by pairs of neighbouring orders (Estrin's scheme), whose short chains of operations
+/// run side by side.
 #[inline(always)]
 fn polynomial<S: Simd, const N: usize>(c: &[Wide<S>; N], u: Wide<S>) -> Wide<S> {
     let square = u * u;

@@ -1,40 +1,39 @@
-//! What is reported of motions on the way: samples, events and maxima, of sub-steps in lanes and
-//! alone.
+//! Reports of motions on the way: samples, events and maxima, for sub-steps in lanes and alone.
 
 use super::maxima::MaximumFinder;
 use super::passage::CentredFlights;
 use super::substep::Progress;
 use super::{LaneSet, Rounds, lanes_of};
 use crate::error::{Error, Result};
-use crate::flow::{CENTRED, INTERVALS, Series, Table, WHOLE};
+use crate::flow::{CENTRED, INTERVALS, Series, SubstepTable, WHOLE};
 use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
 use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::queue::{MotionQueue, Reports};
-use crate::simulator::batch::vectors::{ROW, Row, Wide};
+use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use crate::simulator::step::AdvanceState;
 use crate::simulator::{Event, Simulator};
 use crate::state::State;
 use pulp::Simd;
 use std::ops::ControlFlow;
 
-/// What is to be reported of one motion, and how far that has come.
+/// Reports of one motion, with their progress.
 pub(super) struct Reporter {
     reports: Reports,
-    /// The number of the next sample.
+    /// Number of the next sample.
     next: u32,
     pub(super) maxima: Option<MaximumFinder>,
 }
 
-/// Where a sub-step that is computed alone began.
-pub(super) struct Piece {
+/// Start of a sub-step that is computed alone.
+pub(super) struct SubstepOrigin {
     pub(super) mode: SmoothMode,
     pub(super) z: Augmented,
     pub(super) time: DoubleDouble,
-    /// The loads, if any act, which do not change.
+    /// Constant loads, if any act.
     pub(super) forces: Option<Forces>,
 }
 
-impl Piece {
+impl SubstepOrigin {
     #[inline(always)]
     pub(super) fn from(simulator: &Simulator, advance: &AdvanceState) -> Self {
         let forces = simulator.model.constant_forces();
@@ -43,11 +42,11 @@ impl Piece {
 }
 
 impl Reporter {
-    /// For a motion that is about to begin; it keeps no energy accounts from now on.
+    /// Reporter for a motion that is about to begin; switches its energy accounts off.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] under loads other than the constant ones of the parameters, and for
-    /// samples without a time between them or more than can be numbered.
+    /// [`Error::OutOfRange`] under loads other than the constant ones of the parameters, for a time
+    /// between samples that is not positive, and for more samples than can be numbered.
     pub(super) fn new(simulator: &mut Simulator, reports: Reports, end: f64) -> Result<Self> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(simulator.hybrid.loads) {
@@ -71,9 +70,9 @@ impl Reporter {
         Ok(reporter)
     }
 
-    /// Sets the number of the next sample, to a later one where its time is not after `now`.
+    /// Sets the number of the next sample to the first from `number` on whose time is after `now`.
     fn set_next(&mut self, number: u32, now: f64) {
-        // Near the number that is asked for, or near `now`, whichever is later.
+        // The loop below begins at `number` or just before `now`, whichever is later.
         let passed = ((now - self.reports.origin) / self.reports.step).floor() - 1.0;
         self.next = number.max(passed as u32);
         while self.next < u32::MAX && self.next_sample() <= now {
@@ -81,7 +80,7 @@ impl Reporter {
         }
     }
 
-    /// When the next sample is due, s; infinite where none is.
+    /// Time of the next sample, s; infinite if there is none.
     #[inline(always)]
     pub(super) fn next_sample(&self) -> f64 {
         if self.next == u32::MAX {
@@ -90,7 +89,7 @@ impl Reporter {
         self.reports.origin + f64::from(self.next) * self.reports.step
     }
 
-    /// Takes the next sample; breaks where it was the last thing asked of the motion.
+    /// Reports the next sample, with the state `z`; breaks if the queue ends the motion.
     #[inline(always)]
     fn take(
         &mut self,
@@ -102,7 +101,7 @@ impl Reporter {
         ControlFlow::Continue(())
     }
 
-    /// Reports an event and takes note of the sample that is asked for; returns whether one is.
+    /// Reports an event; returns whether the queue has changed the next sample.
     #[inline(always)]
     fn report_event(
         &mut self,
@@ -118,13 +117,13 @@ impl Reporter {
         asked.is_some()
     }
 
-    /// Reports a sub-step that began at `from`, brought `events` and ended, after their law, in the
-    /// state `after`. Breaks where no more is asked of the motion.
+    /// Reports a sub-step from `from` with its `events`; `after` is the state after their law.
+    /// Breaks if the queue ends the motion.
     #[inline(always)]
     pub(super) fn report_alone(
         &mut self,
         simulator: &Simulator,
-        from: &Piece,
+        from: &SubstepOrigin,
         after: &Augmented,
         events: [Option<Event>; 2],
         (queue, lane): (&mut (dyn MotionQueue + '_), usize),
@@ -157,12 +156,12 @@ impl Reporter {
 }
 
 impl Simulator {
-    /// The state `dt` s after the start of a sub-step, from the tables and the series about an
+    /// State `dt` s after the start of a sub-step, from the tables and the series about an
     /// interval's centre.
-    fn state_after(&self, from: &Piece, dt: f64) -> Augmented {
+    fn state_after(&self, from: &SubstepOrigin, dt: f64) -> Augmented {
         if from.forces.is_some() {
-            // One series over the whole sub-step, whose remainder is under round-off
-            // (docs/numerics.md).
+            // One series over the whole sub-step; its remainder is under round-off
+            // (docs/numerics.md, section 1).
             let h = self.substep;
             let series = Series::<WHOLE>::expand(&self.model, from.mode, &from.z, from.forces.as_ref(), h);
             let mut z = series.at(dt / h);
@@ -177,7 +176,7 @@ impl Simulator {
         };
         let (index, u) = self.place_in_substep(dt);
         let mut z = [0.0; 8];
-        Table::transit(&tables.core.centre[index], &from.z, &mut z);
+        SubstepTable::transit(&tables.core.centre[index], &from.z, &mut z);
         let hold = |z: &mut Augmented| {
             if from.mode == SmoothMode::Rest {
                 (z[RELATIVE], z[RELATIVE_RATE]) = (from.z[RELATIVE], 0.0);
@@ -189,8 +188,8 @@ impl Simulator {
         z
     }
 
-    /// The interval in which a time `dt` after the start of a sub-step lies, and its place about
-    /// the interval's centre in half intervals.
+    /// Interval that contains the time `dt` after the start of a sub-step, and the time from the
+    /// interval's centre in half intervals.
     #[inline(always)]
     fn place_in_substep(&self, dt: f64) -> (usize, f64) {
         let place = dt / self.interval();
@@ -200,7 +199,7 @@ impl Simulator {
 }
 
 impl Rounds<'_> {
-    /// Reports what a round has done. Returns the lanes of whose motions no more is asked.
+    /// Reports the sub-steps of a round. Returns the lanes whose motions the queue has ended.
     #[inline(always)]
     pub(super) fn report<S: Simd>(&mut self, simd: S, done: &Progress) -> LaneSet {
         let mut ended = 0;
@@ -234,7 +233,7 @@ impl Rounds<'_> {
         ended
     }
 
-    /// Looks for maxima in the sub-step that a motion has just done in its lane.
+    /// Reports the maxima in the latest sub-step of a motion in its lane.
     #[inline(always)]
     fn find_maxima<S: Simd>(&mut self, simd: S, lane: usize, through: bool) {
         let Some(reporter) = self.motions[lane].as_mut().and_then(|motion| motion.reporter.as_mut()) else {
@@ -253,12 +252,12 @@ impl Rounds<'_> {
         }
     }
 
-    /// Takes a sample of each of the motions `due` within its latest sub-step: about the centre of
-    /// the sample's interval, which differs from lane to lane, the flights of all lanes are
-    /// expanded side by side. Returns the lanes of whose motions no more is asked.
+    /// Reports a sample of each of the motions `due`, within its latest sub-step. The flights of
+    /// all lanes are expanded side by side, each about the centre of its own interval. Returns the
+    /// lanes whose motions the queue has ended.
     #[inline(always)]
     fn take_samples<S: Simd>(&mut self, simd: S, due: LaneSet) -> LaneSet {
-        let (mut places, mut ended) = (Row::ZERO, 0);
+        let (mut places, mut ended) = (LaneRow::ZERO, 0);
         for lane in lanes_of(due) {
             let dt =
                 (self.states.next_sample.0[lane] - self.starts.time[0].0[lane]) - self.starts.time[1].0[lane];
@@ -267,14 +266,14 @@ impl Rounds<'_> {
             self.samples.put(simd, &self.systems, lane, index, &self.starts.z);
         }
         let mut samples = [[0.0; 8]; ROW];
-        for v in 0..Row::vectors::<S>() {
+        for v in 0..LaneRow::vectors::<S>() {
             if due >> (v * S::F64_LANES) & ((1 << S::F64_LANES) - 1) == 0 {
                 continue;
             }
             let centre = self.samples.load(simd, v);
             let flights = CentredFlights::expand(simd, &self.systems, v, &centre);
             let z = flights.state_at(&self.systems, simd, v, Wide::load(simd, &places, v));
-            let mut row = Row::ZERO;
+            let mut row = LaneRow::ZERO;
             for (j, z) in z.into_iter().enumerate() {
                 z.store(&mut row, v);
                 let lanes = v * S::F64_LANES..(v + 1) * S::F64_LANES;

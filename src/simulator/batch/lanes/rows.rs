@@ -1,12 +1,12 @@
-//! The numbers of the motions under way, the same number of all motions side by side in a row.
+//! Numbers of the motions under way, in rows: each row holds one number of every motion.
 
 use super::LaneSet;
-use super::transition::Transition;
-use crate::flow::{CORE, INTERVALS, Table};
+use super::transition::LaneTransitions;
+use crate::flow::{CORE, INTERVALS, SubstepTable};
 use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN, ImpactFactors};
 use crate::numerics::double_double::DoubleDouble;
 use crate::parameters::Parameters;
-use crate::simulator::batch::vectors::{ROW, Row, Wide};
+use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use crate::simulator::general::MAX_REACH;
 use crate::simulator::step::AdvanceState;
 use crate::simulator::tables::ModeTables;
@@ -14,62 +14,65 @@ use crate::simulator::{Contact, Simulator};
 use pulp::Simd;
 use std::sync::Arc;
 
-/// `departing` of a motion that is not in flight, larger than that of any that is.
+/// `departing` of a motion that lanes cannot advance: in rest, or within rounding of a departure.
+/// It is larger than any order of departure.
 const GROUNDED: f64 = f64::INFINITY;
 
-/// What stays the same while a motion is under way.
+/// Numbers that are constant while a motion is under way.
 pub(super) struct LaneSystems {
-    /// The parameters for which each lane is filled. A new motion with the same finds the rows
-    /// filled.
+    /// Parameters for which each lane is filled, so that a motion with equal ones need not fill it.
     parameters: [Option<Parameters>; ROW],
-    /// The tables of the motion in each lane.
+    /// Tables of the motion in each lane.
     tables: [Option<Arc<ModeTables>>; ROW],
     /// Weights of the coordinates in w at the end of each interval.
-    pub(super) sample: [[Row; 8]; INTERVALS],
-    /// The matrix that gives the state after a whole sub-step.
-    pub(super) full: Transition,
+    pub(super) sample: [[LaneRow; 8]; INTERVALS],
+    /// Transition matrix over a whole sub-step.
+    pub(super) full: LaneTransitions,
     /// Weights of the coordinates' sizes in the bound on |w''| over a sub-step.
-    pub(super) bound: [Row; 8],
+    pub(super) bound: [LaneRow; 8],
     /// End of the advance, leading and trailing part, s.
-    pub(super) end: [Row; 2],
-    /// Lengths of a sub-step and of an interval, s.
-    pub(super) substep: Row,
-    pub(super) interval: Row,
-    /// L.
-    pub(super) gap: Row,
-    /// The largest path in an interval with which it is searched as a whole, as in
-    /// `Simulator::exceeds_reach`, m.
-    pub(super) reach: Row,
-    /// A chatter run is not closed while the square of the rebound speed exceeds this times a bound
-    /// on the acceleration, m: `Simulator::chatter_closing_limit`.
-    pub(super) closing: Row,
-    /// κ, and the factors of `Model::impact_factors`: of the approach speed for the box's change of
-    /// velocity and for the impulse, of its square for the energy lost.
-    pub(super) restitution: Row,
-    pub(super) kick: Row,
-    pub(super) impulse: Row,
-    pub(super) loss: Row,
-    /// Half an interval, s: the time unit of the coefficients below, which are those of
+    pub(super) end: [LaneRow; 2],
+    /// Length of a sub-step, s.
+    pub(super) substep: LaneRow,
+    /// Length of an interval, s.
+    pub(super) interval: LaneRow,
+    /// Gap L, m.
+    pub(super) gap: LaneRow,
+    /// Longest path in an interval that is searched as a whole, m, as in
+    /// `Simulator::exceeds_reach`.
+    pub(super) reach: LaneRow,
+    /// Largest rebound speed squared over acceleration with which a chatter run is closed, m:
+    /// `Simulator::chatter_closing_limit`.
+    pub(super) closing: LaneRow,
+    /// Coefficient of restitution κ.
+    pub(super) restitution: LaneRow,
+    /// Change of the box's velocity over approach speed, as in `Model::impact_factors`.
+    pub(super) kick: LaneRow,
+    /// Impulse over approach speed, kg, as in `Model::impact_factors`.
+    pub(super) impulse: LaneRow,
+    /// Energy lost over approach speed squared, kg, as in `Model::impact_factors`.
+    pub(super) loss: LaneRow,
+    /// Half an interval, s: the unit of time of the coefficients below, which are those of
     /// docs/theory.md (6) and the drive's frequency.
-    pub(super) radius: Row,
-    pub(super) k1: Row,
-    pub(super) c1: Row,
-    pub(super) drive: Row,
-    pub(super) k2: Row,
-    pub(super) k3: Row,
-    pub(super) c3: Row,
-    pub(super) k32: Row,
-    pub(super) omega: Row,
+    pub(super) radius: LaneRow,
+    pub(super) k1: LaneRow,
+    pub(super) c1: LaneRow,
+    pub(super) drive: LaneRow,
+    pub(super) k2: LaneRow,
+    pub(super) k3: LaneRow,
+    pub(super) c3: LaneRow,
+    pub(super) k32: LaneRow,
+    pub(super) omega: LaneRow,
 }
 
 impl LaneSystems {
     pub(super) fn zero() -> Self {
-        let row = Row::ZERO;
+        let row = LaneRow::ZERO;
         Self {
             parameters: [None; ROW],
             tables: [const { None }; ROW],
             sample: [[row; 8]; INTERVALS],
-            full: Transition::ZERO,
+            full: LaneTransitions::ZERO,
             bound: [row; 8],
             end: [row; 2],
             substep: row,
@@ -93,15 +96,15 @@ impl LaneSystems {
         }
     }
 
-    /// Lets go of the tables of the motion in a lane, so that its simulator may fill them for
-    /// another system without copying them.
+    /// Releases the tables of the motion in a lane, so that its simulator can refill them for
+    /// another system without a copy.
     pub(super) fn release_tables(&mut self, lane: usize) {
         self.tables[lane] = None;
     }
 
-    /// The table of the motion in a lane, if there is one.
+    /// Table of flight of the motion in a lane, if there is a motion.
     #[inline(always)]
-    pub(super) fn table(&self, lane: usize) -> Option<&Table<CORE>> {
+    pub(super) fn table(&self, lane: usize) -> Option<&SubstepTable<CORE>> {
         self.tables[lane].as_deref().map(|tables| &tables.core)
     }
 
@@ -150,44 +153,47 @@ impl LaneSystems {
     }
 }
 
-/// What changes from sub-step to sub-step. Counts are whole numbers, exact in a double.
+/// Numbers that change from sub-step to sub-step. Counts are whole numbers, exact in a double.
 pub(super) struct LaneStates {
-    /// The state x1, w, x3, their rates, cos θ and sin θ.
-    pub(super) z: [Row; 8],
+    /// Augmented state: x1, w, x3, their rates, cos θ and sin θ.
+    pub(super) z: [LaneRow; 8],
     /// Time, leading and trailing part, s.
-    pub(super) time: [Row; 2],
-    /// As `HybridState::departing`, or [`GROUNDED`].
-    pub(super) departing: Row,
+    pub(super) time: [LaneRow; 2],
+    /// Order of departure, as `HybridState::departing`, or [`GROUNDED`].
+    pub(super) departing: LaneRow,
     /// Sub-steps since cos θ and sin θ were computed anew.
-    pub(super) since_renewal: Row,
+    pub(super) since_renewal: LaneRow,
     /// Energy lost at impacts, leading and trailing part, J.
-    pub(super) lost: [Row; 2],
-    /// Impacts at the upper and at the lower stop since the motion came into the lane.
-    pub(super) upper: Row,
-    pub(super) lower: Row,
-    /// As in `ImpactRecord`.
-    pub(super) last_time: Row,
-    pub(super) last_speed: Row,
-    pub(super) last_impulse: Row,
-    pub(super) total_impulse: Row,
-    pub(super) box_impulse: Row,
-    /// As in `WorkCounters`, since the motion came into the lane.
-    pub(super) substeps: Row,
-    pub(super) expansions: Row,
-    pub(super) iterations: Row,
-    /// When the next sample is due, s; infinite where none is asked for.
-    pub(super) next_sample: Row,
+    pub(super) lost: [LaneRow; 2],
+    /// Impacts at the upper stop since the motion came into the lane.
+    pub(super) upper: LaneRow,
+    /// Impacts at the lower stop since the motion came into the lane.
+    pub(super) lower: LaneRow,
+    /// Time of the last impact, s; this and the next four rows are fields of `ImpactRecord`.
+    pub(super) last_time: LaneRow,
+    pub(super) last_speed: LaneRow,
+    pub(super) last_impulse: LaneRow,
+    pub(super) total_impulse: LaneRow,
+    pub(super) box_impulse: LaneRow,
+    /// Sub-steps since the motion came into the lane, as in `WorkCounters`.
+    pub(super) substeps: LaneRow,
+    /// Taylor expansions since the motion came into the lane, as in `WorkCounters`.
+    pub(super) expansions: LaneRow,
+    /// Root iterations since the motion came into the lane, as in `WorkCounters`.
+    pub(super) iterations: LaneRow,
+    /// Time of the next sample, s; infinite if there is none.
+    pub(super) next_sample: LaneRow,
 }
 
-/// The time in a lane, of the rows of its two parts.
+/// Time in a lane, from the rows of its two parts.
 #[inline(always)]
-fn time_in(time: &[Row; 2], lane: usize) -> DoubleDouble {
+fn time_in(time: &[LaneRow; 2], lane: usize) -> DoubleDouble {
     DoubleDouble { hi: time[0].0[lane], lo: time[1].0[lane] }
 }
 
-/// The state in a lane of the rows `z`, number by number: the rows are not copied.
+/// State in a lane of the `rows`, read number by number so that the rows are not copied.
 #[inline(always)]
-pub(super) fn state_in(rows: &[Row; 8], lane: usize) -> Augmented {
+pub(super) fn state_in(rows: &[LaneRow; 8], lane: usize) -> Augmented {
     let mut z = [0.0; 8];
     for (z, row) in z.iter_mut().zip(rows) {
         *z = row.0[lane];
@@ -195,15 +201,16 @@ pub(super) fn state_in(rows: &[Row; 8], lane: usize) -> Augmented {
     z
 }
 
-/// Where the latest sub-step of each motion that reports began.
+/// Start of the latest sub-step of each motion that reports.
 pub(super) struct SubstepStarts {
-    pub(super) z: [Row; 8],
-    /// Leading and trailing part, s.
-    pub(super) time: [Row; 2],
+    /// Augmented state.
+    pub(super) z: [LaneRow; 8],
+    /// Time, leading and trailing part, s.
+    pub(super) time: [LaneRow; 2],
 }
 
 impl SubstepStarts {
-    pub(super) const ZERO: Self = Self { z: [Row::ZERO; 8], time: [Row::ZERO; 2] };
+    pub(super) const ZERO: Self = Self { z: [LaneRow::ZERO; 8], time: [LaneRow::ZERO; 2] };
 
     /// Copies the motions of vector `v`.
     #[inline(always)]
@@ -231,7 +238,7 @@ impl SubstepStarts {
 
 impl LaneStates {
     pub(super) fn zero() -> Self {
-        let row = Row::ZERO;
+        let row = LaneRow::ZERO;
         Self {
             z: [row; 8],
             time: [row; 2],
@@ -248,7 +255,7 @@ impl LaneStates {
             substeps: row,
             expansions: row,
             iterations: row,
-            next_sample: Row([f64::INFINITY; ROW]),
+            next_sample: LaneRow([f64::INFINITY; ROW]),
         }
     }
 
@@ -316,25 +323,24 @@ impl LaneStates {
         self.substeps.0[lane] as u64
     }
 
-    /// The lanes that have come to the time of their next sample.
+    /// Lanes that have reached the time of their next sample.
     #[inline(always)]
     pub(super) fn due_for_sample<S: Simd>(&self, simd: S) -> LaneSet {
         let mut due = 0;
-        for v in 0..Row::vectors::<S>() {
-            let load = |row: &Row| Wide::load(simd, row, v);
+        for v in 0..LaneRow::vectors::<S>() {
+            let load = |row: &LaneRow| Wide::load(simd, row, v);
             let reached = load(&self.next_sample).at_most(load(&self.time[0]) + load(&self.time[1]));
             due |= reached.bits() << (v * S::F64_LANES);
         }
         due
     }
 
-    /// The lanes in which the next sample is due at most two sub-steps from now: more than one of
-    /// them reaches.
+    /// Lanes whose next sample is at most two sub-steps away. One sub-step never goes that far.
     #[inline(always)]
     pub(super) fn near_sample<S: Simd>(&self, simd: S, systems: &LaneSystems) -> LaneSet {
         let mut near = 0;
-        for v in 0..Row::vectors::<S>() {
-            let load = |row: &Row| Wide::load(simd, row, v);
+        for v in 0..LaneRow::vectors::<S>() {
+            let load = |row: &LaneRow| Wide::load(simd, row, v);
             let substep = load(&systems.substep);
             let reached = load(&self.next_sample).at_most(load(&self.time[0]) + (substep + substep));
             near |= reached.bits() << (v * S::F64_LANES);
@@ -354,11 +360,11 @@ impl LaneStates {
         time_in(&self.time, lane)
     }
 
-    /// The lanes whose cos θ and sin θ have been rotated `often` times.
+    /// Lanes whose cos θ and sin θ have been rotated `often` times or more.
     #[inline(always)]
     pub(super) fn due_for_renewal<S: Simd>(&self, simd: S, often: f64) -> LaneSet {
         let mut due = 0;
-        for v in 0..Row::vectors::<S>() {
+        for v in 0..LaneRow::vectors::<S>() {
             let reached = Wide::splat(simd, often).at_most(Wide::load(simd, &self.since_renewal, v));
             due |= reached.bits() << (v * S::F64_LANES);
         }

@@ -1,5 +1,5 @@
-//! One sub-step of all active lanes: free flight for the whole of it, or to its first impact and
-//! through that.
+//! One sub-step of all active lanes: free flight over a whole sub-step, or through its first
+//! impact.
 
 use super::centres::Centres;
 use super::passage::{CentredFlights, REACH};
@@ -7,24 +7,24 @@ use super::rows::{LaneStates, LaneSystems, SubstepStarts};
 use super::{LaneSet, lanes_of};
 use crate::flow::INTERVALS;
 use crate::model::{BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE};
-use crate::simulator::batch::vectors::{Mask, Row, Wide, WideDoubleDouble};
+use crate::simulator::batch::vectors::{LaneRow, Mask, Wide, WideDoubleDouble};
 use pulp::Simd;
 
-/// What a sub-step has done, and what it leaves to the motions' own code.
+/// Results of a sub-step of all lanes, and the lanes that it leaves to the code for a single
+/// motion.
 pub(super) struct Progress {
-    /// These have moved.
+    /// Lanes that have moved.
     pub(super) moved: LaneSet,
-    /// Those of them that went through an impact.
+    /// Lanes that have moved through an impact.
     pub(super) through: LaneSet,
-    /// The proof of the common case failed; these motions have not moved.
+    /// Lanes that have not moved, as the proof of the common case failed.
     pub(super) unproved: LaneSet,
-    /// These have moved to a stop and stand before an impact that ends in rest, or may; its law is
-    /// not yet applied.
+    /// Lanes that have moved to an impact that may end in rest; its law is not yet applied.
     pub(super) at_stop: LaneSet,
 }
 
 /// Advances each of the `active` motions by a sub-step, to its end or through its first impact.
-/// Where a motion of the set `reading` moves, `starts` keeps where it was.
+/// `starts` receives the starts of those in `reading` that move.
 #[inline(always)]
 pub(super) fn flight_substep<S: Simd>(
     simd: S,
@@ -36,9 +36,9 @@ pub(super) fn flight_substep<S: Simd>(
 ) -> Progress {
     let lanes = S::F64_LANES;
     let (mut ready, mut near, mut near_start) = (0, 0, 0);
-    // The lanes of one vector.
+    // Lanes of the first vector.
     let part: LaneSet = (1 << lanes) - 1;
-    for v in 0..Row::vectors::<S>() {
+    for v in 0..LaneRow::vectors::<S>() {
         if active >> (v * lanes) & part == 0 {
             continue;
         }
@@ -55,7 +55,7 @@ pub(super) fn flight_substep<S: Simd>(
         searched.centres.put(simd, systems, lane, interval, &states.z);
     }
     let (mut arrived, mut at_stop, mut through) = (0, 0, 0);
-    for v in 0..Row::vectors::<S>() {
+    for v in 0..LaneRow::vectors::<S>() {
         if (passing | searching) & reading & part << (v * lanes) != 0 {
             starts.copy(simd, states, v);
         }
@@ -74,35 +74,35 @@ pub(super) fn flight_substep<S: Simd>(
     Progress { moved: passing | arrived, through, unproved, at_stop }
 }
 
-/// Where each motion's gap comes near a stop first: the interval to be searched.
+/// Interval to be searched of each motion: the first in which it comes near a stop.
 pub(super) struct SearchedIntervals {
-    /// The interval's index; [`INTERVALS`] where there is none.
-    index: Row,
-    /// The stop.
-    pub(super) side: Row,
-    /// The state at the interval's centre.
+    /// Index of the interval; [`INTERVALS`] if there is none.
+    index: LaneRow,
+    /// Stop, +1 or -1.
+    pub(super) side: LaneRow,
+    /// State at the interval's centre.
     centres: Centres,
 }
 
 impl SearchedIntervals {
     pub(super) fn zero<S: Simd>(simd: S) -> Self {
-        Self { index: Row::ZERO, side: Row::ZERO, centres: Centres::new(simd) }
+        Self { index: LaneRow::ZERO, side: LaneRow::ZERO, centres: Centres::new(simd) }
     }
 }
 
-/// What the samples of the gap over a sub-step tell.
+/// Findings from the samples of w over a sub-step.
 struct DisplacementSamples<S: Simd> {
     /// Flight from inside or just off a stop, with a whole sub-step and an interval to go.
     ready: Mask<S>,
-    /// An end of an interval is near a stop, so that interval is to be searched.
+    /// An interval is to be searched, since w at one of its ends is near a stop.
     near: Mask<S>,
-    /// The search is to begin at the start of the sub-step.
+    /// The search begins at the start of the sub-step.
     near_start: Mask<S>,
 }
 
-/// Samples the gap at the ends of the intervals, as `Simulator::sample_displacement` does: a gap
-/// that stays a margin, which bounds the bend of its path, away from the stops at both ends of an
-/// interval does not reach them in between.
+/// Samples w at the ends of the intervals, as `Simulator::sample_displacement` does. A block that
+/// at both ends of an interval is farther from the stops than its path can bend does not reach
+/// them in between.
 #[inline(always)]
 fn sample_displacement<S: Simd>(
     simd: S,
@@ -111,13 +111,13 @@ fn sample_displacement<S: Simd>(
     v: usize,
     searched: &mut SearchedIntervals,
 ) -> DisplacementSamples<S> {
-    let load = |row: &Row| Wide::load(simd, row, v);
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
     let z = Wide::load_each(simd, &states.z, v);
     let bound = acceleration_bound(simd, systems, v, &z);
     let interval = load(&systems.interval);
-    // By how much the gap's rate changes at most within half an interval.
+    // Largest change of w' within half an interval.
     let change = splat(0.5) * bound * interval;
     let limit = (change * interval).neg_mul_add(splat(0.25), load(&systems.gap));
     let departing = load(&states.departing);
@@ -127,7 +127,7 @@ fn sample_displacement<S: Simd>(
     let within_reach = (speed * interval + change * interval).at_most(load(&systems.reach));
     let remaining =
         (load(&systems.end[0]) - load(&states.time[0])) + (load(&systems.end[1]) - load(&states.time[1]));
-    // With an interval to spare, since a search may carry the motion past the end of the sub-step.
+    // An interval more than the sub-step, since a search may carry the motion past its end.
     let whole = (load(&systems.substep) + interval).at_most(remaining);
 
     let mut index = splat(INTERVALS as f64);
@@ -139,8 +139,8 @@ fn sample_displacement<S: Simd>(
         gap = near.select(g, gap);
     }
     index.store(&mut searched.index, v);
-    // A block that leaves a stop may be too slow to be sure of leaving the first interval, or of
-    // leaving its end far behind.
+    // A block that leaves a stop may be so slow that it may return in the first interval, or that
+    // it is still near the stop at its end.
     let near_start = (leaving & (speed.at_most(change) | index.at_most(zero)))
         | (inside & limit.at_most(z[RELATIVE].abs()));
     let nearest = near_start.select(z[RELATIVE], gap);
@@ -152,7 +152,7 @@ fn sample_displacement<S: Simd>(
     }
 }
 
-/// The bound on |w''| over a sub-step from the state `z`.
+/// Bound on |w''| over a sub-step from the state `z`.
 #[inline(always)]
 fn acceleration_bound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Wide<S> {
     let mut sizes = *z;
@@ -171,7 +171,7 @@ fn advance_whole_substep<S: Simd>(
     v: usize,
     chosen: LaneSet,
 ) {
-    let load = |row: &Row| Wide::load(simd, row, v);
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let chosen = Mask::from_bits(simd, chosen);
     let z = Wide::load_each(simd, &states.z, v);
     let driven = [z[BOX], z[BOX_RATE], z[DRIVE_COS], z[DRIVE_SIN]];
@@ -207,13 +207,13 @@ fn count_substep<S: Simd>(simd: S, states: &mut LaneStates, v: usize, chosen: Ma
 
 /// Adds to vector `v` of a row.
 #[inline(always)]
-fn add<S: Simd>(simd: S, row: &mut Row, v: usize, more: Wide<S>) {
+fn add<S: Simd>(simd: S, row: &mut LaneRow, v: usize, more: Wide<S>) {
     (Wide::load(simd, row, v) + more).store(row, v);
 }
 
 /// Advances the motions `chosen` in vector `v` through the impact in their searched interval, if it
-/// is proved to be the first, or past the stop, if that is proved. `near_start` are those whose
-/// interval begins with the sub-step.
+/// is proved to be the first, or past the interval, if it is proved that there is none. For those
+/// in `near_start` the search begins at the start of the sub-step.
 #[inline(always)]
 fn advance_in_interval<S: Simd>(
     simd: S,
@@ -222,8 +222,8 @@ fn advance_in_interval<S: Simd>(
     v: usize,
     searched: &SearchedIntervals,
     (chosen, near_start): (LaneSet, LaneSet),
-) -> Found {
-    let load = |row: &Row| Wide::load(simd, row, v);
+) -> IntervalProgress {
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let splat = |x| Wide::splat(simd, x);
     let (zero, half, one) = (splat(0.0), splat(0.5), splat(1.0));
     let now = Wide::load_each(simd, &states.z, v);
@@ -231,7 +231,7 @@ fn advance_in_interval<S: Simd>(
     let arrival = arrive(simd, systems, v, searched, (chosen, near_start), &now, departing);
     let side = load(&searched.side);
     let rebound = rebound(simd, systems, v, side, &arrival.z);
-    // Rest, and chatter that may be at its end, are left to `Simulator::apply_event_law`.
+    // Rest, and chatter that may have to be closed, are left to `Simulator::apply_event_law`.
     let slow = load(&systems.closing) * acceleration_bound(simd, systems, v, &rebound.z);
     let through = arrival.found & slow.less_than(rebound.speed * rebound.speed);
     let moved = arrival.found | arrival.stays_inside;
@@ -248,34 +248,38 @@ fn advance_in_interval<S: Simd>(
     add(simd, &mut states.expansions, v, moved.select(one, zero));
     add(simd, &mut states.iterations, v, arrival.found.select(arrival.iterations, zero));
     record_impact(simd, systems, states, v, through, (side, rebound.approach), later);
-    Found { moved: moved.bits(), through: through.bits(), at_stop: (arrival.found & !through).bits() }
+    IntervalProgress {
+        moved: moved.bits(),
+        through: through.bits(),
+        at_stop: (arrival.found & !through).bits(),
+    }
 }
 
-/// What the search of an interval has done, as in [`Progress`] but for the lanes of one vector.
-struct Found {
+/// Results of the search of an interval, as in [`Progress`], for the lanes of one vector.
+struct IntervalProgress {
     moved: LaneSet,
     through: LaneSet,
     at_stop: LaneSet,
 }
 
-/// Where the flights in a searched interval lead.
+/// Arrivals of the flights in a searched interval.
 struct Arrival<S: Simd> {
     /// The flight is expanded about the start of the sub-step instead of the interval's centre.
     about_start: Mask<S>,
-    /// An impact is proved to be the first.
+    /// An impact is found, and proved to be the first.
     found: Mask<S>,
-    /// It is proved that there is none.
+    /// It is proved that there is no impact.
     stays_inside: Mask<S>,
     /// Time of arrival since the centre of the expansion, in half intervals.
     u: Wide<S>,
-    /// The state there, before the law of an impact.
+    /// State at the arrival, before the law of an impact.
     z: [Wide<S>; 8],
-    /// Newton steps.
+    /// Numbers of Newton steps.
     iterations: Wide<S>,
 }
 
-/// Finds the first impact in the searched interval, or proves that there is none; then the flight
-/// goes on as far as its series serves.
+/// Finds the first impact in the searched interval, or proves that there is none; in that case the
+/// flight goes on up to [`REACH`].
 #[inline(always)]
 fn arrive<S: Simd>(
     simd: S,
@@ -288,8 +292,8 @@ fn arrive<S: Simd>(
 ) -> Arrival<S> {
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
-    // From a start close to a stop the flight is expanded about the start itself. Off the stop, the
-    // gap's zero at the start is divided out.
+    // From a start near a stop the flight is expanded about the start. For a block that leaves the
+    // stop, the zero at the start is divided out.
     let about_start = Mask::from_bits(simd, near_start);
     let mut centre = searched.centres.load(simd, v);
     for (centre, now) in centre.iter_mut().zip(now) {
@@ -314,24 +318,23 @@ fn arrive<S: Simd>(
     Arrival { about_start, found, stays_inside, u, z, iterations: crossing.iterations }
 }
 
-/// What the impact law makes of an arrival.
+/// Results of the impact law.
 struct Rebound<S: Simd> {
-    /// The approach speed |w'⁻|.
+    /// Approach speed |w'⁻|.
     approach: Wide<S>,
-    /// The rebound speed |w'⁺|.
+    /// Rebound speed |w'⁺|.
     speed: Wide<S>,
-    /// The state after the impact.
+    /// State after the impact.
     z: [Wide<S>; 8],
 }
 
-/// The impact law, docs/theory.md (11), for states `z` at the stops `side`. `Model::impact` states
-/// it for one motion; it is written again for vectors of systems, and
-/// `second_method_together_as_one_by_one` in tests/batch.rs holds the two together.
+/// Impact law, docs/theory.md (11), for states `z` at the stops `side`. This is `Model::impact` for
+/// vectors of systems; `second_method_together_as_one_by_one` in tests/batch.rs compares the two.
 #[inline(always)]
 fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: &[Wide<S>; 8]) -> Rebound<S> {
-    let load = |row: &Row| Wide::load(simd, row, v);
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let mut z = *z;
-    // A root whose speed round-off has turned negative is a touch.
+    // An approach speed that round-off has made negative is zero: a touch.
     let approach = (side * z[RELATIVE_RATE]).max(Wide::splat(simd, 0.0));
     let speed = load(&systems.restitution) * approach;
     z[BOX_RATE] = (side * load(&systems.kick)).mul_add(approach, z[BOX_RATE]);
@@ -340,8 +343,8 @@ fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: 
     Rebound { approach, speed, z }
 }
 
-/// Records the impacts of the motions `through`, with their stop and approach speed, at `time`: the
-/// energy lost, docs/theory.md (12), and what `ImpactRecord::count` keeps.
+/// Records the impacts of the motions `through` at `time`, with their stop and approach speed: the
+/// energy lost, docs/theory.md (12), and the fields of `ImpactRecord`, as `ImpactRecord::count`.
 #[inline(always)]
 fn record_impact<S: Simd>(
     simd: S,
@@ -352,7 +355,7 @@ fn record_impact<S: Simd>(
     (side, approach): (Wide<S>, Wide<S>),
     time: WideDoubleDouble<S>,
 ) {
-    let load = |row: &Row| Wide::load(simd, row, v);
+    let load = |row: &LaneRow| Wide::load(simd, row, v);
     let (zero, one) = (Wide::splat(simd, 0.0), Wide::splat(simd, 1.0));
     let lost = WideDoubleDouble::load(simd, &states.lost, v);
     let more = lost.plus(load(&systems.loss) * approach * approach);

@@ -1,5 +1,5 @@
-//! What the lanes prove against the proofs for a single motion, on random polynomials, and their
-//! flights against its series.
+//! Proofs of the lanes against the proofs for a single motion, on random polynomials; flights of
+//! the lanes against the series of a single motion.
 
 use super::*;
 use crate::events::first_crossing;
@@ -11,8 +11,8 @@ use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
 use proptest::prelude::*;
 
-/// Coefficients of a gap's polynomial: from nearly straight to strongly bent, starting just below
-/// zero or far below.
+/// Coefficients of a path towards a stop: from nearly straight to strongly bent, starting just
+/// below zero or far below.
 fn path() -> impl Strategy<Value = [f64; CENTRED]> {
     let rest = prop::array::uniform10(-1.0..1.0f64);
     (rest, -4.0..0.0f64, -1.0..1.0f64, -4.0..0.5f64).prop_map(|(rest, start, slope, decay)| {
@@ -26,8 +26,8 @@ fn path() -> impl Strategy<Value = [f64; CENTRED]> {
     })
 }
 
-/// What the lanes find on the paths: the zero, whether it is proved, and whether it is proved that
-/// there is none.
+/// Results of the lanes on the paths: the zero, whether it is proved, and whether its absence is
+/// proved.
 struct Find<'a> {
     paths: &'a [[f64; CENTRED]; 8],
     from: f64,
@@ -44,7 +44,7 @@ impl pulp::WithSimd for Find<'_> {
             let zero = Wide::splat(simd, 0.0);
             let mut excess = Excess { c: [zero; CENTRED], d: [zero; CENTRED - 1] };
             for k in 0..CENTRED {
-                let mut row = Row::ZERO;
+                let mut row = LaneRow::ZERO;
                 for lane in 0..8 {
                     row.0[lane] = self.paths[lane][k];
                 }
@@ -60,7 +60,7 @@ impl pulp::WithSimd for Find<'_> {
             let (from, gap) = (Wide::splat(simd, self.from), Wide::splat(simd, 1e3));
             let crossing = excess.upward_crossing(from, gap);
             let stay = excess.stays_negative(from, gap).bits();
-            let mut u = Row::ZERO;
+            let mut u = LaneRow::ZERO;
             crossing.u.store(&mut u, 0);
             for lane in 0..S::F64_LANES {
                 let holds = |bits: u64| bits >> lane & 1 != 0;
@@ -98,8 +98,7 @@ proptest! {
         for (path, (u, proved, stays)) in paths.iter().zip(found) {
             let c = scaled(path, divide);
             let lo = from / REACH;
-            // A path in the lanes starts inside; of the random ones those that do not are passed
-            // over.
+            // Paths in lanes start inside; random ones that do not are passed over.
             if value(&c, lo) >= 0.0 {
                 continue;
             }
@@ -114,12 +113,12 @@ proptest! {
     }
 }
 
-/// u - z + c (u⁴ - z⁴) with the zero z, from straight to as bent as a zero is sought in lanes: the
-/// starting value, from three orders, knows nothing of the fourth, so that for some c one Newton
-/// step is just enough, for some two or three, and for some none is.
+/// Path u - z + c (u⁴ - z⁴) with the zero z, from straight to the strongest bend with which lanes
+/// seek a zero. The starting value, from three orders, ignores the fourth, so that depending on c
+/// one, two or three Newton steps are just enough, or none are.
 #[test]
 fn closed_form_zeros_that_count_as_found_are_exact() {
-    /// The polynomial's rounding over its slope, and half a unit of u.
+    /// Rounding of the polynomial over its slope, and half a unit in the last place of u.
     const EXACT: f64 = 8.0 * f64::EPSILON;
     let (mut proved, mut given_up) = (0, 0);
     for z in [-0.9f64, -0.3, 0.4, 0.8, 1.0, 1.15] {
@@ -141,9 +140,9 @@ fn closed_form_zeros_that_count_as_found_are_exact() {
     assert!(proved > 10 * given_up && given_up > 100, "{proved} found, {given_up} not");
 }
 
-/// A path without a zero in reach whose iterates go far out, to where nothing is bounded, and come
-/// back into reach: the steps' lengths alone pass for a proof. Straight but for 1e-11 in reach, it
-/// bends at 2e5, where the order nine is tuned.
+/// Path without a zero in reach whose iterates go far out, where nothing is bounded, and come back
+/// into reach, so that the steps' lengths alone would pass for a proof. It is straight within 1e-11
+/// in reach and bends at 2e5, for which its ninth order is tuned.
 #[test]
 fn invariant_no_zero_is_found_by_way_of_iterates_out_of_reach() {
     const FAR: f64 = 2e5;
@@ -155,9 +154,9 @@ fn invariant_no_zero_is_found_by_way_of_iterates_out_of_reach() {
     assert!(found.iter().all(|(_, proved, _)| !proved), "{found:?}");
 }
 
-/// u - b (u² - z²) - z rises up to [`REACH`] for b < 5/12, and its least slope there is 1 - 2.4 b:
-/// a zero counts as found only as long as that is more than twice the curvature 2 b, so that in the
-/// sums of sizes nothing cancels (docs/numerics.md, section 7).
+/// Path u - b (u² - z²) - z, which rises up to [`REACH`] for b < 5/12 with the least slope
+/// 1 - 2.4 b. A zero counts as found only if this is more than twice the curvature 2 b, so that the
+/// sums of sizes do not cancel (docs/numerics.md, section 7).
 #[test]
 fn closed_form_no_zero_is_found_where_the_slope_nearly_cancels() {
     for (bend, straight) in [(0.1, true), (0.15, true), (0.16, false), (0.3, false), (0.41, false)] {
@@ -169,7 +168,7 @@ fn closed_form_no_zero_is_found_where_the_slope_nearly_cancels() {
     }
 }
 
-/// The state at u of the flight from z at the centre.
+/// State at u of the flight with z at the centre.
 struct States<'a> {
     systems: &'a LaneSystems,
     z: [f64; 8],
@@ -192,7 +191,7 @@ impl pulp::WithSimd for States<'_> {
             Wide::splat(simd, self.u),
         );
         there.map(|wide| {
-            let mut row = Row::ZERO;
+            let mut row = LaneRow::ZERO;
             wide.store(&mut row, 0);
             row.0[0]
         })
@@ -220,9 +219,8 @@ fn second_method_flights_are_the_series() {
     }
 }
 
-/// What a series leaves out at [`REACH`] is under the rounding of the motion's size, even of a box
-/// that the drive excites at its resonance: r bounds the box alone, and the drive adds up from
-/// order to order.
+/// The remainder of a series at [`REACH`] is under the rounding of the motion's size, even for a
+/// box driven at resonance: r bounds the box alone, and the drive adds up from order to order.
 #[test]
 fn closed_form_remainder_at_the_reach_of_a_series() {
     let p = Parameters {
