@@ -109,7 +109,7 @@ impl InitialValueAxis {
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Request {
+pub struct BasinRequest {
     /// Horizontal.
     pub x: InitialValueAxis,
     /// Vertical.
@@ -177,7 +177,7 @@ impl Basin {
 
 /// The start at the centre of a cell: the start of the request, with the values on the axes in it,
 /// which are scaled.
-fn cell_start(p: &Parameters, request: &Request, first: &State, column: usize, row: usize) -> State {
+fn cell_start(p: &Parameters, request: &BasinRequest, first: &State, column: usize, row: usize) -> State {
     let mut s = *first;
     for (axis, i) in [(&request.x, column), (&request.y, row)] {
         let (mut scaled, k) = ([0.0; 6], axis.coordinate);
@@ -189,13 +189,13 @@ fn cell_start(p: &Parameters, request: &Request, first: &State, column: usize, r
 }
 
 /// The rows of a part.
-fn rows(request: &Request, part: usize) -> Range<usize> {
+fn rows(request: &BasinRequest, part: usize) -> Range<usize> {
     let rows = MOTIONS.div_ceil(request.x.count.max(1));
     part * rows..((part + 1) * rows).min(request.y.count)
 }
 
 /// Number of parts, each of some whole rows.
-pub fn count(request: &Request) -> usize {
+pub fn count(request: &BasinRequest) -> usize {
     request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count.max(1)))
 }
 
@@ -207,8 +207,8 @@ pub fn count(request: &Request) -> usize {
 /// no cells; [`Error::TooMany`] for a plane that does not fit into memory;
 /// [`Error::TooManyAttractors`] for more than can be numbered; what the simulator refuses, starts
 /// outside the stops apart.
-pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Basin>> {
-    let Request { x, y, .. } = request;
+pub fn basin(p: &Parameters, request: &BasinRequest, task: &Task) -> Result<Option<Basin>> {
+    let BasinRequest { x, y, .. } = request;
     if x.coordinate == y.coordinate {
         let text = COORDINATES[x.coordinate].into();
         return Err(Error::Form { text, expected: "two different initial values, e.g. v2 and x1" });
@@ -230,7 +230,7 @@ pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Ba
 }
 
 /// The cells of some rows, with the attractors that they meet. One system has one set of tables.
-fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut Workspace) -> Result<Basin> {
+fn cells(p: &Parameters, request: &BasinRequest, rows: Range<usize>, workspace: &mut Workspace) -> Result<Basin> {
     let first = request.start.state(p)?;
     let places = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
     let starts: Vec<Start> =

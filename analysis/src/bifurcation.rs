@@ -17,7 +17,7 @@ use super::parts::{PartStore, Task};
 use super::plane::{ParameterAxis, check_count};
 use super::start::StartRule;
 use super::stroboscopic::StroboscopicState;
-use super::trajectories::{Outcome, Program, Start, Workspace};
+use super::trajectories::{MotionEnd, Program, Start, Workspace};
 use super::verdict::{EXPONENT_PERIODS, Following, follow, has_arrived};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
@@ -252,8 +252,8 @@ fn prolong(open: &[(usize, Start)], points: &mut [Option<SweepPoint>], workspace
     });
 }
 
-fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
-    let Outcome { state, maxima, attractor: Some(attractor), exponent, .. } = outcome else {
+fn point(value: f64, p: &Parameters, outcome: MotionEnd<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
+    let MotionEnd { state, maxima, attractor: Some(attractor), exponent, .. } = outcome else {
         return Ok(None);
     };
     let six_digits = |value: &f64| (value / p.stop_gap / RESOLUTION).round() as i64;

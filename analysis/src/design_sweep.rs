@@ -57,7 +57,7 @@ impl<T: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync> 
 /// A machine of which designs are measured: the 3-DOF machine by a [`ParameterSet`], or a
 /// [described one](crate::assembly::Machine). Designs, parts, rows and what is made of them are the
 /// same for both.
-pub trait Machine: Clone + Send + Sync {
+pub trait DesignMachine: Clone + Send + Sync {
     /// A parameter.
     type Name: Plain + AxisName;
     /// Where a motion starts.
@@ -81,7 +81,7 @@ pub trait Machine: Clone + Send + Sync {
     /// Values that make no machine.
     fn varied(&self, values: &[(Self::Name, f64)]) -> Result<Self>;
     /// The motions of one machine from all starts of a request, measured.
-    fn outcomes(&self, request: &Request<Self>) -> Vec<Outcome>;
+    fn outcomes(&self, request: &SweepRequest<Self>) -> Vec<MotionMeasures>;
     /// At least as many starts, spread evenly; fewer where the machine has no more.
     fn spread_starts(count: u32) -> Vec<Self::Start>;
     /// Whether a measure is read off the window of a motion, so that a longer one tells more: not
@@ -94,7 +94,7 @@ pub trait Machine: Clone + Send + Sync {
 /// What to compute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct Request<M: Machine = ParameterSet> {
+pub struct SweepRequest<M: DesignMachine = ParameterSet> {
     /// The designs.
     pub designs: Designs<M::Name>,
     /// Parameters over which the motions of each design are taken together, the last one varying
@@ -115,7 +115,7 @@ pub struct Request<M: Machine = ParameterSet> {
     pub again: u64,
 }
 
-impl<M: Machine> Default for Request<M> {
+impl<M: DesignMachine> Default for SweepRequest<M> {
     /// One motion of the one design that is the machine itself, without measures.
     fn default() -> Self {
         let starts = vec![M::Start::default()];
@@ -142,7 +142,7 @@ pub struct Summary {
     pub mean: f64,
     /// The largest.
     pub largest: f64,
-    /// The first motion that has the largest, for [`Request::motion`] and [`Row::motion`].
+    /// The first motion that has the largest, for [`SweepRequest::motion`] and [`DesignRow::motion`].
     pub at: usize,
     /// How much the largest would scatter from one window of the motions to the next, by their
     /// [`Measured::spreads`].
@@ -161,13 +161,13 @@ impl Summary {
 pub struct Again {
     /// Periods over which its motions were measured, but for those that repeat.
     pub periods: u32,
-    /// What was looked at between the values of [`Request::over`]: further combinations of them.
+    /// What was looked at between the values of [`SweepRequest::over`]: further combinations of them.
     pub between: Vec<Vec<f64>>,
 }
 
 /// What was found of one design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct DesignRow {
     /// Values of the parameters that vary, in their order, SI.
     pub values: Vec<f64>,
     /// For each measure what the motions make together; `None` for the class, and where a motion
@@ -183,10 +183,10 @@ pub struct Row {
     pub again: Option<Again>,
 }
 
-impl Row {
+impl DesignRow {
     /// What tells a motion of this row from the others, those between the values that were asked
-    /// for included: as [`Request::motion`].
-    pub fn motion<M: Machine>(&self, request: &Request<M>, index: usize) -> (Vec<f64>, M::Start) {
+    /// for included: as [`SweepRequest::motion`].
+    pub fn motion<M: DesignMachine>(&self, request: &SweepRequest<M>, index: usize) -> (Vec<f64>, M::Start) {
         let (asked, starts) = (request.motions(), request.starts.len().max(1));
         let further = index.checked_sub(asked).and_then(|i| self.again.as_ref()?.between.get(i / starts));
         let (values, start) = request.motion(index % asked.max(1));
@@ -194,7 +194,7 @@ impl Row {
     }
 }
 
-impl<M: Machine> Request<M> {
+impl<M: DesignMachine> SweepRequest<M> {
     /// Checks what every row depends on.
     ///
     /// # Errors
@@ -275,7 +275,7 @@ impl<M: Machine> Request<M> {
 }
 
 /// The rows of a part, on all threads.
-pub fn part<M: Machine>(set: &M, request: &Request<M>, index: usize) -> Vec<Row> {
+pub fn part<M: DesignMachine>(set: &M, request: &SweepRequest<M>, index: usize) -> Vec<DesignRow> {
     let size = request.part_size();
     let until = ((index + 1) * size).min(request.designs.count());
     (index * size..until).into_par_iter().map(|design| row(set, request, design)).collect()
@@ -285,8 +285,8 @@ pub fn part<M: Machine>(set: &M, request: &Request<M>, index: usize) -> Vec<Row>
 /// returns whether all are there. The rows depend neither on threads nor on shards.
 ///
 /// # Errors
-/// As [`Request::check`]; what the store refuses.
-pub fn fill<M: Machine>(set: &M, request: &Request<M>, task: &Task) -> Result<bool> {
+/// As [`SweepRequest::check`]; what the store refuses.
+pub fn fill<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task) -> Result<bool> {
     request.check()?;
     task.fill(request.count(), |index| Ok(part(set, request, index)))
 }
@@ -295,11 +295,11 @@ pub fn fill<M: Machine>(set: &M, request: &Request<M>, task: &Task) -> Result<bo
 ///
 /// # Errors
 /// What `visit` returns; what the store refuses.
-pub fn each_row<M: Machine, E: From<Error>>(
+pub fn each_row<M: DesignMachine, E: From<Error>>(
     set: &M,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     task: &Task,
-    mut visit: impl FnMut(Row) -> std::result::Result<(), E>,
+    mut visit: impl FnMut(DesignRow) -> std::result::Result<(), E>,
 ) -> std::result::Result<(), E> {
     for index in 0..request.count() {
         let rows = task.part(index, |index| Ok(part(set, request, index)))?;
@@ -309,28 +309,28 @@ pub fn each_row<M: Machine, E: From<Error>>(
 }
 
 /// One design.
-pub fn row<M: Machine>(set: &M, request: &Request<M>, index: usize) -> Row {
+pub fn row<M: DesignMachine>(set: &M, request: &SweepRequest<M>, index: usize) -> DesignRow {
     let values = request.designs.values(index);
     match design(set, request, &values) {
         Ok(own) => summary(set, values, request, &motions(&own, request, &request.places()), None),
         Err(error) => {
             let (outputs, reason) = (vec![None; request.measures.len()], Some(error.to_string()));
-            Row { values, outputs, classes: Vec::new(), reason, again: None }
+            DesignRow { values, outputs, classes: Vec::new(), reason, again: None }
         }
     }
 }
 
 /// The machine of a design.
-fn design<M: Machine>(set: &M, request: &Request<M>, values: &[f64]) -> Result<M> {
+fn design<M: DesignMachine>(set: &M, request: &SweepRequest<M>, values: &[f64]) -> Result<M> {
     let assigned = request.designs.names().into_iter().zip(values.iter().copied());
     set.varied(&assigned.collect::<Vec<_>>())
 }
 
 /// What was measured of one motion, and what there was against it.
-pub type Outcome = (Measured, Option<String>);
+pub type MotionMeasures = (Measured, Option<String>);
 
-/// The motions of a design at some values of [`Request::over`], from all starts at each.
-fn motions<M: Machine>(set: &M, request: &Request<M>, places: &[Vec<f64>]) -> Vec<Outcome> {
+/// The motions of a design at some values of [`SweepRequest::over`], from all starts at each.
+fn motions<M: DesignMachine>(set: &M, request: &SweepRequest<M>, places: &[Vec<f64>]) -> Vec<MotionMeasures> {
     let mut found = Vec::with_capacity(places.len() * request.starts.len());
     for values in places {
         let names = request.over.iter().map(|a| a.name.clone());
@@ -347,23 +347,23 @@ fn motions<M: Machine>(set: &M, request: &Request<M>, places: &[Vec<f64>]) -> Ve
 }
 
 /// A motion that there is not.
-pub(crate) fn failed(error: &Error, measures: usize) -> Outcome {
+pub(crate) fn failed(error: &Error, measures: usize) -> MotionMeasures {
     let nothing =
         Measured { numbers: vec![None; measures], spreads: vec![0.0; measures], ..Measured::default() };
     (nothing, Some(error.to_string()))
 }
 
 /// The row of all motions of a design: those that were asked for and, after them, those of `again`.
-fn summary<M: Machine>(
+fn summary<M: DesignMachine>(
     set: &M,
     values: Vec<f64>,
-    request: &Request<M>,
-    motions: &[Outcome],
+    request: &SweepRequest<M>,
+    motions: &[MotionMeasures],
     again: Option<Again>,
-) -> Row {
+) -> DesignRow {
     let outputs = (0..request.measures.len())
         .map(|m| {
-            let one = |(found, _): &Outcome| {
+            let one = |(found, _): &MotionMeasures| {
                 Some((found.numbers.get(m).copied().flatten()?, found.spreads.get(m).copied().unwrap_or(0.0)))
             };
             together(motions.iter().map(one), request.motions())
@@ -377,7 +377,7 @@ fn summary<M: Machine>(
             }
         }
     }
-    let mut row = Row { values, outputs, classes, reason: None, again };
+    let mut row = DesignRow { values, outputs, classes, reason: None, again };
     let bad: Vec<(usize, &String)> =
         motions.iter().enumerate().filter_map(|(i, (_, reason))| Some((i, reason.as_ref()?))).collect();
     row.reason = bad.first().map(|(index, reason)| match motions.len() {
@@ -408,7 +408,7 @@ fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>, asked: usize) -> 
 /// Starts that are added to look whether a design has other motions.
 pub const MORE_STARTS: u32 = 8;
 
-impl<M: Machine> Request<M> {
+impl<M: DesignMachine> SweepRequest<M> {
     /// One of its designs measured by one measure from eight more starts; `None` where the machine
     /// has no more.
     pub fn from_more_starts(&self, design: Vec<f64>, measure: M::Measure) -> Option<Self> {
@@ -431,7 +431,7 @@ impl<M: Machine> Request<M> {
 }
 
 /// The rows of all designs of a request that are few, on all threads.
-pub fn rows<M: Machine>(set: &M, request: &Request<M>) -> Vec<Row> {
+pub fn rows<M: DesignMachine>(set: &M, request: &SweepRequest<M>) -> Vec<DesignRow> {
     (0..request.designs.count()).into_par_iter().map(|design| row(set, request, design)).collect()
 }
 

@@ -6,7 +6,7 @@
 //! machine run [side by side](Workspace::run).
 
 use super::attractor::{MotionClass, OBSERVED};
-use super::design_sweep::{Machine, Plain};
+use super::design_sweep::{DesignMachine, Plain};
 use super::error::{Error, Result};
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
@@ -24,7 +24,7 @@ use vibro_impact::simulator::{Simulator, State};
 /// What to compute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct Request<M: Machine = ParameterSet> {
+pub struct IsoperiodicRequest<M: DesignMachine = ParameterSet> {
     /// Horizontal.
     pub x: ParameterAxis<M::Name>,
     /// Vertical.
@@ -42,7 +42,7 @@ pub struct Request<M: Machine = ParameterSet> {
 }
 
 /// A machine whose motions are seen over a plane.
-pub trait PlaneMachine: Machine {
+pub trait PlaneMachine: DesignMachine {
     /// What is found at a point.
     type Point: Plain;
     /// What is kept from part to part; it does not change what is found.
@@ -54,12 +54,12 @@ pub trait PlaneMachine: Machine {
     ///
     /// # Errors
     /// Starts and names that are not allowed.
-    fn check_plane(&self, request: &Request<Self>) -> Result<()>;
+    fn check_plane(&self, request: &IsoperiodicRequest<Self>) -> Result<()>;
 
     /// The points of some rows, one row after the other.
     fn points(
         &self,
-        request: &Request<Self>,
+        request: &IsoperiodicRequest<Self>,
         rows: Range<usize>,
         workspace: &mut Self::Workspace,
     ) -> Vec<Self::Point>;
@@ -140,13 +140,13 @@ impl Isoperiodic {
 }
 
 /// The rows of a part.
-fn rows<M: PlaneMachine>(request: &Request<M>, part: usize) -> Range<usize> {
+fn rows<M: PlaneMachine>(request: &IsoperiodicRequest<M>, part: usize) -> Range<usize> {
     let rows = M::IN_PLANE_PART.div_ceil(request.x.count.max(1));
     part * rows..((part + 1) * rows).min(request.y.count)
 }
 
 /// Number of parts, each of some whole rows.
-pub fn count<M: PlaneMachine>(request: &Request<M>) -> usize {
+pub fn count<M: PlaneMachine>(request: &IsoperiodicRequest<M>) -> usize {
     request.y.count.div_ceil(M::IN_PLANE_PART.div_ceil(request.x.count.max(1)))
 }
 
@@ -159,7 +159,7 @@ pub fn count<M: PlaneMachine>(request: &Request<M>) -> usize {
 /// refuses; what the parts' folder refuses.
 pub fn isoperiodic<M: PlaneMachine>(
     machine: &M,
-    request: &Request<M>,
+    request: &IsoperiodicRequest<M>,
     task: &Task,
 ) -> Result<Option<Isoperiodic<M::Point>>> {
     check(machine, request)?;
@@ -173,7 +173,7 @@ pub fn isoperiodic<M: PlaneMachine>(
 ///
 /// # Errors
 /// As [`isoperiodic`], before anything is computed.
-pub fn check<M: PlaneMachine>(machine: &M, request: &Request<M>) -> Result<()> {
+pub fn check<M: PlaneMachine>(machine: &M, request: &IsoperiodicRequest<M>) -> Result<()> {
     if M::is_same_quantity(&request.x.name, &request.y.name) {
         let text = format!("{},{}", M::name(&request.x.name), M::name(&request.y.name));
         return Err(Error::Form { text, expected: "two independent parameters" });
@@ -188,7 +188,7 @@ impl PlaneMachine for ParameterSet {
     type Workspace = Workspace;
     const IN_PLANE_PART: usize = MOTIONS;
 
-    fn check_plane(&self, request: &Request) -> Result<()> {
+    fn check_plane(&self, request: &IsoperiodicRequest) -> Result<()> {
         let p = self.parameters();
         match &request.start {
             StartRule::State(start) => Ok(Simulator::new(p, &state(p, start), 0.0).map(drop)?),
@@ -205,7 +205,7 @@ impl PlaneMachine for ParameterSet {
         }
     }
 
-    fn points(&self, request: &Request, rows: Range<usize>, workspace: &mut Workspace) -> Vec<PlanePoint> {
+    fn points(&self, request: &IsoperiodicRequest, rows: Range<usize>, workspace: &mut Workspace) -> Vec<PlanePoint> {
         points(self, request, rows, workspace)
     }
 }
@@ -219,7 +219,7 @@ struct Site {
     start: Option<Start>,
 }
 
-fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Site {
+fn site(set: &ParameterSet, request: &IsoperiodicRequest, column: usize, row: usize) -> Site {
     let none = Site { theory: SteadyStateClass::Undefined, orbit: None, start: None };
     let row = set.with(request.y.name, request.y.value(row));
     let Ok(set) = row.and_then(|row| row.with(request.x.name, request.x.value(column))) else { return none };
@@ -238,7 +238,7 @@ fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Sit
 /// their lanes.
 fn points(
     set: &ParameterSet,
-    request: &Request,
+    request: &IsoperiodicRequest,
     rows: Range<usize>,
     workspace: &mut Workspace,
 ) -> Vec<PlanePoint> {
@@ -295,7 +295,7 @@ mod tests {
         let x = ParameterAxis::new(find_group("f10").unwrap(), (2.8035, 2.808), 60).unwrap();
         let y = ParameterAxis::new(find_group("kappa").unwrap(), (0.7499, 0.7501), 2).unwrap();
         let start = "x1=-0.6,v1=0.3,v2=0.4,x3=0.2".parse().unwrap();
-        let request = Request { x, y, start, discard: 300, exponents: Some(4000) };
+        let request = IsoperiodicRequest { x, y, start, discard: 300, exponents: Some(4000) };
         let found = isoperiodic(&ParameterSet::basic(), &request, &Task::ALL).unwrap().unwrap();
         let classes = found.points.iter().map(|point| point.motion.map(|motion| motion.class));
         for (index, class) in classes.enumerate() {

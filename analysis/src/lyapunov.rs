@@ -20,7 +20,7 @@
 //! ```
 
 use super::error::Result;
-use super::smooth_pieces::{Piece, PieceEnd, smooth_pieces};
+use super::smooth_pieces::{SmoothPiece, PieceEnd, smooth_pieces};
 use super::variation::{DIMENSION, Frame, Rank, Variation, generic_frame, on_circle, orthonormalize};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
@@ -219,7 +219,7 @@ struct Tangent {
 
 impl Tangent {
     /// Carries the variations along a piece and through the event at its end.
-    fn carry(&mut self, piece: &Piece) {
+    fn carry(&mut self, piece: &SmoothPiece) {
         let loss = self.decay * piece.span;
         let phase = piece.start[DRIVE_SIN].atan2(piece.start[DRIVE_COS]);
         if self.taken > 0.0 && self.taken + loss > SMALLER {
@@ -228,10 +228,10 @@ impl Tangent {
         let parts = (loss / SMALLER).ceil().max(1.0);
         let span = piece.span / parts;
         for part in 1..parts as u64 {
-            self.variation.propagate(&mut self.frame, &Piece { span, end: PieceEnd::End, ..*piece });
+            self.variation.propagate(&mut self.frame, &SmoothPiece { span, end: PieceEnd::End, ..*piece });
             self.renormalize_at(phase + self.frequency * span * part as f64);
         }
-        let rank = self.variation.propagate(&mut self.frame, &Piece { span, ..*piece });
+        let rank = self.variation.propagate(&mut self.frame, &SmoothPiece { span, ..*piece });
         self.taken += self.decay * span;
         if matches!(piece.end, PieceEnd::Impact { .. }) {
             self.taken += self.impact;

@@ -33,7 +33,7 @@ pub(crate) enum PieceEnd {
 
 /// One smooth piece.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct SmoothPiece {
     pub(crate) mode: SmoothMode,
     pub(crate) start: Augmented,
     /// Its duration, s.
@@ -70,7 +70,7 @@ pub(crate) fn smooth_pieces(
     simulator: &mut Simulator,
     model: &Model,
     end: f64,
-    visit: &mut dyn FnMut(&Piece),
+    visit: &mut dyn FnMut(&SmoothPiece),
 ) -> Result<()> {
     refuse_loads(simulator)?;
     loop {
@@ -90,17 +90,17 @@ pub(crate) fn smooth_pieces(
             }),
         )?;
         if let Some(at) = release {
-            visit(&Piece { mode: way, start, span: at - time, end: PieceEnd::Release });
+            visit(&SmoothPiece { mode: way, start, span: at - time, end: PieceEnd::Release });
             let forces = model.constant_forces();
             start = expand_along(model, way, (&start, forces.as_ref()), at - time, |_, _| ());
             (time, way) = (at, SmoothMode::Flight);
         }
         let Some((at, side, speed, impulse)) = hit else {
-            visit(&Piece { mode: way, start, span: end - time, end: PieceEnd::End });
+            visit(&SmoothPiece { mode: way, start, span: end - time, end: PieceEnd::End });
             return Ok(());
         };
         let after = simulator.augmented();
         let end = PieceEnd::Impact { side, rate: side * speed, impulse, after, rests };
-        visit(&Piece { mode: way, start, span: at - time, end });
+        visit(&SmoothPiece { mode: way, start, span: at - time, end });
     }
 }

@@ -53,7 +53,7 @@ impl Program {
 
 /// What has become of a motion.
 #[derive(Debug)]
-pub struct Outcome<'a> {
+pub struct MotionEnd<'a> {
     /// The state at the end, a whole number of drive periods after the start.
     pub state: State,
     /// The maxima, m, in the order of time.
@@ -87,7 +87,7 @@ impl Workspace {
         &mut self,
         starts: &mut dyn Iterator<Item = Start>,
         program: &Program,
-        finished: &mut dyn FnMut(usize, Result<Outcome<'_>>),
+        finished: &mut dyn FnMut(usize, Result<MotionEnd<'_>>),
     ) {
         let mut starts = starts.enumerate();
         let mut first = None;

@@ -11,7 +11,7 @@ mod single;
 
 pub(crate) use self::single::SingleVariation;
 
-use super::smooth_pieces::{Piece, PieceEnd};
+use super::smooth_pieces::{SmoothPiece, PieceEnd};
 use vibro_impact::flow::{Series, WHOLE, remainder};
 use vibro_impact::model::{Augmented, COORDINATES, Model, RELATIVE, RELATIVE_RATE, Saltation, SmoothMode};
 
@@ -58,14 +58,14 @@ fn product<const N: usize>(a: &Matrix, b: &[Augmented; N]) -> [Augmented; N] {
 
 /// The transition matrices of one mode over any time.
 #[derive(Clone, Debug)]
-pub(crate) struct Transition {
+pub(crate) struct ModeTransition {
     /// Powers of the generator over their factorials, times the same power of the node distance.
     terms: [Matrix; TERMS],
     nodes: Vec<Matrix>,
     spacing: f64,
 }
 
-impl Transition {
+impl ModeTransition {
     pub(crate) fn new(model: &Model, mode: SmoothMode) -> Self {
         let spacing = GRID_TIMES_RATE / model.rate;
         let (share, speed) = (model.block_share, model.gap * model.rate);
@@ -142,23 +142,23 @@ pub(crate) enum Rank {
 #[derive(Clone, Debug)]
 pub(crate) struct Variation {
     model: Model,
-    flight: Transition,
-    rest: Option<Box<Transition>>,
+    flight: ModeTransition,
+    rest: Option<Box<ModeTransition>>,
 }
 
 impl Variation {
     pub(crate) fn new(model: &Model) -> Self {
-        Self { model: *model, flight: Transition::new(model, SmoothMode::Flight), rest: None }
+        Self { model: *model, flight: ModeTransition::new(model, SmoothMode::Flight), rest: None }
     }
 
     /// Propagates a frame along a piece and through the event at its end, by the best instruction
     /// set at hand. No operation is fused, so that all instruction sets give the same bits.
-    pub(crate) fn propagate(&mut self, frame: &mut Frame, piece: &Piece) -> Rank {
+    pub(crate) fn propagate(&mut self, frame: &mut Frame, piece: &SmoothPiece) -> Rank {
         let model = &self.model;
         let transition = match piece.mode {
             SmoothMode::Flight => &self.flight,
             SmoothMode::Rest => {
-                self.rest.get_or_insert_with(|| Box::new(Transition::new(model, SmoothMode::Rest)))
+                self.rest.get_or_insert_with(|| Box::new(ModeTransition::new(model, SmoothMode::Rest)))
             }
         };
         pulp::Arch::new().dispatch(

@@ -13,7 +13,7 @@ use super::free_motion::{self, keeps_clear};
 use super::largest_exponent::LargestExponent;
 use super::settling::TURNED;
 use super::statistics::{Blocks, Likeness};
-use super::trajectories::{Outcome, Program, Start, Workspace};
+use super::trajectories::{MotionEnd, Program, Start, Workspace};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 
@@ -211,7 +211,7 @@ fn has_no_part(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool
 fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> Vec<Result<Seen>> {
     let mut found: Vec<Option<Result<Seen>>> = starts.iter().map(|_| None).collect();
     workspace.run(&mut starts.iter().copied(), program, &mut |number, outcome| {
-        found[number] = Some(outcome.map(|Outcome { state, attractor, exponent, record, .. }| {
+        found[number] = Some(outcome.map(|MotionEnd { state, attractor, exponent, record, .. }| {
             let mut blocks = Blocks::default();
             // Every motion of such a program is observed.
             let p = &starts[number].parameters;

@@ -3,10 +3,10 @@
 mod between;
 mod step;
 
-use super::branch::{Label, Point, Special};
+use super::branch::{Label, OrbitPoint, Special};
 use super::curve::CurvePoint;
 use super::cycle::Cycle;
-use super::family::{Contacts, Family, Span};
+use super::family::{ContactEquations, Family, Span};
 use super::grazing::{self, Touch};
 use super::obstacle::Obstacle;
 use super::orbit::eigenvalues;
@@ -80,7 +80,7 @@ pub(super) enum PathEnd {
 /// A path with its end.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
-    pub points: Vec<Point>,
+    pub points: Vec<OrbitPoint>,
     pub end: PathEnd,
 }
 
@@ -96,7 +96,7 @@ struct Position {
 
 /// A step that was taken.
 struct Advance {
-    between: Vec<Point>,
+    between: Vec<OrbitPoint>,
     next: Position,
     label: Option<Special>,
     end: Option<PathEnd>,
@@ -163,15 +163,15 @@ pub(super) fn follow(follower: &Follower, departure: Departure) -> Result<Path, 
     }
 }
 
-fn label_last(points: &mut [Point], label: Label) {
+fn label_last(points: &mut [OrbitPoint], label: Label) {
     if let Some(last) = points.last_mut().filter(|p| p.special.is_none()) {
         last.special = Some(Special::of(label));
     }
 }
 
 impl Follower<'_> {
-    fn contacts(&self) -> Contacts<'_> {
-        Contacts { family: self.family, word: self.word }
+    fn contacts(&self) -> ContactEquations<'_> {
+        ContactEquations { family: self.family, word: self.word }
     }
 
     fn span(&self) -> &Span {
@@ -187,11 +187,11 @@ impl Follower<'_> {
         (value - mark).abs() <= MARK * self.span().unit()
     }
 
-    fn point(&self, position: &Position, special: Option<Special>) -> Point {
+    fn point(&self, position: &Position, special: Option<Special>) -> OrbitPoint {
         let value = self.value(&position.u);
         let mark =
             self.marks.iter().copied().find(|mark| self.is_at(value, *mark)).filter(|_| special.is_none());
-        Point {
+        OrbitPoint {
             value: mark.unwrap_or(value),
             phases: position.u.as_slice()[..self.word.len()].to_vec(),
             multipliers: position.multipliers,

@@ -1,7 +1,7 @@
 //! Ranges of the parameter in which branches are stable, between located bifurcations, and
 //! sequences of period doublings.
 
-use super::branch::{Branch, Label, Point};
+use super::branch::{Branch, Label, OrbitPoint};
 use super::orbit::Orbit;
 
 /// Values of the parameter, relative to their size, that count as one place: a branch and the one
@@ -91,7 +91,7 @@ impl Branch {
         let own = flight_times(orbit.phases(), orbit.word().span());
         let distance = |range: &StableRange| {
             let points = &self.points[range.points.0..=range.points.1];
-            let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+            let near = |a: &&OrbitPoint, b: &&OrbitPoint| (a.value - value).abs().total_cmp(&(b.value - value).abs());
             let nearest = points.iter().min_by(near).map(|p| flight_times(&p.phases, self.word.span()));
             nearest.map_or(f64::INFINITY, |n| n.iter().zip(&own).map(|(a, b)| (a - b).abs()).sum())
         };

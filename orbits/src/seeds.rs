@@ -40,7 +40,7 @@ const PLACES: f64 = 30.0;
 
 /// An orbit's word, phases and parameter.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Place {
+pub(super) struct SeedOrbit {
     pub word: OrbitWord,
     pub phases: Vec<f64>,
     pub value: f64,
@@ -80,8 +80,8 @@ pub struct Searched {
 /// What was found of a family.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Seeds {
-    pub settled: Vec<Place>,
-    pub passed: Vec<Place>,
+    pub settled: Vec<SeedOrbit>,
+    pub passed: Vec<SeedOrbit>,
     pub searched: Searched,
 }
 
@@ -126,7 +126,7 @@ pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Err
 /// What a value of a chain has.
 #[derive(Clone)]
 struct Link {
-    place: Option<Place>,
+    place: Option<SeedOrbit>,
     visited: Hull,
 }
 
@@ -158,7 +158,7 @@ fn chain(
             settled::orbit_within(&system, &state, limits).ok().filter(|orbit| !orbit.word().is_empty());
         links[i].place = orbit.and_then(|orbit| {
             let (word, phases) = family.shortest(&orbit);
-            let place = Place { word, phases, value, stable: orbit.is_stable() };
+            let place = SeedOrbit { word, phases, value, stable: orbit.is_stable() };
             options.admits(&place.word).then_some(place)
         });
     }
@@ -190,7 +190,7 @@ fn wide(
     options: &TreeOptions,
     boxes: &[Hull],
     values: &mut [SearchedValue],
-) -> Result<Vec<Place>, Error> {
+) -> Result<Vec<SeedOrbit>, Error> {
     let (starts, cells) = (options.starts, values.len().saturating_sub(1));
     if starts == 0 || cells == 0 {
         return Ok(Vec::new());
@@ -229,16 +229,16 @@ fn wide(
             .then(|| (cell, value, from_drive_units(system.parameters(), &state)))
     };
     let all: Vec<(usize, f64, State)> = (0..starts).filter_map(start).collect();
-    let found: Vec<Vec<Place>> = all
+    let found: Vec<Vec<SeedOrbit>> = all
         .par_iter()
         .map(|(_, value, state)| passes(family, *value, state, options))
         .collect::<Result<_, _>>()?;
     let unit = (values[cells].value - values[0].value) / PLACES;
-    let mut kept: Vec<Place> = Vec::new();
+    let mut kept: Vec<SeedOrbit> = Vec::new();
     for ((cell, ..), places) in all.iter().zip(found) {
         values[*cell].starts += 1;
         for place in places {
-            let alike = |k: &Place| {
+            let alike = |k: &SeedOrbit| {
                 k.word == place.word && k.stable == place.stable && (k.value - place.value).abs() < unit
             };
             if !kept.iter().any(alike) {
@@ -253,14 +253,14 @@ fn wide(
 /// The orbits near which a motion passes, in their shortest canonical words, one of each: those to
 /// which Newton's method leads from near returns on its way, and the one on which it has settled in
 /// the end.
-fn passes(family: &Family, value: f64, start: &State, options: &TreeOptions) -> Result<Vec<Place>, Error> {
+fn passes(family: &Family, value: f64, start: &State, options: &TreeOptions) -> Result<Vec<SeedOrbit>, Error> {
     let (system, limits) = (family.system(&[value])?, options.limits());
-    let mut found: Vec<Place> = Vec::new();
+    let mut found: Vec<SeedOrbit> = Vec::new();
     let mut keep = |orbit: Orbit| {
         let (word, phases) = family.shortest(&orbit);
         let (word, phases) = canonical(&word, &phases, family.is_symmetric());
         if !word.is_empty() && options.admits(&word) && !found.iter().any(|place| place.word == word) {
-            found.push(Place { word, phases, value, stable: orbit.is_stable() });
+            found.push(SeedOrbit { word, phases, value, stable: orbit.is_stable() });
         }
     };
     let Ok(mut simulator) = settled::simulator(&system, start) else { return Ok(Vec::new()) };

@@ -2,7 +2,7 @@
 
 use super::curve::{gradient, meet};
 use super::cycle::Cycle;
-use super::family::{Contacts, Family};
+use super::family::{ContactEquations, Family};
 use super::obstacle::Obstacle;
 use super::orbit::eigenvalues;
 use super::test_functions::{DOUBLING, SignedLog, is_on_circle, test};
@@ -115,7 +115,7 @@ pub(super) fn primary(
     };
     let function = |u: &DVector<f64>| scaled_test(family, &folded, DOUBLING, unit, u);
     let condition = |u: &DVector<f64>| Ok((function(u)?, gradient(u, DIFFERENCE, function)?));
-    let u = meet(&Contacts { family, word: &folded }, &guess, condition)?;
+    let u = meet(&ContactEquations { family, word: &folded }, &guess, condition)?;
     if (&u - &guess).norm() > (next - last).norm() {
         return Err(Obstacle::NoConvergence);
     }

@@ -3,7 +3,7 @@
 use super::branch::{Label, Special};
 use super::curve::{axis, least_vectors, tangent};
 use super::cycle::{Cycle, Functional};
-use super::family::{Contacts, Family};
+use super::family::{ContactEquations, Family};
 use super::grazing::{self, Touch, Touching};
 use super::obstacle::Obstacle;
 use super::orbit::{Orbit, canonical, repeated_phases, unfolded_phases};
@@ -33,7 +33,7 @@ pub(super) struct Departure {
 
 /// A touch in the words of the orbit without it: what is common to all words that meet there.
 #[derive(Clone, Debug)]
-pub(super) struct Contact {
+pub(super) struct FlightTouch {
     /// The shortest word without the touch.
     pub shorter: OrbitWord,
     /// Phases and parameter.
@@ -46,7 +46,7 @@ pub(super) struct Contact {
     pub side: i8,
 }
 
-impl Contact {
+impl FlightTouch {
     /// A touch on a branch, reduced.
     pub fn of(family: &Family, touch: &Touch) -> Self {
         let values = family.values(&touch.u);
@@ -105,7 +105,7 @@ impl Contact {
     /// stop.
     pub fn departure(&self, family: &Family) -> Result<Departure, Obstacle> {
         let n = self.shorter.len();
-        let contacts = Contacts { family, word: &self.shorter };
+        let contacts = ContactEquations { family, word: &self.shorter };
         let along = tangent(&contacts, &self.u, &axis(n + 1, n))?;
         let excess = |step: f64| -> Result<f64, Obstacle> {
             let u = &self.u + &along * step;
@@ -138,7 +138,7 @@ pub(super) fn free_word(family: &Family) -> OrbitWord {
 /// Where the branch with a touch leaves: on the side on which the impact has a speed.
 pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Obstacle> {
     let n = touch.longer.len();
-    let contacts = Contacts { family, word: &touch.longer };
+    let contacts = ContactEquations { family, word: &touch.longer };
     let along = tangent(&contacts, &touch.u, &axis(n + 1, n))?;
     let gradient = grazing::speed_gradient(&Touching { contacts, index: touch.index }, &touch.u)?;
     let tangent = if gradient.dot(&along) > 0.0 { along } else { -along };
@@ -196,7 +196,7 @@ pub(super) fn both_ways(
 ) -> Result<(OrbitWord, [Departure; 2]), Obstacle> {
     let (word, phases) = canonical(word, phases, family.is_symmetric());
     let u = family.point(&phases, &[value]);
-    let along = tangent(&Contacts { family, word: &word }, &u, &axis(word.len() + 1, word.len()))?;
+    let along = tangent(&ContactEquations { family, word: &word }, &u, &axis(word.len() + 1, word.len()))?;
     let departure =
         |tangent| Departure { u: u.clone(), tangent, step: FIRST_STEP, special: None, multipliers: None };
     Ok((word.clone(), [departure(along.clone()), departure(-along)]))

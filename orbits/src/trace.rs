@@ -2,10 +2,10 @@
 //! which other motions pass, from the motion without impacts, and from every special point of every
 //! branch; or one branch alone.
 
-use super::branch::{Branch, Point};
+use super::branch::{Branch, OrbitPoint};
 use super::family::Family;
 use super::free;
-use super::grower::{Grower, Start};
+use super::grower::{Grower, BranchStart};
 use super::obstacle::Obstacle;
 use super::orbit::Orbit;
 use super::path::{Follower, PathEnd, PathOptions, follow};
@@ -66,9 +66,9 @@ pub fn tree_in_parts(
         }
         let batch = grower.next_batch();
         traced += batch.len();
-        let batch: Vec<Start> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
+        let batch: Vec<BranchStart> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
         let trace_all = |_| -> Result<Vec<Option<Traced>>, Error> {
-            let trace = |start: &Start| trace(family, &grower.path, &options.marks, start).ok();
+            let trace = |start: &BranchStart| trace(family, &grower.path, &options.marks, start).ok();
             Ok(batch.par_iter().map(trace).collect())
         };
         let found = task.part(round, trace_all)?.unwrap_or_default();
@@ -131,7 +131,7 @@ pub fn branch(
     let (word, phases) = family.shortest(&orbit);
     let followed = || {
         let (word, both) = switching::both_ways(family, &word, &phases, value)?;
-        let start = Start { depth: 0, parent: None, word, departures: both.to_vec(), island: false };
+        let start = BranchStart { depth: 0, parent: None, word, departures: both.to_vec(), island: false };
         Ok((trace(family, options, marks, &start)?, start.word))
     };
     let (Traced { points, closed, .. }, word) =
@@ -140,7 +140,7 @@ pub fn branch(
 }
 
 /// Follows a start in all its directions.
-fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: &Start) -> Result<Traced, Obstacle> {
+fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: &BranchStart) -> Result<Traced, Obstacle> {
     let follower = Follower { family, word: &start.word, options, marks };
     let mut departures = start.departures.iter();
     let first = departures.next().ok_or(Obstacle::NoConvergence)?;
@@ -154,7 +154,7 @@ fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: &Start) -
         // Each point keeps the stability of the piece that follows it in the branch's order.
         let pieces: Vec<bool> = path.points.iter().map(|p| p.stable).collect();
         let reversed = path.points.into_iter().enumerate().skip(1).rev();
-        points.extend(reversed.map(|(i, point)| Point { stable: pieces[i - 1], ..point }));
+        points.extend(reversed.map(|(i, point)| OrbitPoint { stable: pieces[i - 1], ..point }));
         ends.push((0, path.end));
     }
     points.extend(forward.points);

@@ -1,6 +1,6 @@
 //! All branches that were found of a family, and what is traced of them.
 
-use super::branch::{Branch, Point};
+use super::branch::{Branch, OrbitPoint};
 use super::path::PathEnd;
 use super::seeds::Searched;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,7 @@ pub struct Tree {
 /// What was found from a start: the points of a branch, with how its ends continue.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Traced {
-    pub points: Vec<Point>,
+    pub points: Vec<OrbitPoint>,
     pub closed: bool,
     /// Indices of points with what continues there.
     pub ends: Vec<(usize, PathEnd)>,

@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_analysis::assembly::{
-    self, Contact, Contacts, Extreme, Extremes, Followed, Machine, NamedEvent, Place, What, columns, named,
+    self, StopContact, ContactRecorder, Extreme, Extremes, Followed, Machine, NamedEvent, QuantityPlace, What, columns, named,
     values,
 };
 use vibro_assembly::description::Description;
@@ -159,7 +159,7 @@ pub fn record(
     let end = times.last().copied().unwrap_or(0.0);
     let extremes =
         Extremes::new(&watched(&assembly.description)?, (times.first().copied().unwrap_or(0.0), end));
-    let followed = Followed::new(Contacts::new(&motion, &events)?, extremes);
+    let followed = Followed::new(ContactRecorder::new(&motion, &events)?, extremes);
     let mut record =
         Record { assembly, columns, rows: Vec::new(), events, followed, motion, start, ended: None };
     for &time in times {
@@ -180,8 +180,8 @@ pub fn record(
 
 /// The quantities whose extremes are told or drawn: coordinates and rates of bodies, forces of
 /// stops and friction.
-fn watched(d: &Description) -> Result<Vec<Place>> {
-    let of = |name: &String, what| assembly::Quantity { of: name.clone(), what };
+fn watched(d: &Description) -> Result<Vec<QuantityPlace>> {
+    let of = |name: &String, what| assembly::NamedQuantity { of: name.clone(), what };
     let contacts = d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
     let all = d.bodies.iter().map(|b| of(&b.name, What::S));
     let all = all.chain(contacts.map(|name| of(name, What::F)));
@@ -237,7 +237,7 @@ impl Record {
         let mut csv = CsvRows::new(names)?;
         let cell = |value: Option<f64>| value.map_or(String::new(), exact);
         for contact in self.followed.contacts.all() {
-            let Contact { begin, end, peak, impulse, speed, lost, .. } = contact;
+            let StopContact { begin, end, peak, impulse, speed, lost, .. } = contact;
             let element = contact.element(&self.assembly.description);
             csv.push([
                 element,

@@ -7,7 +7,7 @@ use vibro_assembly::motion::EventKind;
 
 /// Names of the columns, after the time.
 pub fn columns(d: &Description) -> Vec<String> {
-    super::Quantity::all(d).into_iter().map(|quantity| quantity.to_string()).collect()
+    super::NamedQuantity::all(d).into_iter().map(|quantity| quantity.to_string()).collect()
 }
 
 /// Their values now.

@@ -1,9 +1,9 @@
 //! The contacts of a motion one by one: impacts and rests on rigid stops, contacts with compliant
 //! ones.
 
-use super::Place;
+use super::QuantityPlace;
 use super::flight::{Flow, value_at};
-use super::quantity::{Quantity, What};
+use super::quantity::{NamedQuantity, What};
 use super::rows::Sparse;
 use crate::error::Result;
 use vibro_assembly::Motion;
@@ -15,7 +15,7 @@ use vibro_assembly::system::System;
 
 /// A contact of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct StopContact {
     /// Place of the stop.
     pub stop: usize,
     /// When it begins, s: an impact, a rigid stop that closes, a compliant one that is met.
@@ -37,11 +37,11 @@ pub struct Contact {
 
 /// Collects the contacts of a motion that keeps its energy accounts.
 #[derive(Clone, Debug)]
-pub struct Contacts {
-    all: Vec<Contact>,
+pub struct ContactRecorder {
+    all: Vec<StopContact>,
     /// By stop the place of its contact that lasts, or whose loss does.
     current: Vec<Option<usize>>,
-    forces: Vec<Place>,
+    forces: Vec<QuantityPlace>,
     /// The stops with force or loss in the mode, with their functionals.
     acting: Vec<Acting>,
 }
@@ -54,14 +54,14 @@ struct Acting {
     loss: Option<(Sparse, Sparse)>,
 }
 
-impl Contacts {
+impl ContactRecorder {
     /// Of a motion at its start, with the events that were told of it.
     ///
     /// # Errors
     /// None for the motion of a machine that was read.
     pub fn new(motion: &Motion, told: &[Event]) -> Result<Self> {
         let d = &motion.assembly().description;
-        let force = |name: &String| Quantity { of: name.clone(), what: What::F }.place(d);
+        let force = |name: &String| NamedQuantity { of: name.clone(), what: What::F }.place(d);
         let forces = d.stops.iter().map(|stop| force(&stop.name)).collect::<Result<_>>()?;
         let current = vec![None; d.stops.len()];
         let mut contacts = Self { all: Vec::new(), current, forces, acting: Vec::new() };
@@ -76,7 +76,7 @@ impl Contacts {
     }
 
     /// The contacts so far, by their begin.
-    pub fn all(&self) -> Vec<Contact> {
+    pub fn all(&self) -> Vec<StopContact> {
         let mut all = self.all.clone();
         all.sort_by(|a, b| a.begin.total_cmp(&b.begin));
         all
@@ -86,7 +86,7 @@ impl Contacts {
         self.current[stop] = Some(self.all.len());
         // Zero without a sign.
         let (speed, zero) = (speed + 0.0, Some(0.0));
-        self.all.push(Contact { stop, begin, end: None, peak: zero, impulse: zero, speed, lost: zero });
+        self.all.push(StopContact { stop, begin, end: None, peak: zero, impulse: zero, speed, lost: zero });
     }
 
     fn end(&mut self, stop: usize, time: f64) {
@@ -111,7 +111,7 @@ impl Contacts {
                     (nominal, work) = (nominal + loss, work + speed * impulse);
                     let (end, peak, impulse) = (Some(event.time), None, Some(impulse));
                     let lost = Some(loss);
-                    self.all.push(Contact { stop, begin: event.time, end, peak, impulse, speed, lost });
+                    self.all.push(StopContact { stop, begin: event.time, end, peak, impulse, speed, lost });
                 }
                 EventKind::Close { stop } => self.begin(stop, event.time, 0.0),
                 EventKind::Press { stop, speed } => self.begin(stop, event.time, speed),
@@ -191,7 +191,7 @@ fn holds(state: StopState) -> bool {
     matches!(state, StopState::Closed | StopState::Pressed | StopState::Capped)
 }
 
-impl Contact {
+impl StopContact {
     /// `stop.NAME`.
     pub fn element(&self, d: &Description) -> String {
         format!("stop.{}", d.stops[self.stop].name)

@@ -4,7 +4,7 @@ use super::measures::need_accounts;
 use super::oscillations::oscillations;
 use super::timescales::settle;
 use super::{Machine, Measure, Start, measure};
-use crate::design_sweep::{self, Outcome, Request, failed};
+use crate::design_sweep::{self, MotionMeasures, SweepRequest, failed};
 use crate::error::Result;
 use crate::measures::{Measured, unsettled_in_words};
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ impl fmt::Display for FileStart {
     }
 }
 
-impl design_sweep::Machine for Machine {
+impl design_sweep::DesignMachine for Machine {
     type Name = String;
     type Start = FileStart;
     type Measure = Measure;
@@ -48,7 +48,7 @@ impl design_sweep::Machine for Machine {
         self.with(values.iter().map(|(name, value)| (name.as_str(), *value)))
     }
 
-    fn outcomes(&self, request: &Request<Self>) -> Vec<Outcome> {
+    fn outcomes(&self, request: &SweepRequest<Self>) -> Vec<MotionMeasures> {
         let one = || -> Result<_> {
             let (mut motion, section) = self.motion(&Start::default())?;
             if !need_accounts(&request.measures) {

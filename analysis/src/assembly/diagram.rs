@@ -6,13 +6,13 @@
 //! observed at each value is independent of the others. Time goes on from value to value, so that a
 //! body whose motion is prescribed is where the others met it. Where what drives the machine does
 //! not repeat, that would make each value's motion depend on when it is reached: such a machine is
-//! refused, or each value [starts anew](Request::anew).
+//! refused, or each value [starts anew](DiagramRequest::anew).
 
 use super::flight::Flows;
 use super::settled::{Settled, settled};
 use super::timescales::{runs_on_beyond, settle};
 use super::watch::{Maxima, Watcher};
-use super::{Machine, Quantity, Section, Start, now};
+use super::{Machine, NamedQuantity, Section, Start, now};
 use crate::attractor::MotionClass;
 use crate::bifurcation::{self, Diagram, DiagramPoint, chained, in_both_directions};
 use crate::error::{Error, Result};
@@ -28,11 +28,11 @@ pub const MOST_VALUES: usize = 20_000;
 
 /// What to compute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Request {
+pub struct DiagramRequest {
     /// The parameter and its values, SI.
     pub axis: ParameterAxis<String>,
     /// The quantity that is drawn.
-    pub of: Quantity,
+    pub of: NamedQuantity,
     /// Whether its values at the section are drawn, and not its local maxima.
     pub at_section: bool,
     /// Returns discarded at each value; fewer where the motion has settled.
@@ -47,7 +47,7 @@ pub struct Request {
 
 /// The motion at one value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct AssemblyPoint {
     /// The parameter's value.
     pub value: f64,
     /// Maxima, or values at the section, SI, to seven digits of the largest, ascending, with the
@@ -57,7 +57,7 @@ pub struct Point {
     pub settled: Settled,
 }
 
-impl DiagramPoint for Point {
+impl DiagramPoint for AssemblyPoint {
     fn value(&self) -> f64 {
         self.value
     }
@@ -85,7 +85,7 @@ struct SettledStart {
     start: Option<Start>,
 }
 
-impl Request {
+impl DiagramRequest {
     /// The machine at a value.
     fn at(&self, machine: &Machine, value: f64) -> Result<Machine> {
         machine.with([(self.axis.name.as_str(), value)])
@@ -133,7 +133,7 @@ fn runs_on_in_words(why: &str) -> String {
 
 fn chain(
     machine: &Machine,
-    request: &Request,
+    request: &DiagramRequest,
     store: &dyn PartStore,
     upward: bool,
 ) -> Result<Vec<SettledStart>> {
@@ -154,7 +154,7 @@ fn chain(
 }
 
 /// Where the motion at a value is when it has settled.
-fn settled_at(machine: &Machine, request: &Request, value: f64, start: &Start) -> Result<Start> {
+fn settled_at(machine: &Machine, request: &DiagramRequest, value: f64, start: &Start) -> Result<Start> {
     let (motion, section) = request.at(machine, value)?.motion(start)?;
     let mut motion = motion.without_energy_accounts();
     settle(&mut motion, &section, request.discard)?;
@@ -165,7 +165,7 @@ fn settled_at(machine: &Machine, request: &Request, value: f64, start: &Start) -
 ///
 /// # Errors
 /// Where the motion cannot go on.
-fn observe(machine: &Machine, request: &Request, value: f64, start: &Start) -> Result<Point> {
+fn observe(machine: &Machine, request: &DiagramRequest, value: f64, start: &Start) -> Result<AssemblyPoint> {
     let (motion, section) = request.at(machine, value)?.motion(start)?;
     let mut motion = motion.without_energy_accounts();
     let mut scout = motion.clone();
@@ -198,7 +198,7 @@ fn observe(machine: &Machine, request: &Request, value: f64, start: &Start) -> R
         }
         values = watcher.maxima.map_or(Vec::new(), |m| m.found);
     }
-    Ok(Point { value, maxima: counted(values, times), settled })
+    Ok(AssemblyPoint { value, maxima: counted(values, times), settled })
 }
 
 /// Values to some digits of the largest, ascending, with the times each is met.
@@ -217,8 +217,8 @@ fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
 /// depends neither on threads nor on shards.
 ///
 /// # Errors
-/// As [`Request::check`]; what the parts' folder refuses.
-pub fn diagram(machine: &Machine, request: &Request, task: &Task) -> Result<Option<Diagram<Point>>> {
+/// As [`DiagramRequest::check`]; what the parts' folder refuses.
+pub fn diagram(machine: &Machine, request: &DiagramRequest, task: &Task) -> Result<Option<Diagram<AssemblyPoint>>> {
     request.check(machine)?;
     let points = |_: &mut (), starts: &[SettledStart]| {
         let point = |s: &SettledStart| observe(machine, request, s.value, s.start.as_ref()?).ok();

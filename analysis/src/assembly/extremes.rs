@@ -1,6 +1,6 @@
 //! How far quantities go in a motion, between the samples too, and what a picture needs of them.
 
-use super::Place;
+use super::QuantityPlace;
 use super::flight::{Flow, turning_points};
 use super::rows::Sparse;
 use vibro_assembly::system::System;
@@ -14,7 +14,7 @@ const CURVES: usize = 64;
 /// A quantity's extremes.
 #[derive(Clone, Debug)]
 pub struct Extreme {
-    place: Place,
+    place: QuantityPlace,
     row: Sparse,
     /// The largest absolute value.
     pub largest: f64,
@@ -35,8 +35,8 @@ pub struct Extremes {
 
 impl Extremes {
     /// Of these quantities; curves are kept between two times, s.
-    pub fn new(places: &[Place], times: (f64, f64)) -> Self {
-        let extreme = |&place: &Place| Extreme {
+    pub fn new(places: &[QuantityPlace], times: (f64, f64)) -> Self {
+        let extreme = |&place: &QuantityPlace| Extreme {
             place,
             row: Sparse::default(),
             largest: 0.0,

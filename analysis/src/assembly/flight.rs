@@ -166,7 +166,7 @@ pub fn turning_points(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64, f64)) {
 
 /// A flight: its mode, its state at the start, its length in s.
 #[derive(Clone, Copy, Debug)]
-pub struct Flight<'a> {
+pub struct ObservedFlight<'a> {
     /// When it begins, s.
     pub time: f64,
     /// The linear system that holds.
@@ -198,7 +198,7 @@ pub struct Passage<'a> {
 /// What looks at a motion while it is followed.
 pub trait Observer {
     /// A flight is over.
-    fn flight(&mut self, system: &System, flight: Flight<'_>);
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>);
     /// An event after it.
     fn passage(&mut self, system: &System, passage: Passage<'_>);
     /// What is told of an event, at once: also where its law then fails.
@@ -222,7 +222,7 @@ impl Flows {
 
 impl Flows {
     /// The value of a quantity now.
-    pub fn value(&mut self, motion: &Motion, place: &super::Place) -> f64 {
+    pub fn value(&mut self, motion: &Motion, place: &super::QuantityPlace) -> f64 {
         let system = motion.assembly().system();
         let flow = self.of(system, motion.mode());
         dot(&place.row(system, &flow), motion.state().as_slice())
@@ -256,7 +256,7 @@ pub fn follow(
         let span = motion.time() - from;
         // What has left all numbers is no flight to be looked at.
         if span > 0.0 && !matches!(outcome, Err(Error::Beyond { .. })) {
-            let flight = Flight { time: from, flow: &flow, start: &start, span };
+            let flight = ObservedFlight { time: from, flow: &flow, start: &start, span };
             observers.iter_mut().for_each(|o| o.flight(system, flight));
         }
         if outcome? == Outcome::Event {

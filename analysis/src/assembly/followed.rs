@@ -1,8 +1,8 @@
 //! A motion that is followed from instant to instant while everything between them is looked at.
 
-use super::contacts::Contacts;
+use super::contacts::ContactRecorder;
 use super::extremes::Extremes;
-use super::flight::{Flight, Flow, Flows, Observer, Passage, follow};
+use super::flight::{ObservedFlight, Flow, Flows, Observer, Passage, follow};
 use std::cell::Cell;
 use vibro_assembly::mode::Mode;
 use vibro_assembly::motion::Event;
@@ -22,7 +22,7 @@ const MOST: f64 = 500_000.0;
 #[derive(Debug)]
 pub struct Followed {
     /// Its contacts.
-    pub contacts: Contacts,
+    pub contacts: ContactRecorder,
     /// Extremes of quantities.
     pub extremes: Extremes,
     /// Time in flights of which only the ends were looked at, s.
@@ -36,7 +36,7 @@ pub struct Followed {
 struct Tell<'a>(&'a mut dyn FnMut(&Event));
 
 impl Observer for Tell<'_> {
-    fn flight(&mut self, _: &System, _: Flight<'_>) {}
+    fn flight(&mut self, _: &System, _: ObservedFlight<'_>) {}
     fn passage(&mut self, _: &System, _: Passage<'_>) {}
     fn told(&mut self, event: &Event) {
         (self.0)(event);
@@ -44,10 +44,10 @@ impl Observer for Tell<'_> {
 }
 
 /// The work that an advance may still take.
-struct Work<'a>(&'a Cell<f64>);
+struct WorkMeter<'a>(&'a Cell<f64>);
 
-impl Observer for Work<'_> {
-    fn flight(&mut self, _: &System, flight: Flight<'_>) {
+impl Observer for WorkMeter<'_> {
+    fn flight(&mut self, _: &System, flight: ObservedFlight<'_>) {
         self.0.set(self.0.get() + WORK.1 * flight.flow.sub_steps_of(flight.span));
     }
     fn passage(&mut self, _: &System, _: Passage<'_>) {
@@ -57,7 +57,7 @@ impl Observer for Work<'_> {
 
 impl Followed {
     /// Nothing is followed yet.
-    pub fn new(contacts: Contacts, extremes: Extremes) -> Self {
+    pub fn new(contacts: ContactRecorder, extremes: Extremes) -> Self {
         Self { contacts, extremes, left_out: 0.0, left: MOST, mode: None, flows: Flows::default() }
     }
 
@@ -93,7 +93,7 @@ impl Followed {
             work.get() < 0.0
         };
         let mut teller = Tell(tell);
-        let is_left = follow(motion, flows, end, &mut [&mut teller, &mut Work(&work), self], &mut many)?;
+        let is_left = follow(motion, flows, end, &mut [&mut teller, &mut WorkMeter(&work), self], &mut many)?;
         let from = motion.time();
         if is_left {
             self.contacts.leave_out();
@@ -122,7 +122,7 @@ impl Followed {
 }
 
 impl Observer for Followed {
-    fn flight(&mut self, system: &System, flight: Flight<'_>) {
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
         self.enter(system, flight.flow);
         let beyond = flight.flow.stretches_of(flight.span) - USUAL;
         if beyond > self.left {

@@ -6,8 +6,8 @@
 //! the engine's accounts, those of rigid stops ½ (1 - ε) u P an impact.
 
 use super::flight::Flows;
-use super::quantity::{Owner, Place, Quantity, owners, unknown};
-use super::returns::Record;
+use super::quantity::{Owner, QuantityPlace, NamedQuantity, owners, unknown};
+use super::returns::ReturnRecord;
 use super::section::Section;
 use super::settled::settled;
 use super::timescales::{Passed, needed, runs_on};
@@ -29,13 +29,13 @@ const EXPONENT_RETURNS: u32 = 400;
 #[serde(try_from = "String", into = "String")]
 pub enum Measure {
     /// Largest |q|: `amplitude.box.s`.
-    Amplitude(Quantity),
+    Amplitude(NamedQuantity),
     /// √(mean of q²): `rms.box.a`.
-    Rms(Quantity),
+    Rms(NamedQuantity),
     /// Largest less least q: `peak_to_peak.box.s`.
-    PeakToPeak(Quantity),
+    PeakToPeak(NamedQuantity),
     /// Largest q: `maximum.buffer.f`.
-    Maximum(Quantity),
+    Maximum(NamedQuantity),
     /// Impacts and first touches of a stop, or of all, from one return to the next:
     /// `impacts.steel`, `impacts`.
     Impacts(Option<String>),
@@ -57,7 +57,7 @@ pub enum Measure {
 }
 
 /// A kind of measure of a quantity: its word and what makes it.
-type OfQuantity = (&'static str, fn(Quantity) -> Measure);
+type OfQuantity = (&'static str, fn(NamedQuantity) -> Measure);
 
 const OF_QUANTITIES: [OfQuantity; 4] = [
     ("amplitude", Measure::Amplitude),
@@ -133,7 +133,7 @@ fn stop(d: &Description, name: &str) -> Option<usize> {
 
 impl Measure {
     /// The quantity that it is read off, if there is one.
-    pub fn quantity(&self) -> Option<&Quantity> {
+    pub fn quantity(&self) -> Option<&NamedQuantity> {
         match self {
             Self::Amplitude(q) | Self::Rms(q) | Self::PeakToPeak(q) | Self::Maximum(q) => Some(q),
             _ => None,
@@ -198,7 +198,7 @@ impl Measure {
 
     /// All measures of a machine.
     pub fn all(d: &Description) -> Vec<Self> {
-        let quantities = Quantity::all(d);
+        let quantities = NamedQuantity::all(d);
         let mut all: Vec<Self> =
             OF_QUANTITIES.iter().flat_map(|(_, kind)| quantities.iter().cloned().map(kind)).collect();
         all.extend([Self::Impacts(None), Self::ImpactRate(None)]);
@@ -295,12 +295,12 @@ impl Seen for Window {
 }
 
 impl Window {
-    fn number(&self, measure: &Measure, d: &Description, quantities: &[&Quantity]) -> f64 {
-        let extent = |q: &Quantity| {
+    fn number(&self, measure: &Measure, d: &Description, quantities: &[&NamedQuantity]) -> f64 {
+        let extent = |q: &NamedQuantity| {
             let place = quantities.iter().position(|own| *own == q);
             place.map(|k| &self.watcher.extents[k])
         };
-        let of = |q: &Quantity, value: &dyn Fn(&super::watch::Extent) -> f64| extent(q).map_or(0.0, value);
+        let of = |q: &NamedQuantity, value: &dyn Fn(&super::watch::Extent) -> f64| extent(q).map_or(0.0, value);
         let contacts = |name: &String| stop(d, name).map(|i| self.watcher.contacts[i]).unwrap_or_default();
         let count = |name: &Option<String>| match name {
             Some(name) => f64::from(contacts(name).count),
@@ -357,7 +357,7 @@ pub fn measure(
     let assembly = motion.assembly().clone();
     let d = &assembly.description;
     measures.iter().try_for_each(|m| m.check(d))?;
-    let mut quantities: Vec<&Quantity> = Vec::new();
+    let mut quantities: Vec<&NamedQuantity> = Vec::new();
     for quantity in measures.iter().filter_map(Measure::quantity) {
         if !quantities.contains(&quantity) {
             quantities.push(quantity);
@@ -406,14 +406,14 @@ pub fn measure(
 fn windows(
     motion: &mut Motion,
     section: &Section,
-    places: &[Place],
+    places: &[QuantityPlace],
     periods: u32,
 ) -> Result<(Vec<Window>, bool)> {
     let stops = motion.assembly().description.stops.len();
     let mut watcher = Watcher::of(places, stops);
     let (mut flows, mut parts) = (Flows::default(), Parts::new());
     let mut passed = Passed::new(motion, needed(motion, section, periods)?, periods);
-    let mut record = Record::new(motion, section);
+    let mut record = ReturnRecord::new(motion, section);
     record.arrive(motion, true);
     loop {
         let (from, before) = (motion.time(), energies(motion));

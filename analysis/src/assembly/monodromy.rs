@@ -6,7 +6,7 @@
 //! far. Neutral directions are left out, and of an autonomous machine a shift in time.
 
 use super::flight::Flows;
-use super::returns::Record;
+use super::returns::ReturnRecord;
 use super::section::{Section, is_steady};
 use super::variation::{Frame, Metric};
 use crate::error::Result;
@@ -32,7 +32,7 @@ const EXACT: f64 = 1e-9;
 
 /// The lengths by which changes of a motion's state are measured: how far elongations and rates of
 /// each dimension have been apart.
-pub fn metric(motion: &Motion, record: &Record) -> Metric {
+pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
     let assembly = motion.assembly();
     let (d, system) = (&assembly.description, assembly.system());
     let sizes = record.sizes();
@@ -93,7 +93,7 @@ impl Period {
     ///
     /// # Errors
     /// As [`Section::advance`].
-    pub fn follow(motion: &mut Motion, section: &Section, record: &Record, returns: u32) -> Result<Self> {
+    pub fn follow(motion: &mut Motion, section: &Section, record: &ReturnRecord, returns: u32) -> Result<Self> {
         let assembly = motion.assembly().clone();
         let system = assembly.system();
         let metric = metric(motion, record);

@@ -4,7 +4,7 @@ use super::timescales::{runs_on_beyond, settle};
 use super::{FileStart, Machine, Section, Start, settled};
 use crate::attractor::MotionClass;
 use crate::error::{Error, Result};
-use crate::isoperiodic::{PlaneMachine, Request};
+use crate::isoperiodic::{PlaneMachine, IsoperiodicRequest};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ impl PlaneMachine for Machine {
     type Workspace = ();
     const IN_PLANE_PART: usize = 32;
 
-    fn check_plane(&self, request: &Request<Self>) -> Result<()> {
+    fn check_plane(&self, request: &IsoperiodicRequest<Self>) -> Result<()> {
         let FileStart::File = request.start;
         for axis in [&request.x, &request.y] {
             for end in [axis.from, axis.to] {
@@ -48,7 +48,7 @@ impl PlaneMachine for Machine {
         }
     }
 
-    fn points(&self, request: &Request<Self>, rows: Range<usize>, (): &mut ()) -> Vec<Self::Point> {
+    fn points(&self, request: &IsoperiodicRequest<Self>, rows: Range<usize>, (): &mut ()) -> Vec<Self::Point> {
         let places = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
         places.map(|(i, j)| point(self, request, request.x.value(i), request.y.value(j)).ok()).collect()
     }
@@ -58,7 +58,7 @@ impl PlaneMachine for Machine {
 ///
 /// # Errors
 /// Values that make no machine; a motion that cannot go on.
-fn point(machine: &Machine, request: &Request<Machine>, x: f64, y: f64) -> Result<PlanePoint> {
+fn point(machine: &Machine, request: &IsoperiodicRequest<Machine>, x: f64, y: f64) -> Result<PlanePoint> {
     let own = machine.with([(request.x.name.as_str(), x), (request.y.name.as_str(), y)])?;
     let (motion, section) = own.motion(&Start::default())?;
     let mut motion = motion.without_energy_accounts();

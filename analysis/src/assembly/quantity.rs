@@ -11,10 +11,10 @@ use vibro_assembly::mode::{Contact, StopState};
 use vibro_assembly::system::System;
 
 /// A body's or an element's quantity by its name, such as `box.s`; whether a machine has it is
-/// known by [`Quantity::place`].
+/// known by [`NamedQuantity::place`].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct Quantity {
+pub struct NamedQuantity {
     /// The body or element.
     pub of: String,
     /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `f` of a load.
@@ -41,7 +41,7 @@ pub enum What {
 const WORDS: [(What, &str); 6] =
     [(What::S, "s"), (What::V, "v"), (What::A, "a"), (What::E, "e"), (What::Rate, "rate"), (What::F, "f")];
 
-impl FromStr for Quantity {
+impl FromStr for NamedQuantity {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
@@ -58,14 +58,14 @@ impl FromStr for Quantity {
     }
 }
 
-impl fmt::Display for Quantity {
+impl fmt::Display for NamedQuantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let word = WORDS.iter().find(|w| w.0 == self.what).map_or("", |w| w.1);
         write!(f, "{}.{word}", self.of)
     }
 }
 
-crate::text::written_as_text!(Quantity);
+crate::text::written_as_text!(NamedQuantity);
 
 /// Whose quantity it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,13 +113,13 @@ pub fn unknown(text: &str, known: &[String]) -> Error {
 
 /// A quantity of a given machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct QuantityPlace {
     owner: Owner,
     what: What,
     dimension: Dimension,
 }
 
-impl Quantity {
+impl NamedQuantity {
     /// All quantities of a machine.
     pub fn all(d: &Description) -> Vec<Self> {
         let of = |(name, owner, _): (&str, Owner, Dimension)| {
@@ -137,7 +137,7 @@ impl Quantity {
     ///
     /// # Errors
     /// [`Error::Described`] with the nearest name.
-    pub fn place(&self, d: &Description) -> Result<Place> {
+    pub fn place(&self, d: &Description) -> Result<QuantityPlace> {
         let all = Self::all(d);
         if !all.contains(self) {
             let known: Vec<String> = all.iter().map(ToString::to_string).collect();
@@ -148,11 +148,11 @@ impl Quantity {
             .into_iter()
             .find(|(name, owner, _)| *name == self.of && matches!(owner, Owner::Body(_)) == is_body);
         let (_, owner, dimension) = found.ok_or_else(|| unknown(&self.to_string(), &[]))?;
-        Ok(Place { owner, what: self.what, dimension })
+        Ok(QuantityPlace { owner, what: self.what, dimension })
     }
 }
 
-impl Place {
+impl QuantityPlace {
     /// Its SI unit.
     pub fn unit(&self) -> &'static str {
         let rotates = self.dimension == Dimension::Rotation;

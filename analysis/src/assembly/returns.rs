@@ -118,7 +118,7 @@ pub struct Return {
 
 /// Returns of a motion.
 #[derive(Clone, Debug)]
-pub struct Record {
+pub struct ReturnRecord {
     functionals: Functionals,
     pub returns: Vec<Return>,
     /// The least and the largest value of each functional.
@@ -136,7 +136,7 @@ pub struct Record {
     pub rests: bool,
 }
 
-impl Record {
+impl ReturnRecord {
     /// Without a return so far.
     pub fn new(motion: &Motion, section: &Section) -> Self {
         let assembly = motion.assembly();

@@ -11,7 +11,7 @@ use super::flight::Flows;
 use super::growth::{ALIGN, Growth};
 use super::monodromy::{MARGINAL, Period, shift};
 use super::oscillations::oscillations;
-use super::returns::Record;
+use super::returns::ReturnRecord;
 use super::section::{Section, common_period, harmonics};
 use super::variation::{Metric, Variation};
 use crate::attractor::{MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT};
@@ -95,7 +95,7 @@ impl Settled {
 struct Follower<'a> {
     motion: &'a mut Motion,
     section: Section,
-    record: Record,
+    record: ReturnRecord,
     /// Returns for which it has been followed.
     followed: u32,
     /// How far it must have been followed before the derivative of the period is looked at again.
@@ -107,7 +107,7 @@ struct Follower<'a> {
 
 impl<'a> Follower<'a> {
     fn new(motion: &'a mut Motion, section: &Section) -> Self {
-        let record = Record::new(motion, section);
+        let record = ReturnRecord::new(motion, section);
         Self { motion, section: *section, record, followed: 0, next_look: 0, is_unstable: false }
     }
 
@@ -116,7 +116,7 @@ impl<'a> Follower<'a> {
     }
 
     fn begin(&mut self) {
-        self.record = Record::new(self.motion, &self.section);
+        self.record = ReturnRecord::new(self.motion, &self.section);
         let at_event = self.at_event();
         self.record.arrive(self.motion, at_event);
     }

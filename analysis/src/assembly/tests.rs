@@ -1,4 +1,4 @@
-use super::diagram::{self, Request};
+use super::diagram::{self, DiagramRequest};
 use super::*;
 use crate::attractor::MotionClass;
 use crate::lyapunov::{SpectrumOptions, spectrum};
@@ -206,7 +206,7 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     let axis = ParameterAxis::of("stop.steel.gap".to_owned(), (4e-3, 6e-3), 3).unwrap();
     let of = "block.s".parse().unwrap();
     let request =
-        Request { axis, of, at_section: false, discard: 150, keep: 12, exponents: None, anew: false };
+        DiagramRequest { axis, of, at_section: false, discard: 150, keep: 12, exponents: None, anew: false };
     let found = diagram::diagram(&machine, &request, &Task::ALL).unwrap().unwrap();
     let first = found.up[0].as_ref().unwrap();
     let top = measured(&machine.with([("stop.steel.gap", 4e-3)]).unwrap(), &["maximum.block.s"])[0];
@@ -215,7 +215,7 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     let again = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let one = again.install(|| diagram::diagram(&machine, &request, &Task::ALL)).unwrap().unwrap();
     assert_eq!(one, found);
-    let wrong = Request { of: "blok.s".parse().unwrap(), ..request };
+    let wrong = DiagramRequest { of: "blok.s".parse().unwrap(), ..request };
     let error = diagram::diagram(&machine, &wrong, &Task::ALL).unwrap_err().to_string();
     assert!(error.contains("the nearest is `block.s`"), "{error}");
 }
@@ -224,10 +224,10 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
 const REPEATS: f64 = 1e-6;
 
 /// What a sweep measures of the machine as it is.
-fn swept(machine: &Machine, names: &[&str], discard: u32, periods: u32) -> crate::design_sweep::Row {
+fn swept(machine: &Machine, names: &[&str], discard: u32, periods: u32) -> crate::design_sweep::DesignRow {
     let measures = names.iter().map(|n| n.parse().unwrap()).collect();
     let request =
-        crate::design_sweep::Request::<Machine> { measures, discard, periods, ..Default::default() };
+        crate::design_sweep::SweepRequest::<Machine> { measures, discard, periods, ..Default::default() };
     crate::design_sweep::row(machine, &request, 0)
 }
 
@@ -275,7 +275,7 @@ fn stepped(time: &str) -> Machine {
 fn closed_form_what_does_not_repeat_is_measured_after_its_last_change_or_as_asked() {
     let names = ["maximum.a.s", "class"];
     let swing = measured(&text(OSCILLATOR), &["maximum.a.s"])[0];
-    let number = |row: &crate::design_sweep::Row| row.outputs[0].unwrap().largest;
+    let number = |row: &crate::design_sweep::DesignRow| row.outputs[0].unwrap().largest;
     // A step before what is discarded ends: what comes after it.
     let row = swept(&stepped("20 s"), &names, 300, 60);
     assert!((number(&row) - 2.0 - swing).abs() < REPEATS, "{row:?}");
@@ -298,11 +298,11 @@ fn a_diagram_of_what_does_not_repeat_is_refused_by_name_or_starts_anew() {
     let axis = ParameterAxis::of("spring.k.damping".to_owned(), (8.0, 9.0), 5).unwrap();
     let of = "a.s".parse().unwrap();
     let request =
-        Request { axis, of, at_section: false, discard: 100, keep: 5, exponents: None, anew: false };
+        DiagramRequest { axis, of, at_section: false, discard: 100, keep: 5, exponents: None, anew: false };
     let machine = stepped("200 s");
     let error = diagram::diagram(&machine, &request, &Task::ALL).unwrap_err().to_string();
     assert!(error.starts_with("load.f has a step at 200 s: ") && error.contains("--anew"), "{error}");
-    let anew = Request { anew: true, ..request.clone() };
+    let anew = DiagramRequest { anew: true, ..request.clone() };
     let found = diagram::diagram(&machine, &anew, &Task::ALL).unwrap().unwrap();
     assert!(found.down.iter().all(Option::is_none) && found.hysteresis().iter().all(|h| !h));
     // All values are seen before the step, as without it.

@@ -5,7 +5,7 @@
 //! What contacts hold is no direction of a variation, and neutral directions are told apart: what
 //! is left of a variation where both are taken away is what can grow or shrink.
 
-use super::flight::{Flight, Flow, Observer, Passage, dot};
+use super::flight::{ObservedFlight, Flow, Observer, Passage, dot};
 use nalgebra::DVector;
 use vibro_assembly::mode::{Contact, Mode};
 use vibro_assembly::motion::{Crossing, keep};
@@ -119,7 +119,7 @@ impl Frame {
 }
 
 impl Observer for Frame {
-    fn flight(&mut self, system: &System, flight: Flight<'_>) {
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
         flight.flow.carry(&mut self.columns, flight.span);
         for v in &mut self.columns {
             hold(system, &flight.flow.mode.basis, v, &self.metric);
@@ -176,8 +176,8 @@ impl Variation {
 }
 
 impl Observer for Variation {
-    fn flight(&mut self, system: &System, flight: Flight<'_>) {
-        let Flight { flow, span, .. } = flight;
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
+        let ObservedFlight { flow, span, .. } = flight;
         let parts = (flow.stretches_of(span) / STRETCHES).ceil();
         for _ in 0..parts as u64 {
             self.v[0] = Flow::stretches(flow, &self.v[0], span / parts, &mut |_, _| ());

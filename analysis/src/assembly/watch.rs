@@ -1,7 +1,7 @@
 //! What is read off a motion along the way: extrema and mean squares, local maxima, contacts.
 
-use super::flight::{Flight, Observer, Passage, coefficients, monotone_pieces};
-use super::quantity::Place;
+use super::flight::{ObservedFlight, Observer, Passage, coefficients, monotone_pieces};
+use super::quantity::QuantityPlace;
 use vibro_assembly::energy::NODES;
 use vibro_assembly::motion::EventKind;
 use vibro_assembly::system::System;
@@ -20,7 +20,7 @@ fn rounded(value: f64, size: f64) -> f64 {
 /// Extrema of a quantity so far, and the integral of its square.
 #[derive(Clone, Debug)]
 pub struct Extent {
-    place: Place,
+    place: QuantityPlace,
     /// The least value.
     pub least: f64,
     /// The largest value.
@@ -32,7 +32,7 @@ pub struct Extent {
 /// The local maxima of a quantity. One that lasts counts once, where it ends.
 #[derive(Clone, Debug)]
 pub struct Maxima {
-    place: Place,
+    place: QuantityPlace,
     last: Option<f64>,
     rising: bool,
     size: f64,
@@ -42,7 +42,7 @@ pub struct Maxima {
 
 impl Maxima {
     /// Of a quantity.
-    pub fn new(place: Place) -> Self {
+    pub fn new(place: QuantityPlace) -> Self {
         Self { place, last: None, rising: false, size: 0.0, found: Vec::new() }
     }
 
@@ -69,7 +69,7 @@ impl Maxima {
 
 /// Contacts of a stop.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Contacts {
+pub struct ContactSummary {
     /// Impacts, or first touches of a compliant stop.
     pub count: u32,
     /// The largest closing speed.
@@ -88,20 +88,20 @@ pub struct Watcher {
     /// Maxima of one.
     pub maxima: Option<Maxima>,
     /// By stop.
-    pub contacts: Vec<Contacts>,
+    pub contacts: Vec<ContactSummary>,
     /// Events of any element.
     pub events: u32,
 }
 
 impl Watcher {
     /// Of the extents of some quantities.
-    pub fn of(places: &[Place], stops: usize) -> Self {
+    pub fn of(places: &[QuantityPlace], stops: usize) -> Self {
         let extent =
-            |&place: &Place| Extent { place, least: f64::INFINITY, largest: f64::NEG_INFINITY, square: 0.0 };
+            |&place: &QuantityPlace| Extent { place, least: f64::INFINITY, largest: f64::NEG_INFINITY, square: 0.0 };
         Self {
             extents: places.iter().map(extent).collect(),
             maxima: None,
-            contacts: vec![Contacts::default(); stops],
+            contacts: vec![ContactSummary::default(); stops],
             events: 0,
         }
     }
@@ -126,13 +126,13 @@ impl Watcher {
         for extent in &mut self.extents {
             (extent.least, extent.largest, extent.square) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
         }
-        self.contacts.iter_mut().for_each(|c| *c = Contacts::default());
+        self.contacts.iter_mut().for_each(|c| *c = ContactSummary::default());
         self.events = 0;
     }
 }
 
 impl Observer for Watcher {
-    fn flight(&mut self, system: &System, flight: Flight<'_>) {
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
         if self.extents.is_empty() && self.maxima.is_none() {
             return;
         }

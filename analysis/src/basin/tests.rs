@@ -16,7 +16,7 @@ fn axes_without_width_or_cells_are_refused() {
         for (x, y) in [(good, y), (y, good)] {
             let error = basin(
                 &Parameters::default(),
-                &Request { x, y, discard: 1, start: in_the_middle() },
+                &BasinRequest { x, y, discard: 1, start: in_the_middle() },
                 &Task::ALL,
             )
             .unwrap_err();
@@ -90,7 +90,7 @@ fn invariant_rows_put_together_are_the_whole() {
 fn plane(f10: f64, count: usize) -> Basin {
     let axis = |coordinate, to: f64| InitialValueAxis { coordinate, from: -to, to, count };
     let p = *ParameterSet::basic().with(find_group("f10").unwrap(), f10).unwrap().parameters();
-    let request = Request { x: axis(0, 1.0), y: axis(4, 2.0), discard: 300, start: in_the_middle() };
+    let request = BasinRequest { x: axis(0, 1.0), y: axis(4, 2.0), discard: 300, start: in_the_middle() };
     basin(&p, &request, &Task::ALL).unwrap().unwrap()
 }
 

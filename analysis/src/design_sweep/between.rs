@@ -6,7 +6,7 @@
 //! the middle is looked at next (S. A. Piyavskii, 1972). Values at which the machine resonates come
 //! first.
 
-use super::{Machine, Outcome, Request, motions};
+use super::{DesignMachine, MotionMeasures, SweepRequest, motions};
 
 /// Most further values of one design along one interval.
 pub(super) const MOST: usize = 32;
@@ -19,17 +19,17 @@ const PART: f64 = 0.01;
 /// Values are not nearer to each other than this part of the interval.
 const NEAREST: f64 = 1.0 / 256.0;
 
-/// The motions of a design at values of [`Request::over`], from all starts at each.
+/// The motions of a design at values of [`SweepRequest::over`], from all starts at each.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Looked {
     /// The values.
     pub places: Vec<Vec<f64>>,
     /// The motions there, place by place.
-    pub outcomes: Vec<Outcome>,
+    pub outcomes: Vec<MotionMeasures>,
 }
 
 /// A value along an interval, the largest of the measure there, and by how much that scatters.
-type Point = (f64, f64, f64);
+type ValueSpread = (f64, f64, f64);
 
 impl Looked {
     /// The largest of a measure over the starts at a place, and its spread.
@@ -37,33 +37,33 @@ impl Looked {
         let starts = self.outcomes.len() / self.places.len();
         let own = &self.outcomes[place * starts..(place + 1) * starts];
         let number =
-            |(found, _): &Outcome| Some((found.numbers.get(measure).copied()??, found.spreads[measure]));
+            |(found, _): &MotionMeasures| Some((found.numbers.get(measure).copied()??, found.spreads[measure]));
         own.iter().map(number).reduce(|a, b| if b?.0 > a?.0 { b } else { a }).flatten()
     }
 
     /// The places on the line along an axis through the one with the largest value, and that place;
     /// `None` where a motion has failed.
-    fn line(&self, axis: usize, measure: usize) -> Option<(Vec<Point>, Vec<f64>)> {
+    fn line(&self, axis: usize, measure: usize) -> Option<(Vec<ValueSpread>, Vec<f64>)> {
         let values: Vec<(f64, f64)> =
             (0..self.places.len()).map(|i| self.largest(i, measure)).collect::<Option<_>>()?;
         let top = (1..values.len()).fold(0, |best, i| if values[i].0 > values[best].0 { i } else { best });
         let through = self.places[top].clone();
         let on_line = |place: &[f64]| (0..through.len()).all(|j| j == axis || place[j] == through[j]);
         let met = self.places.iter().zip(&values).filter(|(place, _)| on_line(place));
-        let mut line: Vec<Point> = met.map(|(place, y)| (place[axis], y.0, y.1)).collect();
+        let mut line: Vec<ValueSpread> = met.map(|(place, y)| (place[axis], y.0, y.1)).collect();
         line.sort_by(|a, b| a.0.total_cmp(&b.0));
         line.dedup_by(|a, b| a.0 == b.0);
         Some((line, through))
     }
 }
 
-/// Looks between the values of those of [`Request::over`] that are intervals, along each through
+/// Looks between the values of those of [`SweepRequest::over`] that are intervals, along each through
 /// the largest, until a value but for twice its spread is larger than `enough`. The new places
 /// follow the others. A motion that fails ends the search, as the design has no value then. Returns
 /// whether all was looked at.
-pub(super) fn look_between<M: Machine>(
+pub(super) fn look_between<M: DesignMachine>(
     own: &M,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     (measure, enough): (usize, f64),
     looked: &mut Looked,
 ) -> bool {
@@ -94,7 +94,7 @@ pub(super) fn look_between<M: Machine>(
 }
 
 /// Whether a value lies in the interval and not at one that is there.
-fn is_new(line: &[Point], x: f64) -> bool {
+fn is_new(line: &[ValueSpread], x: f64) -> bool {
     let (from, to) = (line[0].0, line[line.len() - 1].0);
     let near = NEAREST * (to - from);
     from < x && x < to && line.iter().all(|p| (p.0 - x).abs() > near)
@@ -102,13 +102,13 @@ fn is_new(line: &[Point], x: f64) -> bool {
 
 /// The value to look at next, if any could have a larger one than those that are there, which are
 /// ascending, by more than they scatter.
-fn next(line: &[Point]) -> Option<f64> {
+fn next(line: &[ValueSpread]) -> Option<f64> {
     let span = line[line.len() - 1].0 - line[0].0;
     let top = line.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-    let rise = |p: &[Point]| ((p[1].1 - p[0].1).abs() - p[0].2.hypot(p[1].2)).max(0.0);
+    let rise = |p: &[ValueSpread]| ((p[1].1 - p[0].1).abs() - p[0].2.hypot(p[1].2)).max(0.0);
     let steepest = line.windows(2).map(|p| rise(p) / (p[1].0 - p[0].0)).fold(0.0, f64::max);
     let wide = line.windows(2).filter(|p| p[1].0 - p[0].0 > 2.0 * NEAREST * span);
-    let bound = |p: &[Point]| {
+    let bound = |p: &[ValueSpread]| {
         let width = p[1].0 - p[0].0;
         if line.len() < LEAST { width } else { 0.5 * (p[0].1 + p[1].1 + STEEPER * steepest * width) }
     };

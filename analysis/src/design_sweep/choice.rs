@@ -8,7 +8,7 @@
 //! all that speaks of it.
 
 use super::between::{Looked, MOST, look_between};
-use super::{Again, Machine, Request, Row, Summary, design, motions, part, summary};
+use super::{Again, DesignMachine, SweepRequest, DesignRow, Summary, design, motions, part, summary};
 use crate::error::{Error, Result};
 use crate::parts::{Shard, Task};
 use rayon::prelude::*;
@@ -32,7 +32,7 @@ pub struct Choice {
     /// The first measure that is a number, by its place: the one that counts.
     pub measure: usize,
     /// The rows of designs that were measured again, by the design's number.
-    pub rows: BTreeMap<usize, Row>,
+    pub rows: BTreeMap<usize, DesignRow>,
     /// The designs that may have the least value, the least first: one where it is the best by its
     /// error bar.
     pub possible: Vec<usize>,
@@ -73,16 +73,16 @@ impl Estimate {
 }
 
 /// A race between the designs of a sweep.
-struct Race<'a, M: Machine> {
+struct Race<'a, M: DesignMachine> {
     set: &'a M,
-    request: &'a Request<M>,
+    request: &'a SweepRequest<M>,
     task: &'a Task<'a>,
     measure: usize,
     estimates: Vec<Option<Estimate>>,
     found: Choice,
 }
 
-impl<M: Machine> Race<'_, M> {
+impl<M: DesignMachine> Race<'_, M> {
     /// Whether a design can be measured again.
     fn is_open(&self, index: usize) -> bool {
         let Some(own) = self.estimates[index] else { return false };
@@ -119,7 +119,7 @@ impl<M: Machine> Race<'_, M> {
     }
 
     /// A row of the sweep.
-    fn row(&self, index: usize) -> Result<Row> {
+    fn row(&self, index: usize) -> Result<DesignRow> {
         let size = self.request.part_size();
         let quiet = Task { shard: Shard::ALL, done: &|_| (), ..*self.task };
         let rows = quiet.part(index / size, |i| Ok(part(self.set, self.request, i)))?;
@@ -129,14 +129,14 @@ impl<M: Machine> Race<'_, M> {
 
     /// Measures a design again as long as it may be less than `enough`; returns its row, whether
     /// all was looked at, and the periods of motion that it took.
-    fn measured(&self, index: usize, enough: f64) -> Result<(Row, bool, u64)> {
+    fn measured(&self, index: usize, enough: f64) -> Result<(DesignRow, bool, u64)> {
         let mut row = self.row(index)?;
         let periods = self.periods(index);
         let own = design(self.set, self.request, &row.values)?;
         let places_of_windows: Vec<usize> =
             (0..row.outputs.len()).filter(|&m| M::is_of_window(&self.request.measures[m])).collect();
         let measures = places_of_windows.iter().map(|&m| self.request.measures[m].clone()).collect();
-        let request = Request { periods, measures, ..self.request.clone() };
+        let request = SweepRequest { periods, measures, ..self.request.clone() };
         let measure = places_of_windows.iter().position(|&m| m == self.measure).unwrap_or(0);
         let asked = self.request.places();
         let mut looked = Looked { outcomes: motions(&own, &request, &asked), places: asked };
@@ -187,7 +187,7 @@ impl<M: Machine> Race<'_, M> {
 }
 
 /// Whether anything between values is to be looked at.
-fn looks_between<M: Machine>(request: &Request<M>) -> bool {
+fn looks_between<M: DesignMachine>(request: &SweepRequest<M>) -> bool {
     request.over.iter().any(|axis| axis.values.len() > 1 && request.between.contains(&axis.name))
 }
 
@@ -197,7 +197,7 @@ fn looks_between<M: Machine>(request: &Request<M>) -> bool {
 ///
 /// # Errors
 /// What the store refuses.
-pub fn choice<M: Machine>(set: &M, request: &Request<M>, task: &Task) -> Result<Option<Choice>> {
+pub fn choice<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task) -> Result<Option<Choice>> {
     let Some(measure) = request.measures.iter().position(M::is_of_window) else { return Ok(None) };
     if request.designs.count() < 2 || request.again == 0 {
         return Ok(None);
@@ -219,11 +219,11 @@ pub fn choice<M: Machine>(set: &M, request: &Request<M>, task: &Task) -> Result<
 ///
 /// # Errors
 /// What `visit` returns; what the store refuses.
-pub fn each_final_row<M: Machine, E: From<Error>>(
+pub fn each_final_row<M: DesignMachine, E: From<Error>>(
     set: &M,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     (task, choice): (&Task, Option<&Choice>),
-    mut visit: impl FnMut(Row) -> std::result::Result<(), E>,
+    mut visit: impl FnMut(DesignRow) -> std::result::Result<(), E>,
 ) -> std::result::Result<(), E> {
     let mut index = 0;
     super::each_row(set, request, task, |row| {

@@ -1,6 +1,6 @@
 //! The 3-DOF machine as one of which designs are measured.
 
-use super::{Machine, Outcome, Request, spread_starts};
+use super::{DesignMachine, MotionMeasures, SweepRequest, spread_starts};
 use crate::error::{Error, Result};
 use crate::measures::{
     Measure, Measured, amplitude_without_block, is_of_window, measure, unsettled_in_words,
@@ -10,7 +10,7 @@ use crate::start::StartRule;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Simulator;
 
-impl Machine for ParameterSet {
+impl DesignMachine for ParameterSet {
     type Name = Name;
     type Start = StartRule;
     type Measure = Measure;
@@ -35,7 +35,7 @@ impl Machine for ParameterSet {
         Ok(own)
     }
 
-    fn outcomes(&self, request: &Request) -> Vec<Outcome> {
+    fn outcomes(&self, request: &SweepRequest) -> Vec<MotionMeasures> {
         from_all_starts(self.parameters(), request)
     }
 
@@ -55,7 +55,7 @@ impl Machine for ParameterSet {
 }
 
 /// The motions of one machine, which share the simulator's tables.
-fn from_all_starts(p: &Parameters, request: &Request) -> Vec<Outcome> {
+fn from_all_starts(p: &Parameters, request: &SweepRequest) -> Vec<MotionMeasures> {
     let mut shared: Option<Simulator> = None;
     // What a closed form has no value for is said even where there is a motion.
     let asked = request.measures.contains(&Measure::AmplitudeWithoutBlock);
@@ -85,7 +85,7 @@ fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
 fn one(
     p: &Parameters,
     start: StartRule,
-    request: &Request,
+    request: &SweepRequest,
     shared: &mut Option<Simulator>,
 ) -> Result<Measured> {
     let state = start.state(p)?;

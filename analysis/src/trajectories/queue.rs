@@ -1,6 +1,6 @@
 //! What a thread does with the motions in its lanes, from stage to stage.
 
-use super::{LargestExponent, Outcome, Program, Start};
+use super::{LargestExponent, MotionEnd, Program, Start};
 use crate::attractor::{Attractor, OBSERVED, StroboscopicRecord};
 use crate::error::Result;
 use crate::free_limit::is_damped;
@@ -176,7 +176,7 @@ impl LaneRecord {
 pub(super) struct Motions<'a> {
     starts: &'a mut dyn Iterator<Item = (usize, Start)>,
     program: &'a Program,
-    finished: &'a mut dyn FnMut(usize, Result<Outcome<'_>>),
+    finished: &'a mut dyn FnMut(usize, Result<MotionEnd<'_>>),
     lanes: &'a mut [LaneRecord],
 }
 
@@ -184,7 +184,7 @@ impl<'a> Motions<'a> {
     pub(super) fn new(
         starts: &'a mut dyn Iterator<Item = (usize, Start)>,
         program: &'a Program,
-        finished: &'a mut dyn FnMut(usize, Result<Outcome<'_>>),
+        finished: &'a mut dyn FnMut(usize, Result<MotionEnd<'_>>),
         lanes: &'a mut [LaneRecord],
     ) -> Self {
         Self { starts, program, finished, lanes }
@@ -267,7 +267,7 @@ impl<'a> Motions<'a> {
             _ => simulator.state(),
         };
         let (attractor, exponent) = (record.attractor.take(), record.exponent);
-        let outcome = ended.map(|()| Outcome {
+        let outcome = ended.map(|()| MotionEnd {
             state,
             maxima: &record.maxima,
             attractor,

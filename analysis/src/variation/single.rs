@@ -44,7 +44,7 @@ fn transit(a: &Columns, v: &Augmented) -> Augmented {
 /// The transition matrices of one mode over any time.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))] // so that a column is one cache line
-struct Transition {
+struct SingleTransition {
     /// Powers of the generator over their factorials, times the same power of the node distance.
     terms: [Columns; TERMS],
     nodes: [Columns; NODES + 1],
@@ -52,7 +52,7 @@ struct Transition {
     per_spacing: f64,
 }
 
-impl Transition {
+impl SingleTransition {
     const ZERO: Self = Self {
         terms: [[[0.0; COORDINATES]; COLUMNS]; TERMS],
         nodes: [[[0.0; COORDINATES]; COLUMNS]; NODES + 1],
@@ -114,12 +114,12 @@ impl Transition {
 
 /// What a [`SingleVariation`] does, to be compiled once for each instruction set. No operation is
 /// fused, so that all give the same bits.
-enum Work<'a> {
-    Fill(&'a mut Transition, &'a Model, SmoothMode),
-    Propagate(&'a Transition, &'a mut Augmented, f64),
+enum VariationOperation<'a> {
+    Fill(&'a mut SingleTransition, &'a Model, SmoothMode),
+    Propagate(&'a SingleTransition, &'a mut Augmented, f64),
 }
 
-impl pulp::WithSimd for Work<'_> {
+impl pulp::WithSimd for VariationOperation<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -136,13 +136,13 @@ impl pulp::WithSimd for Work<'_> {
 pub(crate) struct SingleVariation {
     model: Model,
     /// Of flight and of rest, and whether they are those of the model.
-    transitions: [Box<Transition>; 2],
+    transitions: [Box<SingleTransition>; 2],
     ready: [bool; 2],
 }
 
 impl SingleVariation {
     pub(crate) fn new(model: &Model) -> Self {
-        let transitions = [Box::new(Transition::ZERO), Box::new(Transition::ZERO)];
+        let transitions = [Box::new(SingleTransition::ZERO), Box::new(SingleTransition::ZERO)];
         Self { model: *model, transitions, ready: [false; 2] }
     }
 
@@ -167,10 +167,10 @@ impl SingleVariation {
         let index = usize::from(mode == SmoothMode::Rest);
         let transition = &mut *self.transitions[index];
         if !self.ready[index] {
-            pulp::Arch::new().dispatch(Work::Fill(transition, &self.model, mode));
+            pulp::Arch::new().dispatch(VariationOperation::Fill(transition, &self.model, mode));
             self.ready[index] = true;
         }
-        pulp::Arch::new().dispatch(Work::Propagate(transition, v, span));
+        pulp::Arch::new().dispatch(VariationOperation::Propagate(transition, v, span));
         if let Some((rate, after)) = impact {
             saltation(&self.model, rate, after).apply(v);
         }

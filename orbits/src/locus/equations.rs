@@ -3,7 +3,7 @@
 
 use crate::curve::{Equations, Linearization, least_vectors, slope};
 use crate::cycle::{Cycle, Functional};
-use crate::family::{Contacts, Family};
+use crate::family::{ContactEquations, Family};
 use crate::grazing::Touching;
 use crate::obstacle::Obstacle;
 use crate::orbit::is_clear;
@@ -115,7 +115,7 @@ impl Equations for Locus<'_> {
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
         let (n, columns) = (self.n(), u.len());
         if let Condition::Touch(index) = self.condition {
-            let contacts = Contacts { family: self.family, word: self.word };
+            let contacts = ContactEquations { family: self.family, word: self.word };
             return Touching { contacts, index }.linearize(u, known);
         }
         let system = self.family.system_at(u)?;

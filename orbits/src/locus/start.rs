@@ -11,7 +11,7 @@ use crate::free;
 use crate::grazing::Touch;
 use crate::obstacle::Obstacle;
 use crate::orbit::{canonical, eigenvalues, newton, same_phases};
-use crate::switching::Contact;
+use crate::switching::FlightTouch;
 use crate::word::OrbitWord;
 use crate::word::REPETITION;
 use nalgebra::{Complex, DVector};
@@ -52,11 +52,11 @@ impl LocusStart {
     pub fn shortest(&self, family: &Family) -> Outcome<Self> {
         let Normal { word, phases, values, kind } = Normal::of(family, self)?;
         let label = match kind {
-            Kind::Real(factor) if factor > 0.0 => Label::Fold,
-            Kind::Real(_) if word.closing() < 0 => Label::BranchPoint,
-            Kind::Real(_) => Label::PeriodDoubling,
-            Kind::Pair => Label::NeimarkSacker,
-            Kind::Touch(_) => self.label,
+            LocusCondition::Real(factor) if factor > 0.0 => Label::Fold,
+            LocusCondition::Real(_) if word.closing() < 0 => Label::BranchPoint,
+            LocusCondition::Real(_) => Label::PeriodDoubling,
+            LocusCondition::Pair => Label::NeimarkSacker,
+            LocusCondition::Touch(_) => self.label,
         };
         Ok(Self { label, word, phases, values })
     }
@@ -78,7 +78,7 @@ impl LocusStart {
 
 /// What holds along a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum LocusCondition {
     /// A multiplier ±1.
     Real(f64),
     /// A pair of multipliers on the unit circle.
@@ -97,7 +97,7 @@ pub(crate) struct Normal {
     pub word: OrbitWord,
     pub phases: Vec<f64>,
     pub values: [f64; 2],
-    pub kind: Kind,
+    pub kind: LocusCondition,
 }
 
 impl Normal {
@@ -125,10 +125,10 @@ impl Normal {
         }
         let (word, phases) = word.reduced(phases, family.is_symmetric(), REPETITION);
         let kind = match label {
-            Label::Fold => Kind::Real(1.0),
-            Label::BranchPoint if word.closing() < 0 => Kind::Real(-1.0),
-            Label::PeriodDoubling if word.closing() > 0 => Kind::Real(-1.0),
-            Label::NeimarkSacker => Kind::Pair,
+            Label::Fold => LocusCondition::Real(1.0),
+            Label::BranchPoint if word.closing() < 0 => LocusCondition::Real(-1.0),
+            Label::PeriodDoubling if word.closing() > 0 => LocusCondition::Real(-1.0),
+            Label::NeimarkSacker => LocusCondition::Pair,
             _ => return Err(form()),
         };
         Ok(Self { word, phases, values: *values, kind })
@@ -139,11 +139,11 @@ impl Normal {
         let contact = if word.is_empty() {
             free::contact(family, values)?
         } else {
-            Contact::of(family, &touch(family, word, phases, values)?)
+            FlightTouch::of(family, &touch(family, word, phases, values)?)
         };
         let touch = contact.longer(family, 1).into_iter().next().ok_or(Obstacle::Order)?;
         let phases = touch.u.as_slice()[..touch.longer.len()].to_vec();
-        Ok(Self { word: touch.longer, phases, values: *values, kind: Kind::Touch(touch.index) })
+        Ok(Self { word: touch.longer, phases, values: *values, kind: LocusCondition::Touch(touch.index) })
     }
 }
 
@@ -219,8 +219,8 @@ fn near<'a>(
     let cycle = Cycle::new(&system, word, phases)?;
     let mut u = family.point(phases, &normal.values);
     let condition = match normal.kind {
-        Kind::Touch(index) => Condition::Touch(index),
-        Kind::Pair => {
+        LocusCondition::Touch(index) => Condition::Touch(index),
+        LocusCondition::Pair => {
             let multipliers = eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
             let pairs = multipliers.into_iter().filter(|m| m.im > 0.0);
             let nearest = pairs.min_by(|a, b| (a.norm() - 1.0).abs().total_cmp(&(b.norm() - 1.0).abs()));
@@ -229,7 +229,7 @@ fn near<'a>(
             let matrix = cycle.complex_derivative(Complex::cis(angle)).ok_or(Obstacle::Singular)?;
             Condition::Complex(Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
         }
-        Kind::Real(factor) => {
+        LocusCondition::Real(factor) => {
             let matrix = cycle.derivative(Functional::Gap, factor).ok_or(Obstacle::Singular)?;
             Condition::Real(factor, Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
         }

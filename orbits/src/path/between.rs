@@ -1,7 +1,7 @@
 //! The special points between two points of a branch.
 
 use super::{Follower, Position};
-use crate::branch::{Label, Point, Special};
+use crate::branch::{Label, OrbitPoint, Special};
 use crate::curve::{CurvePoint, correct};
 use crate::cycle::Cycle;
 use crate::obstacle::Obstacle;
@@ -23,7 +23,7 @@ const NEAR_CIRCLE: f64 = 0.1;
 const RESOLVED: f64 = 1e6;
 
 /// A special point within a step.
-struct Found {
+struct LabelledPoint {
     arc: f64,
     at: CurvePoint,
     label: Label,
@@ -60,7 +60,7 @@ fn neutral<T>(last: &Position, next: &Position) -> Result<Option<T>, Obstacle> {
 impl Follower<'_> {
     /// The special points between two points, in order, with the stability of the pieces that
     /// follow them.
-    pub(super) fn between(&self, last: &Position, next: &Position) -> Result<Vec<Point>, Obstacle> {
+    pub(super) fn between(&self, last: &Position, next: &Position) -> Result<Vec<OrbitPoint>, Obstacle> {
         let changes = |index: usize| {
             let pair = last.tests[index].zip(next.tests[index]);
             pair.filter(|(a, b)| a.sign * b.sign < 0.0).map(|(a, _)| a)
@@ -76,11 +76,11 @@ impl Follower<'_> {
         let length = last.tangent.dot(&(&next.u - &last.u));
         let ends: Vec<f64> = found.iter().skip(1).map(|f| f.arc).chain([length]).collect();
         let mut points = Vec::new();
-        for (Found { arc, at, label }, end) in found.into_iter().zip(ends) {
+        for (LabelledPoint { arc, at, label }, end) in found.into_iter().zip(ends) {
             let middle = self.at_arc(last, next, 0.5 * (arc + end))?;
             let stable = self.look_certified(middle)?.stable;
             let position = self.look_certified(at)?;
-            points.push(Point { stable, ..self.point(&position, Some(Special::of(label))) });
+            points.push(OrbitPoint { stable, ..self.point(&position, Some(Special::of(label))) });
         }
         Ok(points)
     }
@@ -102,7 +102,7 @@ impl Follower<'_> {
         next: &Position,
         index: usize,
         unit: SignedLog,
-    ) -> Result<Option<Found>, Obstacle> {
+    ) -> Result<Option<LabelledPoint>, Obstacle> {
         let length = last.tangent.dot(&(&next.u - &last.u));
         let value = |arc: f64| -> Result<f64, Obstacle> {
             let at = self.at_arc(last, next, arc)?;
@@ -129,7 +129,7 @@ impl Follower<'_> {
         if index == PAIR && !special::is_torus(self.family, self.word, &at.u)? {
             return neutral(last, next);
         }
-        Ok(Some(Found { arc, at, label }))
+        Ok(Some(LabelledPoint { arc, at, label }))
     }
 
     /// Whether the parameter turns round at a point within a step: by the tangents at the step's
@@ -165,7 +165,7 @@ impl Follower<'_> {
     }
 
     /// The point at a value of the parameter, where the step passes it.
-    fn mark(&self, last: &Position, next: &Position, mark: f64) -> Option<Found> {
+    fn mark(&self, last: &Position, next: &Position, mark: f64) -> Option<LabelledPoint> {
         let n = self.word.len();
         let [from, to] = [&last.u, &next.u].map(|u| self.value(u));
         // A point that has the value is labelled itself.
@@ -179,6 +179,6 @@ impl Follower<'_> {
         let u = self.family.point(&phases, &[mark]);
         let arc = last.tangent.dot(&(&u - &last.u));
         let at = CurvePoint { u, tangent: last.tangent.clone(), steps: 3 };
-        Some(Found { arc, at, label: Label::UserValue })
+        Some(LabelledPoint { arc, at, label: Label::UserValue })
     }
 }

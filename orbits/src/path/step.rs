@@ -8,7 +8,7 @@ use crate::grazing::{self, ExaminedTouch, Touch};
 use crate::obstacle::Obstacle;
 use crate::orbit::{Orbit, eigenvalues, newton, unfolded_phases};
 use crate::special;
-use crate::switching::Contact;
+use crate::switching::FlightTouch;
 use crate::test_functions::{DOUBLING, UNIT, test};
 use crate::word::OrbitWord;
 use nalgebra::DVector;
@@ -119,7 +119,7 @@ impl Follower<'_> {
         let system = self.family.system_at(&u)?;
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.word.len()])?;
         let tests = [test(&cycle, UNIT), test(&cycle, DOUBLING), None];
-        let without = Contact::of(self.family, &touch);
+        let without = FlightTouch::of(self.family, &touch);
         let phases = &without.u.as_slice()[..without.shorter.len()];
         let multipliers = Orbit::at(&system, &without.shorter, phases)?.multipliers();
         let tangent = last.tangent.clone();

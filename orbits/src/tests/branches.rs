@@ -2,7 +2,7 @@
 //! simulator.
 
 use crate::{
-    Branch, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, Point, Span, Tree,
+    Branch, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, OrbitPoint, Span, Tree,
     TreeOptions, branch, locus, orbit_of, settle, tree,
 };
 use vibro_analysis::stroboscopic::moving_block;
@@ -29,7 +29,7 @@ fn grow(family: &Family, options: TreeOptions) -> Tree {
     tree(family, &options, &|_, _| ()).unwrap()
 }
 
-fn labelled(branch: &Branch, label: Label) -> impl Iterator<Item = &Point> {
+fn labelled(branch: &Branch, label: Label) -> impl Iterator<Item = &OrbitPoint> {
     branch.points.iter().filter(move |p| p.label() == Some(label))
 }
 
@@ -85,7 +85,7 @@ fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points
     assert!(found.branches.len() > 5, "{}", found.branches.len());
     for branch in &found.branches {
         for pair in branch.points.windows(2) {
-            let stable = |p: &Point| p.multipliers[0].norm() < 1.0;
+            let stable = |p: &OrbitPoint| p.multipliers[0].norm() < 1.0;
             let plain = pair.iter().all(|p| p.special.is_none());
             assert!(
                 !plain || stable(&pair[0]) == stable(&pair[1]),
@@ -179,7 +179,7 @@ fn invariant_a_doubled_branch_leaves_as_a_parabola() {
     let born = |b: &&Branch| b.points[0].label() == Some(Label::PeriodDoubling);
     let doubled = found.branches.iter().find(born).unwrap();
     let h = doubled.word.len() / 2;
-    let ratio = |point: &Point| {
+    let ratio = |point: &OrbitPoint| {
         let amplitude = (0..h).map(|i| {
             let half = 0.5 * doubled.word.span();
             (point.phases[h + i] - point.phases[i] - half).powi(2)
@@ -362,7 +362,7 @@ fn invariant_where_the_parameter_turns_before_a_touch_is_a_fold() {
         ("box.c", 0.1),
     ]);
     let branch = settled_branch(&set, "box.c", (0.01, 0.4), 0.1);
-    let turns = |w: &[Point]| (w[1].value - w[0].value) * (w[2].value - w[1].value) < 0.0;
+    let turns = |w: &[OrbitPoint]| (w[1].value - w[0].value) * (w[2].value - w[1].value) < 0.0;
     let turning: Vec<_> = branch.points.windows(3).filter(|w| turns(w)).map(|w| w[1].label()).collect();
     assert!(turning.contains(&Some(Label::Fold)), "{turning:?}");
     assert!(!turning.contains(&Some(Label::BranchPoint)), "{turning:?}");
@@ -461,7 +461,7 @@ fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
         .map(|(name, from, to)| Span::new(find_field(name).unwrap(), from, to).unwrap());
     let one = settled_branch(&set, "drive.amplitude", (spans[0].from, spans[0].to), 0.509_177_306_066_417_9);
     let two = Family::over_two(&set, spans[0], spans[1]).unwrap();
-    let points: Vec<&Point> = labelled(&one, Label::NeimarkSacker).collect();
+    let points: Vec<&OrbitPoint> = labelled(&one, Label::NeimarkSacker).collect();
     assert!(!points.is_empty());
     for point in points {
         let start = LocusStart {

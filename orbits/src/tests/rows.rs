@@ -2,7 +2,7 @@
 
 use crate::locus::start::{Normal, first_point};
 use crate::orbit::newton;
-use crate::{Branch, Family, Label, LocusStart, Point, Span, Tree, TreeOptions, locus, tree};
+use crate::{Branch, Family, Label, LocusStart, OrbitPoint, Span, Tree, TreeOptions, locus, tree};
 use std::collections::BTreeMap;
 use vibro_analysis::{Name, ParameterSet, find_group};
 
@@ -12,7 +12,7 @@ fn span(name: &str, from: f64, to: f64) -> Span {
 
 /// The rows of a tree from which curves start.
 fn starts(tree: &Tree, held: f64) -> Vec<LocusStart> {
-    let row = |b: &Branch, p: &Point| {
+    let row = |b: &Branch, p: &OrbitPoint| {
         let label = p.label().filter(|label| Label::STARTS.contains(label))?;
         Some(LocusStart { label, word: b.word.clone(), phases: p.phases.clone(), values: [p.value, held] })
     };

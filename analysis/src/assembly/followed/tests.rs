@@ -1,5 +1,5 @@
 use super::*;
-use crate::assembly::{Contact, Quantity, What};
+use crate::assembly::{StopContact, NamedQuantity, What};
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
@@ -24,9 +24,9 @@ fn example(name: &str) -> Motion {
 /// Follows a motion in equal steps; looks at the coordinate of each body.
 fn followed(motion: &mut Motion, end: f64, steps: u32) -> Followed {
     let d = motion.assembly().description.clone();
-    let place = |name: &String| Quantity { of: name.clone(), what: What::S }.place(&d).unwrap();
+    let place = |name: &String| NamedQuantity { of: name.clone(), what: What::S }.place(&d).unwrap();
     let places: Vec<_> = d.bodies.iter().map(|b| place(&b.name)).collect();
-    let contacts = Contacts::new(motion, &[]).unwrap();
+    let contacts = ContactRecorder::new(motion, &[]).unwrap();
     let mut followed = Followed::new(contacts, Extremes::new(&places, (0.0, end)));
     for k in 1..=steps {
         let time = end * f64::from(k) / f64::from(steps);
@@ -35,7 +35,7 @@ fn followed(motion: &mut Motion, end: f64, steps: u32) -> Followed {
     followed
 }
 
-fn sum(contacts: &[Contact], stop: usize, of: fn(&Contact) -> Option<f64>) -> f64 {
+fn sum(contacts: &[StopContact], stop: usize, of: fn(&StopContact) -> Option<f64>) -> f64 {
     contacts.iter().filter(|c| c.stop == stop).filter_map(of).sum()
 }
 

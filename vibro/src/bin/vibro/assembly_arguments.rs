@@ -3,8 +3,8 @@
 use crate::ranges::{Share, whole};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
-use vibro_analysis::assembly::{Measure, Quantity};
-use vibro_analysis::design_sweep::Machine as _;
+use vibro_analysis::assembly::{Measure, NamedQuantity};
+use vibro_analysis::design_sweep::DesignMachine as _;
 use vibro_impact::quantities::quantity_in;
 
 /// What to do with a machine.
@@ -104,7 +104,7 @@ pub struct Drawn {
     /// Quantity that is drawn: box.s, box.v, box.a, upper.e, upper.rate, upper.f
     /// [default: the first free body's coordinate]
     #[arg(long, value_name = "NAME")]
-    pub of: Option<Quantity>,
+    pub of: Option<NamedQuantity>,
     /// Draw its values where the motion is looked at (a Poincaré section) instead of its local
     /// maxima
     #[arg(long)]

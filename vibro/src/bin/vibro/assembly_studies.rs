@@ -10,8 +10,8 @@ use vibro::long_study::{AssemblyStudy, LongStudy, Work};
 use vibro::manifest::Invocation;
 use vibro::studies::assembly_exponent;
 use vibro::{Error, Result, assembly};
-use vibro_analysis::assembly::{FileStart, Machine, Measure, Quantity, SectionRule, diagram};
-use vibro_analysis::design_sweep::{Designs, ParameterInterval, Request, SampledAxis};
+use vibro_analysis::assembly::{FileStart, Machine, Measure, NamedQuantity, SectionRule, diagram};
+use vibro_analysis::design_sweep::{Designs, ParameterInterval, SweepRequest, SampledAxis};
 use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::sobol::DIMENSIONS;
@@ -107,13 +107,13 @@ fn invocation(common: &Common, command: &str, options: &[(&str, String)]) -> Inv
     found
 }
 
-fn request(machine: &mut Machine, vary: &str, a: &Drawn, exponents: Option<u32>) -> Result<diagram::Request> {
+fn request(machine: &mut Machine, vary: &str, a: &Drawn, exponents: Option<u32>) -> Result<diagram::DiagramRequest> {
     let of = match &a.of {
         Some(of) => of.clone(),
         None => default_quantity(machine)?,
     };
     let axis = axis(machine, vary, a.resolution.unwrap_or(VALUES).into(), diagram::MOST_VALUES)?;
-    let request = diagram::Request {
+    let request = diagram::DiagramRequest {
         axis,
         of,
         at_section: a.at_section,
@@ -127,7 +127,7 @@ fn request(machine: &mut Machine, vary: &str, a: &Drawn, exponents: Option<u32>)
 }
 
 /// The first free body's coordinate.
-fn default_quantity(machine: &Machine) -> Result<Quantity> {
+fn default_quantity(machine: &Machine) -> Result<NamedQuantity> {
     let all = Measure::usual(&machine.description);
     let found = all.iter().find_map(|m| m.quantity().cloned());
     found.ok_or_else(|| Error::form("--of", "a quantity such as box.s; the machine has no free body"))
@@ -199,7 +199,7 @@ fn draw_planes(
         let invocation = invocation(common, command, &options);
         let name = format!("{}-{}-{}", invocation.command, x.name, y.name);
         let request =
-            isoperiodic::Request::<Machine> { x, y, start: FileStart::File, discard: a.discard, exponents };
+            isoperiodic::IsoperiodicRequest::<Machine> { x, y, start: FileStart::File, discard: a.discard, exponents };
         let work = Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
         let study = LongStudy::of(&name, work);
         // All are refused before the first begins.
@@ -271,7 +271,7 @@ pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
             measures.push(measure);
         }
     }
-    let request = Request::<Machine> {
+    let request = SweepRequest::<Machine> {
         designs,
         over,
         discard: a.discard,
@@ -279,7 +279,7 @@ pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
         measures,
         between,
         again: a.again,
-        ..Request::default()
+        ..SweepRequest::default()
     };
     request.check()?;
     // What no design could do without.
