@@ -1,20 +1,21 @@
 //! Measures of settled motions over any number of parameters: a row for each design.
 //!
 //! A design is one combination of values of the parameters that vary: of a grid, of a list, or a
-//! point of a Sobol sequence. It is judged by one motion, or by several: from several starts, and
-//! over parameters that are not the designer's to choose, such as the drive's frequency in a band.
-//! Of several, each measure has its least, mean and largest value. A design that makes no machine,
-//! and a motion that the simulator refuses, end nothing: the row says why it has no values.
+//! point of a Sobol sequence. It is judged by one motion or by several: from several starts, and
+//! over parameters that are not the designer's choice, such as the drive's frequency in a band.
+//! Over several motions each measure has its least, mean and largest value. A design that makes no
+//! machine, or whose motion the simulator refuses, does not end the sweep: its row says why it has
+//! no values.
 //!
 //! ```
-//! use vibro_analysis::design_sweep::{Designs, Request, SampledAxis, row};
+//! use vibro_analysis::design_sweep::{Designs, SampledAxis, SweepRequest, row};
 //! use vibro_analysis::{Name, ParameterSet};
 //!
 //! let axis = SampledAxis { name: Name::find("f10")?, values: vec![1.5, 2.0] };
-//! let request = Request {
+//! let request = SweepRequest {
 //!     designs: Designs::Grid(vec![axis]),
 //!     measures: vec!["amplitude.x1".parse()?],
-//!     ..Request::default()
+//!     ..SweepRequest::default()
 //! };
 //! let second = row(&ParameterSet::basic(), &request, 1);
 //! assert_eq!((second.values, second.reason), (vec![2.0], None));
@@ -45,28 +46,26 @@ use std::fmt::{Debug, Display};
 pub const MOST_DESIGNS: usize = 1_000_000;
 /// Most motions of one design.
 pub const MOST_MOTIONS: usize = 100_000;
-/// A scatter of this part of a value and less is rounding.
+/// Spread relative to a value up to which it is rounding.
 const REGULAR: f64 = 1e-6;
 
-/// What a machine's parameters, starts and measures are for a sweep: plain data that a manifest
-/// holds.
+/// Plain data that a manifest can hold: a machine's parameters, starts and measures.
 pub trait Plain: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync {}
 
 impl<T: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync> Plain for T {}
 
-/// A machine of which designs are measured: the 3-DOF machine by a [`ParameterSet`], or a
-/// [described one](crate::assembly::Machine). Designs, parts, rows and what is made of them are the
-/// same for both.
+/// A machine whose designs are measured: the 3-DOF machine by a [`ParameterSet`], or a
+/// [described one](crate::assembly::Machine). Designs, parts, rows and choices are common to both.
 pub trait DesignMachine: Clone + Send + Sync {
-    /// A parameter.
+    /// Name of a parameter.
     type Name: Plain + AxisName;
-    /// Where a motion starts.
+    /// Start of a motion.
     type Start: Plain + Default + Display;
-    /// What is measured.
+    /// Quantity that is measured.
     type Measure: Plain + Display;
-    /// Motions in a part, as near as whole designs come to it: about a second's work.
+    /// Motions in a part, rounded to whole designs: about a second's work.
     const PART: usize;
-    /// Periods of motion that a [`choice`] may spend unless told otherwise: some seconds' work.
+    /// Default of the periods of motion that a [`choice`] may spend: some seconds' work.
     const AGAIN: u64;
 
     /// A parameter's name in tables.
@@ -80,43 +79,42 @@ pub trait DesignMachine: Clone + Send + Sync {
     /// # Errors
     /// Values that make no machine.
     fn varied(&self, values: &[(Self::Name, f64)]) -> Result<Self>;
-    /// The motions of one machine from all starts of a request, measured.
+    /// Measures of the motions of one machine from all starts of a request.
     fn outcomes(&self, request: &SweepRequest<Self>) -> Vec<MotionMeasures>;
-    /// At least as many starts, spread evenly; fewer where the machine has no more.
+    /// At least `count` starts, spread evenly; fewer where the machine has no more.
     fn spread_starts(count: u32) -> Vec<Self::Start>;
-    /// Whether a measure is read off the window of a motion, so that a longer one tells more: not
-    /// the class, the exponent, a closed form.
+    /// Whether a measure is read off the window of a motion, so that a longer window gives a better
+    /// value; false for the class, the exponent, a closed form.
     fn is_of_window(measure: &Self::Measure) -> bool;
-    /// Values of a parameter that is a frequency at which the machine may resonate.
+    /// Values of a frequency parameter at which the machine may resonate.
     fn resonances(&self, name: &Self::Name) -> Vec<f64>;
 }
 
-/// What to compute.
+/// Request of a design sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub struct SweepRequest<M: DesignMachine = ParameterSet> {
     /// The designs.
     pub designs: Designs<M::Name>,
-    /// Parameters over which the motions of each design are taken together, the last one varying
-    /// fastest.
+    /// Parameters over which each design's motions are summarized, the last one varying fastest.
     pub over: Vec<SampledAxis<M::Name>>,
-    /// Where the motions start, each from every one of these.
+    /// Starts; each design moves from every one.
     pub starts: Vec<M::Start>,
     /// Drive periods discarded before a motion is measured.
     pub discard: u32,
-    /// Drive periods over which it is measured.
+    /// Drive periods over which a motion is measured.
     pub periods: u32,
-    /// What is measured.
+    /// Measures.
     pub measures: Vec<M::Measure>,
-    /// Parameters of [`over`](Self::over) that stand for an interval: what lies between their
-    /// values is looked at for designs that may be the best.
+    /// Parameters of [`over`](Self::over) that stand for an interval: designs that may be the best
+    /// are also measured between their values.
     pub between: Vec<M::Name>,
-    /// Periods of motion that may be spent on measuring again what may be the best: [`choice`].
+    /// Periods of motion that [`choice`] may spend on measuring again designs that may be the best.
     pub again: u64,
 }
 
 impl<M: DesignMachine> Default for SweepRequest<M> {
-    /// One motion of the one design that is the machine itself, without measures.
+    /// One motion of a single design, the machine itself, without measures.
     fn default() -> Self {
         let starts = vec![M::Start::default()];
         let (designs, over, measures) = (Designs::Grid(Vec::new()), Vec::new(), Vec::new());
@@ -133,59 +131,59 @@ impl<M: DesignMachine> Default for SweepRequest<M> {
     }
 }
 
-/// A measure over the motions of a design.
+/// Summary of a measure over the motions of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// The least.
+    /// Least value.
     pub least: f64,
-    /// The mean of all motions that were asked for.
+    /// Mean over all motions of the request, without those added by a choice.
     pub mean: f64,
-    /// The largest.
+    /// Largest value.
     pub largest: f64,
-    /// The first motion that has the largest, for [`SweepRequest::motion`] and [`DesignRow::motion`].
+    /// First motion with the largest value, for [`SweepRequest::motion`] and [`DesignRow::motion`].
     pub at: usize,
-    /// How much the largest would scatter from one window of the motions to the next, by their
+    /// Scatter of the largest value between windows of the motions, from their
     /// [`Measured::spreads`].
     pub spread: f64,
 }
 
 impl Summary {
-    /// Whether the largest is known but for rounding: it is of motions that repeat.
+    /// Whether the largest value is exact up to rounding, since its motions repeat.
     pub fn is_exact(&self) -> bool {
         self.spread <= REGULAR * self.largest.abs()
     }
 }
 
-/// How a design that may be the best was measured again.
+/// Second measurement of a design that may be the best.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Again {
-    /// Periods over which its motions were measured, but for those that repeat.
+    /// Periods over which motions were measured, except those that repeat.
     pub periods: u32,
-    /// What was looked at between the values of [`SweepRequest::over`]: further combinations of them.
+    /// Further combinations of values of [`SweepRequest::over`], between its values.
     pub between: Vec<Vec<f64>>,
 }
 
-/// What was found of one design.
+/// Result of one design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DesignRow {
     /// Values of the parameters that vary, in their order, SI.
     pub values: Vec<f64>,
-    /// For each measure what the motions make together; `None` for the class, and where a motion
-    /// has no value.
+    /// Summary of each measure over the motions; `None` for the class, and where a motion has no
+    /// value.
     pub outputs: Vec<Option<Summary>>,
-    /// The different classes in the order in which they are met, where the class was asked for and
-    /// every motion has one.
+    /// Different classes in order of appearance, where the class was requested and every motion has
+    /// one.
     pub classes: Vec<MotionClass>,
-    /// Why there are values missing, or what they are worth: a motion may have been measured before
-    /// it had settled.
+    /// Reason for missing values, or a caveat: a motion may have been measured before it had
+    /// settled.
     pub reason: Option<String>,
-    /// How it was measured again, if it was.
+    /// Second measurement, if there was one.
     pub again: Option<Again>,
 }
 
 impl DesignRow {
-    /// What tells a motion of this row from the others, those between the values that were asked
-    /// for included: as [`SweepRequest::motion`].
+    /// Values and start that distinguish a motion of this row, as [`SweepRequest::motion`]; the
+    /// motions between the requested values are included.
     pub fn motion<M: DesignMachine>(&self, request: &SweepRequest<M>, index: usize) -> (Vec<f64>, M::Start) {
         let (asked, starts) = (request.motions(), request.starts.len().max(1));
         let further = index.checked_sub(asked).and_then(|i| self.again.as_ref()?.between.get(i / starts));
@@ -195,11 +193,11 @@ impl DesignRow {
 }
 
 impl<M: DesignMachine> SweepRequest<M> {
-    /// Checks what every row depends on.
+    /// Checks the properties on which every row depends.
     ///
     /// # Errors
-    /// [`Error::Form`] for parameters that are one quantity, lists without values, too many designs
-    /// or motions.
+    /// [`Error::Form`] for two names of one quantity, lists without values, too many designs or
+    /// motions.
     pub fn check(&self) -> Result<()> {
         let refused = |text: String, expected| Err(Error::Form { text, expected });
         let names: Vec<M::Name> =
@@ -229,22 +227,21 @@ impl<M: DesignMachine> SweepRequest<M> {
         Ok(())
     }
 
-    /// Motions of each design.
+    /// Number of motions of each design.
     pub fn motions(&self) -> usize {
         let over = self.over.iter().map(|a| a.values.len());
         over.fold(self.starts.len(), usize::saturating_mul)
     }
 
-    /// What tells a motion of a design from the others: the values of [`over`](Self::over) and the
-    /// start.
+    /// Values of [`over`](Self::over) and the start that distinguish a motion of a design.
     pub fn motion(&self, index: usize) -> (Vec<f64>, M::Start) {
         let starts = self.starts.len().max(1);
         let start = self.starts.get(index % starts).cloned().unwrap_or_default();
         (designs::combination(&self.over, index / starts), start)
     }
 
-    /// A motion in words: `drive.frequency = 10 Hz, start v2=1`, in the units in which the machine
-    /// was written, without what all motions have in common.
+    /// A motion in words, such as `drive.frequency = 10 Hz, start v2=1`: in the units in which the
+    /// machine was written, without values common to all motions.
     pub fn motion_in_words(&self, set: &M, index: usize) -> String {
         let (values, start) = self.motion(index);
         self.place_in_words(set, (values, start))
@@ -281,7 +278,7 @@ pub fn part<M: DesignMachine>(set: &M, request: &SweepRequest<M>, index: usize) 
     (index * size..until).into_par_iter().map(|design| row(set, request, design)).collect()
 }
 
-/// Computes the parts that are not in the task's store, on all threads, and leaves them there;
+/// Computes, on all threads, the parts that are missing in the task's store, and stores them;
 /// returns whether all are there. The rows depend neither on threads nor on shards.
 ///
 /// # Errors
@@ -291,7 +288,7 @@ pub fn fill<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task) -
     task.fill(request.count(), |index| Ok(part(set, request, index)))
 }
 
-/// Calls `visit` with each row in order, of parts that [`fill`] has left in the task's store.
+/// Calls `visit` with each row in order, from parts that [`fill`] has stored.
 ///
 /// # Errors
 /// What `visit` returns; what the store refuses.
@@ -308,7 +305,7 @@ pub fn each_row<M: DesignMachine, E: From<Error>>(
     Ok(())
 }
 
-/// One design.
+/// The row of one design.
 pub fn row<M: DesignMachine>(set: &M, request: &SweepRequest<M>, index: usize) -> DesignRow {
     let values = request.designs.values(index);
     match design(set, request, &values) {
@@ -326,10 +323,11 @@ fn design<M: DesignMachine>(set: &M, request: &SweepRequest<M>, values: &[f64]) 
     set.varied(&assigned.collect::<Vec<_>>())
 }
 
-/// What was measured of one motion, and what there was against it.
+/// Measures of one motion, and an objection to them, if there is one.
 pub type MotionMeasures = (Measured, Option<String>);
 
-/// The motions of a design at some values of [`SweepRequest::over`], from all starts at each.
+/// Measures of a design's motions at some values of [`SweepRequest::over`], from all starts at
+/// each.
 fn motions<M: DesignMachine>(set: &M, request: &SweepRequest<M>, places: &[Vec<f64>]) -> Vec<MotionMeasures> {
     let mut found = Vec::with_capacity(places.len() * request.starts.len());
     for values in places {
@@ -346,14 +344,14 @@ fn motions<M: DesignMachine>(set: &M, request: &SweepRequest<M>, places: &[Vec<f
     found
 }
 
-/// A motion that there is not.
+/// The measures of a motion that does not exist.
 pub(crate) fn failed(error: &Error, measures: usize) -> MotionMeasures {
     let nothing =
         Measured { numbers: vec![None; measures], spreads: vec![0.0; measures], ..Measured::default() };
     (nothing, Some(error.to_string()))
 }
 
-/// The row of all motions of a design: those that were asked for and, after them, those of `again`.
+/// The row of a design from its motions: those of the request and, after them, those of `again`.
 fn summary<M: DesignMachine>(
     set: &M,
     values: Vec<f64>,
@@ -390,8 +388,8 @@ fn summary<M: DesignMachine>(
     row
 }
 
-/// Least, mean and largest of numbers, all of which must be there, with their spreads; the mean of
-/// the first few.
+/// Summary of numbers with their spreads, all of which must be there; the mean is over the first
+/// `asked`.
 fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>, asked: usize) -> Option<Summary> {
     let (numbers, spreads): (Vec<f64>, Vec<f64>) =
         numbers.collect::<Option<Vec<(f64, f64)>>>()?.into_iter().unzip();
@@ -405,12 +403,12 @@ fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>, asked: usize) -> 
     Some(Summary { least, mean, largest, at, spread: reach.fold(spreads[at], f64::max) })
 }
 
-/// Starts that are added to look whether a design has other motions.
+/// Number of starts added to search for other motions of a design.
 pub const MORE_STARTS: u32 = 8;
 
 impl<M: DesignMachine> SweepRequest<M> {
-    /// One of its designs measured by one measure from eight more starts; `None` where the machine
-    /// has no more.
+    /// A request of one design by one measure from more starts; `None` where the machine has no
+    /// more.
     pub fn from_more_starts(&self, design: Vec<f64>, measure: M::Measure) -> Option<Self> {
         let mut starts = self.starts.clone();
         for start in M::spread_starts(self.starts.len() as u32 + MORE_STARTS) {
@@ -430,7 +428,7 @@ impl<M: DesignMachine> SweepRequest<M> {
     }
 }
 
-/// The rows of all designs of a request that are few, on all threads.
+/// The rows of all designs of a small request, on all threads.
 pub fn rows<M: DesignMachine>(set: &M, request: &SweepRequest<M>) -> Vec<DesignRow> {
     (0..request.designs.count()).into_par_iter().map(|design| row(set, request, design)).collect()
 }

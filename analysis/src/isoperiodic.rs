@@ -205,7 +205,12 @@ impl PlaneMachine for ParameterSet {
         }
     }
 
-    fn points(&self, request: &IsoperiodicRequest, rows: Range<usize>, workspace: &mut Workspace) -> Vec<PlanePoint> {
+    fn points(
+        &self,
+        request: &IsoperiodicRequest,
+        rows: Range<usize>,
+        workspace: &mut Workspace,
+    ) -> Vec<PlanePoint> {
         points(self, request, rows, workspace)
     }
 }

@@ -11,7 +11,7 @@ mod single;
 
 pub(crate) use self::single::SingleVariation;
 
-use super::smooth_pieces::{SmoothPiece, PieceEnd};
+use super::smooth_pieces::{PieceEnd, SmoothPiece};
 use vibro_impact::flow::{Series, WHOLE, remainder};
 use vibro_impact::model::{Augmented, COORDINATES, Model, RELATIVE, RELATIVE_RATE, Saltation, SmoothMode};
 

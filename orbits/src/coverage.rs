@@ -102,7 +102,8 @@ impl Tree {
     ///
     /// let span = Span::new(find_group("f10")?, 1.4, 1.6)?;
     /// let family = Family::new(&ParameterSet::basic(), span)?;
-    /// let options = TreeOptions { seeds: 2, settle: 300, starts: 0, depth: 0, ..TreeOptions::default() };
+    /// let few = TreeOptions { seeds: 2, settle: 300, starts: 0, ..TreeOptions::default() };
+    /// let options = TreeOptions { depth: 0, ..few };
     /// let found = tree(&family, &options, &|_, _| ())?;
     ///
     /// let system = family.system(&[1.5])?;

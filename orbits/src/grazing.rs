@@ -117,7 +117,8 @@ pub(super) fn speed_gradient(touching: &Touching, u: &DVector<f64>) -> Result<DV
 /// The point at which the touch has speed zero, by the equations on the longer word, which are
 /// regular whichever branch led there.
 pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> {
-    let touching = Touching { contacts: ContactEquations { family, word: &touch.longer }, index: touch.index };
+    let touching =
+        Touching { contacts: ContactEquations { family, word: &touch.longer }, index: touch.index };
     let u = solve(&touch.u, |u| touching.linearize(u, None))?;
     Ok(Touch { u, ..touch.clone() })
 }

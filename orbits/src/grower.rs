@@ -7,7 +7,7 @@ use super::free;
 use super::grazing::Touch;
 use super::path::{PathEnd, PathOptions};
 use super::seeds::{SeedOrbit, Seeds};
-use super::switching::{self, FlightTouch, Departure};
+use super::switching::{self, Departure, FlightTouch};
 use super::tree::{Traced, Tree};
 use super::tree_options::TreeOptions;
 use super::word::OrbitWord;
@@ -62,7 +62,8 @@ impl<'a> Grower<'a> {
         let Seeds { settled, passed, searched } = seeds;
         self.tree.searched = searched;
         // A stable orbit is on an island or on a known branch.
-        let (stable, unstable): (Vec<SeedOrbit>, Vec<SeedOrbit>) = passed.into_iter().partition(|place| place.stable);
+        let (stable, unstable): (Vec<SeedOrbit>, Vec<SeedOrbit>) =
+            passed.into_iter().partition(|place| place.stable);
         let passed = stable.into_iter().chain(unstable).map(|place| (place, LAST));
         for (place, depth) in settled.into_iter().map(|place| (place, 0)).chain(passed) {
             let SeedOrbit { word, phases, value, .. } = place;

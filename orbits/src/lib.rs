@@ -7,9 +7,9 @@
 //! The way from a word to a tree of branches:
 //!
 //! - `system` is the machine in an orbit's units, `cycle` the linear part for given phases, `orbit`
-//! Newton's method and the certificate that no other impact occurs.
+//!   Newton's method and the certificate that no other impact occurs.
 //! - `family`, `curve` and `path` follow orbits along a parameter; `special` and `grazing` locate
-//! bifurcations and touches by equations that are regular there; `switching` leaves them.
+//!   bifurcations and touches by equations that are regular there; `switching` leaves them.
 //! - `seeds`, `grower` and `trace` grow the tree; `ranges` and `coverage` read it; `locus` follows
 //!   a special point in two parameters.
 //!

@@ -1,5 +1,5 @@
-//! The orbits from which a tree grows: those on which motions settle with the parameter rising and
-//! falling, and those near which motions pass from starts all over the states that are visited
+//! Orbits from which a tree grows: those on which motions settle with the parameter rising and
+//! falling, and those near which motions from starts all over the visited states pass
 //! (docs/theory.md, section 14).
 
 use super::family::Family;
@@ -17,15 +17,15 @@ use vibro_analysis::sobol::coordinate;
 use vibro_analysis::stroboscopic::{StroboscopicState, moving_block};
 use vibro_impact::simulator::{Event, Simulator, State};
 
-/// Drive periods over which the states of a settled motion are looked at.
+/// Drive periods over which the states of a settled motion are recorded.
 const VISITED: u32 = 64;
-/// Neighbouring values, in each direction, whose states make up the box of starts of a value, and
-/// the box's growth.
+/// Neighbouring values in each direction whose visited states make up the box of starts of a value,
+/// and the factor by which that box is widened.
 const NEIGHBOURS: usize = 2;
 const WIDER: f64 = 1.5;
-/// Part of the gap within which a block starts.
+/// Part of the gap within which the block starts.
 const INSIDE: f64 = 0.999;
-/// Drive periods of a motion from such a start.
+/// Drive periods of the motion from each start.
 pub(super) const PERIODS: u32 = 300;
 /// The longest period, in drive periods, whose near returns are looked at.
 pub(super) const LONGEST: usize = 4;
@@ -34,11 +34,11 @@ const RETURN: f64 = 0.04;
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an
 /// orbit.
 const MOVE: f64 = 0.4;
-/// Parts of the range in each of which one unstable orbit of a word is kept: others mostly lie on
-/// its branch.
+/// Number of parts of the range; in each only one unstable orbit of a word is kept, since others
+/// mostly lie on its branch.
 const PLACES: f64 = 30.0;
 
-/// An orbit's word, phases and parameter.
+/// An orbit found by simulation: word, phases and parameter.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct SeedOrbit {
     pub word: OrbitWord,
@@ -47,7 +47,7 @@ pub(super) struct SeedOrbit {
     pub stable: bool,
 }
 
-/// A value of the parameter at which orbits were sought.
+/// Search results at a value of the parameter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SearchedValue {
     /// The parameter.
@@ -55,29 +55,29 @@ pub struct SearchedValue {
     /// The period, in drive periods, of the orbit on which the motion settled with the parameter
     /// rising; `None` where it settled on none that was found stable within the tree's limits.
     pub rising: Option<u32>,
-    /// The same with the parameter falling.
+    /// As `rising`, with the parameter falling.
     pub falling: Option<u32>,
-    /// Starts between this value and the next.
+    /// Number of starts between this value and the next.
     pub starts: u32,
-    /// Orbits near which motions from these starts passed, and which were taken to a branch.
+    /// Number of orbits near which motions from these starts passed and that were kept as starts of
+    /// branches.
     pub found: u32,
 }
 
-/// Where orbits were sought.
+/// Extent and result of the search for orbits by simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Searched {
     /// The values at which motions were settled, in order.
     pub values: Vec<SearchedValue>,
     /// Drive periods of each motion from a start.
     pub periods: u32,
-    /// Branches that were followed from orbits near which such motions passed, and those of them
-    /// that are stable somewhere.
+    /// Branches traced from orbits near which such motions passed.
     pub followed: usize,
-    /// The latter, which were kept.
+    /// Those of `followed` that are stable somewhere and not known, which were kept.
     pub islands: usize,
 }
 
-/// What was found of a family.
+/// All orbits found by simulation.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Seeds {
     pub settled: Vec<SeedOrbit>,
@@ -123,15 +123,15 @@ pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Err
     Ok(Seeds { settled, passed, searched })
 }
 
-/// What a value of a chain has.
+/// Result of a settled motion at one value: its orbit and the box of its states.
 #[derive(Clone)]
 struct Link {
     place: Option<SeedOrbit>,
     visited: Hull,
 }
 
-/// The orbits on which motions settle from value to value, the end of one being the start of the
-/// next, in the order of rising values.
+/// The orbits on which motions settle from value to value, each motion starting where the last one
+/// ended; in the order of rising values.
 fn chain(
     family: &Family,
     options: &TreeOptions,
@@ -165,8 +165,8 @@ fn chain(
     Ok(links)
 }
 
-/// The box of the states of a motion at whole drive periods, without loads with their mirror
-/// images.
+/// Box of the states of a motion at whole drive periods; without loads their mirror images are
+/// included.
 fn visited(system: &System, state: &State) -> Result<Hull, Error> {
     let p = system.parameters();
     let mut simulator = settled::simulator(system, state)?;
@@ -182,9 +182,10 @@ fn visited(system: &System, state: &State) -> Result<Hull, Error> {
     Ok(found)
 }
 
-/// The starts: half of them over the whole range, half over those parts of it at whose ends a
-/// motion did not settle on a stable orbit, where a diagram has few rows. Each is a value with a
-/// state in the box that is visited at neighbouring values, widened.
+/// The orbits near which motions from spread starts pass. Half of the starts lie over the whole
+/// range, half over those parts at whose ends a motion did not settle on a stable orbit, where a
+/// diagram has few rows. The states are spread over the widened box of those visited at
+/// neighbouring values.
 fn wide(
     family: &Family,
     options: &TreeOptions,
@@ -198,13 +199,13 @@ fn wide(
     let settles = |v: &SearchedValue| v.rising.is_some() && v.falling.is_some();
     let poor: Vec<usize> =
         (0..cells).filter(|i| !(settles(&values[*i]) && settles(&values[i + 1]))).collect();
-    // The number of the cell and the place in it, of a number in [0, 1).
+    // Of a number in [0, 1) the cell that it is in and its place there.
     let spread = |part: f64, among: usize| {
         let at = part * among as f64;
         (at as usize, at.fract())
     };
     let start = |k: usize| -> Option<(usize, f64, State)> {
-        // The origin, of index 0, is left out.
+        // The sequence's first point, the origin, is left out.
         let index = u32::try_from(k + 1).ok()?;
         let at = |dimension: usize| coordinate(index, dimension);
         let (cell, part) = if k % 2 == 1 && !poor.is_empty() {
@@ -250,10 +251,14 @@ fn wide(
     Ok(kept)
 }
 
-/// The orbits near which a motion passes, in their shortest canonical words, one of each: those to
-/// which Newton's method leads from near returns on its way, and the one on which it has settled in
-/// the end.
-fn passes(family: &Family, value: f64, start: &State, options: &TreeOptions) -> Result<Vec<SeedOrbit>, Error> {
+/// The orbits near which a motion passes, each once in its shortest canonical word: those that
+/// Newton's method finds from near returns, and the one on which it has settled in the end.
+fn passes(
+    family: &Family,
+    value: f64,
+    start: &State,
+    options: &TreeOptions,
+) -> Result<Vec<SeedOrbit>, Error> {
     let (system, limits) = (family.system(&[value])?, options.limits());
     let mut found: Vec<SeedOrbit> = Vec::new();
     let mut keep = |orbit: Orbit| {
@@ -294,13 +299,13 @@ fn passes(family: &Family, value: f64, start: &State, options: &TreeOptions) -> 
     Ok(found)
 }
 
-/// The course of a motion by its states at whole drive periods and its impacts.
+/// States of a motion at whole drive periods, and its impacts.
 #[derive(Default)]
 struct Course {
     states: Vec<StroboscopicState>,
     letters: Vec<i8>,
     phases: Vec<f64>,
-    /// Impacts up to the end of each period, and whether the block rested in it.
+    /// For each period the number of impacts up to its end, and whether the block rested in it.
     ends: Vec<(usize, bool)>,
 }
 
@@ -321,7 +326,7 @@ impl Course {
         Ok(())
     }
 
-    /// The impacts of the last q periods, if the motion has nearly returned in them.
+    /// Impacts of the last q periods, if the motion nearly returned in them.
     fn near_return(&self, q: usize) -> Option<(&[i8], &[f64])> {
         let n = self.ends.len();
         let far = distance(&self.states[n], &self.states[n - q]) > RETURN;

@@ -14,8 +14,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_analysis::assembly::{
-    self, StopContact, ContactRecorder, Extreme, Extremes, Followed, Machine, NamedEvent, QuantityPlace, What, columns, named,
-    values,
+    self, ContactRecorder, Extreme, Extremes, Followed, Machine, NamedEvent, QuantityPlace, StopContact,
+    What, columns, named, values,
 };
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::{Event, EventKind};

@@ -4,7 +4,7 @@
 
 use vibro::studies;
 use vibro_analysis::attractor::MotionClass;
-use vibro_analysis::isoperiodic::{PlanePoint, IsoperiodicRequest, SettledMotion, StartRule, isoperiodic};
+use vibro_analysis::isoperiodic::{IsoperiodicRequest, PlanePoint, SettledMotion, StartRule, isoperiodic};
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group};

@@ -218,7 +218,11 @@ fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
 ///
 /// # Errors
 /// As [`DiagramRequest::check`]; what the parts' folder refuses.
-pub fn diagram(machine: &Machine, request: &DiagramRequest, task: &Task) -> Result<Option<Diagram<AssemblyPoint>>> {
+pub fn diagram(
+    machine: &Machine,
+    request: &DiagramRequest,
+    task: &Task,
+) -> Result<Option<Diagram<AssemblyPoint>>> {
     request.check(machine)?;
     let points = |_: &mut (), starts: &[SettledStart]| {
         let point = |s: &SettledStart| observe(machine, request, s.value, s.start.as_ref()?).ok();

@@ -2,7 +2,7 @@
 
 use super::contacts::ContactRecorder;
 use super::extremes::Extremes;
-use super::flight::{ObservedFlight, Flow, Flows, Observer, Passage, follow};
+use super::flight::{Flow, Flows, ObservedFlight, Observer, Passage, follow};
 use std::cell::Cell;
 use vibro_assembly::mode::Mode;
 use vibro_assembly::motion::Event;

@@ -6,7 +6,7 @@
 //! the engine's accounts, those of rigid stops ½ (1 - ε) u P an impact.
 
 use super::flight::Flows;
-use super::quantity::{Owner, QuantityPlace, NamedQuantity, owners, unknown};
+use super::quantity::{NamedQuantity, Owner, QuantityPlace, owners, unknown};
 use super::returns::ReturnRecord;
 use super::section::Section;
 use super::settled::settled;
@@ -300,7 +300,8 @@ impl Window {
             let place = quantities.iter().position(|own| *own == q);
             place.map(|k| &self.watcher.extents[k])
         };
-        let of = |q: &NamedQuantity, value: &dyn Fn(&super::watch::Extent) -> f64| extent(q).map_or(0.0, value);
+        let of =
+            |q: &NamedQuantity, value: &dyn Fn(&super::watch::Extent) -> f64| extent(q).map_or(0.0, value);
         let contacts = |name: &String| stop(d, name).map(|i| self.watcher.contacts[i]).unwrap_or_default();
         let count = |name: &Option<String>| match name {
             Some(name) => f64::from(contacts(name).count),

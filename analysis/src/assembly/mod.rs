@@ -29,13 +29,13 @@ mod watch;
 mod written;
 
 pub use columns::{NamedEvent, columns, named, values};
-pub use contacts::{StopContact, ContactRecorder};
+pub use contacts::{ContactRecorder, StopContact};
 pub use designs::FileStart;
 pub use extremes::{Extreme, Extremes};
 pub use followed::Followed;
 pub use measures::{Measure, measure};
 pub use plane::PlanePoint;
-pub use quantity::{QuantityPlace, NamedQuantity, What};
+pub use quantity::{NamedQuantity, QuantityPlace, What};
 pub use section::{Section, SectionRule, common_period};
 pub use settled::{Settled, discard, settled};
 

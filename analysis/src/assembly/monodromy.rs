@@ -93,7 +93,12 @@ impl Period {
     ///
     /// # Errors
     /// As [`Section::advance`].
-    pub fn follow(motion: &mut Motion, section: &Section, record: &ReturnRecord, returns: u32) -> Result<Self> {
+    pub fn follow(
+        motion: &mut Motion,
+        section: &Section,
+        record: &ReturnRecord,
+        returns: u32,
+    ) -> Result<Self> {
         let assembly = motion.assembly().clone();
         let system = assembly.system();
         let metric = metric(motion, record);

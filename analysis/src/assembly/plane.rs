@@ -4,7 +4,7 @@ use super::timescales::{runs_on_beyond, settle};
 use super::{FileStart, Machine, Section, Start, settled};
 use crate::attractor::MotionClass;
 use crate::error::{Error, Result};
-use crate::isoperiodic::{PlaneMachine, IsoperiodicRequest};
+use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -48,7 +48,12 @@ impl PlaneMachine for Machine {
         }
     }
 
-    fn points(&self, request: &IsoperiodicRequest<Self>, rows: Range<usize>, (): &mut ()) -> Vec<Self::Point> {
+    fn points(
+        &self,
+        request: &IsoperiodicRequest<Self>,
+        rows: Range<usize>,
+        (): &mut (),
+    ) -> Vec<Self::Point> {
         let places = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
         places.map(|(i, j)| point(self, request, request.x.value(i), request.y.value(j)).ok()).collect()
     }

@@ -5,7 +5,7 @@
 //! What contacts hold is no direction of a variation, and neutral directions are told apart: what
 //! is left of a variation where both are taken away is what can grow or shrink.
 
-use super::flight::{ObservedFlight, Flow, Observer, Passage, dot};
+use super::flight::{Flow, ObservedFlight, Observer, Passage, dot};
 use nalgebra::DVector;
 use vibro_assembly::mode::{Contact, Mode};
 use vibro_assembly::motion::{Crossing, keep};

@@ -96,8 +96,12 @@ pub struct Watcher {
 impl Watcher {
     /// Of the extents of some quantities.
     pub fn of(places: &[QuantityPlace], stops: usize) -> Self {
-        let extent =
-            |&place: &QuantityPlace| Extent { place, least: f64::INFINITY, largest: f64::NEG_INFINITY, square: 0.0 };
+        let extent = |&place: &QuantityPlace| Extent {
+            place,
+            least: f64::INFINITY,
+            largest: f64::NEG_INFINITY,
+            square: 0.0,
+        };
         Self {
             extents: places.iter().map(extent).collect(),
             maxima: None,

@@ -1,47 +1,48 @@
-//! What lies between the values over which the motions of a design are taken together: a resonance
-//! that none of them meets.
+//! Search for a resonance between the values over which a design's motions are summarized.
 //!
-//! Along an interval the first measure is known at some values. Between two of them it may rise as
-//! steeply as it was seen to rise anywhere, and twice that: where it could then pass the largest,
-//! the middle is looked at next (S. A. Piyavskii, 1972). Values at which the machine resonates come
-//! first.
+//! Along an interval the first measure is known at some values. Between two of them it is assumed
+//! to rise at most twice as steeply as between any two known values; where it could then exceed the
+//! largest, the middle is measured next (S. A. Piyavskii, 1972). Values at which the machine
+//! resonates come first.
 
 use super::{DesignMachine, MotionMeasures, SweepRequest, motions};
 
 /// Most further values of one design along one interval.
 pub(super) const MOST: usize = 32;
-/// Values along an interval that are looked at in any case.
+/// Values along an interval that are measured in any case.
 const LEAST: usize = 9;
-/// How much steeper the measure may be than it was seen to be.
+/// Factor between the assumed and the observed steepness.
 const STEEPER: f64 = 2.0;
-/// What could pass the largest by less than this part is not looked at.
+/// Part of the largest value by which a bound must exceed it to be pursued.
 const PART: f64 = 0.01;
-/// Values are not nearer to each other than this part of the interval.
+/// Least distance of values in parts of the interval.
 const NEAREST: f64 = 1.0 / 256.0;
 
-/// The motions of a design at values of [`SweepRequest::over`], from all starts at each.
+/// Motions of a design at combinations of values of [`SweepRequest::over`], from all starts at
+/// each.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Looked {
-    /// The values.
+    /// The combinations of values.
     pub places: Vec<Vec<f64>>,
-    /// The motions there, place by place.
+    /// The motions, combination by combination.
     pub outcomes: Vec<MotionMeasures>,
 }
 
-/// A value along an interval, the largest of the measure there, and by how much that scatters.
+/// A value along an interval, with the largest of the measure there and its spread.
 type ValueSpread = (f64, f64, f64);
 
 impl Looked {
-    /// The largest of a measure over the starts at a place, and its spread.
+    /// Largest of a measure over the starts at a combination, and its spread.
     fn largest(&self, place: usize, measure: usize) -> Option<(f64, f64)> {
         let starts = self.outcomes.len() / self.places.len();
         let own = &self.outcomes[place * starts..(place + 1) * starts];
-        let number =
-            |(found, _): &MotionMeasures| Some((found.numbers.get(measure).copied()??, found.spreads[measure]));
+        let number = |(found, _): &MotionMeasures| {
+            Some((found.numbers.get(measure).copied()??, found.spreads[measure]))
+        };
         own.iter().map(number).reduce(|a, b| if b?.0 > a?.0 { b } else { a }).flatten()
     }
 
-    /// The places on the line along an axis through the one with the largest value, and that place;
+    /// Values along an axis through the combination with the largest measure, and that combination;
     /// `None` where a motion has failed.
     fn line(&self, axis: usize, measure: usize) -> Option<(Vec<ValueSpread>, Vec<f64>)> {
         let values: Vec<(f64, f64)> =
@@ -57,10 +58,10 @@ impl Looked {
     }
 }
 
-/// Looks between the values of those of [`SweepRequest::over`] that are intervals, along each through
-/// the largest, until a value but for twice its spread is larger than `enough`. The new places
-/// follow the others. A motion that fails ends the search, as the design has no value then. Returns
-/// whether all was looked at.
+/// Searches the intervals of [`SweepRequest::over`], along each through the largest measure, until
+/// a value less twice its spread exceeds `enough`. New combinations are appended. A motion that
+/// fails ends the search, since the design then has no value. Returns whether the search is
+/// complete.
 pub(super) fn look_between<M: DesignMachine>(
     own: &M,
     request: &SweepRequest<M>,
@@ -93,15 +94,15 @@ pub(super) fn look_between<M: DesignMachine>(
     true
 }
 
-/// Whether a value lies in the interval and not at one that is there.
+/// Whether a value lies in the interval and not at a known one.
 fn is_new(line: &[ValueSpread], x: f64) -> bool {
     let (from, to) = (line[0].0, line[line.len() - 1].0);
     let near = NEAREST * (to - from);
     from < x && x < to && line.iter().all(|p| (p.0 - x).abs() > near)
 }
 
-/// The value to look at next, if any could have a larger one than those that are there, which are
-/// ascending, by more than they scatter.
+/// The value to measure next, if the measure could exceed the largest there by more than its
+/// spread. `line` is ascending.
 fn next(line: &[ValueSpread]) -> Option<f64> {
     let span = line[line.len() - 1].0 - line[0].0;
     let top = line.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })?;

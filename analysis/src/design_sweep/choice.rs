@@ -1,57 +1,56 @@
-//! Which design has the least of the first measure.
+//! Choice of the design with the least value of the first measure.
 //!
-//! Every number of a sweep has an error bar: its spread, which is nothing where the motions repeat.
-//! All designs that the error bars leave possible as the best are measured again, each time four
-//! times as long, and between the values of the parameters over which they are taken together,
-//! until one is the best by its error bar, or nothing more would tell them apart, or a stated
-//! number of periods is spent. What was found then stands in place of the rows of the sweep, for
-//! all that speaks of it.
+//! Every number of a sweep has an error bar: its spread, which is zero where the motions repeat.
+//! All designs that may be the best within their error bars are measured again, each time four
+//! times as long, and between the values of the parameters over which they are summarized, until
+//! one is the best beyond its error bar, or no longer measurement would tell them apart, or a given
+//! number of periods is spent. The rows of the choice then replace those of the sweep everywhere.
 
 use super::between::{Looked, MOST, look_between};
-use super::{Again, DesignMachine, SweepRequest, DesignRow, Summary, design, motions, part, summary};
+use super::{Again, DesignMachine, DesignRow, Summary, SweepRequest, design, motions, part, summary};
 use crate::error::{Error, Result};
 use crate::parts::{Shard, Task};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How many times as long a design is measured as the time before.
+/// Factor by which each measurement is longer than the one before.
 const LONGER: u32 = 4;
-/// How often at most.
+/// Most repeated measurements of a design.
 const ROUNDS: u32 = 3;
-/// Designs that are measured again together.
+/// Number of designs that are measured again in parallel.
 const TOGETHER: usize = 16;
-/// Two values are told apart that differ by as many times their spread.
+/// Difference of distinct values in spreads.
 const APART: f64 = 2.0;
-/// Values that differ by less than this part are the same but for rounding.
+/// Relative difference of values that is rounding.
 const SAME: f64 = 1e-9;
 
-/// What was measured again, and which design is the best.
+/// Result of measuring again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Choice {
-    /// The first measure that is a number, by its place: the one that counts.
+    /// Index of the measure that is compared: the first that is a number.
     pub measure: usize,
-    /// The rows of designs that were measured again, by the design's number.
+    /// Rows of designs that were measured again, by design index.
     pub rows: BTreeMap<usize, DesignRow>,
-    /// The designs that may have the least value, the least first: one where it is the best by its
+    /// Designs that may have the least value, the least first; a single one is the best beyond its
     /// error bar.
     pub possible: Vec<usize>,
-    /// Designs that may have the least value and could still be measured again, for which there
-    /// were no periods left.
+    /// Number of designs that may have the least value and could be measured again, but for which
+    /// no periods were left.
     pub left: usize,
-    /// Periods of motion that were spent.
+    /// Periods of motion spent.
     pub spent: u64,
 }
 
-/// What is known of a design.
+/// Estimate of a design's value.
 #[derive(Clone, Copy, Debug)]
 struct Estimate {
     value: f64,
     spread: f64,
     is_exact: bool,
-    /// Whether nothing is left to look at between values.
+    /// Whether the search between values is complete.
     is_looked: bool,
-    /// How often it was measured again.
+    /// Number of repeated measurements.
     rounds: u32,
 }
 
@@ -60,19 +59,19 @@ impl Estimate {
         Self { value: found.largest, spread: found.spread, is_exact: found.is_exact(), is_looked, rounds }
     }
 
-    /// What no other may pass by more than twice its spread and still be less than this.
+    /// Upper end of the error bar.
     fn most(&self) -> f64 {
         self.value + APART * self.spread
     }
 
-    /// Whether it may be less than another.
+    /// Whether the value may be less than that of another design.
     fn may_be_less(&self, other: &Self) -> bool {
         let bar = if self.is_exact && other.is_exact { 0.0 } else { APART * self.spread.hypot(other.spread) };
         self.value - other.value <= bar.max(SAME * other.value.abs())
     }
 }
 
-/// A race between the designs of a sweep.
+/// Race between the designs of a sweep.
 struct Race<'a, M: DesignMachine> {
     set: &'a M,
     request: &'a SweepRequest<M>,
@@ -89,13 +88,13 @@ impl<M: DesignMachine> Race<'_, M> {
         (!own.is_exact && own.rounds < ROUNDS) || !own.is_looked
     }
 
-    /// What has the least value for certain: nothing has a lower upper end of its error bar.
+    /// The estimate whose error bar has the lowest upper end.
     fn surest(&self) -> Option<Estimate> {
         let known = self.estimates.iter().flatten().copied();
         known.reduce(|a, b| if b.most() < a.most() { b } else { a })
     }
 
-    /// The designs that may have the least value, the least first.
+    /// Designs that may have the least value, the least first.
     fn possible(&self) -> Vec<usize> {
         let Some(surest) = self.surest() else { return Vec::new() };
         let known = |i: usize| Some((i, self.estimates[i]?));
@@ -105,20 +104,20 @@ impl<M: DesignMachine> Race<'_, M> {
         found.into_iter().map(|(i, _)| i).collect()
     }
 
-    /// Periods over which a design is measured next: as before where its motions repeat.
+    /// Periods of the next measurement of a design; unchanged where its motions repeat.
     fn periods(&self, index: usize) -> u32 {
         let rounds = self.estimates[index].filter(|own| !own.is_exact).map_or(0, |own| own.rounds + 1);
         self.request.periods.saturating_mul(LONGER.pow(rounds))
     }
 
-    /// Most periods of motion that this takes.
+    /// Most periods of motion that the next measurement may take.
     fn cost(&self, index: usize) -> u64 {
         let further = if looks_between(self.request) { MOST * self.request.between.len() } else { 0 };
         let motions = self.request.motions() + further * self.request.starts.len();
         motions as u64 * (u64::from(self.request.discard) + u64::from(self.periods(index)))
     }
 
-    /// A row of the sweep.
+    /// Row of the sweep.
     fn row(&self, index: usize) -> Result<DesignRow> {
         let size = self.request.part_size();
         let quiet = Task { shard: Shard::ALL, done: &|_| (), ..*self.task };
@@ -127,8 +126,8 @@ impl<M: DesignMachine> Race<'_, M> {
         found.ok_or_else(|| Error::Form { text: index.to_string(), expected: "a design of the sweep" })
     }
 
-    /// Measures a design again as long as it may be less than `enough`; returns its row, whether
-    /// all was looked at, and the periods of motion that it took.
+    /// Measures a design again while it may be less than `enough`; returns its row, whether the
+    /// search between values is complete, and the periods of motion spent.
     fn measured(&self, index: usize, enough: f64) -> Result<(DesignRow, bool, u64)> {
         let mut row = self.row(index)?;
         let periods = self.periods(index);
@@ -157,7 +156,7 @@ impl<M: DesignMachine> Race<'_, M> {
         Ok((row, is_looked, cost))
     }
 
-    /// Measures again, a few at a time, until nothing is open or nothing more may be spent.
+    /// Measures again, a few designs at a time, until none is open or no more periods may be spent.
     fn run(mut self) -> Result<Choice> {
         loop {
             let possible = self.possible();
@@ -186,14 +185,14 @@ impl<M: DesignMachine> Race<'_, M> {
     }
 }
 
-/// Whether anything between values is to be looked at.
+/// Whether a request has values to search between.
 fn looks_between<M: DesignMachine>(request: &SweepRequest<M>) -> bool {
     request.over.iter().any(|axis| axis.values.len() > 1 && request.between.contains(&axis.name))
 }
 
-/// The best design of a sweep whose parts are all in the task's store, where the choice is then
-/// kept too; `None` where there is nothing to choose: one design, no measure of a window. It
-/// depends neither on threads nor on shards.
+/// The best design of a sweep whose parts are all in the task's store, where the choice is stored
+/// too; `None` where there is nothing to choose: a single design, or no measure of a window. The
+/// choice depends neither on threads nor on shards.
 ///
 /// # Errors
 /// What the store refuses.
@@ -215,7 +214,7 @@ pub fn choice<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task)
     })
 }
 
-/// Calls `visit` with each row in order, that of the choice where a design was measured again.
+/// Calls `visit` with each row in order, replaced by that of the choice where there is one.
 ///
 /// # Errors
 /// What `visit` returns; what the store refuses.

@@ -1,4 +1,4 @@
-//! The 3-DOF machine as one of which designs are measured.
+//! The 3-DOF machine as a [`DesignMachine`].
 
 use super::{DesignMachine, MotionMeasures, SweepRequest, spread_starts};
 use crate::error::{Error, Result};
@@ -54,10 +54,10 @@ impl DesignMachine for ParameterSet {
     }
 }
 
-/// The motions of one machine, which share the simulator's tables.
+/// Measures of the motions of one machine, which share the simulator's tables.
 fn from_all_starts(p: &Parameters, request: &SweepRequest) -> Vec<MotionMeasures> {
     let mut shared: Option<Simulator> = None;
-    // What a closed form has no value for is said even where there is a motion.
+    // A closed form that has no value is reported even where there is a motion.
     let asked = request.measures.contains(&Measure::AmplitudeWithoutBlock);
     let gap = asked.then(|| amplitude_without_block(p).err().map(|e| e.to_string())).flatten();
     let outcome = |start: &StartRule| {
@@ -71,7 +71,7 @@ fn from_all_starts(p: &Parameters, request: &SweepRequest) -> Vec<MotionMeasures
     request.starts.iter().map(outcome).collect()
 }
 
-/// What can be said of a machine without its motion: closed forms.
+/// Measures of a machine that need no motion: closed forms.
 fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
     let number = |m: &Measure| match m {
         Measure::AmplitudeWithoutBlock => amplitude_without_block(p).ok(),
@@ -81,7 +81,7 @@ fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
     Measured { numbers: measures.iter().map(number).collect(), spreads, ..Measured::default() }
 }
 
-/// One motion: settled, then measured.
+/// Measures of one motion after it has settled.
 fn one(
     p: &Parameters,
     start: StartRule,

@@ -1,7 +1,7 @@
 use super::*;
 use crate::ParameterSet;
 use crate::attractor::{Relation, distance};
-use crate::basin::{Basin, InitialValueRange, BasinRequest, basin};
+use crate::basin::{Basin, BasinRequest, InitialValueRange, basin};
 use crate::motion::settled_simulator;
 use crate::parts::Task;
 use crate::stroboscopic::{dimensional, dimensionless, moving_block};
@@ -31,8 +31,12 @@ fn damper() -> ParameterSet {
 
 fn found(set: &ParameterSet, side: usize, discard: u32) -> Basin {
     let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(side);
-    let request =
-        BasinRequest { x: axis("x1=-1:1"), y: axis("v2=-2:2"), discard, start: crate::basin::in_the_middle() };
+    let request = BasinRequest {
+        x: axis("x1=-1:1"),
+        y: axis("v2=-2:2"),
+        discard,
+        start: crate::basin::in_the_middle(),
+    };
     basin(set.parameters(), &request, &Task::ALL).unwrap().unwrap()
 }
 

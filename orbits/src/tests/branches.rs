@@ -1,8 +1,8 @@
-//! Branches and their special points: the closed form, both sides of a point, halved steps, and the
-//! simulator.
+//! Branches and their special points against the closed form, the other side of a point, half
+//! steps, and the simulator.
 
 use crate::{
-    Branch, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, OrbitPoint, Span, Tree,
+    Branch, Family, Label, LocusEnd, LocusStart, Orbit, OrbitPoint, OrbitWord, PathOptions, Span, Tree,
     TreeOptions, branch, locus, orbit_of, settle, tree,
 };
 use vibro_analysis::stroboscopic::moving_block;
@@ -13,7 +13,7 @@ use vibro_impact::steady::continuation::{self, Special};
 use vibro_impact::steady::exact_orbit::OrbitFamily;
 use vibro_impact::{Simulator, State};
 
-/// The same point by two methods: both locate to about 1e-13.
+/// Difference of a point located in two ways, each to about 1e-13.
 const LOCATION: f64 = 1e-11;
 
 fn family(from: f64, to: f64) -> Family {
@@ -33,7 +33,7 @@ fn labelled(branch: &Branch, label: Label) -> impl Iterator<Item = &OrbitPoint> 
     branch.points.iter().filter(move |p| p.label() == Some(label))
 }
 
-/// The same orbit by its whole word: its branch goes on where the symmetry breaks.
+/// The whole word UL of a symmetric orbit: its branch continues where the symmetry breaks.
 #[test]
 fn invariant_a_whole_word_of_a_symmetric_orbit_gives_its_branch() {
     let family = family(0.5, 3.0);
@@ -71,7 +71,7 @@ fn closed_form_of_the_branch_of_symmetric_orbits() {
             "{label}: {closed:?} {own:?}"
         );
     }
-    // It comes from the touch of the motion without impacts, where |H| = 1.
+    // The branch begins at the touch of the motion without impacts, where |H| = 1.
     let touch = labelled(&found, Label::Grazing).next().unwrap();
     assert!((family.system(&[touch.value]).unwrap().amplitude() - 1.0).abs() < LOCATION);
     assert_eq!(labelled(&found, Label::UserValue).next().unwrap().value, 1.7);
@@ -103,7 +103,7 @@ fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points
     }
 }
 
-/// Special points of a tree that are no ends of its range, by word and label.
+/// Special points of a tree except for the ends of its range, by word and label.
 fn special_points(tree: &Tree) -> Vec<(String, u32, &'static str, f64)> {
     let mut found: Vec<_> = tree
         .branches
@@ -201,7 +201,7 @@ fn second_method_the_simulator_on_both_sides_of_a_period_doubling() {
         let orbit = orbit_of(&system, &settle(&system, &moving_block(&p), 20_000).unwrap()).unwrap();
         assert_eq!(orbit.word().period(), period, "{value}");
         assert!(orbit.is_stable());
-        // It goes on returning after thousands of periods.
+        // The motion still returns after thousands of periods.
         let start = orbit.start_state();
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         simulator.advance_to(6000.0 * p.period()).unwrap();
@@ -214,8 +214,8 @@ fn second_method_the_simulator_on_both_sides_of_a_period_doubling() {
 fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     let chaos = Groups { f10: 3.6, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     let system = crate::System::new(&chaos).unwrap();
-    // Chaos may pass near an unstable orbit, so that either is right; what is found must be
-    // certified.
+    // Chaos may pass near an unstable orbit, so that an orbit or an error is right; an orbit must
+    // be certified.
     match orbit_of(&system, &settle(&system, &moving_block(&chaos), 600).unwrap()) {
         Ok(orbit) => assert!(orbit.is_certified() && !orbit.is_stable()),
         Err(error) => assert!(error.to_string().contains("does not return"), "{error}"),
@@ -224,7 +224,7 @@ fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     let system = crate::System::new(&resting).unwrap();
     let error = orbit_of(&system, &settle(&system, &moving_block(&resting), 600).unwrap()).unwrap_err();
     assert!(error.to_string().contains("rests at a stop"), "{error}");
-    // A block that its load holds at a stop from the start on meets no event.
+    // A block that its load holds at a stop from the start meets no event.
     let held = Parameters { drive_amplitude: 0.01, constant_loads: [0.0, -100.0, 0.0], ..chaos };
     let system = crate::System::new(&held).unwrap();
     let at_stop = State { x: [0.0, -held.stop_gap, 0.0], v: [0.0; 3] };
@@ -233,7 +233,7 @@ fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
 }
 
 /// The curve of a special point of the symmetric branch over force and restitution coefficient,
-/// from a value of the latter on.
+/// from a value of the latter.
 fn curve(label: Label, kappa: f64, [from, to]: [f64; 2]) -> Vec<crate::LocusPoint> {
     let [f10, second] = ["f10", "kappa"].map(|name| find_group(name).unwrap());
     let set = ParameterSet::basic().with(second, kappa).unwrap();
@@ -248,7 +248,7 @@ fn curve(label: Label, kappa: f64, [from, to]: [f64; 2]) -> Vec<crate::LocusPoin
     locus(&two, &start).unwrap()
 }
 
-/// The closed form at a point of a curve.
+/// The closed form at a point of such a curve.
 fn exact(values: [f64; 2]) -> OrbitFamily {
     let groups = Groups { f10: values[0], kappa: values[1], ..Groups::basic() };
     OrbitFamily::new(&groups.to_parameters(Scales::default()).unwrap()).unwrap()
@@ -256,9 +256,9 @@ fn exact(values: [f64; 2]) -> OrbitFamily {
 
 #[test]
 fn closed_form_of_curves_in_two_parameters() {
-    /// The discriminant is of order one over the curve.
+    /// Rounding of the discriminant, which is of order one over the curve.
     const ROUNDING: f64 = 1e-11;
-    /// A multiplier at a simple crossing.
+    /// Accuracy of a multiplier at a simple crossing.
     const MULTIPLIER: f64 = 1e-9;
     for label in [Label::Fold, Label::BranchPoint, Label::NeimarkSacker, Label::Grazing] {
         let points = curve(label, 0.75, [0.6, 0.9]);
@@ -296,11 +296,11 @@ fn closed_form_of_curves_in_two_parameters() {
     }
 }
 
-/// Beyond the bounds of a parameter there is no machine, and differences are taken to one side: a
-/// curve runs to them, and may begin there.
+/// Beyond the bounds of a parameter there is no machine, and differences become one-sided. A curve
+/// reaches the bounds, and may begin there.
 #[test]
 fn closed_form_curves_run_to_the_bounds_of_a_parameter_and_begin_there() {
-    /// The discriminant is of order one over the curve.
+    /// Rounding of the discriminant, which is of order one over the curve.
     const ROUNDING: f64 = 1e-11;
     for kappa in [0.75, 1.0] {
         for label in [Label::Fold, Label::NeimarkSacker] {
@@ -352,7 +352,7 @@ fn machine(values: &[(&str, f64)]) -> ParameterSet {
     })
 }
 
-/// A fold right before a touch is one: the parameter turns there.
+/// A fold right before a touch is labelled: the parameter turns there.
 #[test]
 fn invariant_where_the_parameter_turns_before_a_touch_is_a_fold() {
     let set = machine(&[
@@ -368,8 +368,8 @@ fn invariant_where_the_parameter_turns_before_a_touch_is_a_fold() {
     assert!(!turning.contains(&Some(Label::BranchPoint)), "{turning:?}");
 }
 
-/// Between two points of a branch without a special point as many multipliers are outside the unit
-/// circle, also where two doublings lie within one of the longest steps.
+/// Between neighbouring points without a special point the number of multipliers outside the unit
+/// circle is constant, even where two doublings lie within one longest step.
 #[test]
 fn invariant_stability_changes_at_special_points_alone() {
     let set = machine(&[
@@ -386,8 +386,8 @@ fn invariant_stability_changes_at_special_points_alone() {
     }
 }
 
-/// A step past the birth of a branch may end on the branch from which it is born, where both halves
-/// of the orbit are the same but for rounding, whatever the sign of that is.
+/// A step past the birth of a branch may end on the branch from which it is born. Both halves of
+/// the orbit are then equal up to rounding of any sign.
 #[test]
 fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
     const BREAKING: f64 = 2.039_588_865_238;
@@ -407,8 +407,8 @@ fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
     }
 }
 
-/// Next to the birth of a branch its equations are nearly singular, so that no step may lead over
-/// it. It ends there nevertheless.
+/// A branch ends at its birth although its equations are nearly singular there, so that no step
+/// leads across.
 #[test]
 fn invariant_branches_end_at_their_births() {
     for (damping, restitution, amplitude, frequency, name, range, value, births) in [
@@ -448,8 +448,8 @@ fn invariant_branches_end_at_their_births() {
     }
 }
 
-/// The multipliers of a Neimark-Sacker point meet at 1 where one of the equations of its curve says
-/// nothing: the curve ends there, and not for want of convergence.
+/// At the resonance where the multipliers of a Neimark-Sacker point meet at 1 one equation of its
+/// curve is void: the curve ends there with R1, not with MX.
 #[test]
 fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
     const BOX: f64 = 0.1;
@@ -481,8 +481,8 @@ fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
     }
 }
 
-/// A soft spring holds its load far away, so that phases have fewer digits: a branch turns round at
-/// its fold all the same.
+/// A soft spring holds its load far away, which leaves phases fewer digits. A branch still turns
+/// round at its fold.
 #[test]
 fn invariant_a_branch_under_a_softly_held_load_passes_its_fold() {
     let set = machine(&[

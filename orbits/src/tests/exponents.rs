@@ -1,4 +1,4 @@
-//! Multipliers of orbits against the exponents that the simulator's motion has.
+//! Multipliers of orbits against the Lyapunov exponents of simulated motions.
 
 use crate::{System, orbit_of, settle};
 use vibro_analysis::lyapunov::{SpectrumOptions, spectrum};
@@ -8,8 +8,8 @@ use vibro_impact::{Parameters, Simulator};
 
 #[test]
 fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit() {
-    /// What is left of the transient in a mean over the periods counted, and in the orbit's phases,
-    /// 1/s.
+    /// Remainder of the transient, 1/s, in a mean over the counted periods and in the orbit's
+    /// phases.
     const SETTLED: f64 = 1e-5;
     let p = Groups { f10: 2.2, kappa: 0.75, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     let p = Parameters { constant_loads: [0.002, -0.004, 0.001], ..p };
@@ -23,7 +23,7 @@ fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit(
     let options = SpectrumOptions { align: 100, periods: 4000, ..Default::default() };
     let found = spectrum(&mut simulator, &options).unwrap();
     assert!(!orbit.word().is_empty() && found.impacts > 0);
-    // One exponent is the drive phase's zero.
+    // The exponent of the drive's phase is zero.
     assert!(found.exponents[0].abs() < SETTLED, "{:?}", found.exponents);
     assert!((found.exponents[1] - largest).abs() < 1e-3 * largest.abs(), "{:?} {largest}", found.exponents);
 }

@@ -1,4 +1,4 @@
-//! Tests of the orbits, by what they are held against.
+//! Tests of the orbits, by subject.
 
 mod branches;
 mod coverage;

@@ -6,7 +6,7 @@ use crate::Result;
 use crate::table::{Table, csv_in_groups, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::Attractor;
-use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, BasinRequest};
+use vibro_analysis::basin::{Basin, BasinRequest, Destination, InitialValueAxis};
 use vibro_analysis::plane::check_cells;
 use vibro_analysis::stroboscopic::COORDINATES;
 use vibro_analysis::verdict::PROLONGED;

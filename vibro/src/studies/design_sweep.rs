@@ -13,7 +13,9 @@ use super::Study;
 use crate::Result;
 use collected::Collected;
 pub(in crate::studies) use map::{limits, map};
-use vibro_analysis::design_sweep::{Choice, Designs, SweepRequest, DesignRow, SampledAxis, choice, each_final_row};
+use vibro_analysis::design_sweep::{
+    Choice, DesignRow, Designs, SampledAxis, SweepRequest, choice, each_final_row,
+};
 use vibro_analysis::parts::Task;
 pub use words::Told;
 

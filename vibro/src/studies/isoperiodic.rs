@@ -12,7 +12,7 @@ use crate::Result;
 use crate::table::{csv_in_groups, exact};
 use std::borrow::Cow;
 use vibro_analysis::attractor::MotionClass;
-use vibro_analysis::isoperiodic::{Isoperiodic, PlaneMachine, IsoperiodicRequest};
+use vibro_analysis::isoperiodic::{Isoperiodic, IsoperiodicRequest, PlaneMachine};
 use vibro_analysis::plane::{ParameterAxis, check_cells};
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
@@ -143,7 +143,11 @@ fn method<M: ShownPlane>(request: &IsoperiodicRequest<M>) -> String {
 }
 
 /// The classes, the impacts per period, and what the machine adds.
-fn panels<M: ShownPlane>(machine: &M, request: &IsoperiodicRequest<M>, plane: &Isoperiodic<M::Point>) -> Vec<Panel> {
+fn panels<M: ShownPlane>(
+    machine: &M,
+    request: &IsoperiodicRequest<M>,
+    plane: &Isoperiodic<M::Point>,
+) -> Vec<Panel> {
     let over = machine.over(request, plane);
     // The last entry of either list takes every motion, so that a code is always found.
     let kind = |m: Shown| KINDS.iter().take_while(|k| !k.2(m)).count();

@@ -1,5 +1,5 @@
 use super::*;
-use crate::assembly::{StopContact, NamedQuantity, What};
+use crate::assembly::{NamedQuantity, StopContact, What};
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;

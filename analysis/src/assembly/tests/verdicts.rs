@@ -308,7 +308,7 @@ fn invariant_a_machine_about_an_axis_has_the_verdict_of_one_along_a_line() {
 
 #[test]
 fn a_sweep_takes_each_parameter_once() {
-    use crate::design_sweep::{Designs, SweepRequest, SampledAxis};
+    use crate::design_sweep::{Designs, SampledAxis, SweepRequest};
     let axis = |name: &str| SampledAxis { name: name.to_owned(), values: vec![1.0, 2.0] };
     let request = |names: &[&str]| SweepRequest::<Machine> {
         designs: Designs::Grid(names.iter().map(|name| axis(name)).collect()),

@@ -11,7 +11,7 @@ use vibro::manifest::Invocation;
 use vibro::studies::assembly_exponent;
 use vibro::{Error, Result, assembly};
 use vibro_analysis::assembly::{FileStart, Machine, Measure, NamedQuantity, SectionRule, diagram};
-use vibro_analysis::design_sweep::{Designs, ParameterInterval, SweepRequest, SampledAxis};
+use vibro_analysis::design_sweep::{Designs, ParameterInterval, SampledAxis, SweepRequest};
 use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::sobol::DIMENSIONS;
@@ -107,7 +107,12 @@ fn invocation(common: &Common, command: &str, options: &[(&str, String)]) -> Inv
     found
 }
 
-fn request(machine: &mut Machine, vary: &str, a: &Drawn, exponents: Option<u32>) -> Result<diagram::DiagramRequest> {
+fn request(
+    machine: &mut Machine,
+    vary: &str,
+    a: &Drawn,
+    exponents: Option<u32>,
+) -> Result<diagram::DiagramRequest> {
     let of = match &a.of {
         Some(of) => of.clone(),
         None => default_quantity(machine)?,
@@ -198,8 +203,13 @@ fn draw_planes(
         ];
         let invocation = invocation(common, command, &options);
         let name = format!("{}-{}-{}", invocation.command, x.name, y.name);
-        let request =
-            isoperiodic::IsoperiodicRequest::<Machine> { x, y, start: FileStart::File, discard: a.discard, exponents };
+        let request = isoperiodic::IsoperiodicRequest::<Machine> {
+            x,
+            y,
+            start: FileStart::File,
+            discard: a.discard,
+            exponents,
+        };
         let work = Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
         let study = LongStudy::of(&name, work);
         // All are refused before the first begins.

@@ -90,7 +90,8 @@ pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {
     let p = set.parameters();
     let cells = |range: InitialValueRange| Ok::<_, Error>(range.scaled(p)?.cells(a.resolution.into()));
     let start = a.start.unwrap_or_else(basin::in_the_middle);
-    let kind = StudyKind::Basin(basin::BasinRequest { x: cells(a.x)?, y: cells(a.y)?, discard: a.discard, start });
+    let kind =
+        StudyKind::Basin(basin::BasinRequest { x: cells(a.x)?, y: cells(a.y)?, discard: a.discard, start });
     perform(&LongStudy::new("basin", kind, set), common, a.share.shard)
 }
 

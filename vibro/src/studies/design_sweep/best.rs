@@ -2,7 +2,7 @@
 
 use super::collected::value_in_words;
 use super::words::Told;
-use vibro_analysis::design_sweep::{Choice, SweepRequest, DesignRow, row};
+use vibro_analysis::design_sweep::{Choice, DesignRow, SweepRequest, row};
 
 /// Most designs that are told one by one.
 const TOLD: usize = 8;
@@ -79,7 +79,12 @@ fn what_was_done<M: Told>(request: &SweepRequest<M>, choice: &Choice) -> Vec<Str
 }
 
 /// What the best design does from other starts, where that is more.
-fn from_more_starts<M: Told>(set: &M, request: &SweepRequest<M>, choice: &Choice, best: &DesignRow) -> Option<String> {
+fn from_more_starts<M: Told>(
+    set: &M,
+    request: &SweepRequest<M>,
+    choice: &Choice,
+    best: &DesignRow,
+) -> Option<String> {
     let measure = &request.measures[choice.measure];
     let more = request.from_more_starts(best.values.clone(), measure.clone())?;
     let (found, own) = (row(set, &more, 0), best.outputs[choice.measure]?);

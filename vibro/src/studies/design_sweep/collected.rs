@@ -2,7 +2,7 @@
 //! saying.
 
 use super::words::Told;
-use vibro_analysis::design_sweep::{SweepRequest, DesignRow, Summary};
+use vibro_analysis::design_sweep::{DesignRow, Summary, SweepRequest};
 use vibro_analysis::significant;
 
 /// Most designs of a picture.

@@ -5,7 +5,7 @@ use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{LEAST, limits, map};
 use super::words::Told;
 use super::{method, varied};
-use vibro_analysis::design_sweep::{Choice, Designs, SweepRequest, SampledAxis};
+use vibro_analysis::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 use vibro_figures::canvas::palette::BLACK;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 

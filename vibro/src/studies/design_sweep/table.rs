@@ -15,7 +15,7 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use vibro_analysis::Unit;
-use vibro_analysis::design_sweep::{Again, Choice, SweepRequest, DesignRow, choice, each_final_row};
+use vibro_analysis::design_sweep::{Again, Choice, DesignRow, SweepRequest, choice, each_final_row};
 use vibro_analysis::parts::Task;
 
 /// Rows that are kept in memory to be written to Parquet together.
@@ -91,7 +91,11 @@ fn written(set: &dyn Subject, columns: &[Column]) -> Vec<(usize, &'static Unit, 
 }
 
 /// The cells of a row, in the order of the [`columns`].
-fn cells<M: Told>(request: &SweepRequest<M>, written: &[(usize, &'static Unit, String)], row: DesignRow) -> Vec<Cell> {
+fn cells<M: Told>(
+    request: &SweepRequest<M>,
+    written: &[(usize, &'static Unit, String)],
+    row: DesignRow,
+) -> Vec<Cell> {
     let mut all: Vec<Cell> = row.values.iter().map(|v| Cell::number(Some(*v))).collect();
     for (measure, output) in request.measures.iter().zip(&row.outputs) {
         match (M::is_class(measure), request.motions()) {
@@ -148,7 +152,12 @@ pub fn write_tables<M: Told>(set: &M, request: &SweepRequest<M>, task: &Task, st
 /// The parts of the rows, and what was measured again.
 type Rows<'a> = (&'a Task<'a>, Option<&'a Choice>);
 
-fn write_csv<M: Told>(set: &M, request: &SweepRequest<M>, rows: Rows<'_>, file: &mut impl Write) -> Result<()> {
+fn write_csv<M: Told>(
+    set: &M,
+    request: &SweepRequest<M>,
+    rows: Rows<'_>,
+    file: &mut impl Write,
+) -> Result<()> {
     let mut csv = csv::Writer::from_writer(file);
     let problem = Error::output("a table");
     let columns = columns(set, request);

@@ -43,7 +43,11 @@ impl ShownPlane for Machine {
     }
 
     /// The exponents, where those of all motions were asked for.
-    fn more(&self, request: &IsoperiodicRequest<Self>, plane: &Isoperiodic<Option<PlanePoint>>) -> Vec<Panel> {
+    fn more(
+        &self,
+        request: &IsoperiodicRequest<Self>,
+        plane: &Isoperiodic<Option<PlanePoint>>,
+    ) -> Vec<Panel> {
         if request.exponents.is_none() {
             return Vec::new();
         }

@@ -4,7 +4,7 @@ use super::{Shown, ShownPlane, number, percent, word};
 use crate::studies::here;
 use std::borrow::Cow;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, PlanePoint, IsoperiodicRequest};
+use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, IsoperiodicRequest, PlanePoint};
 use vibro_analysis::plane::SteadyStateClass;
 use vibro_figures::canvas::palette::HERE;
 use vibro_figures::chart::{Colour, Dash, LINE, Layer, Panel, Path, THIN};
