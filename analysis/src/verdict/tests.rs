@@ -13,7 +13,7 @@ fn set(assignments: &[&str]) -> ParameterSet {
     set
 }
 
-/// A box of 12 kg with a heavy block that nothing but the stops couples to it: flights over tens of
+/// A box of 12 kg with a heavy block that is coupled to it only by the stops: flights over tens of
 /// drive periods.
 fn damper() -> ParameterSet {
     let parts =
@@ -40,8 +40,7 @@ fn found(set: &ParameterSet, side: usize, discard: u32) -> Basin {
     basin(set.parameters(), &request, &Task::ALL).unwrap().unwrap()
 }
 
-/// Long flights cut a short window into what looks like many attractors. It is one, whatever is
-/// discarded.
+/// A short window of long flights looks like many attractors. There is one, whatever is discarded.
 #[test]
 fn second_method_chaos_from_many_starts_is_one_attractor_whatever_is_discarded() {
     let one = |basin: &Basin, most_open: f64| {
@@ -50,15 +49,15 @@ fn second_method_chaos_from_many_starts_is_one_attractor_whatever_is_discarded()
         let share: f64 = basin.shares(0).iter().sum();
         assert!(share >= 1.0 - most_open, "{share}");
     };
-    // 64 starts each, none of them with the block at rest; one of them may be left open.
+    // 64 starts each, none with the block at rest; one of them may be left open.
     for discard in [30, 300, 2000] {
         one(&found(&damper(), 8, discard), 0.03);
     }
     one(&found(&set(&["f10=3.6"]), 8, 300), 0.0);
 }
 
-/// A spring between box and ground that is next to none moves nothing, nor does it change the
-/// verdict, though its ω10 makes speeds of 10⁷ to 10¹⁵ units of L ω10 of those that the motion has.
+/// A very soft spring between box and ground changes neither the motion nor the verdict, although
+/// its ω10 turns the speeds of the motion into 10⁷ to 10¹⁵ units of L ω10.
 #[test]
 fn invariant_a_spring_of_next_to_no_stiffness_leaves_the_class() {
     for (amplitude, restitution, periods) in [(0.5, 0.75, 1), (2.0, 0.75, 2), (0.2, 0.2, 3)] {
@@ -76,10 +75,9 @@ fn invariant_a_spring_of_next_to_no_stiffness_leaves_the_class() {
     }
 }
 
-/// Next to a period doubling a motion settles on its orbit by turns from either side, and nearly
-/// returns in two periods: these are the motions of two stable orbits of one drive period, with
-/// multipliers of -0.9973 and -0.9963 (`second_method_orbits_next_to_a_doubling` in the orbits'
-/// tests).
+/// Next to a period doubling a motion approaches its orbit from either side in turn, and nearly
+/// returns in two periods. The two stable orbits of one drive period here have multipliers -0.9973
+/// and -0.9963 (`second_method_orbits_next_to_a_doubling` in the tests of `vibro-orbits`).
 #[test]
 fn second_method_the_way_to_an_orbit_next_to_a_doubling_is_not_its_double() {
     for amplitude in [0.28, 1.078] {
@@ -90,8 +88,8 @@ fn second_method_the_way_to_an_orbit_next_to_a_doubling_is_not_its_double() {
     }
 }
 
-/// So slowly that it takes 20,000 drive periods: the multiplier is -0.99973. Until then its period
-/// is not known.
+/// An approach that takes 20,000 drive periods (multiplier -0.99973): until then the period is not
+/// decided.
 #[test]
 fn second_method_a_way_by_turns_has_no_period_before_it_has_arrived() {
     let parameters = Parameters {
@@ -116,8 +114,8 @@ fn second_method_a_way_by_turns_has_no_period_before_it_has_arrived() {
 }
 
 /// Next to its breaking at f10 = 2.039588865238 the symmetric orbit of the closed form is stable.
-/// Half a period with the mirror image has multipliers of -0.99991 and -0.99997, and a motion
-/// differs from its mirror image by 10,000 returns after a period and more on its way there.
+/// Its multipliers over half a period with the mirror image are -0.99991 and -0.99997: on its way
+/// there a motion differs from its mirror image by 10,000 returns and more.
 #[test]
 fn second_method_a_way_by_turns_to_a_symmetric_orbit_is_not_asymmetric() {
     for (f10, class) in [(2.039558865238, MotionClass::Periodic(1)), (2.039578865238, MotionClass::Settling)]
@@ -135,9 +133,9 @@ fn second_method_a_way_by_turns_to_a_symmetric_orbit_is_not_asymmetric() {
     }
 }
 
-/// The fold of the orbit of two drive periods with four impacts at the upper stop and two at the
-/// lower is at f10 = 2.914356570079 (the orbits' branches): below it there is no such orbit, and
-/// motions take thousands of returns to pass its place, none of them as exact as 1e-7.
+/// The orbit of two drive periods with four impacts at the upper stop and two at the lower has its
+/// fold at f10 = 2.914356570079 (`vibro-orbits`). Below it there is no such orbit, and motions pass
+/// its place in thousands of returns, none of them as exact as 1e-7.
 #[test]
 fn second_method_the_place_of_an_orbit_that_has_vanished_is_no_period() {
     for below in [1e-6, 4e-6, 1e-5] {
@@ -148,8 +146,8 @@ fn second_method_the_place_of_an_orbit_that_has_vanished_is_no_period() {
     }
 }
 
-/// Such a spring does not make a box that a load drives away ever farther, by two gaps a period, a
-/// periodic motion.
+/// A very soft spring does not make a box that a load drives away by two gaps a period a periodic
+/// motion.
 #[test]
 fn invariant_a_box_that_drifts_is_not_periodic() {
     for stiffness in [1e-20, 1e-30] {
@@ -167,12 +165,12 @@ fn invariant_a_box_that_drifts_is_not_periodic() {
 }
 
 /// The default machine at f10 = 2.9 has a chaotic attractor with two impacts at one stop and one at
-/// the other; its mirror image is another.
+/// the other; its mirror image is another attractor.
 #[test]
 fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
     let p = *set(&["f10=2.9"]).parameters();
-    // One motion and its mirror image -x(t + T/2): with the same drive, from the reversed state
-    // half a period on.
+    // A motion and its mirror image -x(t + T/2): from the negative state half a period later, with
+    // the same drive.
     let state = dimensional(&p, &[0.1, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let mut ahead = Simulator::new(&p, &state, 0.0).unwrap();
     ahead.advance_to(0.5 * p.period()).unwrap();
@@ -197,8 +195,7 @@ fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
     let (own, of) = (a.statistics.unwrap(), b.statistics.unwrap());
     assert_eq!(own.likeness(&own.mirrored()), Likeness::Different);
     assert_eq!(own.likeness(&own), Likeness::Same);
-    // Whichever of the two the motions end on, they are one or mirror images, and never something
-    // else.
+    // On whichever of the two the motions end, they are equal or mirror images.
     let relation = a.relation(b);
     assert!([Relation::Same, Relation::Mirror].contains(&relation), "{relation:?}");
     assert_eq!(relation == Relation::Same, (a.impacts[0] > a.impacts[1]) == (b.impacts[0] > b.impacts[1]));
@@ -207,8 +204,8 @@ fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
 
 #[test]
 fn closed_form_a_motion_without_impacts_comes_to_its_one_limit() {
-    // The slow swing of block and secondary oscillator loses about a thousandth a period: it nearly
-    // returns long before it is gone.
+    // The slow oscillation of block and secondary oscillator loses about a thousandth a period: it
+    // nearly returns long before it is gone.
     for f10 in ["f10=0.1", "f10=0.3"] {
         let basin = found(&set(&[f10]), 5, 100);
         let free: Vec<_> = basin.attractors.iter().filter(|a| a.attractor.is_free()).collect();
@@ -224,15 +221,15 @@ fn second_method_verdicts_of_single_motions() {
         assert_eq!(found.class, class, "{f10}");
         assert_eq!(found.exponent.is_some(), class == MotionClass::Chaotic);
     }
-    // What is refused is said.
+    // A refusal is reported.
     let p = *set(&[]).parameters();
     let outside = vibro_impact::State { x: [0.0, 2.0 * p.stop_gap, 0.0], v: [0.0; 3] };
     assert!(verdict(&Start { parameters: p, state: outside }, 0).is_err());
 }
 
-/// Box and drive in resonance, with so little damping that the box takes hundreds of periods to
-/// come back to the block after each burst of impacts. Alone it would swing farther than the gap:
-/// no time without impacts is the end of them.
+/// Box and drive are in resonance with so little damping that the box comes back to the block only
+/// hundreds of periods after each burst of impacts. Alone it would swing farther than the gap, so
+/// that no time without impacts ends them.
 #[test]
 fn second_method_impacts_that_come_in_bursts_have_not_ended() {
     let machine = |mass: f64, force: f64, damping: f64, kappa: f64, ratio: f64| Parameters {
@@ -251,7 +248,7 @@ fn second_method_impacts_that_come_in_bursts_have_not_ended() {
         (machine(1.0, 1.05e-3, 1e-3, 0.75, 0.06), 64.0, MotionClass::Chaotic),
         (machine(0.3, 1.2e-3, 1e-3, 0.0, 0.6), 400.0, MotionClass::NotSettled),
         (machine(3.0, 1.2e-3, 1e-3, 0.5, 3.0), 400.0, MotionClass::NotSettled),
-        // Its states return to 1e-5 a period from the start on.
+        // States return to 1e-5 a period from the start.
         (machine(0.3, 2e-6, 1e-6, 0.75, 0.6), 0.0, MotionClass::NotSettled),
     ] {
         let start = Start { parameters: p, state: vibro_impact::State::default() };
@@ -274,7 +271,7 @@ fn second_method_impacts_that_come_in_bursts_have_not_ended() {
     }
 }
 
-/// A box whose mass, stiffness and gap are one.
+/// A box with mass, stiffness and gap one.
 fn unit_box() -> Parameters {
     Parameters {
         box_mass: 1.0,
@@ -285,11 +282,11 @@ fn unit_box() -> Parameters {
     }
 }
 
-/// Machines under constant loads whose impacts end. What seemed chaotic, or on a torus, has been a
+/// Machines under constant loads whose impacts end: seeming chaos, or a seeming torus, was a
 /// transient.
 #[test]
 fn second_method_under_constant_loads_too_impacts_have_ended_where_none_will_come() {
-    /// What is left of a way after 40,000 periods.
+    /// Remainder of the way after 40,000 periods.
     const ARRIVED: f64 = 1e-9;
     let chaotic_first = Parameters {
         box_damping: 0.214_642_047_578_846_86,
@@ -338,8 +335,8 @@ fn second_method_under_constant_loads_too_impacts_have_ended_where_none_will_com
     }
 }
 
-/// A box on a spring so stiff that it follows the drive: its frequency is 300 times the drive's,
-/// and chaos of the block in it has exponents under a thousandth of that.
+/// A box on a stiff spring follows the drive. Its frequency is 300 times the drive's, and chaos of
+/// the block in it has exponents under a thousandth of that.
 #[test]
 fn invariant_chaos_is_chaos_in_a_box_far_faster_than_the_drive() {
     let basic = Parameters::default();
@@ -357,8 +354,8 @@ fn invariant_chaos_is_chaos_in_a_box_far_faster_than_the_drive() {
     assert!(exponent.value < 1e-3 * fast && exponent.value > 6.0 * exponent.error, "{exponent:?}");
 }
 
-/// A torus whose states nearly return after twelve periods for thousands of them: its returns fall
-/// a little in most windows.
+/// A torus whose states nearly return after twelve periods, for thousands of periods: the returns
+/// fall slightly in most windows.
 #[test]
 fn second_method_a_torus_beside_a_resonance_is_no_approach() {
     let parameters = Parameters {
@@ -373,7 +370,7 @@ fn second_method_a_torus_beside_a_resonance_is_no_approach() {
         v: [-0.003_355_224_913_181_934_6, -0.017_867_093_660_175_828, 0.017_261_310_442_916_976],
     };
     assert_eq!(verdict(&Start { parameters, state }, 300).unwrap().class, MotionClass::QuasiPeriodic);
-    // Far beyond the limit it is no nearer to a return, and neither of two exponents is one.
+    // Far beyond the limit returns are no nearer, and neither of two exponents is certain.
     let mut simulator = settled_simulator(&parameters, &state, 40_000.0).unwrap();
     let period = parameters.period();
     let states: Vec<_> = (0..64)
@@ -390,11 +387,11 @@ fn second_method_a_torus_beside_a_resonance_is_no_approach() {
 }
 
 /// Next to a bifurcation into a torus a motion spirals onto a stable orbit by 10⁻³ a period, and
-/// its returns go round many times before it is there. Of the second machine they do so while the
-/// exponent is counted.
+/// its returns oscillate many times on the way; for the second machine while the exponent is
+/// counted.
 #[test]
 fn second_method_a_slow_spiral_is_no_torus() {
-    /// What is left of the way after 40,000 periods.
+    /// Remainder of the way after 40,000 periods.
     const ARRIVED: f64 = 1e-9;
     let first = Parameters {
         box_damping: 0.073_269_385_037_753_2,
