@@ -1,16 +1,16 @@
-//! A described machine's motion as columns: of each body s, v, a; of each spring, stop and friction
-//! e, rate, f; of each load f. The command line, FMUs and Python name them so.
+//! Columns of a described machine's motion: s, v, a of each body; e, rate, f of each spring, stop
+//! and friction; f of each load. The command line, the FMUs and Python use these names.
 
 use vibro_assembly::Motion;
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::EventKind;
 
-/// Names of the columns, after the time.
+/// Names of the columns, without the time.
 pub fn columns(d: &Description) -> Vec<String> {
     super::NamedQuantity::all(d).into_iter().map(|quantity| quantity.to_string()).collect()
 }
 
-/// Their values now.
+/// Present values of the columns.
 pub fn values(m: &Motion) -> Vec<f64> {
     let d = &m.assembly().description;
     let bodies = (0..d.bodies.len()).flat_map(|i| m.body(i));
@@ -18,24 +18,24 @@ pub fn values(m: &Motion) -> Vec<f64> {
     let stops = (0..d.stops.len()).flat_map(|i| m.stop(i));
     let frictions = (0..d.frictions.len()).flat_map(|i| m.friction(i));
     let loads = (0..d.loads.len()).map(|i| m.load(i));
-    // Zero without a sign.
+    // Adding zero turns -0 into 0.
     bodies.chain(springs).chain(stops).chain(frictions).chain(loads).map(|x| x + 0.0).collect()
 }
 
-/// An event by the names of things.
+/// Event by the names of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedEvent {
     /// `impact`, `close`, `open`, `press`, `free`, `cap`, `stick`, `slip`, `level`, `knot`.
     pub kind: &'static str,
-    /// `stop.NAME`, `friction.NAME`, or nothing.
+    /// `stop.NAME`, `friction.NAME`, or empty.
     pub element: String,
     /// Closing speed, rate, force while slipping, or whether a friction or a cap acts (1 or 0).
     pub value: Option<f64>,
-    /// How many stops took part in an impact.
+    /// Number of stops that took part in an impact.
     pub stops: Option<usize>,
 }
 
-/// An event by the names of things.
+/// The event by the names of elements.
 pub fn named(d: &Description, kind: &EventKind) -> NamedEvent {
     let stop = |i: usize| format!("stop.{}", d.stops[i].name);
     let friction = |i: usize| format!("friction.{}", d.frictions[i].name);

@@ -1,4 +1,4 @@
-//! A described machine as one of which designs are measured.
+//! Described machines as [`design_sweep::DesignMachine`]s.
 
 use super::measures::need_accounts;
 use super::oscillations::oscillations;
@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use vibro_assembly::Assembly;
 
-/// The start of a described machine's motion: the one that its file gives.
+/// Start of a described machine's motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum FileStart {
-    /// That one.
+    /// The start that the machine's file gives.
     #[default]
     File,
 }

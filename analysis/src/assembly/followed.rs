@@ -1,4 +1,4 @@
-//! A motion that is followed from instant to instant while everything between them is looked at.
+//! Advance of a motion from instant to instant with everything between them observed.
 
 use super::contacts::ContactRecorder;
 use super::extremes::Extremes;
@@ -9,25 +9,25 @@ use vibro_assembly::motion::Event;
 use vibro_assembly::system::System;
 use vibro_assembly::{Error, Motion};
 
-/// Flights in one advance, and for each sub-step's length of time: the engine's limit of work,
-/// which pauses do not see.
+/// Work of an advance for each flight, and for each sub-step's length: the engine's own limit does
+/// not count across pauses.
 const WORK: (f64, f64) = (20_000.0, 64.0);
-/// Stretches of a flight that are looked at in any case.
+/// Stretches of a flight that are observed in any case.
 const USUAL: f64 = 64.0;
-/// Stretches beyond these that are looked at in a whole motion: some seconds. A body that is far
-/// faster than all others has more, and its motion is mostly at rest in them.
+/// Further stretches that are observed in a whole motion, some seconds of work. A body far faster
+/// than all others has more, and is mostly at rest in them.
 const MOST: f64 = 500_000.0;
 
 /// Contacts and extremes of a motion.
 #[derive(Debug)]
 pub struct Followed {
-    /// Its contacts.
+    /// Contacts of the motion.
     pub contacts: ContactRecorder,
     /// Extremes of quantities.
     pub extremes: Extremes,
-    /// Time in flights of which only the ends were looked at, s.
+    /// Duration of flights of which only the ends were observed, s.
     pub left_out: f64,
-    /// Stretches that may still be looked at.
+    /// Stretches that may still be observed.
     left: f64,
     mode: Option<Mode>,
     flows: Flows,
@@ -43,7 +43,7 @@ impl Observer for Tell<'_> {
     }
 }
 
-/// The work that an advance may still take.
+/// Counter of the work left to an advance.
 struct WorkMeter<'a>(&'a Cell<f64>);
 
 impl Observer for WorkMeter<'_> {
@@ -56,13 +56,13 @@ impl Observer for WorkMeter<'_> {
 }
 
 impl Followed {
-    /// Nothing is followed yet.
+    /// A record of a motion at its start.
     pub fn new(contacts: ContactRecorder, extremes: Extremes) -> Self {
         Self { contacts, extremes, left_out: 0.0, left: MOST, mode: None, flows: Flows::default() }
     }
 
-    /// Advances to a time, on the bits of [`Motion::advance_observed`]; `met` hears the time of
-    /// each event.
+    /// Advances to a time, bit-identical to [`Motion::advance_observed`]; `met` receives the time
+    /// of each event.
     ///
     /// # Errors
     /// As [`Motion::advance_to`].
@@ -98,7 +98,8 @@ impl Followed {
         if is_left {
             self.contacts.leave_out();
         }
-        // What rounding of the clock has left; beyond the limit of work, the engine's own error.
+        // Covers what rounding of the clock has left, and returns the engine's own error beyond the
+        // limit of work.
         let mut events: Vec<Event> = Vec::new();
         let rest = motion.advance_observed(end, &mut |event| {
             tell(event);

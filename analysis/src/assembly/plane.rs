@@ -1,4 +1,4 @@
-//! A described machine as one whose motions are seen over a plane.
+//! Described machines as [`PlaneMachine`]s.
 
 use super::timescales::{runs_on_beyond, settle};
 use super::{FileStart, Machine, Section, Start, settled};
@@ -8,23 +8,23 @@ use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// What the motion from the machine's own start has settled on, at one point of a plane.
+/// Motion from the machine's own start at one point of a plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanePoint {
-    /// Its class.
+    /// Class of the motion.
     pub class: MotionClass,
     /// Impacts and first touches a return.
     pub contacts: f64,
-    /// Whether a stop stays closed or a friction sticks in the course of it.
+    /// Whether a stop stays closed or a friction sticks at some time.
     pub rests: bool,
     /// Mean time between returns, s.
     pub interval: f64,
-    /// The largest exponent, 1/s, and its standard error, where it was computed.
+    /// Largest exponent, 1/s, with its standard error, where it was computed.
     pub exponent: Option<[f64; 2]>,
 }
 
 impl PlaneMachine for Machine {
-    /// None where the values make no machine, and where its motion cannot go on.
+    /// `None` where the values make no machine, and where its motion cannot go on.
     type Point = Option<PlanePoint>;
     type Workspace = ();
     const IN_PLANE_PART: usize = 32;
@@ -36,7 +36,7 @@ impl PlaneMachine for Machine {
                 self.with([(axis.name.as_str(), end)])?;
             }
         }
-        // What no point could do without.
+        // Conditions of every point.
         let section = Section::of(&self.description, &self.section)?;
         match runs_on_beyond(&self.description, &section, request.discard) {
             None => Ok(()),

@@ -1,5 +1,5 @@
-//! What can be looked at in a described machine, by the names of the columns of its motion:
-//! `box.s`, `upper.f`, `shaker.f`.
+//! Quantities of a described machine, by the names of the columns of its motion: `box.s`,
+//! `upper.f`, `shaker.f`.
 
 use super::flight::Flow;
 use crate::error::{Error, Result};
@@ -10,31 +10,31 @@ use vibro_assembly::description::{Description, Dimension};
 use vibro_assembly::mode::{Contact, StopState};
 use vibro_assembly::system::System;
 
-/// A body's or an element's quantity by its name, such as `box.s`; whether a machine has it is
-/// known by [`NamedQuantity::place`].
+/// Quantity of a body or an element by its name, such as `box.s`; [`NamedQuantity::place`] tells
+/// whether a machine has it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct NamedQuantity {
-    /// The body or element.
+    /// Body or element.
     pub of: String,
     /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `f` of a load.
     pub what: What,
 }
 
-/// What of a body or an element.
+/// Quantity of a body or an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
     /// A body's coordinate.
     S,
-    /// Its rate.
+    /// A body's rate.
     V,
-    /// Its acceleration.
+    /// A body's acceleration.
     A,
     /// An element's elongation.
     E,
-    /// Its rate.
+    /// An element's rate.
     Rate,
-    /// Its force.
+    /// An element's or a load's force.
     F,
 }
 
@@ -67,7 +67,7 @@ impl fmt::Display for NamedQuantity {
 
 crate::text::written_as_text!(NamedQuantity);
 
-/// Whose quantity it is.
+/// Owner of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
     /// A body.
@@ -82,7 +82,7 @@ pub enum Owner {
     Load(usize),
 }
 
-/// The bodies and elements of a machine by their names.
+/// Bodies and elements of a machine by their names.
 pub fn owners(d: &Description) -> Vec<(&str, Owner, Dimension)> {
     let mut all = Vec::new();
     all.extend(d.bodies.iter().enumerate().map(|(i, b)| (b.name.as_str(), Owner::Body(i), b.dimension)));
@@ -102,7 +102,7 @@ pub fn owners(d: &Description) -> Vec<(&str, Owner, Dimension)> {
     all
 }
 
-/// The refusal of a name that a machine does not have, with the nearest one.
+/// Refusal of a name that a machine does not have, with the nearest one.
 pub fn unknown(text: &str, known: &[String]) -> Error {
     let nearest = known.iter().max_by(|a, b| strsim::jaro(a, text).total_cmp(&strsim::jaro(b, text)));
     let advice = nearest.map_or("the machine has none".into(), |near| {
@@ -111,7 +111,7 @@ pub fn unknown(text: &str, known: &[String]) -> Error {
     Error::Described { problem: format!("the machine has no `{text}`; {advice}") }
 }
 
-/// A quantity of a given machine.
+/// Quantity of a given machine by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QuantityPlace {
     owner: Owner,
@@ -133,7 +133,7 @@ impl NamedQuantity {
         owners(d).into_iter().flat_map(of).collect()
     }
 
-    /// Which quantity of a machine it is.
+    /// The quantity of a machine with this name.
     ///
     /// # Errors
     /// [`Error::Described`] with the nearest name.
@@ -153,7 +153,7 @@ impl NamedQuantity {
 }
 
 impl QuantityPlace {
-    /// Its SI unit.
+    /// SI unit.
     pub fn unit(&self) -> &'static str {
         let rotates = self.dimension == Dimension::Rotation;
         let units = match self.what {
@@ -165,7 +165,7 @@ impl QuantityPlace {
         units[usize::from(rotates)]
     }
 
-    /// Its row in a mode: the quantity is the row times the augmented state.
+    /// Row of the quantity in a mode: the quantity is the row times the augmented state.
     pub fn row(&self, system: &System, flow: &Flow) -> Vec<f64> {
         let n = system.coordinates;
         let contact = |contact: Contact| {
