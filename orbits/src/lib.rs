@@ -13,9 +13,9 @@
 //! - `seeds`, `grower` and `trace` grow the tree; `ranges` and `coverage` read it; `locus` follows
 //!   a special point in two parameters.
 //!
-//! Two properties must survive every change. The result depends neither on the number of threads nor
-//! on interruptions: batches have a constant size (`grower`), and finished parts of a tree are kept
-//! bit for bit (`stored`). And the equations of motion and the impact law are those of the closed
+//! Two properties must survive every change. The result depends neither on the number of threads
+//! nor on interruptions: batches have a constant size (`grower`), and finished parts of a tree are
+//! kept bit for bit (`stored`). And the equations of motion and the impact law are those of the closed
 //! forms (`vibro_impact::steady`), never the simulator's, which is the oracle of the tests
 //! (docs/design.md, "What stands once").
 //!

@@ -1,8 +1,9 @@
+use super::record::{ObservedPeriod, approaches, period};
 use super::*;
 use crate::motion::settled_simulator;
 use crate::stroboscopic::moving_block;
 use vibro_impact::parameters::{Groups, Scales};
-use vibro_impact::simulator::{Loads, State};
+use vibro_impact::simulator::{Contact, Loads, State};
 
 /// Periods of a constructed motion.
 fn periods(coordinate: impl Fn(f64) -> f64, pattern: impl Fn(u64) -> u64) -> Vec<ObservedPeriod> {

@@ -2,6 +2,7 @@
 
 mod branches;
 mod coverage;
+mod curves;
 mod exponents;
 mod free_block;
 mod golden;
