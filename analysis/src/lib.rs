@@ -6,6 +6,13 @@
 //! parts: whoever changes a study keeps that, and shows it by a test that compares divided with
 //! whole work.
 //!
+//! A new study has a request that serde can write, a function that takes it with a
+//! [`parts::Task`], and a number of parts that depends on the request alone; the command line keeps
+//! it as a kind of its long studies. A new measure is a variant of [`measures::Measure`] with name,
+//! unit and description, and its value over a window; that of a described machine likewise in
+//! [`assembly::Measure`]. Limits and thresholds by which a verdict is decided are those of
+//! docs/studies.md: they change together with their reasons there.
+//!
 //! | module | what it computes | what its tests hold it against |
 //! |---|---|---|
 //! | [`assembly`] | these studies of described machines | the 3-DOF core on the paper's machine; closed forms |

@@ -19,7 +19,7 @@ pub struct Summary {
     /// First motion with the largest value, for [`SweepRequest::motion`] and [`DesignRow::motion`].
     pub at: usize,
     /// Scatter of the largest value between windows of the motions, from their
-    /// [`Measured::spreads`].
+    /// [`Measured::spreads`](crate::measures::Measured::spreads).
     pub spread: f64,
 }
 
