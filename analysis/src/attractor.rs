@@ -7,7 +7,7 @@
 
 mod record;
 
-pub(crate) use record::{StroboscopicRecord, appended, least_period, nears};
+pub(crate) use record::{StroboscopicRecord, appended, comes_nearer, least_period};
 
 use super::error::Result;
 use super::free_limit::limit_keeps_clear;
@@ -56,11 +56,11 @@ pub struct Attractor {
 /// Relation of two attractors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Relation {
-    /// They are the same.
+    /// Equal.
     Same,
     /// Each is the mirror image of the other.
     Mirror,
-    /// They are neither.
+    /// Neither equal nor mirror images.
     Different,
     /// Neither has a period, and their windows are too short to tell whether they are the same.
     Undecided,

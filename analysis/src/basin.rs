@@ -146,7 +146,7 @@ pub enum Destination {
 pub struct BasinAttractor {
     /// The attractor. Without a period its means are those of all motions on it.
     pub attractor: Attractor,
-    /// Its class.
+    /// Class of the motions.
     pub class: MotionClass,
 }
 

@@ -65,7 +65,7 @@ pub struct SweepPoint {
     /// Local maxima of the sweep's displacement, units of L to six digits after the point,
     /// ascending, each with its count.
     pub maxima: Vec<(f64, u32)>,
-    /// What the motion has settled on.
+    /// Attractor of the motion.
     pub attractor: Attractor,
     /// Class of the motion.
     pub class: MotionClass,

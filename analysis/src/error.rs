@@ -17,13 +17,13 @@ pub enum Error {
     /// has no section.
     #[error("{problem}")]
     Described {
-        /// What was given, and what is allowed.
+        /// The given study, and what is allowed.
         problem: String,
     },
     /// No parameter has this name.
     #[error("no parameter is named `{name}`; {advice}")]
     UnknownName {
-        /// What was given.
+        /// The given name.
         name: String,
         /// The nearest valid name with its meaning and range or, where none is near, all valid
         /// names.
@@ -32,7 +32,7 @@ pub enum Error {
     /// No measure has this name.
     #[error("no output is named `{name}`; {advice}")]
     UnknownMeasure {
-        /// What was given.
+        /// The given name.
         name: String,
         /// The nearest valid name with its meaning or, where none is near, all valid names.
         advice: String,
@@ -54,15 +54,15 @@ pub enum Error {
     NotANumber {
         /// The parameter.
         name: &'static str,
-        /// What was given.
+        /// The given text.
         text: String,
-        /// Its range.
+        /// Range of the parameter.
         allowed: &'static str,
     },
     /// A text of another form than the one expected.
     #[error("`{text}`: expected {expected}")]
     Form {
-        /// What was given.
+        /// The given text.
         text: String,
         /// The form, with an example.
         expected: &'static str,
@@ -70,7 +70,7 @@ pub enum Error {
     /// More results are requested than fit into memory.
     #[error("{what}: {count} asked for, but no more than {most} fit into memory{}", in_a_square(*.side))]
     TooMany {
-        /// What is counted.
+        /// Kind of the results.
         what: &'static str,
         /// The requested number.
         count: f64,
@@ -93,9 +93,9 @@ pub enum Error {
     NoOrbit {
         /// The word in letters U and L.
         word: String,
-        /// Its closing sign.
+        /// Closing sign of the word.
         closing: char,
-        /// Its period in drive periods.
+        /// Period in drive periods.
         period: u32,
         /// The obstacle, with advice.
         reason: String,

@@ -200,20 +200,20 @@ mod tests {
 
     #[test]
     fn closed_form_nothing_is_proved_by_the_rounding_of_a_resonance() {
-        /// How near to the resonance of the undamped box the drive is.
+        /// Relative distance of the drive from the resonance of the undamped box.
         const BESIDE: f64 = 2e-9;
-        /// By this part of the gap the box's beat reaches farther.
+        /// Part of the gap by which the box's beat exceeds it.
         const FARTHER: f64 = 1e-10;
         let at_rest = State { x: [0.0; 3], v: [0.0; 3] };
         for k in 0..1000 {
             let (stiffness, mass) = (1.0, 0.3 + 1e-3 * f64::from(k));
             let omega = (stiffness / mass).sqrt() * (1.0 - BESIDE);
-            // The difference k1 - m1 ω² with what its two products round off.
+            // The difference k1 - m1 ω² with the rounding of its two products.
             let product: f64 = mass * omega;
             let square = product * omega;
             let rounded = product.mul_add(omega, -square) + mass.mul_add(omega, -product) * omega;
             let force = 0.5 * ((stiffness - square) - rounded);
-            // From rest the forced vibration of half a metre meets a transient of as much.
+            // From rest the forced vibration of half a metre is superposed on a transient as large.
             let reach = 0.5 * (1.0 + omega * (mass / stiffness).sqrt());
             let p = Parameters {
                 box_mass: mass,

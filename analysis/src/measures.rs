@@ -32,7 +32,7 @@ use crate::smooth_pieces::{PieceEnd, smooth_pieces};
 use crate::trajectories::Start;
 use crate::verdict::verdict;
 use extent::Extent;
-use parts::{Parts, Seen, whole};
+use parts::{Observation, Parts, whole};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
 use vibro_impact::flow::expand_along;
@@ -122,7 +122,7 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
     };
     let numbers = measures.iter().map(number).collect();
     let spreads = measures.iter().map(|measure| spread(&parts, *measure, &p)).collect();
-    let goes = |measure: &Measure| is_of_window(measure) && is_on_its_way(&of_parts(&parts, *measure, &p));
+    let goes = |measure: &Measure| is_of_window(measure) && is_drifting(&of_parts(&parts, *measure, &p));
     Ok(Measured { numbers, class, spreads, unsettled: measures.iter().position(goes) })
 }
 
@@ -180,7 +180,7 @@ pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if numbers.len() < 2 {
         return 0.0;
     }
-    let way = way_to_go(numbers).unwrap_or(0.0);
+    let way = drift(numbers).unwrap_or(0.0);
     if is_extreme {
         return deviation(numbers).max(way);
     }
@@ -192,31 +192,31 @@ pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
 }
 
 /// Least number of parts that show a drift.
-const WAY: usize = 5;
+const DRIFT_PARTS: usize = 5;
 /// Largest ratio of successive steps of a drift.
-const EVEN: f64 = 1.01;
+const STEP_GROWTH: f64 = 1.01;
 /// Largest ratio of steps by which the rest of a drift is extrapolated.
-const SLOWEST: f64 = 0.9;
+const SLOWEST_DECAY: f64 = 0.9;
 /// Size of a drift relative to the value up to which it is ignored.
-const WORTH: f64 = 1e-3;
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// Drift of a value that is monotone over the parts with steps that do not grow: its change so far
 /// and the change still to come, extrapolated by the ratio of the last two steps; `None` for other
 /// values. Values in random order drift so once in some ten thousand times.
-fn way_to_go(numbers: &[f64]) -> Option<f64> {
+fn drift(numbers: &[f64]) -> Option<f64> {
     let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let [.., before, last] = steps[..] else { return None };
     let is_way = steps.iter().all(|step| step * last > 0.0)
-        && steps.windows(2).all(|pair| pair[1].abs() <= EVEN * pair[0].abs());
-    let ratio = (last / before).min(SLOWEST);
+        && steps.windows(2).all(|pair| pair[1].abs() <= STEP_GROWTH * pair[0].abs());
+    let ratio = (last / before).min(SLOWEST_DECAY);
     let way = (numbers[numbers.len() - 1] - numbers[0]).abs() + last.abs() * ratio / (1.0 - ratio);
-    (numbers.len() >= WAY && is_way).then_some(way)
+    (numbers.len() >= DRIFT_PARTS && is_way).then_some(way)
 }
 
 /// Whether a value, known in parts, has not settled to three digits.
-pub(crate) fn is_on_its_way(numbers: &[f64]) -> bool {
+pub(crate) fn is_drifting(numbers: &[f64]) -> bool {
     let size = numbers.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    way_to_go(numbers).is_some_and(|way| way > WORTH * size)
+    drift(numbers).is_some_and(|way| way > NEGLIGIBLE * size)
 }
 
 /// Caveat of a motion that was measured before it had settled.
@@ -281,7 +281,7 @@ fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Res
     Ok(parts.finish())
 }
 
-impl Seen for Window {
+impl Observation for Window {
     fn numbers(&self) -> [Vec<f64>; 3] {
         let ends = self.extents.iter().flat_map(|e| [e.within(f64::INFINITY).0, e.within(f64::INFINITY).1]);
         [ends.collect(), vec![self.impacts.speed], self.energy.to_vec()]

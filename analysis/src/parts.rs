@@ -35,7 +35,7 @@ impl Shard {
 impl std::str::FromStr for Shard {
     type Err = Error;
 
-    /// Reads `i/n` with i from 1 to n.
+    /// Parses `i/n` with i from 1 to n.
     fn from_str(text: &str) -> Result<Self> {
         let form = || Error::Form { text: text.into(), expected: "i/n with i from 1 to n, e.g. 2/4" };
         let (i, n) = text.split_once('/').ok_or_else(form)?;

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-11;
 /// motion approaches its orbit from either side in turn, and this part is the ratio of the returns
 /// in two periods to those in one; where it is less, the motion has twice the period. Next to a
 /// symmetry breaking the return in half a period with the mirror image is such a part.
-pub(crate) const TURNED: f64 = 1e-5;
+pub(crate) const LEAST_APPROACH: f64 = 1e-5;
 /// Largest return (units of L and L ω10) of a settled motion. Returns that do not grow add up, over
 /// the drive periods that are skipped, to at most this times their number.
 const STEADY: f64 = 1e-7;
@@ -138,14 +138,14 @@ impl Confirmation {
         // A shorter period that is nearly one would later be found, or not, by rounding.
         let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, RETURN + moves));
         let most = |lag| (0..=2 * n - lag).map(|k| distance(state(k), state(k + lag))).fold(0.0, f64::max);
-        let by_turns = |lag: usize| n.is_multiple_of(lag) && most(n) >= TURNED * most(lag);
+        let alternates = |lag: usize| n.is_multiple_of(lag) && most(n) >= LEAST_APPROACH * most(lag);
         // Half of an odd period with the mirror image either returns as exactly, or stays away and
         // is no part of the way.
         let half = record.mirror_distance(self.period);
-        let decided = half < STEADY || (half > SAME + moves && most(n) < TURNED * half);
+        let decided = half < STEADY || (half > SAME + moves && most(n) < LEAST_APPROACH * half);
         repeats
             && (!symmetric || n.is_multiple_of(2) || decided)
-            && !(1..n).any(|lag| shorter(lag) || by_turns(lag))
+            && !(1..n).any(|lag| shorter(lag) || alternates(lag))
     }
 }
 

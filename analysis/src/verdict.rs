@@ -11,7 +11,7 @@ use super::error::Result;
 use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
 use super::largest_exponent::LargestExponent;
-use super::settling::TURNED;
+use super::settling::LEAST_APPROACH;
 use super::statistics::{Blocks, Likeness};
 use super::trajectories::{MotionEnd, Program, Start, Workspace};
 use vibro_impact::parameters::Parameters;
@@ -175,7 +175,7 @@ fn alike(motions: Vec<Open>) -> Vec<Vec<Open>> {
 }
 
 /// Result of a run of a program for one motion.
-struct Seen {
+struct ProgramResult {
     state: vibro_impact::State,
     attractor: Attractor,
     exponent: Option<LargestExponent>,
@@ -202,12 +202,13 @@ fn has_no_part(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool
     let half = record.mirror_distance(period);
     let mirrored = p.is_symmetric() && !period.is_multiple_of(2) && half >= SAME;
     let mut parts = (1..period).filter(|part| period.is_multiple_of(*part));
-    parts.all(|part| own < TURNED * record.return_distance(part)) && (!mirrored || own < TURNED * half)
+    parts.all(|part| own < LEAST_APPROACH * record.return_distance(part))
+        && (!mirrored || own < LEAST_APPROACH * half)
 }
 
 /// Results in the order of the starts.
-fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> Vec<Result<Seen>> {
-    let mut found: Vec<Option<Result<Seen>>> = starts.iter().map(|_| None).collect();
+fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> Vec<Result<ProgramResult>> {
+    let mut found: Vec<Option<Result<ProgramResult>>> = starts.iter().map(|_| None).collect();
     workspace.run(&mut starts.iter().copied(), program, &mut |number, outcome| {
         found[number] = Some(outcome.map(|MotionEnd { state, attractor, exponent, record, .. }| {
             let mut blocks = Blocks::default();
@@ -229,7 +230,7 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
                 record.add_to(&mut blocks);
                 nearest = record.nearest_return();
             }
-            Seen { state, attractor, exponent, arrived, clear, nearest, blocks }
+            ProgramResult { state, attractor, exponent, arrived, clear, nearest, blocks }
         }));
     });
     // Each motion has a result.
@@ -237,7 +238,7 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
 }
 
 impl Open {
-    fn new(number: usize, start: Start, seen: Seen) -> Self {
+    fn new(number: usize, start: Start, seen: ProgramResult) -> Self {
         let class = MotionClass::by_largest(&seen.attractor, seen.exponent.as_ref(), &start.parameters);
         let (impacts, rests) = (seen.attractor.impacts, seen.attractor.rests);
         let periods = seen.blocks.periods();
@@ -248,7 +249,7 @@ impl Open {
             periods,
             stationary: false,
         };
-        let Seen { arrived, blocks, nearest, .. } = seen;
+        let ProgramResult { arrived, blocks, nearest, .. } = seen;
         let falls = (class == MotionClass::QuasiPeriodic).then_some(0);
         let mut motion = Self {
             number,
@@ -267,7 +268,7 @@ impl Open {
     }
 
     /// Takes the result of a run over `discarded` more discarded drive periods and an observation.
-    fn take(&mut self, mut seen: Seen, discarded: u32) {
+    fn take(&mut self, mut seen: ProgramResult, discarded: u32) {
         let followed = self.followed.saturating_add(discarded).saturating_add(OBSERVED);
         self.start.state = seen.state;
         let ended = seen.clear && is_damped(&self.start.parameters);
@@ -318,8 +319,8 @@ impl Open {
             return false;
         }
         if has_period && !self.arrived && following.limit > 0 {
-            // It approaches an orbit of this period or of a part of it, or passes the place of one
-            // that has vanished.
+            // The motion approaches an orbit of this period or of a part of it, or passes the place
+            // of one that has vanished.
             self.found.class = MotionClass::Settling;
         }
         if !has_period {

@@ -90,7 +90,7 @@ pub(super) struct Balance {
     pub places: [f64; 3],
     /// The constant part of the rate of a state there, d of docs/theory.md (111).
     pub push: Vector6,
-    /// Where the springs hold the loads; a block without a spring in the middle of the box.
+    /// Rest positions under the loads; a block without a spring is in the middle of the box.
     held: [f64; 3],
 }
 

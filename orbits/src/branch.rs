@@ -67,7 +67,7 @@ impl std::fmt::Display for Label {
 /// A special point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Special {
-    /// Its type.
+    /// Type of the point.
     pub label: Label,
     /// At a touch: the word that lists it.
     pub longer: Option<OrbitWord>,

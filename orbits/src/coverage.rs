@@ -29,7 +29,7 @@ pub struct TreeOrbit {
     pub orbit: Orbit,
 }
 
-/// Where a settled motion lies in a tree.
+/// Place of a settled motion in a tree.
 #[derive(Clone, Debug)]
 pub struct Covering {
     /// The number of the branch.
@@ -202,8 +202,8 @@ impl Branch {
         })
     }
 
-    /// Its certified orbits in the machine at a value of the parameter, on the pieces that begin at
-    /// points of a kind.
+    /// Certified orbits of the branch in the machine at a value of the parameter, on the pieces
+    /// that begin at points of a kind.
     fn orbits_in(&self, system: &System, value: f64, begins: impl Fn(&OrbitPoint) -> bool) -> Vec<Orbit> {
         let mut found: Vec<Orbit> = Vec::new();
         for pair in self.pieces_around(value).filter(|pair| begins(pair[0])) {

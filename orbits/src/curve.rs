@@ -213,7 +213,7 @@ mod tests {
     fn closed_form_null_vectors() {
         let (left, right) = least_vectors(DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 4.0])).unwrap();
         assert!((left[0] + 2.0 * left[1]).abs() + (right[0] + 2.0 * right[1]).abs() < 1e-14);
-        // Rows and columns of numbers that are none end at once.
+        // NaN and infinity end the sweeps at once.
         for bad in [f64::NAN, f64::INFINITY] {
             assert!(least_vectors(DMatrix::from_row_slice(2, 2, &[1.0, bad, 0.0, 1.0])).is_none());
         }

@@ -27,7 +27,7 @@ pub(super) enum Functional {
 }
 
 impl Functional {
-    /// Its value for a state that carries no drive.
+    /// Value at a state without the drive.
     fn of(self, z: &Vector6) -> f64 {
         match self {
             Self::Gap => z[1] - z[0],
@@ -361,7 +361,7 @@ fn mapped(matrix: &Matrix6<f64>, map: impl Fn(&Vector6) -> Vector6) -> Matrix6<f
     Matrix6::from_columns(&[0, 1, 2, 3, 4, 5].map(|i| map(&matrix.column(i).into())))
 }
 
-/// The solution of a system of six equations; `None` where it is singular but for rounding.
+/// The solution of a system of six equations; `None` where it is singular up to rounding.
 fn solve(matrix: &Matrix6<f64>, right: &Vector6) -> Option<Vector6> {
     let lu = matrix.lu();
     let diagonal = lu.lu_internal().diagonal();

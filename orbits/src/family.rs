@@ -23,9 +23,9 @@ const UNITS: f64 = 5.0;
 pub struct Span {
     /// The parameter.
     pub name: Name,
-    /// Its least value.
+    /// Least value.
     pub from: f64,
-    /// Its greatest value.
+    /// Greatest value.
     pub to: f64,
 }
 

@@ -63,10 +63,10 @@ impl<'a> Grower<'a> {
         self.tree.searched = searched;
         // A stable orbit is on an island or on a known branch.
         let (stable, unstable): (Vec<SeedOrbit>, Vec<SeedOrbit>) =
-            passed.into_iter().partition(|place| place.stable);
-        let passed = stable.into_iter().chain(unstable).map(|place| (place, LAST));
-        for (place, depth) in settled.into_iter().map(|place| (place, 0)).chain(passed) {
-            let SeedOrbit { word, phases, value, .. } = place;
+            passed.into_iter().partition(|orbit| orbit.stable);
+        let passed = stable.into_iter().chain(unstable).map(|orbit| (orbit, LAST));
+        for (orbit, depth) in settled.into_iter().map(|orbit| (orbit, 0)).chain(passed) {
+            let SeedOrbit { word, phases, value, .. } = orbit;
             if let Ok((word, both)) = switching::both_ways(self.family, &word, &phases, value) {
                 let departures = both.to_vec();
                 self.queue.push(BranchStart { depth, parent: None, word, departures, island: depth == LAST });
@@ -207,8 +207,8 @@ impl<'a> Grower<'a> {
         if start.depth > self.options.depth || !self.options.admits(&start.word) {
             return;
         }
-        let place = self.queue.partition_point(|s| s.depth <= start.depth);
-        self.queue.insert(place, start);
+        let position = self.queue.partition_point(|s| s.depth <= start.depth);
+        self.queue.insert(position, start);
     }
 
     fn offer_doubled(&mut self, id: usize, point: usize, label: Label) {

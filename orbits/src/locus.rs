@@ -41,7 +41,7 @@ pub struct LocusPoint {
     pub phases: Vec<f64>,
     /// For Neimark-Sacker points the angle of the multipliers, rad.
     pub angle: Option<f64>,
-    /// What ends the curve here, if anything does.
+    /// End of the curve here, if it is one.
     pub end: Option<LocusEnd>,
 }
 

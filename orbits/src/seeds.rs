@@ -27,7 +27,7 @@ const WIDER: f64 = 1.5;
 const INSIDE: f64 = 0.999;
 /// Drive periods of the motion from each start.
 pub(super) const PERIODS: u32 = 300;
-/// The longest period, in drive periods, whose near returns are looked at.
+/// Longest period of a near return, in drive periods.
 pub(super) const LONGEST: usize = 4;
 /// Largest change of a coordinate (units of L and L ω1) in a near return.
 const RETURN: f64 = 0.04;
@@ -36,7 +36,7 @@ const RETURN: f64 = 0.04;
 const MOVE: f64 = 0.4;
 /// Number of parts of the range; in each only one unstable orbit of a word is kept, since others
 /// mostly lie on its branch.
-const PLACES: f64 = 30.0;
+const RANGE_PARTS: f64 = 30.0;
 
 /// An orbit found by simulation: word, phases and parameter.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -107,7 +107,7 @@ pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Err
     let chains = [rising?, falling?];
     let boxes: Vec<Hull> = (0..count).map(|i| hull(chains[0][i].visited, &chains[1][i].visited)).collect();
     let period = |links: &[Link], i: usize| -> Option<u32> {
-        links[i].place.as_ref().filter(|place| place.stable).map(|place| place.word.period())
+        links[i].orbit.as_ref().filter(|orbit| orbit.stable).map(|orbit| orbit.word.period())
     };
     let mut values: Vec<SearchedValue> = (0..count)
         .map(|i| SearchedValue {
@@ -118,7 +118,7 @@ pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Err
         })
         .collect();
     let passed = wide(family, options, &boxes, &mut values)?;
-    let settled = chains.into_iter().flatten().filter_map(|link| link.place).collect();
+    let settled = chains.into_iter().flatten().filter_map(|link| link.orbit).collect();
     let searched = Searched { values, periods: PERIODS, followed: 0, islands: 0 };
     Ok(Seeds { settled, passed, searched })
 }
@@ -126,7 +126,7 @@ pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Err
 /// Result of a settled motion at one value: its orbit and the box of its states.
 #[derive(Clone)]
 struct Link {
-    place: Option<SeedOrbit>,
+    orbit: Option<SeedOrbit>,
     visited: Hull,
 }
 
@@ -139,7 +139,7 @@ fn chain(
     rising: bool,
 ) -> Result<Vec<Link>, Error> {
     let (count, limits) = (options.seeds, options.limits());
-    let mut links = vec![Link { place: None, visited: NOTHING }; count];
+    let mut links = vec![Link { orbit: None, visited: NOTHING }; count];
     let mut last = None;
     for k in 0..count {
         let i = if rising { k } else { count - 1 - k };
@@ -156,10 +156,10 @@ fn chain(
         }
         let orbit =
             settled::orbit_within(&system, &state, limits).ok().filter(|orbit| !orbit.word().is_empty());
-        links[i].place = orbit.and_then(|orbit| {
+        links[i].orbit = orbit.and_then(|orbit| {
             let (word, phases) = family.shortest(&orbit);
-            let place = SeedOrbit { word, phases, value, stable: orbit.is_stable() };
-            options.admits(&place.word).then_some(place)
+            let seed = SeedOrbit { word, phases, value, stable: orbit.is_stable() };
+            options.admits(&seed.word).then_some(seed)
         });
     }
     Ok(links)
@@ -199,7 +199,7 @@ fn wide(
     let settles = |v: &SearchedValue| v.rising.is_some() && v.falling.is_some();
     let poor: Vec<usize> =
         (0..cells).filter(|i| !(settles(&values[*i]) && settles(&values[i + 1]))).collect();
-    // Of a number in [0, 1) the cell that it is in and its place there.
+    // The cell of a number in [0, 1), and its position in the cell.
     let spread = |part: f64, among: usize| {
         let at = part * among as f64;
         (at as usize, at.fract())
@@ -209,8 +209,8 @@ fn wide(
         let index = u32::try_from(k + 1).ok()?;
         let at = |dimension: usize| coordinate(index, dimension);
         let (cell, part) = if k % 2 == 1 && !poor.is_empty() {
-            let (place, part) = spread(at(0), poor.len());
-            (poor[place], part)
+            let (index, part) = spread(at(0), poor.len());
+            (poor[index], part)
         } else {
             spread(at(0), cells)
         };
@@ -234,17 +234,17 @@ fn wide(
         .par_iter()
         .map(|(_, value, state)| passes(family, *value, state, options))
         .collect::<Result<_, _>>()?;
-    let unit = (values[cells].value - values[0].value) / PLACES;
+    let unit = (values[cells].value - values[0].value) / RANGE_PARTS;
     let mut kept: Vec<SeedOrbit> = Vec::new();
-    for ((cell, ..), places) in all.iter().zip(found) {
+    for ((cell, ..), orbits) in all.iter().zip(found) {
         values[*cell].starts += 1;
-        for place in places {
+        for orbit in orbits {
             let alike = |k: &SeedOrbit| {
-                k.word == place.word && k.stable == place.stable && (k.value - place.value).abs() < unit
+                k.word == orbit.word && k.stable == orbit.stable && (k.value - orbit.value).abs() < unit
             };
             if !kept.iter().any(alike) {
                 values[*cell].found += 1;
-                kept.push(place);
+                kept.push(orbit);
             }
         }
     }
@@ -264,7 +264,7 @@ fn passes(
     let mut keep = |orbit: Orbit| {
         let (word, phases) = family.shortest(&orbit);
         let (word, phases) = canonical(&word, &phases, family.is_symmetric());
-        if !word.is_empty() && options.admits(&word) && !found.iter().any(|place| place.word == word) {
+        if !word.is_empty() && options.admits(&word) && !found.iter().any(|orbit| orbit.word == word) {
             found.push(SeedOrbit { word, phases, value, stable: orbit.is_stable() });
         }
     };

@@ -11,7 +11,7 @@ use vibro_analysis::{Error, Result};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Event, Simulator, State};
 
-/// The longest period that is looked for, in drive periods.
+/// Longest period that is sought, in drive periods.
 pub(super) const LONGEST: u32 = 32;
 
 /// Largest change of a coordinate (units of L and L ω1) in a near return. Newton's method does the

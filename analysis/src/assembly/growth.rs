@@ -22,7 +22,7 @@ const LEAST_GROWTH: f64 = 20.0;
 pub struct Growth {
     /// Returns left out at the beginning.
     turning: usize,
-    /// Their duration, s.
+    /// Duration of the left-out returns, s.
     turned: f64,
     /// Growth and duration, s, of each counted return.
     counted: Vec<[f64; 2]>,

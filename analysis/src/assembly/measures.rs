@@ -12,8 +12,8 @@ use super::settled::settled;
 use super::timescales::{Passed, needed, runs_on};
 use super::watch::Watcher;
 use crate::error::{Error, Result};
-use crate::measures::parts::{Parts, Seen, whole};
-use crate::measures::{Measured, is_on_its_way, spread_of};
+use crate::measures::parts::{Observation, Parts, whole};
+use crate::measures::{Measured, is_drifting, spread_of};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -275,7 +275,7 @@ fn energies(motion: &Motion) -> [Vec<f64>; 4] {
     [&e.loads, &e.dashpots, &e.stops, &e.frictions].map(|all| all.iter().map(|x| x.value()).collect())
 }
 
-impl Seen for Window {
+impl Observation for Window {
     fn numbers(&self) -> [Vec<f64>; 3] {
         let ends = self.watcher.extents.iter().flat_map(|e| [e.least, e.largest]);
         let speeds = self.watcher.contacts.iter().map(|c| c.speed);
@@ -392,7 +392,7 @@ pub fn measure(
         Measure::Exponent => exponent.map_or(0.0, |e| e.error),
         _ => spread_of(&of_parts(m), m.is_extreme()),
     };
-    let is_unsettled = |m: &Measure| m.is_of_window() && is_on_its_way(&of_parts(m));
+    let is_unsettled = |m: &Measure| m.is_of_window() && is_drifting(&of_parts(m));
     Ok(Measured {
         numbers: measures.iter().map(number).collect(),
         class,

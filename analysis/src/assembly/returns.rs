@@ -5,7 +5,7 @@
 //! nothing holds and the elongation of a dashpot have no effect.
 
 use super::section::{Section, harmonics};
-use crate::attractor::{LONGEST, RETURN, least_period, nears};
+use crate::attractor::{LONGEST, RETURN, comes_nearer, least_period};
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
 use vibro_assembly::description::{Arms, Description, Dimension, StopLaw};
@@ -81,7 +81,8 @@ impl Functionals {
         Self { rows: all, kinds, stiff, phases }
     }
 
-    /// Their values, with cosine and sine of the phases last, and the sums of their terms' sizes.
+    /// Values of the functionals, with cosine and sine of the phases last, and the sums of the
+    /// sizes of their terms.
     fn at(&self, motion: &Motion) -> (Vec<f64>, Vec<f64>) {
         let z = motion.state();
         let size = |row: &Row| row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum::<f64>();
@@ -283,7 +284,7 @@ impl ReturnRecord {
     /// Whether returns come nearer from each eighth of the record to the next.
     pub fn is_approaching(&self) -> bool {
         let scales = self.scales();
-        nears(&self.returns, |a, b| self.distance(&a.state, &b.state, &scales))
+        comes_nearer(&self.returns, |a, b| self.distance(&a.state, &b.state, &scales))
     }
 
     /// Whether a functional changed in one direction from each return to the next in the later half

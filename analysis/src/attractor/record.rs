@@ -190,11 +190,11 @@ fn farthest_return(periods: &[ObservedPeriod], lag: usize) -> f64 {
 /// Whether for some lag the largest distance between a state and the one that many periods later
 /// falls from each eighth of the record to the next.
 pub(super) fn approaches(periods: &[ObservedPeriod]) -> bool {
-    nears(periods, |a, b| distance(&a.state, &b.state))
+    comes_nearer(periods, |a, b| distance(&a.state, &b.state))
 }
 
 /// [`approaches`] for any kind of return with its distance.
-pub(crate) fn nears<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool {
+pub(crate) fn comes_nearer<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool {
     const EIGHTHS: usize = 8;
     (1..=LONGEST as usize).take_while(|lag| lag + EIGHTHS <= returns.len()).any(|lag| {
         let (later, earlier) = (&returns[lag..], &returns[..returns.len() - lag]);

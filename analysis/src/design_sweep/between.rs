@@ -21,7 +21,7 @@ const NEAREST: f64 = 1.0 / 256.0;
 /// Motions of a design at combinations of values of [`SweepRequest::over`], from all starts at
 /// each.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Looked {
+pub(super) struct BandMotions {
     /// The combinations of values.
     pub places: Vec<Vec<f64>>,
     /// The motions, combination by combination.
@@ -31,7 +31,7 @@ pub(super) struct Looked {
 /// A value along an interval, with the largest of the measure there and its spread.
 type ValueSpread = (f64, f64, f64);
 
-impl Looked {
+impl BandMotions {
     /// Largest of a measure over the starts at a combination, and its spread.
     fn largest(&self, place: usize, measure: usize) -> Option<(f64, f64)> {
         let starts = self.outcomes.len() / self.places.len();
@@ -62,11 +62,11 @@ impl Looked {
 /// a value less twice its spread exceeds `enough`. New combinations are appended. A motion that
 /// fails ends the search, since the design then has no value. Returns whether the search is
 /// complete.
-pub(super) fn look_between<M: DesignMachine>(
+pub(super) fn search_between<M: DesignMachine>(
     own: &M,
     request: &SweepRequest<M>,
     (measure, enough): (usize, f64),
-    looked: &mut Looked,
+    looked: &mut BandMotions,
 ) -> bool {
     for (k, axis) in request.over.iter().enumerate() {
         if !request.between.contains(&axis.name) || axis.values.len() < 2 {
@@ -113,7 +113,7 @@ fn next(line: &[ValueSpread]) -> Option<f64> {
         let width = p[1].0 - p[0].0;
         if line.len() < LEAST { width } else { 0.5 * (p[0].1 + p[1].1 + STEEPER * steepest * width) }
     };
-    // Of equal ones the first.
+    // The first of equal bounds.
     let (pair, bound) = wide.map(|p| (p, bound(p))).reduce(|a, b| if b.1 > a.1 { b } else { a })?;
     let passes = line.len() < LEAST || bound > top.1 + (2.0 * top.2).max(PART * top.1.abs());
     passes.then(|| 0.5 * (pair[0].0 + pair[1].0))

@@ -6,7 +6,7 @@
 //! one is the best beyond its error bar, or no longer measurement would tell them apart, or a given
 //! number of periods is spent. The rows of the choice then replace those of the sweep everywhere.
 
-use super::between::{Looked, MOST, look_between};
+use super::between::{BandMotions, MOST, search_between};
 use super::{Again, DesignMachine, DesignRow, Summary, SweepRequest, design, motions, part, summary};
 use crate::error::{Error, Result};
 use crate::parts::{Shard, Task};
@@ -49,14 +49,14 @@ struct Estimate {
     spread: f64,
     is_exact: bool,
     /// Whether the search between values is complete.
-    is_looked: bool,
+    is_searched: bool,
     /// Number of repeated measurements.
     rounds: u32,
 }
 
 impl Estimate {
-    fn of(found: Summary, rounds: u32, is_looked: bool) -> Self {
-        Self { value: found.largest, spread: found.spread, is_exact: found.is_exact(), is_looked, rounds }
+    fn of(found: Summary, rounds: u32, is_searched: bool) -> Self {
+        Self { value: found.largest, spread: found.spread, is_exact: found.is_exact(), is_searched, rounds }
     }
 
     /// Upper end of the error bar.
@@ -85,7 +85,7 @@ impl<M: DesignMachine> Race<'_, M> {
     /// Whether a design can be measured again.
     fn is_open(&self, index: usize) -> bool {
         let Some(own) = self.estimates[index] else { return false };
-        (!own.is_exact && own.rounds < ROUNDS) || !own.is_looked
+        (!own.is_exact && own.rounds < ROUNDS) || !own.is_searched
     }
 
     /// The estimate whose error bar has the lowest upper end.
@@ -112,7 +112,7 @@ impl<M: DesignMachine> Race<'_, M> {
 
     /// Most periods of motion that the next measurement may take.
     fn cost(&self, index: usize) -> u64 {
-        let further = if looks_between(self.request) { MOST * self.request.between.len() } else { 0 };
+        let further = if has_intervals(self.request) { MOST * self.request.between.len() } else { 0 };
         let motions = self.request.motions() + further * self.request.starts.len();
         motions as u64 * (u64::from(self.request.discard) + u64::from(self.periods(index)))
     }
@@ -138,13 +138,13 @@ impl<M: DesignMachine> Race<'_, M> {
         let request = SweepRequest { periods, measures, ..self.request.clone() };
         let measure = places_of_windows.iter().position(|&m| m == self.measure).unwrap_or(0);
         let asked = self.request.places();
-        let mut looked = Looked { outcomes: motions(&own, &request, &asked), places: asked };
+        let mut looked = BandMotions { outcomes: motions(&own, &request, &asked), places: asked };
         let before = looked.places.len();
         if let Some(again) = self.found.rows.get(&index).and_then(|row| row.again.as_ref()) {
             looked.outcomes.extend(motions(&own, &request, &again.between));
             looked.places.extend(again.between.iter().cloned());
         }
-        let is_looked = look_between(&own, &request, (measure, enough), &mut looked);
+        let is_searched = search_between(&own, &request, (measure, enough), &mut looked);
         let cost = looked.outcomes.len() as u64 * (u64::from(request.discard) + u64::from(periods));
         let again = Again { periods, between: looked.places.split_off(before) };
         let mut found = summary(self.set, row.values.clone(), &request, &looked.outcomes, Some(again));
@@ -153,7 +153,7 @@ impl<M: DesignMachine> Race<'_, M> {
         }
         row.reason = row.reason.or(found.reason.take());
         row.again = found.again;
-        Ok((row, is_looked, cost))
+        Ok((row, is_searched, cost))
     }
 
     /// Measures again, a few designs at a time, until none is open or no more periods may be spent.
@@ -175,9 +175,10 @@ impl<M: DesignMachine> Race<'_, M> {
             self.task.store.go_on()?;
             let enough = self.surest().map_or(f64::INFINITY, |surest| surest.most());
             let found: Vec<_> = next.par_iter().map(|&i| self.measured(i, enough)).collect::<Result<_>>()?;
-            for (index, (row, is_looked, cost)) in next.into_iter().zip(found) {
+            for (index, (row, is_searched, cost)) in next.into_iter().zip(found) {
                 let rounds = self.estimates[index].map_or(0, |own| own.rounds + 1);
-                self.estimates[index] = row.outputs[self.measure].map(|s| Estimate::of(s, rounds, is_looked));
+                self.estimates[index] =
+                    row.outputs[self.measure].map(|s| Estimate::of(s, rounds, is_searched));
                 self.found.rows.insert(index, row);
                 self.found.spent += cost;
             }
@@ -186,7 +187,7 @@ impl<M: DesignMachine> Race<'_, M> {
 }
 
 /// Whether a request has values to search between.
-fn looks_between<M: DesignMachine>(request: &SweepRequest<M>) -> bool {
+fn has_intervals<M: DesignMachine>(request: &SweepRequest<M>) -> bool {
     request.over.iter().any(|axis| axis.values.len() > 1 && request.between.contains(&axis.name))
 }
 
@@ -203,10 +204,10 @@ pub fn choice<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task)
     }
     let quiet = Task { shard: Shard::ALL, done: &|_| (), ..*task };
     quiet.part(request.count(), |_| {
-        let is_looked = !looks_between(request);
+        let is_searched = !has_intervals(request);
         let mut estimates = Vec::with_capacity(request.designs.count());
         super::each_row(set, request, &quiet, |row| -> Result<()> {
-            estimates.push(row.outputs[measure].map(|found| Estimate::of(found, 0, is_looked)));
+            estimates.push(row.outputs[measure].map(|found| Estimate::of(found, 0, is_searched)));
             Ok(())
         })?;
         let found = Choice { measure, ..Choice::default() };

@@ -159,7 +159,7 @@ impl PartStore for MemoryStore {
 
 #[test]
 fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
-    // With so many motions in each design there are several parts.
+    // Designs of that many motions fill several parts.
     let set = ParameterSet::basic();
     let mut request =
         SweepRequest { discard: 3, periods: 1, measures: measures(&["amplitude.x2"]), ..request() };

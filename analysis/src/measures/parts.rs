@@ -19,7 +19,7 @@ const STEADY: f64 = 1e-9;
 const NOTHING: f64 = 1e-12;
 
 /// Observation over some returns.
-pub(crate) trait Seen: Clone {
+pub(crate) trait Observation: Clone {
     /// Values that distinguish returns: several kinds, comparable within a kind.
     fn numbers(&self) -> [Vec<f64>; 3];
     /// Joins a later observation.
@@ -37,7 +37,7 @@ pub(crate) struct Parts<W> {
     period: Option<usize>,
 }
 
-impl<W: Seen> Parts<W> {
+impl<W: Observation> Parts<W> {
     pub fn new() -> Self {
         Self { blocks: Vec::new(), size: 1, begun: None, period: None }
     }
@@ -100,7 +100,7 @@ impl<W: Seen> Parts<W> {
 }
 
 /// Joins parts to `count` longer ones of nearly equal length.
-fn joined<W: Seen>(parts: &[W], count: usize) -> Vec<W> {
+fn joined<W: Observation>(parts: &[W], count: usize) -> Vec<W> {
     let group = |k: usize| {
         let (from, to) = (parts.len() * k / count, parts.len() * (k + 1) / count);
         let mut whole = parts[from].clone();
@@ -111,15 +111,15 @@ fn joined<W: Seen>(parts: &[W], count: usize) -> Vec<W> {
 }
 
 /// Joins all parts of a window, at least one.
-pub(crate) fn whole<W: Seen>(parts: &[W]) -> W {
+pub(crate) fn whole<W: Observation>(parts: &[W]) -> W {
     let mut whole = parts[0].clone();
     parts[1..].iter().for_each(|part| whole.join(part));
     whole
 }
 
 /// Number of returns after which all values repeat, relative to their sizes.
-fn period<W: Seen>(returns: &[W], near: f64) -> Option<usize> {
-    let all: Vec<[Vec<f64>; 3]> = returns.iter().map(Seen::numbers).collect();
+fn period<W: Observation>(returns: &[W], near: f64) -> Option<usize> {
+    let all: Vec<[Vec<f64>; 3]> = returns.iter().map(Observation::numbers).collect();
     let mut sizes = all.first()?.clone();
     for numbers in &all {
         for (size, x) in sizes.iter_mut().flatten().zip(numbers.iter().flatten()) {
@@ -145,7 +145,7 @@ mod tests {
     #[derive(Clone)]
     struct Largest(f64, usize);
 
-    impl Seen for Largest {
+    impl Observation for Largest {
         fn numbers(&self) -> [Vec<f64>; 3] {
             [vec![self.0], Vec::new(), Vec::new()]
         }

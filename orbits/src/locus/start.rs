@@ -32,7 +32,7 @@ const MISS: f64 = 0.05;
 /// A point from which a curve in two parameters is followed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LocusStart {
-    /// What holds along the curve: LP, BP, PD, NS, GR or CH.
+    /// Type of all points of the curve: LP, BP, PD, NS, GR or CH.
     pub label: Label,
     /// The word of the orbit, or one that passes it several times, such as that of a branch at its
     /// birth. At a touch the word with or without it.

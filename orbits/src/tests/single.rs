@@ -91,7 +91,7 @@ fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
     };
     let (turned, same) = (settled(MANY), settled(MANY.sin().atan2(MANY.cos())));
     assert!(turned.is_same(&same, KNOWN), "{:?} {:?}", turned.phases(), same.phases());
-    // Its start is where the simulator begins.
+    // The orbit's start is where the simulator begins.
     let (start, begin) = (turned.start_state(), turned.state(MANY.sin().atan2(MANY.cos())));
     assert!((start.x[1] - begin.x[1]).abs() < CLOSED_FORM, "{start:?} {begin:?}");
 }

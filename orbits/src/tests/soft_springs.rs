@@ -95,7 +95,7 @@ fn closed_form_without_impacts_a_neutral_body_makes_no_stable_orbit() {
 /// body is.
 #[test]
 fn second_method_settled_orbits_have_the_period_of_the_verdict() {
-    /// Remainder of a transient, and rounding of times after so many periods.
+    /// Remainder of a transient, and rounding of times after thousands of periods.
     const RETURN: f64 = 1e-9;
     for (body, amplitude, periods) in
         [("box", 0.5, 1), ("box", 1.2, 1), ("box", 2.0, 2), ("block", 0.6, 1), ("secondary", 0.3, 1)]
@@ -170,7 +170,7 @@ fn words_that_push_a_box_without_a_spring_one_way_are_refused() {
 /// load.
 #[test]
 fn second_method_settled_orbits_under_loads_that_a_soft_spring_bears() {
-    /// Remainder of a transient, and rounding of times after so many periods.
+    /// Remainder of a transient, and rounding of times after thousands of periods.
     const RETURN: f64 = 1e-9;
     /// Effect of springs of up to 1e-10 N/m on bodies within the stops, times the sensitivity of
     /// the orbit.

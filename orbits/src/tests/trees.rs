@@ -176,7 +176,7 @@ fn invariant_repeated_words_with_one_touch_leave_the_touch_too() {
         if parent.points[point].label() != Some(Label::Grazing) {
             continue;
         }
-        // They begin at the parameter of the touch.
+        // The repeated branches begin at the parameter of the touch.
         assert!((branch.points[0].value - parent.points[point].value).abs() < 1e-11);
         assert!(branch.word.len() > parent.word.len());
     }
