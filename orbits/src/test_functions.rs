@@ -96,7 +96,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// The properties of a cycle; `None` where its eigenvalues or determinants overflow.
+    /// The properties of a cycle; `None` where its eigenvalues cannot be computed.
     pub fn of(cycle: &Cycle) -> Option<Self> {
         let map: Matrix6<f64> = cycle.monodromy();
         let multipliers = eigenvalues(map)?;
