@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::time::Instant;
 use vibro_analysis::attractor::OBSERVED;
 use vibro_analysis::bifurcation::{Sweep, diagram};
-use vibro_analysis::isoperiodic::{Request, StartRule, isoperiodic};
+use vibro_analysis::isoperiodic::{IsoperiodicRequest, StartRule, isoperiodic};
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
@@ -152,7 +152,7 @@ fn studies() -> String {
     };
     let (x, y) = (axis("sigma1"), axis("f10"));
     for (exponents, what) in [(None, "classified"), (Some(400), "classified, with largest exponents")] {
-        let plane = Request { x, y, start: StartRule::default(), discard: 300, exponents };
+        let plane = IsoperiodicRequest { x, y, start: StartRule::default(), discard: 300, exponents };
         let time = timed(|| {
             let found = isoperiodic(&ParameterSet::basic(), &plane, &Task::ALL);
             black_box(found.expect("allowed"));

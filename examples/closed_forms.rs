@@ -3,7 +3,7 @@
 
 use vibro_impact::{Groups, Parameters, Result, Simulator, steady};
 
-/// Runs it.
+/// Runs the example.
 pub fn main() -> Result<()> {
     let parameters = Parameters::default();
     let point =

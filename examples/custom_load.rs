@@ -1,13 +1,13 @@
-//! A load on the block that is computed outside, here a weak magnet at the upper stop, passed step
-//! by step as a value and a slope. `cargo run --release --example custom_load`
+//! A load on the block computed by the caller, here a weak magnet at the upper stop, passed step by
+//! step as a value and a slope. `cargo run --release --example custom_load`
 
 use vibro_impact::simulator::Loads;
 use vibro_impact::{Parameters, Result, Simulator, State};
 
-/// The block's number among the bodies: box, block, secondary oscillator.
+/// Index of the block among the bodies: box, block, secondary oscillator.
 const BLOCK: usize = 1;
 
-/// Runs it.
+/// Runs the example.
 pub fn main() -> Result<()> {
     let parameters = Parameters::default();
     let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };

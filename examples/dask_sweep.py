@@ -43,7 +43,7 @@ Row = dict[str, Union[float, str, None]]
 
 
 class FmuPlugin(WorkerPlugin):  # type: ignore[misc] # distributed comes without types
-    """Brings the FMU to a worker and unpacks it there once."""
+    """Copies the FMU to a worker and unpacks it there once."""
 
     name = PLUGIN
 
@@ -67,13 +67,13 @@ class FmuPlugin(WorkerPlugin):  # type: ignore[misc] # distributed comes without
 
 @dataclass(frozen=True)
 class Measure:
-    """What is run and measured at each point, by the Python package."""
+    """Simulation and measurement of a point by the Python package."""
 
     discard: int = 400  # drive periods before what is measured
     periods: int = 60  # measured
 
     def row(self, point: Mapping[str, float]) -> Row:
-        """One point: what was given, the start, what was measured, and why it was not."""
+        """One point: given values, start, measures, and the reason where there are none."""
         defaults = self.defaults()
         given = {**moving_block({**defaults, **point}), **point}
         start = {name: given.get(name, defaults.get(name, 0.0)) for name in START}
@@ -85,7 +85,7 @@ class Measure:
         return row
 
     def defaults(self) -> dict[str, float]:
-        """Names and values of what may be set."""
+        """Names and values of all settings."""
         import vibro_impact as vi
 
         machine = vi.Machine()
@@ -98,13 +98,13 @@ class Measure:
 
         parameters = {name.replace(".", "_"): value for name, value in values.items() if name not in START}
         start = [values.get(name, 0.0) for name in START]
-        # The default machine but for these, which is meant.
+        # All other parameters keep their defaults, as intended.
         return vi.Machine().replace(**parameters).measure(MEASURED, start, settle=self.discard, periods=self.periods)
 
 
 @dataclass(frozen=True)
 class FmuMeasure(Measure):
-    """The same by the packaged FMU, with fmpy."""
+    """Simulation and measurement of a point by the packaged FMU, with fmpy."""
 
     per_period: int = 64  # samples
     model: Any = None  # folder and description of the FMU; those that the worker has unpacked where there is none
@@ -118,13 +118,13 @@ class FmuMeasure(Measure):
         return plugin.unzipped, plugin.description
 
     def defaults(self) -> dict[str, float]:
-        """Names and values of what may be set."""
+        """Names and values of all settings."""
         variables = self.opened()[1].modelVariables
         settable = (v for v in variables if v.type == "Real" and v.start and v.causality != "input")
         return {v.name: float(v.start) for v in settable}
 
     def run(self, values: Mapping[str, float]) -> Mapping[str, Union[float, str, None]]:
-        """As by the Python package, from samples."""
+        """Measures as by the Python package, from samples."""
         import fmpy
         from fmpy.fmi1 import FMICallException
 
@@ -173,7 +173,7 @@ class FmuMeasure(Measure):
 
 
 def moving_block(values: Mapping[str, float]) -> dict[str, float]:
-    """The start of the command line's studies: all at rest in the middle but the block, with the speed L ω10."""
+    """The start of the command line's studies: all at rest in the middle except the block, which has the speed L ω10."""
     try:
         speed = values["stop.gap"] * math.sqrt(values["box.k"] / values["box.m"])
     except (ValueError, ZeroDivisionError):
@@ -182,7 +182,7 @@ def moving_block(values: Mapping[str, float]) -> dict[str, float]:
 
 
 def chunk(measure: Measure, points: list[tuple[int, dict[str, float]]]) -> list[Row]:
-    """Some points on a worker: their place, what was varied, what was measured."""
+    """Rows of some points on a worker: index, varied values, measures."""
     return [{"index": index, **measure.row(point)} for index, point in points]
 
 
@@ -208,13 +208,13 @@ def sweep(
 
 
 def write(path: Path, rows: list[Row], measure: Measure) -> None:
-    """The table as Parquet, in the order of the points; whole or not at all."""
+    """Writes the table as Parquet, in the order of the points, completely or not at all."""
     import pyarrow as pa
     from pyarrow import parquet
 
     ordered = sorted(rows, key=lambda row: float(row["index"] or 0))
     names = [name for name in ordered[0] if name != "index"]
-    # With types, since a column may hold nothing: all points may fail, or none.
+    # With types, since a column may be empty: all points may fail, or none.
     columns = {
         name: pa.array([row[name] for row in ordered], pa.string() if name == "reason" else pa.float64()) for name in names
     }
@@ -247,7 +247,7 @@ def setting(text: str) -> tuple[str, float]:
 
 
 def known(measure: Measure, names: Iterable[str]) -> None:
-    """Refuses names that are no parameter or start value."""
+    """Refuses names that are neither a parameter nor a start value."""
     allowed = measure.defaults()
     for name in names:
         if name not in allowed:
@@ -255,7 +255,7 @@ def known(measure: Measure, names: Iterable[str]) -> None:
 
 
 def by_fmu(fmu: Path, discard: int, periods: int) -> FmuMeasure:
-    """To measure by an FMU, whose names are read here."""
+    """Measurement by an FMU, whose names are read here."""
     import fmpy
 
     return FmuMeasure(discard, periods, model=("", fmpy.read_model_description(str(fmu))))

@@ -18,7 +18,7 @@ from typing import Iterator, Mapping
 
 from vibro import FMU3, EventSlave, PathLike, Value, start_values
 
-#: Of two limits that the law connects, what rounding may leave, relative to the speeds.
+#: Rounding of the law of impact between both limits of an event, relative to the speeds.
 ROUNDING = 1e-12
 
 COUNTS = ("impacts.upper", "impacts.lower")
@@ -27,7 +27,7 @@ FLIGHT = 1.0  # of stop.state
 
 @dataclass(frozen=True)
 class Limit:
-    """What is seen on one side of an event."""
+    """State on one side of an event."""
 
     box: float  # velocity, m/s
     block: float  # velocity, m/s
@@ -36,7 +36,7 @@ class Limit:
 
     @classmethod
     def of(cls, slave: EventSlave) -> Limit:
-        """What the instance shows now."""
+        """Present state of an instance."""
         box, block = slave.reals(["box.v", "block.v"])
         return cls(float(box), float(block), tuple(slave.get(name) for name in COUNTS), slave.get("stop.state"))
 
@@ -58,14 +58,14 @@ class Event:
 
     @property
     def kind(self) -> str:
-        """Which event it is."""
+        """Kind of the event."""
         for side, before, after in zip(("upper", "lower"), self.before.counts, self.after.counts):
             if after > before:
                 return f"impact, {side} stop" + (", then rest" if self.after.state != FLIGHT else "")
         return "release" if self.after.state == FLIGHT else "rest"
 
     def errors(self, p: Mapping[str, float]) -> tuple[float, float]:
-        """How far the limits are off Newton's restitution and off the balance of momentum, relative to the speeds there."""
+        """Violation of Newton's restitution and of the balance of momentum, relative to the speeds there."""
         kappa = p["stop.restitution"] if self.kind.startswith("impact") and self.after.state == FLIGHT else 0.0
         if self.kind == "release":
             kappa = -1.0  # nothing jumps
@@ -93,7 +93,7 @@ def events(fmu: PathLike, start: Mapping[str, Value], stop: float, step: float) 
 
 
 def main() -> int:
-    """Prints a list of events; 1 when a law does not hold."""
+    """Prints a list of events; returns 1 when a law is violated."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU3, type=Path)
     parser.add_argument("--periods", default=10.0, type=float)

@@ -1,10 +1,10 @@
-//! The default system for 200 drive periods: the events as they come, the energies at the end, and
-//! a look at what comes next. `cargo run --release --example run`
+//! The default machine over 200 drive periods: events as they occur, energies at the end, and the
+//! event that comes next. `cargo run --release --example run`
 
 use vibro_impact::simulator::Event;
 use vibro_impact::{Parameters, Result, Simulator, State};
 
-/// Runs it.
+/// Runs the example.
 pub fn main() -> Result<()> {
     let parameters = Parameters::default();
     let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] }; // m, m/s: box, block, secondary oscillator

@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 from vibro import COLOURS, FMU, Slave, start_values
 
-#: Items of the FMU's parameter `mode`, and how long each has to settle, in drive periods.
+#: Items of the FMU's parameter `mode`, with the drive periods in which each settles.
 MODES = {"EventDriven": (1, 400), "MultipleScales": (2, 0), "ExactOrbit": (3, 0)}
 STYLES = {"EventDriven": "-", "MultipleScales": ":", "ExactOrbit": "--"}
 SAMPLES = 400  # in a period
 
 
 def main() -> None:
-    """Prints what the FMU says of the steady state, and draws a period in each mode."""
+    """Prints the FMU's closed forms of the steady state, and draws a period in each mode."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU, type=Path)
     parser.add_argument("--out", "--output", dest="output", default=Path("steady.png"), type=Path)

@@ -18,7 +18,7 @@ from vibro import FMU, PathLike, Slave, Value, start_values
 
 
 class Impact(NamedTuple):
-    """An impact, as the FMU tells of it just behind it."""
+    """An impact as the FMU reports it just afterwards."""
 
     time: float  # s
     stop: str  # which: upper or lower

@@ -4,7 +4,7 @@
 use vibro_impact::simulator::advance_together;
 use vibro_impact::{Groups, Result, Scales, Simulator, State};
 
-/// Runs it.
+/// Runs the example.
 pub fn main() -> Result<()> {
     const PERIODS: f64 = 100.0;
     let start = State { x: [0.0; 3], v: [0.1, 0.0, 0.0] };
@@ -12,10 +12,10 @@ pub fn main() -> Result<()> {
     for n in 1..=16 {
         let groups = Groups { f10: 0.25 * f64::from(n), ..Groups::basic() };
         let parameters = groups.to_parameters(Scales::default())?;
-        // Energy accounts are not asked for here; motions that keep them go one by one.
+        // Without energy accounts: motions that keep them advance one by one.
         motions.push(Simulator::new(&parameters, &start, 0.0)?.without_energy_accounts());
     }
-    // First the transient, then the periods that count.
+    // The transient, then the counted periods.
     for result in advance_together(&mut motions, |s| PERIODS * s.parameters().period()) {
         result?;
     }

@@ -29,7 +29,7 @@ PER_PERIOD = 200  # reported points in a drive period
 
 
 class Orbit(NamedTuple):
-    """What `vibro orbit` writes of an orbit."""
+    """An orbit as `vibro orbit` writes it."""
 
     start: dict[str, float]  # start values of the FMU, SI
     multiplier: float  # the largest modulus of its multipliers
@@ -61,7 +61,7 @@ def deviations(orbit: Orbit, result: Any) -> NDArray[np.float64]:
 
 
 def measured_rate(orbit: Orbit, deviation: NDArray[np.float64]) -> float:
-    """The growth per drive period that the run shows; NaN where the deviation grows too fast to be measured."""
+    """Measured growth per drive period; NaN where the deviation grows too fast to be measured."""
     before = np.flatnonzero(deviation > MEASURED[1])
     grown = np.flatnonzero(deviation[: before[0] if before.size else None] > MEASURED[0])
     if grown.size < 2:
@@ -70,7 +70,7 @@ def measured_rate(orbit: Orbit, deviation: NDArray[np.float64]) -> float:
 
 
 def plot(orbit: Orbit, result: Any, deviation: NDArray[np.float64], path: PathLike) -> None:
-    """The deviation over time, and the orbit beside the motion to which the run comes."""
+    """Draws the deviation over time, and the orbit beside the motion on which the run settles."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -79,7 +79,7 @@ def plot(orbit: Orbit, result: Any, deviation: NDArray[np.float64], path: PathLi
     figure, (growth, portrait) = pyplot.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
     periods = np.arange(deviation.size) * orbit.period
     growth.semilogy(periods[1:], deviation[1:], "o", markersize=3, color=COLOURS["block"], label="FMU")
-    # Through the first deviation that is measured.
+    # Through the first measured deviation.
     seen = int(np.argmax(deviation > MEASURED[0]))
     predicted = np.exp(np.log(deviation[seen]) + orbit.rate * (periods - periods[seen]))
     shown = (predicted > ROUNDING) & (predicted < 10.0)

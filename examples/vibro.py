@@ -1,4 +1,4 @@
-"""What the example scripts share: scaling of parameters, instances of an FMU by name, runs with fmpy, a picture."""
+"""Common parts of the example scripts: scaling of parameters, instances of an FMU by name, runs with fmpy, a picture."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ DISCARD = 2  # fmi2Discard
 
 @dataclass(frozen=True)
 class Scales:
-    """What makes the model dimensionless: m1 (kg), k1 (N/m) and the gap L (m)."""
+    """Scales of the dimensionless model: m1 (kg), k1 (N/m) and the gap L (m)."""
 
     mass: float = 1.0
     stiffness: float = 1.0
@@ -130,7 +130,7 @@ class Slave:
             self.set(variable, value)
         self._slave.enterInitializationMode()
         self._slave.exitInitializationMode()
-        #: How many steps it has computed.
+        #: Number of computed steps.
         self.steps = 0
 
     def __enter__(self) -> Slave:
@@ -197,7 +197,7 @@ class Slave:
         return time + size
 
     def save(self) -> Any:
-        """The complete state; give it back with `free`."""
+        """The complete state; `free` releases it."""
         return self._slave.getFMUstate()
 
     def restore(self, state: Any) -> None:
@@ -227,7 +227,7 @@ class EventSlave:
         self._folder = fmpy.extract(str(fmu))
         #: Course of each driven input in time.
         self.courses: dict[str, Callable[[float], float]] = {}
-        #: How many steps it has computed.
+        #: Number of computed steps.
         self.steps = 0
         self._slave: Any = FMU3Slave(
             guid=description.guid,
@@ -298,16 +298,16 @@ class EventSlave:
         return (float(reached) if early else time + size), bool(event)
 
     def enter_event_mode(self) -> None:
-        """From now on the variables show what is after the event."""
+        """Enters Event Mode, in which the variables have their values after the event."""
         self._slave.enterEventMode()
 
     def update_discrete_states(self) -> float:
-        """Carries the event out; returns the time of the next one as far as it is known now, else infinity."""
+        """Executes the event; returns the time of the next one if it is known now, else infinity."""
         *_, known, time = self._slave.updateDiscreteStates()
         return float(time) if known else math.inf
 
     def enter_step_mode(self) -> None:
-        """Ends Event Mode: steps can be computed again."""
+        """Leaves Event Mode, so that steps can be computed again."""
         self._slave.enterStepMode()
 
 
@@ -341,7 +341,7 @@ def simulate(
     )
 
 
-#: Colours of box, block and secondary oscillator, as in all pictures of this project; grey tells them apart by lightness.
+#: Colours of box, block and secondary oscillator in all pictures of this project; in grey they differ by lightness.
 COLOURS = {"box": "#004696", "block": "#c84b00", "secondary": "#14a073"}
 
 

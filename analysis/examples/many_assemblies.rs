@@ -1,4 +1,4 @@
-//! Many machines of a file on all cores: the impact damper with a rubber buffer over 1000 gaps, 200
+//! Many described machines on all cores: the impact damper with a rubber buffer over 1000 gaps, 200
 //! drive periods each.
 //!
 //! `cargo run --release -p vibro-analysis --example many_assemblies` measures once. With the
@@ -14,7 +14,7 @@ use std::time::Instant;
 use vibro_analysis::assembly::values;
 use vibro_assembly::{Assembly, Description, Motion, file};
 
-/// s: 200 periods of 0.1 s.
+/// End of the motions, s: 200 periods of 0.1 s.
 const UNTIL: f64 = 20.0;
 const MACHINES: u32 = 1000;
 
@@ -26,14 +26,14 @@ fn machines() -> Result<Vec<Description>, Box<dyn Error>> {
     Ok((0..MACHINES).map(|i| damper.with([("stop.steel.gap", gap(i))])).collect::<Result<_, _>>()?)
 }
 
-/// What all columns of the motion are at its end.
+/// All columns of the motion at its end.
 fn end(machine: &Description) -> Result<Vec<f64>, vibro_assembly::Error> {
     let mut motion = Motion::new(Arc::new(Assembly::new(machine.clone())?))?.without_energy_accounts();
     motion.advance_to(UNTIL)?;
     Ok(values(&motion))
 }
 
-/// Seconds of one computation.
+/// Duration of one computation, s.
 fn measure(machines: &[Description]) -> Result<f64, Box<dyn Error>> {
     let begin = Instant::now();
     let ends: Result<Vec<Vec<f64>>, _> = machines.par_iter().map(end).collect();

@@ -27,7 +27,7 @@ fn starts() -> Result<Vec<Start>, Box<dyn Error>> {
     (0..MACHINES).map(start).collect()
 }
 
-/// Seconds of one computation.
+/// Duration of one computation, s.
 fn measure(starts: &[Start]) -> Result<f64, Box<dyn Error>> {
     let begin = Instant::now();
     let ends = propagate(starts, PERIODS, &|| ());

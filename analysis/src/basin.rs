@@ -13,8 +13,7 @@ use std::ops::Range;
 use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
 
-/// The range of an initial value, both ends finite and the lower one first; read from
-/// `name=from:to`.
+/// Range of an initial value, with finite ends and the lower one first; parsed from `name=from:to`.
 ///
 /// ```
 /// use vibro_analysis::basin::InitialValueRange;
@@ -28,7 +27,7 @@ pub struct InitialValueRange {
     coordinate: usize,
     from: f64,
     to: f64,
-    /// Whether the ends are in m or m/s, and not in L or L ω10.
+    /// Whether the ends are in m or m/s instead of L or L ω10.
     si: bool,
 }
 
@@ -86,8 +85,8 @@ impl std::fmt::Display for InitialValueRange {
     }
 }
 
-/// One axis of a plane of starts: an initial value at the centres of `count` cells between `from`
-/// and `to`.
+/// Axis of a plane of starts: an initial value at the centres of `count` cells between `from` and
+/// `to`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InitialValueAxis {
     /// Index into [`COORDINATES`].
@@ -96,7 +95,7 @@ pub struct InitialValueAxis {
     pub from: f64,
     /// Upper end.
     pub to: f64,
-    /// Cells.
+    /// Number of cells.
     pub count: usize,
 }
 
@@ -107,77 +106,75 @@ impl InitialValueAxis {
     }
 }
 
-/// What to compute.
+/// Request of a study of basins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Request {
-    /// Horizontal.
+pub struct BasinRequest {
+    /// Horizontal axis.
     pub x: InitialValueAxis,
-    /// Vertical.
+    /// Vertical axis.
     pub y: InitialValueAxis,
-    /// Drive periods discarded before a motion is observed. One that is not decided then is
-    /// followed further.
+    /// Drive periods discarded before a motion is observed; one that is then undecided is followed
+    /// further.
     pub discard: u32,
-    /// The initial values that are on no axis.
+    /// Initial values that are on no axis.
     #[serde(default = "in_the_middle")]
     pub start: StartRule,
 }
 
-/// All initial values zero.
+/// The start with all initial values zero.
 pub fn in_the_middle() -> StartRule {
     StartRule::scaled([0.0; 6])
 }
 
-/// Where the motion from a start ends.
+/// Destination of the motion from a start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Destination {
-    /// On the attractor of this number.
+    /// The attractor of this number.
     Attractor(u16),
-    /// On the mirror image of the attractor of this number.
+    /// The mirror image of the attractor of this number.
     Mirror(u16),
     /// There is no motion: the start is outside the stops.
     Outside,
-    /// What the motion is was not decided up to the [limit](crate::verdict::PROLONGED).
+    /// The class was not decided up to the [limit](crate::verdict::PROLONGED).
     NotSettled,
-    /// It is chaotic or on a torus, but on which of the known attractors was not decided up to the
-    /// limit.
+    /// Chaotic or on a torus; on which of the known attractors was not decided up to the limit.
     Undecided,
 }
 
-/// An attractor that the starts of a plane lead to.
+/// Attractor reached from starts of a plane.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BasinAttractor {
-    /// What it is. Where it has no period its means are those of all motions on it.
+    /// The attractor. Without a period its means are those of all motions on it.
     pub attractor: Attractor,
-    /// Its class.
+    /// Class of the motions.
     pub class: MotionClass,
 }
 
 /// A plane of starts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Basin {
-    /// The attractors with their classes, in the order in which the cells meet them.
+    /// Attractors in the order in which the cells reach them.
     pub attractors: Vec<BasinAttractor>,
-    /// Rows of constant y, from the first.
+    /// Destinations, row by row of constant y from the lowest.
     pub cells: Vec<Destination>,
 }
 
 impl Basin {
-    /// The part of the starts inside the stops that lead to an attractor, and to its mirror image.
+    /// Shares of the starts inside the stops that lead to an attractor, and to its mirror image.
     pub fn shares(&self, number: u16) -> [f64; 2] {
         [Destination::Attractor(number), Destination::Mirror(number)]
             .map(|destination| self.share(destination))
     }
 
-    /// The part of the starts inside the stops with this destination.
+    /// Share of the starts inside the stops with a destination.
     pub fn share(&self, destination: Destination) -> f64 {
         let count = |sought| self.cells.iter().filter(|cell| **cell == sought).count() as f64;
         count(destination) / (self.cells.len() as f64 - count(Destination::Outside)).max(1.0)
     }
 }
 
-/// The start at the centre of a cell: the start of the request, with the values on the axes in it,
-/// which are scaled.
-fn cell_start(p: &Parameters, request: &Request, first: &State, column: usize, row: usize) -> State {
+/// The start at the centre of a cell: the request's start with the scaled values of the axes.
+fn cell_start(p: &Parameters, request: &BasinRequest, first: &State, column: usize, row: usize) -> State {
     let mut s = *first;
     for (axis, i) in [(&request.x, column), (&request.y, row)] {
         let (mut scaled, k) = ([0.0; 6], axis.coordinate);
@@ -188,14 +185,14 @@ fn cell_start(p: &Parameters, request: &Request, first: &State, column: usize, r
     s
 }
 
-/// The rows of a part.
-fn rows(request: &Request, part: usize) -> Range<usize> {
+/// Rows of the plane in a part.
+fn rows(request: &BasinRequest, part: usize) -> Range<usize> {
     let rows = MOTIONS.div_ceil(request.x.count.max(1));
     part * rows..((part + 1) * rows).min(request.y.count)
 }
 
-/// Number of parts, each of some whole rows.
-pub fn count(request: &Request) -> usize {
+/// Number of parts, each of one or more whole rows.
+pub fn count(request: &BasinRequest) -> usize {
     request.y.count.div_ceil(MOTIONS.div_ceil(request.x.count.max(1)))
 }
 
@@ -203,12 +200,12 @@ pub fn count(request: &Request) -> usize {
 /// on threads nor on shards.
 ///
 /// # Errors
-/// [`Error::Form`] for two axes of one coordinate, for a range that is empty or not finite and for
-/// no cells; [`Error::TooMany`] for a plane that does not fit into memory;
-/// [`Error::TooManyAttractors`] for more than can be numbered; what the simulator refuses, starts
-/// outside the stops apart.
-pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Basin>> {
-    let Request { x, y, .. } = request;
+/// [`Error::Form`] for two axes of one coordinate, a range that is empty or not finite, and no
+/// cells; [`Error::TooMany`] for a plane that does not fit into memory;
+/// [`Error::TooManyAttractors`] for more than can be numbered; what the simulator refuses, except
+/// for starts outside the stops.
+pub fn basin(p: &Parameters, request: &BasinRequest, task: &Task) -> Result<Option<Basin>> {
+    let BasinRequest { x, y, .. } = request;
     if x.coordinate == y.coordinate {
         let text = COORDINATES[x.coordinate].into();
         return Err(Error::Form { text, expected: "two different initial values, e.g. v2 and x1" });
@@ -220,7 +217,7 @@ pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Ba
             return Err(Error::Form { text, expected: "from < to, both finite, and at least 1 cell" });
         }
     }
-    // The parts are put together beside the whole.
+    // The parts are put together beside the whole plane.
     check_cells("cells of the plane", (x.count, y.count), 2 * size_of::<Destination>())?;
     let part = |workspace: &mut Workspace, part| cells(p, request, rows(request, part), workspace);
     let Some(parts) = task.complete_with(count(request), part)? else { return Ok(None) };
@@ -229,8 +226,13 @@ pub fn basin(p: &Parameters, request: &Request, task: &Task) -> Result<Option<Ba
     Ok(Some(found))
 }
 
-/// The cells of some rows, with the attractors that they meet. One system has one set of tables.
-fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut Workspace) -> Result<Basin> {
+/// The cells of some rows, with their attractors. One machine has one set of tables.
+fn cells(
+    p: &Parameters,
+    request: &BasinRequest,
+    rows: Range<usize>,
+    workspace: &mut Workspace,
+) -> Result<Basin> {
     let first = request.start.state(p)?;
     let places = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
     let starts: Vec<Start> =
@@ -256,11 +258,11 @@ fn cells(p: &Parameters, request: &Request, rows: Range<usize>, workspace: &mut 
 }
 
 impl Basin {
-    /// Puts down where the motion of a cell ends; tells whether that is decided, which chaos and
-    /// what is not known well enough are only at the `last` look.
+    /// Records the destination of a cell's motion; returns whether it is decided. Chaos, and an
+    /// attractor that is not known well enough, are decided only at the `last` look.
     fn decide(&mut self, number: usize, motion: &Followed, last: bool) -> Result<bool> {
-        // Chaos beside motions with a period is often a long transient, so that it is an
-        // attractor's only at the limit.
+        // Chaos beside periodic motions is often a long transient: it counts as an attractor only
+        // at the limit.
         let open = motion.wanders() && !last;
         let destination = if open { None } else { self.destination(motion)? };
         if let Some(destination) = destination {
@@ -271,8 +273,7 @@ impl Basin {
         Ok(destination.is_some())
     }
 
-    /// Where a motion ends: on an attractor that is known, or on a new one. `None` where that is
-    /// not decided.
+    /// Destination of a motion on a known attractor or a new one; `None` where that is undecided.
     fn destination(&mut self, motion: &Followed) -> Result<Option<Destination>> {
         if !motion.class.is_decided() {
             return Ok(None);
@@ -290,7 +291,7 @@ impl Basin {
                 Some(destination)
             }
             Known::Undecided => None,
-            // One motion's means become an attractor's when they are known well enough.
+            // The means of a single motion make an attractor once they are known well enough.
             Known::Not if found.attractor.period.is_none() && !motion.stationary => None,
             Known::Not => Some(self.add(found)?),
         })
@@ -307,7 +308,7 @@ impl Basin {
     /// Whether an attractor is among the known ones.
     fn known(&self, found: &BasinAttractor) -> Known {
         let mut undecided = false;
-        // The numbers of all that can be added.
+        // All numbers that attractors can have.
         for (known, number) in self.attractors.iter().zip(0..=u16::MAX) {
             match known.attractor.relation(&found.attractor) {
                 Relation::Same => return Known::As(Destination::Attractor(number)),
@@ -319,8 +320,8 @@ impl Basin {
         if undecided { Known::Undecided } else { Known::Not }
     }
 
-    /// The same with the attractors in the order in which the cells meet them, not in that in which
-    /// they were decided.
+    /// This basin with its attractors in the order in which the cells reach them, instead of the
+    /// order in which they were decided.
     fn in_order_of_cells(self) -> Self {
         let mut order: Vec<u16> = Vec::new();
         for cell in &self.cells {
@@ -340,7 +341,7 @@ impl Basin {
         Self { cells: self.cells.iter().map(cell).collect(), attractors }
     }
 
-    /// Adds the cells of further rows, whose attractors have numbers of their own.
+    /// Appends the cells of further rows, whose attractors have numbers of their own.
     ///
     /// # Errors
     /// [`Error::TooManyAttractors`].
@@ -370,7 +371,7 @@ impl Basin {
     }
 }
 
-/// Whether an attractor is among those that are known.
+/// Match of an attractor among the known ones.
 enum Known {
     As(Destination),
     Undecided,
@@ -378,7 +379,7 @@ enum Known {
 }
 
 impl Destination {
-    /// Where the mirror image of a motion ends.
+    /// Destination of the mirror image of a motion.
     fn mirrored(self) -> Self {
         match self {
             Self::Attractor(number) => Self::Mirror(number),

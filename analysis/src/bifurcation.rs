@@ -1,11 +1,15 @@
-//! Bifurcation diagrams: the local maxima of X2, or of another displacement, over one parameter,
-//! upwards and downwards, with period, class and exponents.
+//! Bifurcation diagrams: local maxima of X2, or of another displacement, over one parameter in both
+//! directions, with period, class and exponents.
 //!
-//! As in the paper, section 4: at each value a number of drive periods is discarded and a number
-//! kept, and the last state is the start of the next value. The motion from value to value is one
-//! chain and cannot be divided. What is observed at each value is independent of the other values,
-//! so that threads and machines share that part, and the motions of some values run
+//! As in the paper, section 4, some drive periods are discarded and some kept at each value, and
+//! the last state is the start of the next value. The motion from value to value is one chain and
+//! cannot be divided. The observation at each value does not depend on the other values: threads
+//! and computers share that part, and the motions of some values run
 //! [side by side](Workspace::run).
+
+mod windows;
+
+pub use windows::Window;
 
 use super::attractor::{Attractor, LONGEST, MotionClass, Relation};
 use super::error::{Error, Result};
@@ -17,7 +21,7 @@ use super::parts::{PartStore, Task};
 use super::plane::{ParameterAxis, check_count};
 use super::start::StartRule;
 use super::stroboscopic::StroboscopicState;
-use super::trajectories::{Outcome, Program, Start, Workspace};
+use super::trajectories::{MotionEnd, Program, Start, Workspace};
 use super::verdict::{EXPONENT_PERIODS, Following, follow, has_arrived};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
@@ -27,14 +31,14 @@ use vibro_impact::simulator::{Simulator, State, TOGETHER};
 const BLOCK: usize = 2 * TOGETHER;
 /// Maxima in a drive period that the estimate of a diagram's size assumes; few motions have more.
 const MAXIMA_IN_A_PERIOD: usize = 4;
-/// Maxima are told apart by this, units of L: six digits after the point are kept.
+/// Resolution of maxima, units of L: six digits after the point are kept.
 const RESOLUTION: f64 = 1e-6;
 
 /// Part of the gap by which a block scaled to another gap may be past a stop: rounding of a place
 /// some gaps away.
 const ROUNDING: f64 = 1e-12;
 
-/// What to compute.
+/// Request of a bifurcation diagram.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sweep {
     /// The parameter and its values.
@@ -43,12 +47,12 @@ pub struct Sweep {
     pub discard: u32,
     /// Drive periods kept.
     pub keep: u32,
-    /// How the exponents are computed, if they are.
+    /// Options of the exponents, if they are computed.
     pub exponents: Option<lyapunov::SpectrumOptions>,
     /// The displacement whose maxima are kept.
     #[serde(default)]
     pub of: Displacement,
-    /// Where the motion at the first value starts, and at a value after one that is refused.
+    /// Start of the motion at the first value, and at a value after a refused one.
     #[serde(default)]
     pub start: StartRule,
 }
@@ -58,37 +62,37 @@ pub struct Sweep {
 pub struct SweepPoint {
     /// The parameter's value.
     pub value: f64,
-    /// Local maxima of the sweep's displacement (units of L, to six digits after the point),
-    /// ascending, with the times each was met.
+    /// Local maxima of the sweep's displacement, units of L to six digits after the point,
+    /// ascending, each with its count.
     pub maxima: Vec<(f64, u32)>,
-    /// What the motion has settled on.
+    /// Attractor of the motion.
     pub attractor: Attractor,
-    /// Its class.
+    /// Class of the motion.
     pub class: MotionClass,
-    /// Its exponents in units of ω10, i.e. per unit of the dimensionless time τ.
+    /// Exponents in units of ω10, per unit of the dimensionless time τ.
     pub spectrum: Option<Spectrum>,
 }
 
-/// Both directions; `None` where the simulator refused a value.
+/// A diagram in both directions; `None` where the simulator refused a value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagram<P = SweepPoint> {
-    /// With the value rising.
+    /// Motions with the value rising.
     pub up: Vec<Option<P>>,
-    /// With the value falling, in the order of rising values.
+    /// Motions with the value falling, in the order of rising values.
     pub down: Vec<Option<P>>,
 }
 
-/// The motion at one value of a diagram, of whatever machine.
+/// Motion at one value of a diagram, of any machine.
 pub trait DiagramPoint {
     /// The parameter's value.
     fn value(&self) -> f64;
-    /// What was drawn, ascending, with the times each was met.
+    /// Drawn values, ascending, each with its count.
     fn maxima(&self) -> &[(f64, u32)];
-    /// Its class.
+    /// Class of the motion.
     fn class(&self) -> MotionClass;
     /// Impacts a period.
     fn contacts(&self) -> f64;
-    /// Whether another motion has ended elsewhere; `None` where that is not decided.
+    /// Whether another motion ended on another attractor; `None` where that is undecided.
     fn differs(&self, other: &Self) -> Option<bool>;
 }
 
@@ -118,7 +122,7 @@ impl DiagramPoint for SweepPoint {
     }
 }
 
-/// The start of what is kept at one value: the system and its state after the discarded periods, or
+/// Start of the kept periods at one value: the machine with its state after the discarded periods;
 /// no state where the simulator refused.
 #[derive(Clone, Copy, Debug)]
 struct SettledStart {
@@ -127,8 +131,8 @@ struct SettledStart {
     state: Option<State>,
 }
 
-/// A state of a machine with one gap for a machine with another: where the gap changes,
-/// displacements and velocities change in proportion, so that the block stays between the stops.
+/// A state of a machine with gap `from` for a machine with gap `to`. Displacements and velocities
+/// scale with the gap, so that the block stays between the stops.
 pub fn within_gap(state: State, from: f64, to: f64) -> State {
     if from == to {
         return state;
@@ -143,8 +147,8 @@ pub fn within_gap(state: State, from: f64, to: f64) -> State {
     scaled
 }
 
-/// The chain of states from value to value, in the order of rising values. Where the simulator
-/// refuses, the next value starts with the sweep's start. The store may end it before any value.
+/// The chain of states from value to value, in the order of rising values. After a value that the
+/// simulator refuses it begins anew at the sweep's start. The store may end it before any value.
 fn chain(
     set: &ParameterSet,
     sweep: &Sweep,
@@ -175,8 +179,8 @@ fn chain(
     })
 }
 
-/// One way through the values of a diagram: what `step` makes of each, in the order of rising
-/// values. The store may end it before any.
+/// One pass through the values of a diagram: the results of `step`, in the order of rising values.
+/// The store may end it before any.
 pub(crate) fn chained<S>(
     count: usize,
     upward: bool,
@@ -194,7 +198,7 @@ pub(crate) fn chained<S>(
     Ok(starts)
 }
 
-/// Observes the motions at some values, side by side; `None` where the simulator refuses.
+/// Observes the motions at some values side by side; `None` where the simulator refuses.
 fn observe_all(
     starts: &[SettledStart],
     sweep: &Sweep,
@@ -213,7 +217,7 @@ fn observe_all(
         ..Program::default()
     };
     let (mut refused, mut ends) = (Ok(()), vec![State::default(); there.len()]);
-    // Whether returns are so exact that what is found will stay.
+    // Whether returns are so exact that the finding is final.
     let mut arrived = vec![true; there.len()];
     workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
         let (index, start) = there[number];
@@ -241,19 +245,19 @@ fn observe_all(
     Ok(points)
 }
 
-/// Follows motions whose verdict is not final until it is decided.
+/// Follows motions without a final class until they have one.
 fn prolong(open: &[(usize, Start)], points: &mut [Option<SweepPoint>], workspace: &mut Workspace) {
     let starts: Vec<Start> = open.iter().map(|(_, start)| *start).collect();
     follow(workspace, &starts, &Following::default(), &mut |number, motion, _| {
-        // What is refused on the way stays as it was.
+        // A motion that is refused on the way keeps its finding.
         let (Ok(motion), Some(point)) = (motion, &mut points[open[number].0]) else { return true };
         (point.class, point.attractor) = (motion.class, motion.attractor.clone());
         point.class.is_decided()
     });
 }
 
-fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
-    let Outcome { state, maxima, attractor: Some(attractor), exponent, .. } = outcome else {
+fn point(value: f64, p: &Parameters, outcome: MotionEnd<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
+    let MotionEnd { state, maxima, attractor: Some(attractor), exponent, .. } = outcome else {
         return Ok(None);
     };
     let six_digits = |value: &f64| (value / p.stop_gap / RESOLUTION).round() as i64;
@@ -273,8 +277,7 @@ fn point(value: f64, p: &Parameters, outcome: Outcome<'_>, sweep: &Sweep) -> Res
     Ok(Some(SweepPoint { value, maxima, attractor, class, spectrum }))
 }
 
-/// Refuses what cannot be met: periods that cannot be counted, and results that do not fit into
-/// memory.
+/// Refuses periods that cannot be counted, and results that do not fit into memory.
 fn check(sweep: &Sweep) -> Result<()> {
     let Sweep { axis, discard, keep, .. } = sweep;
     if discard.checked_add(*keep).is_none() {
@@ -298,12 +301,12 @@ pub fn count(sweep: &Sweep) -> usize {
     parts(sweep.axis.count)
 }
 
-/// Number of parts of a diagram over so many values.
+/// Number of parts of a diagram over `values` values.
 pub(crate) fn parts(values: usize) -> usize {
     2 * values.div_ceil(BLOCK)
 }
 
-/// The diagram, on all threads, in [`count`] parts: `None` where parts belong to other shards. The
+/// The diagram, on all threads, in [`count`] parts; `None` where parts belong to other shards. The
 /// result depends neither on threads nor on shards.
 ///
 /// # Errors
@@ -319,11 +322,11 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
     )
 }
 
-/// What is observed at some starts, with a workspace.
+/// Observes the motions from some starts in a workspace.
 type Observe<'a, S, W, P> = dyn Fn(&mut W, &[S]) -> Result<Vec<Option<P>>> + Sync + 'a;
 
-/// A diagram from its chains, one for each direction, and from what is observed at some of their
-/// starts, with a workspace that is used for one part after another.
+/// A diagram from its chains, one for each direction, and from observations of some of their starts
+/// at a time in a workspace that serves one part after another.
 pub(crate) fn in_both_directions<S: Send + Sync, W: Default, P>(
     values: usize,
     task: &Task,
@@ -333,7 +336,7 @@ pub(crate) fn in_both_directions<S: Send + Sync, W: Default, P>(
 where
     P: Clone + Serialize + serde::de::DeserializeOwned + Send,
 {
-    // A sweep of which all parts are there needs no chain.
+    // A sweep whose parts are all in the store needs no chain.
     let starts = std::sync::OnceLock::new();
     let chains = || -> Result<[Vec<S>; 2]> {
         let (up, down) = rayon::join(|| chain(true), || chain(false));
@@ -348,7 +351,7 @@ where
         let fresh;
         let both = match starts.get() {
             Some(both) => both,
-            // Reached only for a part that is there but cannot be read.
+            // Reached only for a stored part that cannot be read.
             None => {
                 fresh = chains()?;
                 &fresh
@@ -364,161 +367,5 @@ where
     Ok(Some(Diagram { up: all.concat(), down }))
 }
 
-/// Neighbouring values at which motions have the same class.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
-    /// The first value.
-    pub from: f64,
-    /// The last one.
-    pub to: f64,
-    /// What the motions are.
-    pub class: MotionClass,
-}
-
-impl<P: DiagramPoint> Diagram<P> {
-    /// Values at which the two directions end on attractors that are neither the same nor mirror
-    /// images. Two without a period are two where their [means](crate::statistics) differ for
-    /// certain; what has not settled is on no attractor.
-    pub fn hysteresis(&self) -> Vec<bool> {
-        self.apart().into_iter().map(|apart| apart == Some(true)).collect()
-    }
-
-    /// Whether the two directions end [elsewhere](Self::hysteresis), by value; `None` where that is
-    /// not decided: a motion has not settled, was refused, or neither has a period and nothing
-    /// tells them apart.
-    pub fn apart(&self) -> Vec<Option<bool>> {
-        self.up.iter().zip(&self.down).map(|(a, b)| a.as_ref()?.differs(b.as_ref()?)).collect()
-    }
-
-    /// The motion at the value of the rising direction that is nearest to `value`; `None` where the
-    /// simulator refused all.
-    pub fn nearest(&self, value: f64) -> Option<&P> {
-        let near = |a: &&P, b: &&P| (a.value() - value).abs().total_cmp(&(b.value() - value).abs());
-        self.up.iter().flatten().min_by(near)
-    }
-
-    /// The windows of a direction in its order.
-    pub fn windows(points: &[Option<P>]) -> Vec<Window> {
-        let mut found: Vec<Window> = Vec::new();
-        for point in points.iter().flatten() {
-            let (value, class) = (point.value(), point.class());
-            match found.last_mut().filter(|w| w.class == class) {
-                Some(window) => window.to = value,
-                None => found.push(Window { from: value, to: value, class }),
-            }
-        }
-        found
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::find_group;
-    use std::sync::atomic::{AtomicUsize, Ordering};
-
-    /// Wants no more after some values of the chains.
-    struct Impatient {
-        asked: AtomicUsize,
-        most: usize,
-    }
-
-    impl PartStore for Impatient {
-        fn load(&self, _: usize) -> Option<Vec<u8>> {
-            None
-        }
-
-        fn save(&self, _: usize, _: &[u8]) -> Result<()> {
-            panic!("a part was computed after the store had ended the study")
-        }
-
-        fn go_on(&self) -> Result<()> {
-            match self.asked.fetch_add(1, Ordering::Relaxed) {
-                asked if asked < self.most => Ok(()),
-                _ => Err(Error::store(std::io::Error::other("nobody waits"))),
-            }
-        }
-    }
-
-    #[test]
-    fn a_store_ends_the_chains_of_both_directions_between_two_values() {
-        let axis = ParameterAxis::new(find_group("f10").unwrap(), (1.0, 2.0), 500).unwrap();
-        let sweep = Sweep {
-            axis,
-            discard: 5,
-            keep: 5,
-            exponents: None,
-            of: Displacement::X2,
-            start: StartRule::default(),
-        };
-        let store = Impatient { asked: AtomicUsize::new(0), most: 20 };
-        let found = diagram(&ParameterSet::basic(), &sweep, &Task { store: &store, ..Task::ALL });
-        assert!(matches!(found, Err(Error::Store(_))), "{found:?}");
-        // Each direction asks once in vain.
-        assert_eq!(store.asked.into_inner(), store.most + 2);
-    }
-
-    #[test]
-    fn second_method_rows_next_to_a_doubling_have_the_class_of_their_orbit() {
-        // The stable orbit there is one of one drive period with the multiplier -0.9973: after
-        // these periods two in a row differ by 4e-4.
-        let axis = ParameterAxis::new(find_group("f10").unwrap(), (2.8, 2.81), 2).unwrap();
-        let sweep = Sweep {
-            axis,
-            discard: 1500,
-            keep: 10,
-            exponents: None,
-            of: Displacement::X2,
-            start: StartRule::default(),
-        };
-        let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap().unwrap();
-        let first = found.up[0].as_ref().unwrap();
-        assert_eq!(first.class, MotionClass::Periodic(1), "{:?}", first.attractor.period);
-    }
-
-    #[test]
-    fn second_method_next_to_a_doubling_there_is_one_orbit_in_both_directions() {
-        // The orbit of one drive period loses its stability at 2.8022, and what leaves it or comes
-        // to it takes thousands of periods.
-        let axis = ParameterAxis::new(find_group("f10").unwrap(), (2.8, 2.805), 51).unwrap();
-        let (exponents, of, start) = (None, Displacement::X2, StartRule::default());
-        let sweep = Sweep { axis, discard: 400, keep: 800, exponents, of, start };
-        let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap().unwrap();
-        for point in found.up.iter().chain(&found.down).flatten() {
-            let allowed = [MotionClass::Periodic(1), MotionClass::Periodic(2), MotionClass::Settling];
-            assert!(allowed.contains(&point.class), "{}: {:?}", point.value, point.class);
-        }
-        // What is still settling is on no attractor that could be another.
-        assert!(found.hysteresis().iter().all(|apart| !apart), "{:?}", found.hysteresis());
-    }
-
-    #[test]
-    fn diagrams_that_do_not_fit_are_refused_before_the_work_with_the_number_that_fits() {
-        let group = find_group("f10").unwrap();
-        let refused = |count, discard, keep| {
-            let axis = ParameterAxis::new(group, (1.0, 2.0), count).unwrap();
-            let sweep = Sweep {
-                axis,
-                discard,
-                keep,
-                exponents: None,
-                of: Displacement::X2,
-                start: StartRule::default(),
-            };
-            match diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap_err() {
-                error @ Error::TooMany { most, .. } => {
-                    assert!(error.to_string().contains(&format!("no more than {most}")), "{error}");
-                    (sweep, most)
-                }
-                other => panic!("{other}"),
-            }
-        };
-        let (sweep, most) = refused(usize::MAX, 400, 800);
-        assert!(most > 2000);
-        let with = |count| Sweep { axis: ParameterAxis { count, ..sweep.axis }, ..sweep };
-        assert!(check(&with(most)).is_ok() && check(&with(most + 1)).is_err());
-        // A record that is too long for its values, and periods past all counting.
-        assert!(refused(2000, 400, u32::MAX - 400).1 < 2000);
-        assert_eq!(refused(2, 1, u32::MAX).1, u32::MAX as usize);
-    }
-}
+mod tests;

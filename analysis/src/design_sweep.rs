@@ -1,20 +1,21 @@
 //! Measures of settled motions over any number of parameters: a row for each design.
 //!
 //! A design is one combination of values of the parameters that vary: of a grid, of a list, or a
-//! point of a Sobol sequence. It is judged by one motion, or by several: from several starts, and
-//! over parameters that are not the designer's to choose, such as the drive's frequency in a band.
-//! Of several, each measure has its least, mean and largest value. A design that makes no machine,
-//! and a motion that the simulator refuses, end nothing: the row says why it has no values.
+//! point of a Sobol sequence. It is judged by one motion or by several: from several starts, and
+//! over parameters that are not the designer's choice, such as the drive's frequency in a band.
+//! Over several motions each measure has its least, mean and largest value. A design that makes no
+//! machine, or whose motion the simulator refuses, does not end the sweep: its row says why it has
+//! no values.
 //!
 //! ```
-//! use vibro_analysis::design_sweep::{Designs, Request, SampledAxis, row};
+//! use vibro_analysis::design_sweep::{Designs, SampledAxis, SweepRequest, row};
 //! use vibro_analysis::{Name, ParameterSet};
 //!
 //! let axis = SampledAxis { name: Name::find("f10")?, values: vec![1.5, 2.0] };
-//! let request = Request {
+//! let request = SweepRequest {
 //!     designs: Designs::Grid(vec![axis]),
 //!     measures: vec!["amplitude.x1".parse()?],
-//!     ..Request::default()
+//!     ..SweepRequest::default()
 //! };
 //! let second = row(&ParameterSet::basic(), &request, 1);
 //! assert_eq!((second.values, second.reason), (vec![2.0], None));
@@ -25,18 +26,20 @@
 mod between;
 mod choice;
 mod designs;
+mod row;
 mod three_dof;
 
 pub use choice::{Choice, choice, each_final_row};
 pub use designs::{Designs, ParameterInterval, SampledAxis, spread_starts};
+pub use row::{Again, DesignRow, Summary};
 
-use crate::attractor::MotionClass;
 use crate::error::{Error, Result};
 use crate::measures::Measured;
 use crate::parameter_set::ParameterSet;
 use crate::parts::Task;
 use crate::plane::AxisName;
 use rayon::prelude::*;
+use row::summary;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::{Debug, Display};
@@ -45,28 +48,23 @@ use std::fmt::{Debug, Display};
 pub const MOST_DESIGNS: usize = 1_000_000;
 /// Most motions of one design.
 pub const MOST_MOTIONS: usize = 100_000;
-/// A scatter of this part of a value and less is rounding.
-const REGULAR: f64 = 1e-6;
-
-/// What a machine's parameters, starts and measures are for a sweep: plain data that a manifest
-/// holds.
+/// Plain data that a manifest can hold: a machine's parameters, starts and measures.
 pub trait Plain: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync {}
 
 impl<T: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync> Plain for T {}
 
-/// A machine of which designs are measured: the 3-DOF machine by a [`ParameterSet`], or a
-/// [described one](crate::assembly::Machine). Designs, parts, rows and what is made of them are the
-/// same for both.
-pub trait Machine: Clone + Send + Sync {
-    /// A parameter.
+/// A machine whose designs are measured: the 3-DOF machine by a [`ParameterSet`], or a
+/// [described one](crate::assembly::Machine). Designs, parts, rows and choices are common to both.
+pub trait DesignMachine: Clone + Send + Sync {
+    /// Name of a parameter.
     type Name: Plain + AxisName;
-    /// Where a motion starts.
+    /// Start of a motion.
     type Start: Plain + Default + Display;
-    /// What is measured.
+    /// Quantity that is measured.
     type Measure: Plain + Display;
-    /// Motions in a part, as near as whole designs come to it: about a second's work.
+    /// Motions in a part, rounded to whole designs: about a second's work.
     const PART: usize;
-    /// Periods of motion that a [`choice`] may spend unless told otherwise: some seconds' work.
+    /// Default of the periods of motion that a [`choice`] may spend: some seconds' work.
     const AGAIN: u64;
 
     /// A parameter's name in tables.
@@ -80,43 +78,42 @@ pub trait Machine: Clone + Send + Sync {
     /// # Errors
     /// Values that make no machine.
     fn varied(&self, values: &[(Self::Name, f64)]) -> Result<Self>;
-    /// The motions of one machine from all starts of a request, measured.
-    fn outcomes(&self, request: &Request<Self>) -> Vec<Outcome>;
-    /// At least as many starts, spread evenly; fewer where the machine has no more.
+    /// Measures of the motions of one machine from all starts of a request.
+    fn outcomes(&self, request: &SweepRequest<Self>) -> Vec<MotionMeasures>;
+    /// At least `count` starts, spread evenly; fewer where the machine has no more.
     fn spread_starts(count: u32) -> Vec<Self::Start>;
-    /// Whether a measure is read off the window of a motion, so that a longer one tells more: not
-    /// the class, the exponent, a closed form.
+    /// Whether a measure is read off the window of a motion, so that a longer window gives a better
+    /// value; false for the class, the exponent, a closed form.
     fn is_of_window(measure: &Self::Measure) -> bool;
-    /// Values of a parameter that is a frequency at which the machine may resonate.
+    /// Values of a frequency parameter at which the machine may resonate.
     fn resonances(&self, name: &Self::Name) -> Vec<f64>;
 }
 
-/// What to compute.
+/// Request of a design sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct Request<M: Machine = ParameterSet> {
+pub struct SweepRequest<M: DesignMachine = ParameterSet> {
     /// The designs.
     pub designs: Designs<M::Name>,
-    /// Parameters over which the motions of each design are taken together, the last one varying
-    /// fastest.
+    /// Parameters over which each design's motions are summarized, the last one varying fastest.
     pub over: Vec<SampledAxis<M::Name>>,
-    /// Where the motions start, each from every one of these.
+    /// Starts; each design moves from every one.
     pub starts: Vec<M::Start>,
     /// Drive periods discarded before a motion is measured.
     pub discard: u32,
-    /// Drive periods over which it is measured.
+    /// Drive periods over which a motion is measured.
     pub periods: u32,
-    /// What is measured.
+    /// Measures.
     pub measures: Vec<M::Measure>,
-    /// Parameters of [`over`](Self::over) that stand for an interval: what lies between their
-    /// values is looked at for designs that may be the best.
+    /// Parameters of [`over`](Self::over) that stand for an interval: designs that may be the best
+    /// are also measured between their values.
     pub between: Vec<M::Name>,
-    /// Periods of motion that may be spent on measuring again what may be the best: [`choice`].
+    /// Periods of motion that [`choice`] may spend on measuring again designs that may be the best.
     pub again: u64,
 }
 
-impl<M: Machine> Default for Request<M> {
-    /// One motion of the one design that is the machine itself, without measures.
+impl<M: DesignMachine> Default for SweepRequest<M> {
+    /// One motion of a single design, the machine itself, without measures.
     fn default() -> Self {
         let starts = vec![M::Start::default()];
         let (designs, over, measures) = (Designs::Grid(Vec::new()), Vec::new(), Vec::new());
@@ -133,73 +130,12 @@ impl<M: Machine> Default for Request<M> {
     }
 }
 
-/// A measure over the motions of a design.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
-    /// The least.
-    pub least: f64,
-    /// The mean of all motions that were asked for.
-    pub mean: f64,
-    /// The largest.
-    pub largest: f64,
-    /// The first motion that has the largest, for [`Request::motion`] and [`Row::motion`].
-    pub at: usize,
-    /// How much the largest would scatter from one window of the motions to the next, by their
-    /// [`Measured::spreads`].
-    pub spread: f64,
-}
-
-impl Summary {
-    /// Whether the largest is known but for rounding: it is of motions that repeat.
-    pub fn is_exact(&self) -> bool {
-        self.spread <= REGULAR * self.largest.abs()
-    }
-}
-
-/// How a design that may be the best was measured again.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Again {
-    /// Periods over which its motions were measured, but for those that repeat.
-    pub periods: u32,
-    /// What was looked at between the values of [`Request::over`]: further combinations of them.
-    pub between: Vec<Vec<f64>>,
-}
-
-/// What was found of one design.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
-    /// Values of the parameters that vary, in their order, SI.
-    pub values: Vec<f64>,
-    /// For each measure what the motions make together; `None` for the class, and where a motion
-    /// has no value.
-    pub outputs: Vec<Option<Summary>>,
-    /// The different classes in the order in which they are met, where the class was asked for and
-    /// every motion has one.
-    pub classes: Vec<MotionClass>,
-    /// Why there are values missing, or what they are worth: a motion may have been measured before
-    /// it had settled.
-    pub reason: Option<String>,
-    /// How it was measured again, if it was.
-    pub again: Option<Again>,
-}
-
-impl Row {
-    /// What tells a motion of this row from the others, those between the values that were asked
-    /// for included: as [`Request::motion`].
-    pub fn motion<M: Machine>(&self, request: &Request<M>, index: usize) -> (Vec<f64>, M::Start) {
-        let (asked, starts) = (request.motions(), request.starts.len().max(1));
-        let further = index.checked_sub(asked).and_then(|i| self.again.as_ref()?.between.get(i / starts));
-        let (values, start) = request.motion(index % asked.max(1));
-        (further.cloned().unwrap_or(values), start)
-    }
-}
-
-impl<M: Machine> Request<M> {
-    /// Checks what every row depends on.
+impl<M: DesignMachine> SweepRequest<M> {
+    /// Checks the properties on which every row depends.
     ///
     /// # Errors
-    /// [`Error::Form`] for parameters that are one quantity, lists without values, too many designs
-    /// or motions.
+    /// [`Error::Form`] for two names of one quantity, lists without values, too many designs or
+    /// motions.
     pub fn check(&self) -> Result<()> {
         let refused = |text: String, expected| Err(Error::Form { text, expected });
         let names: Vec<M::Name> =
@@ -229,22 +165,21 @@ impl<M: Machine> Request<M> {
         Ok(())
     }
 
-    /// Motions of each design.
+    /// Number of motions of each design.
     pub fn motions(&self) -> usize {
         let over = self.over.iter().map(|a| a.values.len());
         over.fold(self.starts.len(), usize::saturating_mul)
     }
 
-    /// What tells a motion of a design from the others: the values of [`over`](Self::over) and the
-    /// start.
+    /// Values of [`over`](Self::over) and the start that distinguish a motion of a design.
     pub fn motion(&self, index: usize) -> (Vec<f64>, M::Start) {
         let starts = self.starts.len().max(1);
         let start = self.starts.get(index % starts).cloned().unwrap_or_default();
         (designs::combination(&self.over, index / starts), start)
     }
 
-    /// A motion in words: `drive.frequency = 10 Hz, start v2=1`, in the units in which the machine
-    /// was written, without what all motions have in common.
+    /// A motion in words, such as `drive.frequency = 10 Hz, start v2=1`: in the units in which the
+    /// machine was written, without values common to all motions.
     pub fn motion_in_words(&self, set: &M, index: usize) -> String {
         let (values, start) = self.motion(index);
         self.place_in_words(set, (values, start))
@@ -275,31 +210,31 @@ impl<M: Machine> Request<M> {
 }
 
 /// The rows of a part, on all threads.
-pub fn part<M: Machine>(set: &M, request: &Request<M>, index: usize) -> Vec<Row> {
+pub fn part<M: DesignMachine>(set: &M, request: &SweepRequest<M>, index: usize) -> Vec<DesignRow> {
     let size = request.part_size();
     let until = ((index + 1) * size).min(request.designs.count());
     (index * size..until).into_par_iter().map(|design| row(set, request, design)).collect()
 }
 
-/// Computes the parts that are not in the task's store, on all threads, and leaves them there;
+/// Computes, on all threads, the parts that are missing in the task's store, and stores them;
 /// returns whether all are there. The rows depend neither on threads nor on shards.
 ///
 /// # Errors
-/// As [`Request::check`]; what the store refuses.
-pub fn fill<M: Machine>(set: &M, request: &Request<M>, task: &Task) -> Result<bool> {
+/// As [`SweepRequest::check`]; what the store refuses.
+pub fn fill<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task) -> Result<bool> {
     request.check()?;
     task.fill(request.count(), |index| Ok(part(set, request, index)))
 }
 
-/// Calls `visit` with each row in order, of parts that [`fill`] has left in the task's store.
+/// Calls `visit` with each row in order, from parts that [`fill`] has stored.
 ///
 /// # Errors
 /// What `visit` returns; what the store refuses.
-pub fn each_row<M: Machine, E: From<Error>>(
+pub fn each_row<M: DesignMachine, E: From<Error>>(
     set: &M,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     task: &Task,
-    mut visit: impl FnMut(Row) -> std::result::Result<(), E>,
+    mut visit: impl FnMut(DesignRow) -> std::result::Result<(), E>,
 ) -> std::result::Result<(), E> {
     for index in 0..request.count() {
         let rows = task.part(index, |index| Ok(part(set, request, index)))?;
@@ -308,29 +243,30 @@ pub fn each_row<M: Machine, E: From<Error>>(
     Ok(())
 }
 
-/// One design.
-pub fn row<M: Machine>(set: &M, request: &Request<M>, index: usize) -> Row {
+/// The row of one design.
+pub fn row<M: DesignMachine>(set: &M, request: &SweepRequest<M>, index: usize) -> DesignRow {
     let values = request.designs.values(index);
     match design(set, request, &values) {
         Ok(own) => summary(set, values, request, &motions(&own, request, &request.places()), None),
         Err(error) => {
             let (outputs, reason) = (vec![None; request.measures.len()], Some(error.to_string()));
-            Row { values, outputs, classes: Vec::new(), reason, again: None }
+            DesignRow { values, outputs, classes: Vec::new(), reason, again: None }
         }
     }
 }
 
 /// The machine of a design.
-fn design<M: Machine>(set: &M, request: &Request<M>, values: &[f64]) -> Result<M> {
+fn design<M: DesignMachine>(set: &M, request: &SweepRequest<M>, values: &[f64]) -> Result<M> {
     let assigned = request.designs.names().into_iter().zip(values.iter().copied());
     set.varied(&assigned.collect::<Vec<_>>())
 }
 
-/// What was measured of one motion, and what there was against it.
-pub type Outcome = (Measured, Option<String>);
+/// Measures of one motion, and an objection to them, if there is one.
+pub type MotionMeasures = (Measured, Option<String>);
 
-/// The motions of a design at some values of [`Request::over`], from all starts at each.
-fn motions<M: Machine>(set: &M, request: &Request<M>, places: &[Vec<f64>]) -> Vec<Outcome> {
+/// Measures of a design's motions at some values of [`SweepRequest::over`], from all starts at
+/// each.
+fn motions<M: DesignMachine>(set: &M, request: &SweepRequest<M>, places: &[Vec<f64>]) -> Vec<MotionMeasures> {
     let mut found = Vec::with_capacity(places.len() * request.starts.len());
     for values in places {
         let names = request.over.iter().map(|a| a.name.clone());
@@ -346,71 +282,19 @@ fn motions<M: Machine>(set: &M, request: &Request<M>, places: &[Vec<f64>]) -> Ve
     found
 }
 
-/// A motion that there is not.
-pub(crate) fn failed(error: &Error, measures: usize) -> Outcome {
+/// The measures of a motion that does not exist.
+pub(crate) fn failed(error: &Error, measures: usize) -> MotionMeasures {
     let nothing =
         Measured { numbers: vec![None; measures], spreads: vec![0.0; measures], ..Measured::default() };
     (nothing, Some(error.to_string()))
 }
 
-/// The row of all motions of a design: those that were asked for and, after them, those of `again`.
-fn summary<M: Machine>(
-    set: &M,
-    values: Vec<f64>,
-    request: &Request<M>,
-    motions: &[Outcome],
-    again: Option<Again>,
-) -> Row {
-    let outputs = (0..request.measures.len())
-        .map(|m| {
-            let one = |(found, _): &Outcome| {
-                Some((found.numbers.get(m).copied().flatten()?, found.spreads.get(m).copied().unwrap_or(0.0)))
-            };
-            together(motions.iter().map(one), request.motions())
-        })
-        .collect();
-    let mut classes: Vec<MotionClass> = Vec::new();
-    if motions.iter().all(|(found, _)| found.class.is_some()) {
-        for class in motions.iter().filter_map(|(found, _)| found.class) {
-            if !classes.contains(&class) {
-                classes.push(class);
-            }
-        }
-    }
-    let mut row = Row { values, outputs, classes, reason: None, again };
-    let bad: Vec<(usize, &String)> =
-        motions.iter().enumerate().filter_map(|(i, (_, reason))| Some((i, reason.as_ref()?))).collect();
-    row.reason = bad.first().map(|(index, reason)| match motions.len() {
-        1 => (*reason).clone(),
-        all => {
-            let words = request.place_in_words(set, row.motion(request, *index));
-            format!("{} of {all} motions, the first at {words}: {reason}", bad.len())
-        }
-    });
-    row
-}
-
-/// Least, mean and largest of numbers, all of which must be there, with their spreads; the mean of
-/// the first few.
-fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>, asked: usize) -> Option<Summary> {
-    let (numbers, spreads): (Vec<f64>, Vec<f64>) =
-        numbers.collect::<Option<Vec<(f64, f64)>>>()?.into_iter().unzip();
-    let at = (1..numbers.len()).fold(0, |best, i| if numbers[i] > numbers[best] { i } else { best });
-    let largest = *numbers.get(at)?;
-    let least = numbers.iter().copied().fold(largest, f64::min);
-    let first = &numbers[..asked.clamp(1, numbers.len())];
-    let mean = if least == largest { largest } else { first.iter().sum::<f64>() / first.len() as f64 };
-    // Another motion may come above this one in another window.
-    let reach = numbers.iter().zip(&spreads).map(|(number, spread)| number + spread - largest);
-    Some(Summary { least, mean, largest, at, spread: reach.fold(spreads[at], f64::max) })
-}
-
-/// Starts that are added to look whether a design has other motions.
+/// Number of starts added to search for other motions of a design.
 pub const MORE_STARTS: u32 = 8;
 
-impl<M: Machine> Request<M> {
-    /// One of its designs measured by one measure from eight more starts; `None` where the machine
-    /// has no more.
+impl<M: DesignMachine> SweepRequest<M> {
+    /// A request of one design by one measure from more starts; `None` where the machine has no
+    /// more.
     pub fn from_more_starts(&self, design: Vec<f64>, measure: M::Measure) -> Option<Self> {
         let mut starts = self.starts.clone();
         for start in M::spread_starts(self.starts.len() as u32 + MORE_STARTS) {
@@ -430,8 +314,8 @@ impl<M: Machine> Request<M> {
     }
 }
 
-/// The rows of all designs of a request that are few, on all threads.
-pub fn rows<M: Machine>(set: &M, request: &Request<M>) -> Vec<Row> {
+/// The rows of all designs of a small request, on all threads.
+pub fn rows<M: DesignMachine>(set: &M, request: &SweepRequest<M>) -> Vec<DesignRow> {
     (0..request.designs.count()).into_par_iter().map(|design| row(set, request, design)).collect()
 }
 

@@ -1,6 +1,6 @@
-//! What the analyses refuse.
+//! Errors of the studies.
 
-/// Errors of the analyses; every message names what was given and what is allowed.
+/// Error of a study. Every message names what was given and what is allowed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -13,17 +13,17 @@ pub enum Error {
     /// A described machine's new values are refused.
     #[error(transparent)]
     Refusal(#[from] vibro_assembly::Refusal),
-    /// A study of a described machine is refused: what it asks for is not in the machine, or its
-    /// motion has no section.
+    /// A study of a described machine is refused: the machine lacks what it asks for, or the motion
+    /// has no section.
     #[error("{problem}")]
     Described {
-        /// What was given, and what is allowed.
+        /// The given study, and what is allowed.
         problem: String,
     },
     /// No parameter has this name.
     #[error("no parameter is named `{name}`; {advice}")]
     UnknownName {
-        /// What was given.
+        /// The given name.
         name: String,
         /// The nearest valid name with its meaning and range or, where none is near, all valid
         /// names.
@@ -32,12 +32,12 @@ pub enum Error {
     /// No measure has this name.
     #[error("no output is named `{name}`; {advice}")]
     UnknownMeasure {
-        /// What was given.
+        /// The given name.
         name: String,
         /// The nearest valid name with its meaning or, where none is near, all valid names.
         advice: String,
     },
-    /// A number has a unit of another dimension than the parameter's, or one that is not known.
+    /// A number has an unknown unit, or one of another dimension than the parameter's.
     #[error(
         "{name}: `{unit}` is no unit of it; allowed are {allowed}, or a number without a unit in the first of these"
     )]
@@ -54,29 +54,29 @@ pub enum Error {
     NotANumber {
         /// The parameter.
         name: &'static str,
-        /// What was given.
+        /// The given text.
         text: String,
-        /// Its range.
+        /// Range of the parameter.
         allowed: &'static str,
     },
     /// A text of another form than the one expected.
     #[error("`{text}`: expected {expected}")]
     Form {
-        /// What was given.
+        /// The given text.
         text: String,
         /// The form, with an example.
         expected: &'static str,
     },
-    /// More results than fit into memory are asked for.
+    /// More results are requested than fit into memory.
     #[error("{what}: {count} asked for, but no more than {most} fit into memory{}", in_a_square(*.side))]
     TooMany {
-        /// What is counted.
+        /// Kind of the results.
         what: &'static str,
-        /// How many are asked for.
+        /// The requested number.
         count: f64,
-        /// The most that fit.
+        /// The largest number that fits.
         most: usize,
-        /// The most to each side of a square, where it is a plane.
+        /// For a plane, the largest side of a square that fits.
         side: Option<usize>,
     },
     /// The starts of a plane lead to more attractors than can be numbered.
@@ -85,7 +85,7 @@ pub enum Error {
          have one of its own; take fewer cells"
     )]
     TooManyAttractors {
-        /// The most.
+        /// The largest number.
         most: usize,
     },
     /// No periodic orbit with an impact word was found.
@@ -93,17 +93,17 @@ pub enum Error {
     NoOrbit {
         /// The word in letters U and L.
         word: String,
-        /// Its closing sign.
+        /// Closing sign of the word.
         closing: char,
-        /// Its period in drive periods.
+        /// Period in drive periods.
         period: u32,
-        /// What stood in the way, and what to do.
+        /// The obstacle, with advice.
         reason: String,
     },
-    /// A settled motion is no periodic orbit with impacts alone.
+    /// A settled motion is no periodic orbit with impacts only.
     #[error("the settled motion {reason}")]
     NoPeriodicMotion {
-        /// What it does instead, and what to do.
+        /// What the motion does instead, with advice.
         reason: String,
     },
     /// The [store](crate::parts::PartStore) of finished parts failed.
@@ -115,7 +115,7 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// For `map_err` on what a [store](crate::parts::PartStore) does.
+    /// Converts a failure of a [store](crate::parts::PartStore), for `map_err`.
     pub fn store(reason: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::Store(Box::new(reason))
     }

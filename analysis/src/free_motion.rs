@@ -1,9 +1,8 @@
-//! The motion of a block that never meets a stop again: proved by its energy, and computed for all
-//! time at once.
+//! Motion of a block that never meets a stop again: proved by energy, and computed in closed form.
 //!
-//! In free flight box and block do not feel each other (docs/theory.md (6)). The drive moves the
-//! box alone, which comes to its forced vibration; block and secondary oscillator come to rest in
-//! the middle, where constant loads hold them.
+//! In free flight box and block do not act on each other (docs/theory.md (6)). The drive acts on
+//! the box alone, which tends to its forced vibration; block and secondary oscillator come to rest
+//! in the middle, where constant loads hold them.
 
 use super::attractor::{OBSERVED, StroboscopicRecord};
 use super::free_limit::{dynamic_stiffness, forced, middle};
@@ -14,22 +13,22 @@ use vibro_impact::model::{COORDINATES, Model, SmoothMode};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
-/// What rounding may add to the bound on |w|, in parts of the gap and of the places where loads
-/// hold the bodies.
+/// Rounding allowed for in the bound on |w|, in parts of the gap and of the positions at which
+/// loads hold the bodies.
 const MARGIN: f64 = 1e-9;
-/// Roundings of the difference by which a spring is stiffer than the box's inertia, each of a part
-/// of the two.
+/// Rounding of the difference between a spring's stiffness and the box's inertia, in units of
+/// `f64::EPSILON` times their sum.
 const ROUNDINGS: f64 = 8.0;
 
-/// Whether a block that flies in this state at a whole drive period never meets a stop again.
+/// Whether a block in flight with this state at a whole drive period never meets a stop again.
 ///
-/// The box is at most the forced amplitude and its transient away from the middle, the block at
-/// most its displacement from where it is held. Springs and dampers take energy from the transients
-/// and add none, so that each body stays where its springs hold at most today's energy: a transient
-/// of the box with the energy E within √(2 E/k1), and the block, whose springs k23 and k3 act in
-/// series, within √(2 E (1/k23 + 1/k3)). Under constant loads both are counted from the places
-/// where the loads hold them, whose distance is added. A block at a stop is not found to keep clear
-/// of it, since the bound holds for the present w too.
+/// The box is away from the middle by at most its forced amplitude and its transient, the block by
+/// its displacement from its rest position. Springs and dampers add no energy to the transients, so
+/// that each body stays where its springs store at most the present energy: a transient of the box
+/// with energy E within √(2 E/k1), and the block, on its springs k23 and k3 in series, within √(2 E
+/// (1/k23 + 1/k3)). Under constant loads both are counted from the positions where the loads hold
+/// them, whose distance is added. A block at a stop is never found clear of it, since the bound
+/// holds for the present w too.
 pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
     let ([v1, v2, v3], middle) = (state.v, middle(p));
     let [x1, x2, x3] = from_middle(state.x, &middle);
@@ -43,33 +42,33 @@ pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
         + p.secondary_stiffness * x3 * x3;
     let block = twice_block * (1.0 / p.coupling_stiffness + 1.0 / p.secondary_stiffness);
     let apart = (middle[1] - middle[0]).abs();
-    // Not so either where a spring is missing: the bound is infinite or no number then.
+    // Where a spring is missing the bound is infinite or NaN, and nothing is proved.
     let bound = forced.norm() + (twice_box / p.box_stiffness).sqrt() + block.sqrt() + apart;
     let largest = middle.iter().fold(p.stop_gap, |largest, x| largest.max(x.abs()));
-    // Next to the resonance of a box with hardly a damper that difference is little more than
+    // Next to the resonance of a box with hardly any damping the difference is little more than
     // rounding.
     let parts = p.box_stiffness + p.box_mass * omega * omega;
     let off = ROUNDINGS * f64::EPSILON * parts / dynamic_stiffness(p).norm() * forced.norm();
     bound < p.stop_gap - MARGIN * largest - off
 }
 
-/// Places of the bodies, counted from the middle.
+/// Positions of the bodies relative to the middle.
 fn from_middle(x: [f64; 3], middle: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| x[i] - middle[i])
 }
 
-/// The states of a free flight every half drive period.
+/// States of a free flight at every half drive period.
 #[derive(Clone, Debug)]
 struct FreeFlight {
-    /// The transition matrix over half a drive period.
+    /// Transition matrix over half a drive period.
     half: SMatrix<f64, COORDINATES, COORDINATES>,
-    /// Counted from the middle, about which the flow is linear.
+    /// State relative to the middle, about which the flow is linear.
     z: SVector<f64, COORDINATES>,
     middle: [f64; 3],
 }
 
 impl FreeFlight {
-    /// From a state at a whole drive period.
+    /// The flight from a state at a whole drive period.
     fn new(model: &Model, p: &Parameters, state: &State) -> Self {
         let pieces = (0.5 * p.period() / substep(model)).ceil().max(1.0);
         let length = 0.5 * p.period() / pieces;
@@ -87,7 +86,7 @@ impl FreeFlight {
         Self { half: piece.pow(pieces as u32), z, middle }
     }
 
-    /// Goes on by so many half periods.
+    /// Advances by a number of half periods.
     fn advance(&mut self, halves: u32) {
         self.z = self.half.pow(halves) * self.z;
     }
@@ -99,9 +98,9 @@ impl FreeFlight {
     }
 }
 
-/// Records what a motion [without further impacts](keeps_clear), with this state at a whole drive
-/// period, would be observed to be `later` whole periods from there. Returns its state after the
-/// observation, or `None` where the parameters make no model.
+/// Records the observation, `later` whole periods ahead, of a motion
+/// [without further impacts](keeps_clear) with this state at a whole drive period. Returns the
+/// state after the observation, or `None` where the parameters make no model.
 pub(crate) fn observe(
     p: &Parameters,
     state: &State,
@@ -125,15 +124,16 @@ mod tests {
     use crate::stroboscopic::dimensional;
     use vibro_impact::Simulator;
 
-    /// Matrix powers and the simulator's sub-steps round differently, in units of L and L ω10.
+    /// Difference in rounding of matrix powers and the simulator's sub-steps, in units of L and L
+    /// ω10.
     const ROUNDING: f64 = 1e-11;
 
-    /// Systems whose forced vibration keeps the box clear of the block in the middle.
+    /// Machines whose forced vibration keeps the box clear of the block in the middle.
     fn systems() -> [Parameters; 5] {
         let weak = Parameters { drive_amplitude: 0.02, ..Parameters::default() };
         let slow = Parameters { drive_frequency: 0.4, drive_phase: 1.1, ..weak };
         let wide = Parameters { secondary_damping: 0.0, stop_gap: 0.37, drive_frequency: 2.3, ..weak };
-        // The block hangs off the centre, at different places of box and block, and by the
+        // The block hangs off the centre: with box and block at different positions, and by the
         // secondary oscillator's load alone.
         let hung = Parameters { constant_loads: [0.02, -3e-4, 1e-3], ..weak };
         [weak, slow, wide, hung, Parameters { constant_loads: [0.0, 0.0, -1e-3], ..slow }]
@@ -200,20 +200,20 @@ mod tests {
 
     #[test]
     fn closed_form_nothing_is_proved_by_the_rounding_of_a_resonance() {
-        /// How near to the resonance of the undamped box the drive is.
+        /// Relative distance of the drive from the resonance of the undamped box.
         const BESIDE: f64 = 2e-9;
-        /// By this part of the gap the box's beat reaches farther.
+        /// Part of the gap by which the box's beat exceeds it.
         const FARTHER: f64 = 1e-10;
         let at_rest = State { x: [0.0; 3], v: [0.0; 3] };
         for k in 0..1000 {
             let (stiffness, mass) = (1.0, 0.3 + 1e-3 * f64::from(k));
             let omega = (stiffness / mass).sqrt() * (1.0 - BESIDE);
-            // The difference k1 - m1 ω² with what its two products round off.
+            // The difference k1 - m1 ω² with the rounding of its two products.
             let product: f64 = mass * omega;
             let square = product * omega;
             let rounded = product.mul_add(omega, -square) + mass.mul_add(omega, -product) * omega;
             let force = 0.5 * ((stiffness - square) - rounded);
-            // From rest the forced vibration of half a metre meets a transient of as much.
+            // From rest the forced vibration of half a metre is superposed on a transient as large.
             let reach = 0.5 * (1.0 + omega * (mass / stiffness).sqrt());
             let p = Parameters {
                 box_mass: mass,

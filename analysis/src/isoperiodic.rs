@@ -1,12 +1,11 @@
-//! Simulated motion over a plane of two parameters: its period, impacts and class (an isoperiodic
-//! diagram); of the 3-DOF machine beside the exact orbit with two symmetric impacts a period, which
-//! needs no simulation.
+//! Simulated motion over a plane of two parameters: period, impacts and class (an isoperiodic
+//! diagram), for the 3-DOF machine beside the exact orbit with two symmetric impacts a period.
 //!
-//! Every point is a motion of its own. The motions of some rows are a part; those of the 3-DOF
+//! Every point has a motion of its own. The motions of some rows are a part; those of the 3-DOF
 //! machine run [side by side](Workspace::run).
 
 use super::attractor::{MotionClass, OBSERVED};
-use super::design_sweep::{Machine, Plain};
+use super::design_sweep::{DesignMachine, Plain};
 use super::error::{Error, Result};
 use super::parameter_set::ParameterSet;
 use super::parts::Task;
@@ -21,110 +20,112 @@ use std::ops::Range;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
-/// What to compute.
+/// Request of an isoperiodic diagram.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct Request<M: Machine = ParameterSet> {
-    /// Horizontal.
+pub struct IsoperiodicRequest<M: DesignMachine = ParameterSet> {
+    /// Horizontal axis.
     pub x: ParameterAxis<M::Name>,
-    /// Vertical.
+    /// Vertical axis.
     pub y: ParameterAxis<M::Name>,
-    /// Where each motion starts.
+    /// Start of each motion.
     pub start: M::Start,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
-    /// Of the 3-DOF machine: most drive periods over which the largest exponents of motions with
-    /// impacts and without a period are computed at a time, if they are. They are computed until
-    /// the class is decided; a motion whose class is not is [followed](crate::verdict) further. Of
-    /// a described machine: the returns over which the exponents of all motions are counted, if
-    /// they are; those of motions without a period are computed until the class is decided.
+    /// Drive periods or returns over which the largest exponents are computed, if they are.
+    ///
+    /// For the 3-DOF machine these are the most drive periods at a time, for motions with impacts
+    /// and without a period; the computation ends when the class is decided, and an undecided
+    /// motion is [followed](crate::verdict) further. For a described machine these are the returns
+    /// counted for every motion; for one without a period the computation goes on until the class
+    /// is decided.
     pub exponents: Option<u32>,
 }
 
-/// A machine whose motions are seen over a plane.
-pub trait PlaneMachine: Machine {
-    /// What is found at a point.
+/// Machine whose motions can be studied over a plane.
+pub trait PlaneMachine: DesignMachine {
+    /// Result at a point.
     type Point: Plain;
-    /// What is kept from part to part; it does not change what is found.
+    /// Workspace reused from part to part; it does not change results.
     type Workspace: Default;
-    /// Motions in a part, as near as whole rows come to it.
+    /// Motions in a part, rounded to whole rows.
     const IN_PLANE_PART: usize;
 
-    /// Checks what every point depends on.
+    /// Checks the properties on which every point depends.
     ///
     /// # Errors
     /// Starts and names that are not allowed.
-    fn check_plane(&self, request: &Request<Self>) -> Result<()>;
+    fn check_plane(&self, request: &IsoperiodicRequest<Self>) -> Result<()>;
 
     /// The points of some rows, one row after the other.
     fn points(
         &self,
-        request: &Request<Self>,
+        request: &IsoperiodicRequest<Self>,
         rows: Range<usize>,
         workspace: &mut Self::Workspace,
     ) -> Vec<Self::Point>;
 }
 
-/// The motion that a start has settled on.
+/// Motion on which a start has settled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SettledMotion {
-    /// Its class.
+    /// Class of the motion.
     pub class: MotionClass,
     /// Impacts per drive period at the upper and at the lower stop.
     pub impacts: [f64; 2],
-    /// Whether the block rests at a stop in the course of it.
+    /// Whether the block rests at a stop in part of a period.
     pub rests: bool,
-    /// Whether it is its own mirror image; false for motions without a period.
+    /// Whether the motion is its own mirror image; false for motions without a period.
     pub symmetric: bool,
-    /// The largest of the seven exponents per unit of τ and the standard error of what it was
-    /// decided by, where exponents were asked for and there are impacts and no period. One of the
-    /// seven is zero, so that it is not negative.
+    /// Largest of the seven exponents per unit of τ, with the standard error of its estimate, where
+    /// exponents were requested and there are impacts and no period. It is not negative, since one
+    /// of the seven is zero.
     pub exponent: Option<[f64; 2]>,
-    /// Whether it is the stable exact orbit, and not one that has just broken away from it.
+    /// Whether the motion is on the stable exact orbit, not just leaving it.
     pub on_orbit: bool,
 }
 
 impl SettledMotion {
-    /// Whether it is of the exact orbit's kind: symmetric, with one impact at each stop in each
-    /// drive period, and no rest.
+    /// Whether the motion is of the exact orbit's kind: symmetric, with one impact at each stop in
+    /// each drive period, and without rest.
     pub fn is_two_impact(&self) -> bool {
         self.class == MotionClass::Periodic(1) && self.symmetric && self.impacts == [1.0; 2] && !self.rests
     }
 }
 
-/// One point of the plane.
+/// Point of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanePoint {
-    /// What the exact orbit is there.
+    /// Class of the exact orbit there.
     pub theory: SteadyStateClass,
-    /// The motion; `None` where the simulator refuses.
+    /// The simulated motion; `None` where the simulator refuses.
     pub motion: Option<SettledMotion>,
 }
 
-/// A plane of motions.
+/// Plane of motions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Isoperiodic<P = PlanePoint> {
-    /// Rows of constant y, from the first.
+    /// Points, row by row of constant y from the lowest.
     pub points: Vec<P>,
 }
 
-/// How far theory and simulation agree, in numbers of points.
+/// Agreement of theory and simulation, in numbers of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Agreement {
-    /// Where the exact orbit is stable.
+    /// Points where the exact orbit is stable.
     pub stable: usize,
-    /// The number of these at which the simulated motion is this orbit. The others start in the
+    /// Those of `stable` whose simulated motion is on the exact orbit. The others start in the
     /// basin of another motion.
     pub reached: usize,
-    /// Where the simulated motion is of the exact orbit's [kind](SettledMotion::is_two_impact).
+    /// Points whose simulated motion is of the exact orbit's [kind](SettledMotion::is_two_impact).
     pub two_impact: usize,
-    /// The number of these at which it is the exact orbit and that is stable. Any other contradicts
-    /// the theory.
+    /// Those of `two_impact` whose motion is on the exact orbit where it is stable. Any other
+    /// contradicts the theory.
     pub predicted: usize,
 }
 
 impl Isoperiodic {
-    /// How far theory and simulation agree.
+    /// Agreement of theory and simulation.
     pub fn agreement(&self) -> Agreement {
         let count = |holds: &dyn Fn(&PlanePoint) -> bool| self.points.iter().filter(|p| holds(p)).count();
         let stable = |p: &PlanePoint| p.theory == SteadyStateClass::Stable;
@@ -139,14 +140,14 @@ impl Isoperiodic {
     }
 }
 
-/// The rows of a part.
-fn rows<M: PlaneMachine>(request: &Request<M>, part: usize) -> Range<usize> {
+/// Rows of the plane in a part.
+fn rows<M: PlaneMachine>(request: &IsoperiodicRequest<M>, part: usize) -> Range<usize> {
     let rows = M::IN_PLANE_PART.div_ceil(request.x.count.max(1));
     part * rows..((part + 1) * rows).min(request.y.count)
 }
 
-/// Number of parts, each of some whole rows.
-pub fn count<M: PlaneMachine>(request: &Request<M>) -> usize {
+/// Number of parts, each of one or more whole rows.
+pub fn count<M: PlaneMachine>(request: &IsoperiodicRequest<M>) -> usize {
     request.y.count.div_ceil(M::IN_PLANE_PART.div_ceil(request.x.count.max(1)))
 }
 
@@ -159,7 +160,7 @@ pub fn count<M: PlaneMachine>(request: &Request<M>) -> usize {
 /// refuses; what the parts' folder refuses.
 pub fn isoperiodic<M: PlaneMachine>(
     machine: &M,
-    request: &Request<M>,
+    request: &IsoperiodicRequest<M>,
     task: &Task,
 ) -> Result<Option<Isoperiodic<M::Point>>> {
     check(machine, request)?;
@@ -169,16 +170,16 @@ pub fn isoperiodic<M: PlaneMachine>(
     Ok(parts.map(|parts| Isoperiodic { points: parts.concat() }))
 }
 
-/// Checks what every point depends on.
+/// Checks the properties on which every point depends.
 ///
 /// # Errors
-/// As [`isoperiodic`], before anything is computed.
-pub fn check<M: PlaneMachine>(machine: &M, request: &Request<M>) -> Result<()> {
+/// As [`isoperiodic`], before any computation.
+pub fn check<M: PlaneMachine>(machine: &M, request: &IsoperiodicRequest<M>) -> Result<()> {
     if M::is_same_quantity(&request.x.name, &request.y.name) {
         let text = format!("{},{}", M::name(&request.x.name), M::name(&request.y.name));
         return Err(Error::Form { text, expected: "two independent parameters" });
     }
-    // The parts are put together beside the whole.
+    // The parts are put together beside the whole plane.
     check_cells("points of the plane", (request.x.count, request.y.count), 2 * size_of::<M::Point>())?;
     machine.check_plane(request)
 }
@@ -188,7 +189,7 @@ impl PlaneMachine for ParameterSet {
     type Workspace = Workspace;
     const IN_PLANE_PART: usize = MOTIONS;
 
-    fn check_plane(&self, request: &Request) -> Result<()> {
+    fn check_plane(&self, request: &IsoperiodicRequest) -> Result<()> {
         let p = self.parameters();
         match &request.start {
             StartRule::State(start) => Ok(Simulator::new(p, &state(p, start), 0.0).map(drop)?),
@@ -205,21 +206,26 @@ impl PlaneMachine for ParameterSet {
         }
     }
 
-    fn points(&self, request: &Request, rows: Range<usize>, workspace: &mut Workspace) -> Vec<PlanePoint> {
+    fn points(
+        &self,
+        request: &IsoperiodicRequest,
+        rows: Range<usize>,
+        workspace: &mut Workspace,
+    ) -> Vec<PlanePoint> {
         points(self, request, rows, workspace)
     }
 }
 
-/// The system at one point of a row, before it is simulated.
+/// Machine at a point of a row, before simulation.
 struct Site {
     theory: SteadyStateClass,
-    /// The stable exact orbit's state at time 0.
+    /// State of the stable exact orbit at time 0.
     orbit: Option<State>,
-    /// `None` where the values make no system.
+    /// `None` where the values make no machine.
     start: Option<Start>,
 }
 
-fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Site {
+fn site(set: &ParameterSet, request: &IsoperiodicRequest, column: usize, row: usize) -> Site {
     let none = Site { theory: SteadyStateClass::Undefined, orbit: None, start: None };
     let row = set.with(request.y.name, request.y.value(row));
     let Ok(set) = row.and_then(|row| row.with(request.x.name, request.x.value(column))) else { return none };
@@ -238,7 +244,7 @@ fn site(set: &ParameterSet, request: &Request, column: usize, row: usize) -> Sit
 /// their lanes.
 fn points(
     set: &ParameterSet,
-    request: &Request,
+    request: &IsoperiodicRequest,
     rows: Range<usize>,
     workspace: &mut Workspace,
 ) -> Vec<PlanePoint> {
@@ -252,7 +258,7 @@ fn points(
     let following = Following {
         discard: request.discard,
         exponent: request.exponents,
-        // Without exponents nothing more would be known of chaos, however long it was followed.
+        // Without exponents, following chaos further would tell nothing.
         limit: if request.exponents.is_some() { PROLONGED } else { 0 },
     };
     follow(workspace, &starts, &following, &mut |number, outcome, _| {
@@ -260,7 +266,7 @@ fn points(
         let orbit = sites[index].orbit.as_ref();
         let seen_again = outcome.as_ref().is_ok_and(|found| found.periods > OBSERVED);
         points[index].motion = outcome.ok().map(|found| motion(&start.parameters, found, orbit));
-        // What wanders after the discarded periods is called so.
+        // A motion that wanders after the discarded periods has its class.
         points[index].motion.is_none_or(|m| m.class.is_final() || seen_again && m.class.is_decided())
     });
     points
@@ -289,13 +295,13 @@ mod tests {
 
     #[test]
     fn second_method_beyond_a_doubling_there_is_one_orbit() {
-        // The orbit of one drive period has lost its stability at 2.8022 by so little that what
-        // leaves it seems to be on a torus for thousands of periods; the orbit of two is stable
-        // there, as the branches of the package of orbits say.
+        // The orbit of one drive period has lost its stability at 2.8022 by so little that motions
+        // leaving it seem to be on a torus for thousands of periods. The orbit of two periods is
+        // stable there, as the branches of `vibro-orbits` show.
         let x = ParameterAxis::new(find_group("f10").unwrap(), (2.8035, 2.808), 60).unwrap();
         let y = ParameterAxis::new(find_group("kappa").unwrap(), (0.7499, 0.7501), 2).unwrap();
         let start = "x1=-0.6,v1=0.3,v2=0.4,x3=0.2".parse().unwrap();
-        let request = Request { x, y, start, discard: 300, exponents: Some(4000) };
+        let request = IsoperiodicRequest { x, y, start, discard: 300, exponents: Some(4000) };
         let found = isoperiodic(&ParameterSet::basic(), &request, &Task::ALL).unwrap().unwrap();
         let classes = found.points.iter().map(|point| point.motion.map(|motion| motion.class));
         for (index, class) in classes.enumerate() {

@@ -1,13 +1,13 @@
-//! The largest Lyapunov exponent of a motion beside the drive phase's, which is zero, from the
-//! motion's events alone.
+//! Largest Lyapunov exponent of a motion besides the drive phase's, which is zero, from the
+//! motion's events.
 //!
-//! Between two events the variations follow a linear system (docs/theory.md, section 11), so that
-//! one variation is carried over the whole time between them at once, and through the jump (84).
-//! Nothing else is needed of the motion, which can be one of many side by side.
+//! Between two events the variations follow a linear system (docs/theory.md, section 11). One
+//! variation is carried over the whole time between them at once, and through the jump (84).
+//! Nothing else is needed of the motion, which may be one of many side by side.
 //!
-//! The time that is counted is not fixed: it ends when the class is decided. Growth is summed over
-//! blocks of drive periods, whose scatter gives the standard error of their mean. docs/studies.md,
-//! "The largest exponent of many motions", states the rule.
+//! The counted time is not fixed: it ends when the class is decided. Growth is summed over blocks
+//! of drive periods, whose scatter gives the standard error of their mean. docs/studies.md, "The
+//! largest exponent of many motions", states the rule.
 
 use super::variation::SingleVariation;
 use serde::{Deserialize, Serialize};
@@ -15,12 +15,12 @@ use vibro_impact::Parameters;
 use vibro_impact::model::{Augmented, COORDINATES, Model, SmoothMode};
 use vibro_impact::simulator::Event;
 
-/// An exponent above this counts as positive and one below its negative as negative, per unit of
-/// the dimensionless time τ or, where the drive is slower than the box by itself, of the time in
-/// which the drive turns by 1 rad: over 1500 periods those that are zero stay within a few 1e-4.
+/// Threshold of the sign of an exponent, per unit of the dimensionless time τ or, where the drive
+/// is slower than the box by itself, of the time in which the drive turns by 1 rad. Over 1500
+/// periods exponents that are zero stay within a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
 
-/// The threshold of a machine's exponents, 1/s. With a drive hundreds of times slower than the box,
+/// Threshold of a machine's exponents, 1/s. With a drive hundreds of times slower than the box,
 /// chaos has exponents under 1e-3 ω10.
 pub(crate) fn zero_exponent(p: &Parameters) -> f64 {
     ZERO_EXPONENT * p.box_frequency().min(p.drive_frequency)
@@ -28,54 +28,54 @@ pub(crate) fn zero_exponent(p: &Parameters) -> f64 {
 
 /// Drive periods in a block.
 pub(crate) const BLOCK: u32 = 8;
-/// Blocks in which the variation turns into its direction before anything is counted.
+/// Blocks in which the variation aligns with its direction before growth counts.
 pub(crate) const ALIGN: u32 = 4;
-/// An exponent is decided to be positive or negative when it is farther than so many standard
-/// errors from the threshold, …
+/// Distance of an exponent from the threshold, in standard errors, beyond which its sign is
+/// decided; LEAST_GROWTH must be exceeded too.
 const CONFIDENCE: f64 = 6.0;
-/// … and the variation has grown or shrunk by this, as a logarithm: on a torus it stays within some
-/// powers of ten for ever.
+/// Logarithm of the growth or shrinkage of the variation that a decided sign requires. On a torus
+/// the variation stays within some powers of ten for ever.
 const LEAST_GROWTH: f64 = 20.0;
-/// Fewer blocks do not tell their scatter.
+/// Least number of blocks whose scatter is meaningful.
 const LEAST_BLOCKS: u32 = 8;
-/// Squares of lengths between which a variation is not scaled, …
+/// Squares of lengths between which a variation is not rescaled.
 const SCALED: std::ops::Range<f64> = 1e-200..1e200;
-/// … and the longest time, in 1/rate, until that is looked at: a length changes by e¹⁰⁰ in it at
-/// most, so that its square stays a number.
+/// Longest time between checks of the length, in 1/rate: the length changes by at most e¹⁰⁰ in it,
+/// so that its square does not overflow.
 const LOOKED: f64 = 100.0;
 
-/// The largest exponent of a motion apart from the drive phase's zero.
+/// Largest exponent of a motion besides the drive phase's zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LargestExponent {
-    /// Its estimate, 1/s; -∞ where all variations end in rest.
+    /// Estimate, 1/s; -∞ where all variations end in rest.
     pub value: f64,
-    /// The standard error of the estimate, 1/s.
+    /// Standard error of the estimate, 1/s.
     pub error: f64,
-    /// Drive periods that were counted.
+    /// Counted drive periods.
     pub periods: u32,
 }
 
-/// What is known of the sign of an exponent.
+/// Sign of an exponent, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExponentSign {
-    /// Positive for certain.
+    /// Certainly positive.
     Positive,
-    /// Negative for certain.
+    /// Certainly negative.
     Negative,
     /// Between the thresholds, ± [`ZERO_EXPONENT`](crate::attractor::ZERO_EXPONENT) times ω10 or
-    /// ω1, after so long that one beyond them would have made the variation grow or shrink by e²⁰.
+    /// ω1, after a time in which an exponent beyond them would have changed the variation by e²⁰.
     Zero,
-    /// Not known.
+    /// Unknown.
     Undecided,
 }
 
 impl LargestExponent {
-    /// What is known of the sign.
+    /// The sign at a machine's threshold.
     pub fn sign(&self, p: &Parameters) -> ExponentSign {
         self.sign_beyond(zero_exponent(p), p.period())
     }
 
-    /// The same for a threshold in 1/s and a period in s.
+    /// The sign at a threshold in 1/s, for a period in s.
     pub(crate) fn sign_beyond(&self, threshold: f64, period: f64) -> ExponentSign {
         let time = f64::from(self.periods) * period;
         let clear = self.value.abs() - CONFIDENCE * self.error > threshold;
@@ -93,18 +93,18 @@ impl LargestExponent {
     }
 }
 
-/// The logarithms of a variation's growth, in blocks of [`BLOCK`] periods.
+/// Logarithms of a variation's growth, in blocks of [`BLOCK`] periods.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Growth {
-    /// In the block so far.
+    /// Growth in the current block.
     own: f64,
-    /// Blocks that are over, and the sums of the growth in those that count and of its square.
+    /// Number of completed blocks; sums of the growth in counted blocks and of its square.
     blocks: u32,
     sums: [f64; 2],
 }
 
 impl Growth {
-    /// The variation has grown by this, as a logarithm.
+    /// Adds to the current block the logarithm of a growth.
     pub(crate) fn add(&mut self, logarithm: f64) {
         self.own += logarithm;
     }
@@ -119,7 +119,7 @@ impl Growth {
         self.own = 0.0;
     }
 
-    /// The exponent from the blocks so far, each of this many seconds.
+    /// The exponent from the completed blocks, each of this many seconds.
     pub(crate) fn exponent(&self, block: f64) -> LargestExponent {
         let counted = self.blocks.saturating_sub(ALIGN);
         let (count, periods) = (f64::from(counted.max(1)), counted * BLOCK);
@@ -132,8 +132,7 @@ impl Growth {
         LargestExponent { value: mean / block, error: error / block, periods }
     }
 
-    /// Whether the exponent's sign is decided beyond a threshold in 1/s, or it has been counted
-    /// over `most` periods.
+    /// Whether the exponent's sign is decided at a threshold in 1/s, or `most` periods are counted.
     pub(crate) fn is_decided(&self, block: f64, threshold: f64, most: u32) -> bool {
         let LargestExponent { value, error, periods } = self.exponent(block);
         let clear = value.abs() - CONFIDENCE * error > threshold;
@@ -142,18 +141,18 @@ impl Growth {
     }
 }
 
-/// One variation of a motion and the logarithms of its growth.
+/// A variation of a motion, with the logarithms of its growth.
 #[derive(Debug)]
 pub(crate) struct Tangent {
     parameters: Parameters,
-    /// Made at the first event, and made ready for other parameters at the first event with them.
+    /// Created at the first event, and prepared for other parameters at the first event with them.
     variation: Option<SingleVariation>,
     ready: bool,
     v: Augmented,
     mode: SmoothMode,
-    /// Up to where the variation has come, s.
+    /// Time up to which the variation is carried, s.
     time: f64,
-    /// The length of a block and the end of the one under way, s.
+    /// Length of a block and end of the current one, s.
     block: f64,
     block_end: f64,
     growth: Growth,
@@ -176,8 +175,8 @@ impl Default for Tangent {
 }
 
 impl Tangent {
-    /// Begins at `time`, s, with a motion that is in this mode. The first block begins at `from`,
-    /// s, which may be some time before.
+    /// Begins at `time`, s, with a motion in a mode. The first block begins at `from`, s, which may
+    /// be earlier.
     pub(crate) fn begin(&mut self, parameters: &Parameters, mode: SmoothMode, (from, time): (f64, f64)) {
         // In general position, as `generic_frame`.
         const START: Augmented = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.0, 0.0];
@@ -190,7 +189,8 @@ impl Tangent {
         self.growth = Growth::default();
     }
 
-    /// Carries the variation to an event and through its jump. `after` is the state after its law.
+    /// Carries the variation to an event and through its jump. `after` is the state after the
+    /// event's law.
     pub(crate) fn event(&mut self, event: &Event, after: &Augmented) {
         match *event {
             Event::Impact { time, side, speed, .. } => {
@@ -200,7 +200,7 @@ impl Tangent {
                 self.carry(time, None);
                 self.mode = SmoothMode::Flight;
             }
-            // Together with the impact before it: what is left of the chatter takes no time.
+            // Acts with the impact before it: the rest of the chatter takes no time.
             Event::Rest { .. } => {
                 if let Some(variation) = &self.variation {
                     variation.merge(&mut self.v);
@@ -210,7 +210,7 @@ impl Tangent {
         }
     }
 
-    /// Carries the variation to `end`, s, where blocks end too.
+    /// Carries the variation to `end`, s, at which a block ends.
     pub(crate) fn end_block(&mut self, end: f64) {
         self.carry(end, None);
         if end > self.block_end - 0.5 * self.block {
@@ -235,7 +235,7 @@ impl Tangent {
         };
         let span = (time - self.time).max(0.0);
         self.time = time;
-        // More than one beside a drive that is slower than the dampers by far.
+        // More than one part only beside a drive that is far slower than the dampers.
         let parts = (span * variation.rate() / LOOKED).ceil().max(1.0);
         for part in 1..=parts as u64 {
             let Some(variation) = &mut self.variation else { return };
@@ -257,13 +257,13 @@ impl Tangent {
         }
     }
 
-    /// The square of the variation's length, to which the drive's phase adds nothing.
+    /// Square of the variation's length, to which the drive's phase contributes nothing.
     fn square(&self) -> f64 {
         let [a, b, c, d, e, f, ..] = self.v.map(|x| x * x);
         (a + b) + (c + d) + (e + f)
     }
 
-    /// Makes the length one; a variation without length has shrunk by all.
+    /// Makes the length one; a variation of length zero has growth -∞.
     fn scale(&mut self, length: f64) {
         self.growth.add(length.ln());
         let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
@@ -272,17 +272,17 @@ impl Tangent {
         }
     }
 
-    /// The exponent from the blocks so far.
+    /// The exponent from the completed blocks.
     pub(crate) fn exponent(&self) -> LargestExponent {
         self.growth.exponent(self.block)
     }
 
-    /// Whether the exponent is positive for certain.
+    /// Whether the exponent is certainly positive.
     pub(crate) fn is_positive(&self) -> bool {
         self.growth.sums[0] > 0.0 && self.is_decided(u32::MAX)
     }
 
-    /// Whether the exponent's sign is decided, or it has been counted over `most` periods.
+    /// Whether the exponent's sign is decided, or `most` periods are counted.
     pub(crate) fn is_decided(&self, most: u32) -> bool {
         self.growth.is_decided(self.block, zero_exponent(&self.parameters), most)
     }

@@ -1,26 +1,34 @@
-//! What motions of the vibro-impact machine do: settled motions and their classes, Lyapunov
+//! Studies of motions of vibro-impact machines: settled motions and their classes, Lyapunov
 //! exponents, sweeps, basins, planes, and steady states along a parameter.
 //!
-//! Every study is a function from a [`ParameterSet`] and a request to plain data. Nothing is
-//! printed or written here, and results depend neither on the number of threads nor on how a study
-//! is divided.
+//! A study is a function from a machine and a request to plain data. Nothing is printed or written
+//! here. The result depends neither on the number of threads nor on how a study is divided into
+//! parts: whoever changes a study keeps that, and shows it by a test that compares divided with
+//! whole work.
+//!
+//! A new study has a request that serde can write, a function that takes it with a
+//! [`parts::Task`], and a number of parts that depends on the request alone; the command line keeps
+//! it as a kind of its long studies. A new measure is a variant of [`measures::Measure`] with name,
+//! unit and description, and its value over a window; that of a described machine likewise in
+//! [`assembly::Measure`]. Limits and thresholds by which a verdict is decided are those of
+//! docs/studies.md: they change together with their reasons there.
 //!
 //! | module | what it computes | what its tests hold it against |
 //! |---|---|---|
-//! | [`assembly`] | the same studies of described machines | the 3-DOF core on the paper's machine; closed forms |
+//! | [`assembly`] | these studies of described machines | the 3-DOF core on the paper's machine; closed forms |
 //! | [`ParameterSet`] | physical parameters and dimensionless groups by name, kept in step | conversion there and back |
 //! | [`stroboscopic`] | states at whole drive periods in units of L and L ω10 | – |
 //! | [`motion`] | a motion as samples cut at impacts, its amplitudes and maxima | amplitudes of the exact orbit |
-//! | `smooth_pieces` | the smooth pieces of a motion and what ends them | through `measures` and `lyapunov` |
+//! | `smooth_pieces` | the smooth pieces of a motion with the events that end them | through `measures` and `lyapunov` |
 //! | [`maxima`] | local maxima of X2, from the flow | amplitude of the exact orbit; interpolated samples; closed forms of a free block and of one mode |
 //! | `variation` | transition matrices of variations, jumps at impacts | through `lyapunov` |
 //! | `largest_exponent` | the largest exponent of many motions, from their events | the seven exponents; multipliers of the exact orbit |
 //! | `settling` | when a motion has settled on a period | made-up sequences; planes and basins without it |
 //! | [`lyapunov`] | the seven Lyapunov exponents | a linear system; multipliers of the exact orbit; divergence and determinants |
 //! | [`attractor`] | period, impacts, symmetry and class of a settled motion | constructed sequences; the stable exact orbit; the limit without impacts |
-//! | [`verdict`] | what a motion is, followed until that is decided | motions with known ends; chaos from many starts |
+//! | [`verdict`] | the class of a motion, which is followed until it is decided | motions with known ends; chaos from many starts |
 //! | [`statistics`] | means of motion without a period, and whether two such motions are one attractor | closed forms; chaos from many starts, mirror images |
-//! | [`trajectories`] | many independent motions side by side: transient, maxima, what they settle on | the same motions one by one; statistics in chaos |
+//! | [`trajectories`] | many independent motions side by side: transient, maxima, attractors | the same motions one by one; statistics in chaos |
 //! | [`parts`] | long studies in parts, shared and continued | interrupted and divided work against whole work |
 //! | [`bifurcation`] | maxima, classes and exponents over one parameter, both directions | exact orbit and its limits of stability (tests of `vibro`) |
 //! | [`basin`] | attractors over two initial values | single simulations (tests of `vibro`) |
@@ -41,7 +49,8 @@
 //! use vibro_analysis::verdict::verdict;
 //! use vibro_analysis::{ParameterSet, find_group};
 //!
-//! // The default set settles on a motion with the drive's period and one impact at each stop; a stronger drive makes chaos.
+//! // The default set settles on a motion with the drive's period and one impact at each stop; a
+//! // stronger drive makes chaos.
 //! let p = *ParameterSet::basic().parameters();
 //! let attractor = observe(&mut settled_simulator(&p, &moving_block(&p), 400.0)?)?;
 //! assert_eq!((attractor.period, attractor.impacts), (Some(1), [1.0, 1.0]));

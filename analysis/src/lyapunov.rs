@@ -1,9 +1,9 @@
-//! The seven Lyapunov exponents: six coordinates and the phase of the drive, whose exponent is
-//! exactly zero.
+//! Spectrum of seven Lyapunov exponents: of six coordinates, and of the drive's phase, whose
+//! exponent is exactly zero.
 //!
-//! Between events the variations are propagated by exact transition matrices, at impacts they jump
-//! (docs/theory.md (84)), and once a drive period, and before dampers and impacts have made some of
-//! them too small beside others, they are made orthonormal (docs/theory.md (85); paper, section 4).
+//! Between events the variations are propagated by exact transition matrices, and at impacts they
+//! jump (docs/theory.md (84)). They are made orthonormal once a drive period, and before dampers
+//! and impacts make some of them too small beside others (docs/theory.md (85); paper, section 4).
 //! Where the block comes to rest, its relative motion is lost: two directions become zero, and
 //! their exponents are -∞ from then on. An impact with κ = 0 makes one direction zero.
 //!
@@ -12,15 +12,16 @@
 //! use vibro_impact::{Parameters, Simulator, State};
 //!
 //! let start = State { x: [0.0; 3], v: [0.0, 1.0, 0.0] };
-//! let mut simulator = Simulator::new(&Parameters::default(), &start, 0.0)?.without_energy_accounts();
-//! simulator.advance_to(400.0 * Parameters::default().period())?; // onto the stable two-impact motion
+//! let p = Parameters::default();
+//! let mut simulator = Simulator::new(&p, &start, 0.0)?.without_energy_accounts();
+//! simulator.advance_to(400.0 * p.period())?; // onto the stable two-impact motion
 //! let found = spectrum(&mut simulator, &SpectrumOptions::default())?;
 //! assert!(found.exponents[0].abs() < 1e-9 && found.exponents[1] < 0.0);
 //! # Ok::<(), vibro_analysis::Error>(())
 //! ```
 
 use super::error::Result;
-use super::smooth_pieces::{Piece, PieceEnd, smooth_pieces};
+use super::smooth_pieces::{PieceEnd, SmoothPiece, smooth_pieces};
 use super::variation::{DIMENSION, Frame, Rank, Variation, generic_frame, on_circle, orthonormalize};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
@@ -30,22 +31,23 @@ use vibro_impact::simulator::Simulator;
 /// Drive periods between two checks of the running deviation.
 const CHECK: u32 = 10;
 
-/// How a spectrum is computed.
+/// Options of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpectrumOptions {
-    /// Periods in which the variations turn into their directions before anything is counted.
+    /// Periods in which the variations align with their directions before growth counts.
     pub align: u32,
-    /// Most periods counted (1500 in the paper).
+    /// Most counted periods (1500 in the paper).
     pub periods: u32,
-    /// The computation ends when the standard deviation of every running exponent over this many
-    /// last periods …
+    /// Number of last periods over which the deviation of the running exponents is taken. The
+    /// computation ends when it is under `threshold` for every exponent.
     pub window: u32,
-    /// … is under this, 1/s. Zero: never before all periods are done.
+    /// Standard deviation of running exponents that ends the computation, 1/s; 0 counts all
+    /// periods.
     pub threshold: f64,
 }
 
 impl Default for SpectrumOptions {
-    /// 1500 periods after 50, all of them.
+    /// All 1500 periods after 50.
     fn default() -> Self {
         Self { align: 50, periods: 1500, window: 200, threshold: 0.0 }
     }
@@ -56,22 +58,22 @@ impl Default for SpectrumOptions {
 pub struct Spectrum {
     /// The exponents, largest first, 1/s; -∞ for directions lost in rest.
     pub exponents: [f64; DIMENSION],
-    /// Largest standard deviation of the running exponents over the last window, 1/s (those at -∞
-    /// left out).
+    /// Largest standard deviation of the running exponents over the last window, 1/s, without those
+    /// at -∞.
     pub deviation: f64,
-    /// Periods counted.
+    /// Counted periods.
     pub periods: u32,
-    /// Whether the deviation ended the computation.
+    /// Whether the computation ended by its threshold.
     pub settled: bool,
-    /// Impacts in these periods.
+    /// Impacts in the counted periods.
     pub impacts: u64,
     /// Whether the block rested.
     pub rests: bool,
 }
 
 impl Spectrum {
-    /// The largest exponent beside that of the drive's phase, 1/s, which is zero: the exponent
-    /// nearest to zero is left out. What is left is the same on a torus, where two are zero.
+    /// Largest exponent besides the zero of the drive's phase, 1/s: the exponent nearest to zero is
+    /// left out. On a torus, where two are zero, either may be.
     pub fn largest_beside_phase(&self) -> f64 {
         let phase =
             (0..DIMENSION).min_by(|&i, &j| self.exponents[i].abs().total_cmp(&self.exponents[j].abs()));
@@ -80,20 +82,20 @@ impl Spectrum {
     }
 }
 
-/// Variations are made orthonormal when dampers and impacts may have made one e¹² times as small as
-/// another: what is lost to rounding is then ten digits at most away.
+/// Logarithm of the ratio of variations at which they are made orthonormal: rounding then takes at
+/// most ten digits of the smaller one.
 const SMALLER: f64 = 12.0;
 
-/// A spectrum and its values on the way.
+/// A spectrum with its convergence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
-    /// The outcome.
+    /// The final spectrum.
     pub spectrum: Spectrum,
-    /// The running exponents after each period counted, in the order of the directions, 1/s.
+    /// Running exponents after each counted period, in the order of the directions, 1/s.
     pub running: Vec<[f64; DIMENSION]>,
 }
 
-/// The spectrum of the motion from the present on; the transient is the caller's to discard.
+/// The spectrum of the motion from the present on. The caller has discarded the transient.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`]; [`Error::Undefined`] without a drive, which sets the period.
@@ -109,9 +111,9 @@ pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Resu
     convergence_while(simulator, options, &mut || true)
 }
 
-/// As [`convergence`], as long as `go_on`, which is asked before each drive period, says so: for a
-/// computation that a person may break off, and to show how far it is. What was counted until then
-/// is the outcome.
+/// [`convergence`] that counts while `go_on`, which is called before each drive period, returns
+/// true: for a progress display, and for a computation that a person may interrupt. Returns what
+/// was counted until then.
 ///
 /// # Errors
 /// As [`spectrum`].
@@ -136,8 +138,8 @@ pub fn convergence_while(
         frame: generic_frame(&simulator.augmented()),
         rank: DIMENSION,
         logs: [0.0; DIMENSION],
-        // Energy falls no faster than all of it would be kinetic in the body with the strongest
-        // damper, and an impact turns w' and takes κ.
+        // Energy falls at most as fast as if all of it were kinetic in the body with the strongest
+        // damper; an impact multiplies w' by -κ.
         decay: (p.box_damping / p.box_mass).max(p.secondary_damping / p.secondary_mass),
         impact: if p.stop_restitution > 0.0 { -2.0 * p.stop_restitution.ln() } else { 0.0 },
         taken: 0.0,
@@ -178,8 +180,8 @@ pub fn convergence_while(
     Ok(Convergence { spectrum: Spectrum { exponents, deviation, periods, settled, impacts, rests }, running })
 }
 
-/// The spectrum with its running values in units of ω10, i.e. per unit of the dimensionless time τ;
-/// the threshold too.
+/// The spectrum with its running values in units of ω10, per unit of the dimensionless time τ; so
+/// is the threshold.
 ///
 /// # Errors
 /// As [`spectrum`]; [`Error::Undefined`] without a spring between box and ground, since ω10 is
@@ -199,27 +201,27 @@ pub fn dimensionless(simulator: &mut Simulator, options: &SpectrumOptions) -> Re
     Ok(found)
 }
 
-/// The variations of a motion and the logarithms of their growth.
+/// Variations of a motion, with the logarithms of their growth.
 struct Tangent {
     variation: Variation,
     frame: Frame,
-    /// Directions that are not zero.
+    /// Number of directions that are not zero.
     rank: usize,
     /// Logarithms of the growth so far.
     logs: [f64; DIMENSION],
-    /// By how much dampers may shrink a variation beside others in a second, and an impact, as
-    /// logarithms.
+    /// Logarithms of the largest reduction of a variation relative to others by dampers in a
+    /// second, and by an impact.
     decay: f64,
     impact: f64,
-    /// By how much both may have done so since the variations were made orthonormal.
+    /// Sum of these reductions since the variations were made orthonormal.
     taken: f64,
-    /// Of the drive, rad/s.
+    /// Frequency of the drive, rad/s.
     frequency: f64,
 }
 
 impl Tangent {
     /// Carries the variations along a piece and through the event at its end.
-    fn carry(&mut self, piece: &Piece) {
+    fn carry(&mut self, piece: &SmoothPiece) {
         let loss = self.decay * piece.span;
         let phase = piece.start[DRIVE_SIN].atan2(piece.start[DRIVE_COS]);
         if self.taken > 0.0 && self.taken + loss > SMALLER {
@@ -228,10 +230,10 @@ impl Tangent {
         let parts = (loss / SMALLER).ceil().max(1.0);
         let span = piece.span / parts;
         for part in 1..parts as u64 {
-            self.variation.propagate(&mut self.frame, &Piece { span, end: PieceEnd::End, ..*piece });
+            self.variation.propagate(&mut self.frame, &SmoothPiece { span, end: PieceEnd::End, ..*piece });
             self.renormalize_at(phase + self.frequency * span * part as f64);
         }
-        let rank = self.variation.propagate(&mut self.frame, &Piece { span, ..*piece });
+        let rank = self.variation.propagate(&mut self.frame, &SmoothPiece { span, ..*piece });
         self.taken += self.decay * span;
         if matches!(piece.end, PieceEnd::Impact { .. }) {
             self.taken += self.impact;
@@ -242,19 +244,19 @@ impl Tangent {
         } else if let PieceEnd::Impact { after, .. } = &piece.end
             && self.taken + 2.0 * self.growth() > SMALLER
         {
-            // A slow impact makes one variation long, and by as much another one short.
+            // A slow impact makes one variation long, and another one shorter by the same factor.
             self.renormalize_at(after[DRIVE_SIN].atan2(after[DRIVE_COS]));
         }
     }
 
-    /// The logarithm of the longest variation since they were made orthonormal.
+    /// Logarithm of the longest variation since they were made orthonormal.
     fn growth(&self) -> f64 {
         let squares = self.frame.iter().map(|v| v.iter().map(|x| x * x).sum::<f64>());
         0.5 * squares.fold(1.0, f64::max).ln()
     }
 
-    /// Makes the variations orthonormal at a phase of the drive, without what rounding has put
-    /// beside the circle.
+    /// Makes the variations orthonormal at a phase of the drive, without the part of it that is
+    /// rounding off the unit circle.
     fn renormalize_at(&mut self, phase: f64) {
         let (sine, cosine) = phase.sin_cos();
         on_circle(&mut self.frame, (cosine, sine));
@@ -275,8 +277,8 @@ impl Tangent {
     }
 }
 
-/// The largest standard deviation of a running exponent over the last `window` periods, those at -∞
-/// left out.
+/// Largest standard deviation of a running exponent over the last `window` periods, without those
+/// at -∞.
 fn deviation(running: &[[f64; DIMENSION]], window: u32) -> f64 {
     let last = &running[running.len().saturating_sub(window as usize)..];
     let count = last.len().max(1) as f64;

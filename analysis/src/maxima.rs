@@ -1,8 +1,10 @@
-//! Local maxima of a displacement (x1, x2, x3, w or any sum of them with weights), as the simulator
-//! reports them: found from the flow and not from samples, at smooth tops and at corners where an
-//! impact reverses the rate. In the motion with two symmetric impacts a period every maximum of x2
-//! is such a corner. A maximum that lasts, of w while the block rests at the upper stop, counts
-//! once, where it ends.
+//! Local maxima of a displacement (x1, x2, x3, w or a weighted sum of x1, x2, x3) as the simulator
+//! reports them.
+//!
+//! They are found from the flow, not from samples: at smooth tops and at corners where an impact
+//! reverses the rate. In the motion with two symmetric impacts a period every maximum of x2 is such
+//! a corner. A maximum of w that lasts, while the block rests at the upper stop, counts once, where
+//! it ends.
 
 use super::error::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -11,7 +13,7 @@ use vibro_impact::model::Augmented;
 pub use vibro_impact::simulator::Maximum;
 use vibro_impact::simulator::{Contact, Event, MotionQueue, Plan, Reports, Simulator, State, advance_queue};
 
-/// A displacement: a coordinate, or a sum of them with weights.
+/// A displacement: a coordinate, or a weighted sum of coordinates.
 ///
 /// ```
 /// use vibro_analysis::maxima::Displacement;
@@ -36,10 +38,10 @@ pub enum Displacement {
 }
 
 impl Displacement {
-    /// The coordinates that have names.
+    /// Coordinates with names.
     pub const NAMED: [Self; 4] = [Self::X1, Self::X2, Self::X3, Self::W];
 
-    /// The weights of x1, x2 and x3.
+    /// Weights of x1, x2 and x3.
     pub fn weights(self) -> [f64; 3] {
         match self {
             Self::X1 => [1.0, 0.0, 0.0],
@@ -50,12 +52,12 @@ impl Displacement {
         }
     }
 
-    /// Its name in tables, in units of L: `X1`, `X2`, `X3`, `W` or `sum`.
+    /// Name in tables, in units of L: `X1`, `X2`, `X3`, `W` or `sum`.
     pub fn name(self) -> &'static str {
         ["X1", "X2", "X3", "W", "sum"][self.index()]
     }
 
-    /// Its symbol in pictures, in units of L.
+    /// Symbol in pictures, in units of L.
     pub fn symbol(self) -> &'static str {
         ["X₁", "X₂", "X₃", "W", "aX₁ + bX₂ + cX₃"][self.index()]
     }
@@ -74,7 +76,7 @@ impl Displacement {
 impl std::str::FromStr for Displacement {
     type Err = Error;
 
-    /// Reads `x1`, `x2`, `x3` or `w`, in either case.
+    /// Parses `x1`, `x2`, `x3` or `w`, in either case.
     fn from_str(text: &str) -> Result<Self> {
         let named = Self::NAMED.into_iter().find(|d| d.name().eq_ignore_ascii_case(text.trim()));
         named.ok_or_else(|| Error::Form { text: text.into(), expected: "one of x1, x2, x3, w" })
@@ -87,22 +89,22 @@ impl std::fmt::Display for Displacement {
     }
 }
 
-/// What happened in one drive period.
+/// Record of one drive period.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeriodRecord {
-    /// The state at its end.
+    /// State at the end.
     pub state: State,
-    /// Local maxima of the displacement asked for, in order.
+    /// Local maxima of the requested displacement, in order.
     pub maxima: Vec<Maximum>,
-    /// Impacts in order: whether at the upper stop.
+    /// Impacts in order; true for the upper stop.
     pub impacts: Vec<bool>,
     /// Whether the block rested at a stop at any time.
     pub rests: bool,
 }
 
 /// Calls `visit` with a record of each of the next drive periods of a motion without loads, with
-/// the maxima of a displacement. The record is reused, so `visit` copies what it needs. No energy
-/// accounts are kept from now on.
+/// the maxima of a displacement. The record is reused, so `visit` copies what it needs. Energy
+/// accounts end here.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`], and [`vibro_impact::Error::OutOfRange`] under loads.
@@ -128,13 +130,13 @@ pub fn record_periods(
     queue.result
 }
 
-/// One motion, its reports divided into periods.
+/// One motion, with its reports divided into periods.
 struct Periods<'a> {
     plan: Option<Plan>,
     reports: Reports,
     resting: bool,
     period: PeriodRecord,
-    /// Maxima that were reported before the end of the period that they do not belong to.
+    /// Maxima reported before the end of a period that belong to the next one.
     later: Vec<Maximum>,
     visit: &'a mut dyn FnMut(&PeriodRecord),
     result: vibro_impact::Result<()>,
@@ -188,9 +190,9 @@ mod tests {
     use vibro_impact::Parameters;
     use vibro_impact::steady::exact_orbit;
 
-    /// The transient has died out to this part of L.
+    /// Remainder of the transient in parts of L.
     const SETTLED: f64 = 1e-9;
-    /// Cubic interpolation between 128 samples a period (see `motion`).
+    /// Error of cubic interpolation between 128 samples a period (see `motion`).
     const INTERPOLATION: f64 = 1e-7;
 
     fn at(f10: f64, kappa: f64) -> Parameters {
@@ -213,7 +215,7 @@ mod tests {
 
     #[test]
     fn second_method_maxima_by_interpolated_samples() {
-        // In chaos, with many impacts, and with rest; few periods, since chaos multiplies the
+        // In chaos, with many impacts, and with rest; only few periods, since chaos amplifies the
         // rounding of the samples' steps.
         const PERIODS: u32 = 6;
         for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (4.5, 0.9), (3.0, 0.0), (2.0, 0.3)] {
@@ -281,7 +283,7 @@ mod tests {
         }
     }
 
-    /// At a release the rate of w is rounding. At the lower stop that is no maximum, and no turn is
+    /// At a release the rate of w is rounding: at the lower stop that is no maximum, and no turn is
     /// found twice.
     #[test]
     fn invariant_a_release_from_the_lower_stop_is_no_maximum_of_w() {
@@ -308,8 +310,8 @@ mod tests {
 
     #[test]
     fn closed_form_of_a_free_block() {
-        // Without spring the block's speed is constant in flight: every maximum is a corner at the
-        // upper stop, where the box carries it.
+        // Without a spring the block's speed is constant in flight: every maximum is a corner at
+        // the upper stop, where the box carries it.
         let groups = vibro_impact::Groups { beta2: 0.0, alpha23: 0.0, ..vibro_impact::Groups::basic() };
         let p = groups.to_parameters(vibro_impact::Scales::default()).unwrap();
         let mut simulator = settled_simulator(&p, &moving_block(&p), 40.0).unwrap();
@@ -324,8 +326,8 @@ mod tests {
 
     #[test]
     fn closed_form_of_a_small_swing_between_the_stops() {
-        // Not driven and never at a stop: x2 is the sum of two undamped modes; here one alone, at
-        // the symmetric pair of block and secondary oscillator held together by k3 = 0.
+        // Without drive and stops x2 is the sum of two undamped modes. Here only one of them moves:
+        // block and secondary oscillator as a symmetric pair, with k3 = 0.
         let groups = vibro_impact::Groups { f10: 0.0, gamma3: 0.0, ..vibro_impact::Groups::basic() };
         let mut p = groups.to_parameters(vibro_impact::Scales::default()).unwrap();
         p.secondary_stiffness = 0.0;

@@ -1,11 +1,10 @@
-//! What is read off a settled motion: amplitudes, root mean squares, impacts, powers, class,
-//! exponent.
+//! Measures of a settled motion: amplitudes, root mean squares, impacts, powers, class, exponent.
 //!
-//! All of it comes from one pass over the smooth pieces of the motion, along which the flow's
-//! series are known: extrema lie at the ends of a piece or where a rate passes zero, which
+//! They come from one pass over the smooth pieces of the motion, along which the flow's series are
+//! known. Extrema lie at the ends of a piece or where a rate is zero, which
 //! [`turns`](vibro_impact::events::turns) proves; squares are integrated by a Gauss rule whose
-//! error is under round-off. Losses at impacts and the work of the drive are the simulator's
-//! accounts, the losses in a damper its coefficient times the mean square of its rate.
+//! error is below round-off. Losses at impacts and the work of the drive are the simulator's
+//! accounts; the loss in a damper is its coefficient times the mean square of its rate.
 //!
 //! ```
 //! use vibro_analysis::measures::{Measure, measure};
@@ -33,7 +32,7 @@ use crate::smooth_pieces::{PieceEnd, smooth_pieces};
 use crate::trajectories::Start;
 use crate::verdict::verdict;
 use extent::Extent;
-use parts::{Parts, Seen, whole};
+use parts::{Observation, Parts, whole};
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
 use vibro_impact::flow::expand_along;
@@ -41,46 +40,45 @@ use vibro_impact::model::Model;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Simulator;
 
-/// What was read off one motion.
+/// Measures of one motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// A number for each measure, in their order and units; `None` for the class, and for a closed
-    /// form that has no value.
+    /// Value of each measure, in order and in the measure's unit; `None` for the class, and for a
+    /// closed form without a value.
     pub numbers: Vec<Option<f64>>,
-    /// By how much each number would scatter from one window of this length to the next: the
-    /// standard deviation that the six parts of this one give, each a whole number of periods of a
-    /// motion that repeats. 0 for what is exact, and for regular motion but for rounding.
-    /// docs/studies.md, (N4) and (N5).
+    /// Scatter of each value between windows of this length: the standard deviation found from the
+    /// six parts of this window, each a whole number of periods of a motion that repeats. 0 for
+    /// exact values, and rounding for regular motion. docs/studies.md, (N4) and (N5).
     pub spreads: Vec<f64>,
-    /// The class, where it was asked for.
+    /// Class, where it was requested.
     pub class: Option<MotionClass>,
-    /// The first number that goes one way from part to part, by its place; a place behind the last
-    /// where something else that forces depend on does: the motion has not settled.
+    /// Index of the first value that drifts from part to part, so that the motion has not settled;
+    /// the number of measures where only another quantity does on which forces depend.
     pub unsettled: Option<usize>,
 }
 
-/// Impacts of a window.
+/// Impacts in a window.
 #[derive(Clone, Copy, Debug, Default)]
 struct Impacts {
-    /// At the upper and at the lower stop.
+    /// Numbers at the upper and at the lower stop.
     counts: [u32; 2],
-    /// Largest |w'| before one, m/s.
+    /// Largest |w'| before an impact, m/s.
     speed: f64,
     /// Largest impulse, N·s.
     impulse: f64,
 }
 
-/// Parts of a window, by which the spread of its numbers is found, where it has as many drive
-/// periods.
+/// Parts into which a window is divided to find the spread of its values, where it has that many
+/// drive periods.
 pub(crate) const PARTS: u32 = 6;
 
 /// A window of whole drive periods.
 #[derive(Clone, Debug)]
 struct Window {
-    /// Of the coordinates that the measures need.
+    /// Extents of the coordinates that the measures need.
     extents: Vec<Extent>,
     impacts: Impacts,
-    /// Its length, s.
+    /// Length, s.
     duration: f64,
     /// Work of the drive and energy lost at impacts, J.
     energy: [f64; 2],
@@ -88,8 +86,8 @@ struct Window {
 }
 
 /// Measures a motion without loads, other than the constant ones of its parameters, over the next
-/// `periods` drive periods; class and exponent over those that follow. The transient is the
-/// caller's to discard. [`Measure::PowerInput`] needs a simulator with energy accounts.
+/// `periods` drive periods, and class and exponent over the periods after these. The caller has
+/// discarded the transient. [`Measure::PowerInput`] needs a simulator with energy accounts.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`]; [`Error::Undefined`] without a drive, which sets the period.
@@ -105,7 +103,7 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
     let wants = |sought: Measure| measures.contains(&sought);
     let (mut class, mut exponent) = (None, None);
     if wants(Measure::Class) {
-        // At time 0 the drive has the phase that it has now.
+        // At time 0 of the new motion the drive has its present phase.
         let parameters = Parameters { drive_phase: simulator.drive_phase(), ..p };
         let start = Start { parameters, state: simulator.state() };
         class = Some(verdict(&start, 0)?.class);
@@ -124,7 +122,7 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
     };
     let numbers = measures.iter().map(number).collect();
     let spreads = measures.iter().map(|measure| spread(&parts, *measure, &p)).collect();
-    let goes = |measure: &Measure| is_of_window(measure) && is_on_its_way(&of_parts(&parts, *measure, &p));
+    let goes = |measure: &Measure| is_of_window(measure) && is_drifting(&of_parts(&parts, *measure, &p));
     Ok(Measured { numbers, class, spreads, unsettled: measures.iter().position(goes) })
 }
 
@@ -133,9 +131,10 @@ fn undefined(name: &'static str, needed_by: &'static str) -> Error {
     Error::Undefined { name, value: 0.0, needed_by, allowed }
 }
 
-/// The amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i
-/// c1 ω1|, the periodic solution of docs/theory.md (3) without block and coupling; under a constant
-/// load on the box, which shifts its middle, the largest |x1|.
+/// Amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1
+/// ω1|, the periodic solution of docs/theory.md (3) without block and coupling. Under a constant
+/// load on the box, which shifts its middle, it is the largest |x1|. load on the box, which shifts
+/// its middle, the largest |x1|.
 ///
 /// # Errors
 /// [`Error::Undefined`] at the resonance of a box without damping.
@@ -151,17 +150,17 @@ pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error
     }
 }
 
-/// Whether a measure is read off the window: not the class, the exponent, the closed form.
+/// Whether a measure is read off the window; false for the class, the exponent, the closed form.
 pub(crate) fn is_of_window(measure: &Measure) -> bool {
     !matches!(measure, Measure::Class | Measure::Exponent | Measure::AmplitudeWithoutBlock)
 }
 
-/// The number of a measure in each part.
+/// Value of a measure in each part.
 fn of_parts(parts: &[Window], measure: Measure, p: &Parameters) -> Vec<f64> {
     parts.iter().map(|part| part.number(measure, p)).collect()
 }
 
-/// The spread of a measure over windows as long as these parts together.
+/// Spread of a measure over windows as long as these parts together.
 fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
     let numbers = of_parts(parts, measure, p);
     match measure {
@@ -172,60 +171,61 @@ fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
     }
 }
 
-/// The spread of a number that a window's parts have, over windows as long as these parts together.
-/// An extreme of a long window scatters as that of a part does, since the scale of the limit law of
-/// extremes does not depend on the number of parts, docs/studies.md (N4); a mean by as much less as
-/// there are more of them, (N5). A number that goes one way from part to part is on its way, (N8).
+/// Spread of a value over windows as long as these parts together, from its values in the parts. An
+/// extreme of a long window scatters as that of a part does, since the scale of the limit law of
+/// extremes does not depend on the number of parts, docs/studies.md (N4); a mean scatters less by
+/// the root of the number of parts, (N5). A value that is monotone from part to part is still
+/// drifting, (N8).
 pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if numbers.len() < 2 {
         return 0.0;
     }
-    let way = way_to_go(numbers).unwrap_or(0.0);
+    let way = drift(numbers).unwrap_or(0.0);
     if is_extreme {
         return deviation(numbers).max(way);
     }
-    // Parts that follow each other are not independent; pairs are less dependent than single ones.
+    // Neighbouring parts are not independent; pairs of them are less dependent.
     let pairs: Vec<f64> = numbers.chunks_exact(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     let error = |of: &[f64]| deviation(of) / (of.len() as f64).sqrt();
     let scatter = if pairs.len() < 2 { error(numbers) } else { error(numbers).max(error(&pairs)) };
     scatter.max(way)
 }
 
-/// Least parts that show a way.
-const WAY: usize = 5;
-/// A step of a way is at most as many times as large as the one before.
-const EVEN: f64 = 1.01;
-/// What would still come is counted by a ratio of steps up to this.
-const SLOWEST: f64 = 0.9;
-/// A way of this part of a number and less is not worth a word.
-const WORTH: f64 = 1e-3;
+/// Least number of parts that show a drift.
+const DRIFT_PARTS: usize = 5;
+/// Largest ratio of successive steps of a drift.
+const STEP_GROWTH: f64 = 1.01;
+/// Largest ratio of steps by which the rest of a drift is extrapolated.
+const SLOWEST_DECAY: f64 = 0.9;
+/// Size of a drift relative to the value up to which it is ignored.
+const NEGLIGIBLE: f64 = 1e-3;
 
-/// How far a number that rises or falls from each part to the next, by steps that do not grow, has
-/// come and, by the ratio of its last two steps, would still go; `None` where it does not. Numbers
-/// without an order do so once in some ten thousand times.
-fn way_to_go(numbers: &[f64]) -> Option<f64> {
+/// Drift of a value that is monotone over the parts with steps that do not grow: its change so far
+/// and the change still to come, extrapolated by the ratio of the last two steps; `None` for other
+/// values. Values in random order drift so once in some ten thousand times.
+fn drift(numbers: &[f64]) -> Option<f64> {
     let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let [.., before, last] = steps[..] else { return None };
     let is_way = steps.iter().all(|step| step * last > 0.0)
-        && steps.windows(2).all(|pair| pair[1].abs() <= EVEN * pair[0].abs());
-    let ratio = (last / before).min(SLOWEST);
+        && steps.windows(2).all(|pair| pair[1].abs() <= STEP_GROWTH * pair[0].abs());
+    let ratio = (last / before).min(SLOWEST_DECAY);
     let way = (numbers[numbers.len() - 1] - numbers[0]).abs() + last.abs() * ratio / (1.0 - ratio);
-    (numbers.len() >= WAY && is_way).then_some(way)
+    (numbers.len() >= DRIFT_PARTS && is_way).then_some(way)
 }
 
-/// Whether a number has not settled to three digits, by its parts.
-pub(crate) fn is_on_its_way(numbers: &[f64]) -> bool {
+/// Whether a value, known in parts, has not settled to three digits.
+pub(crate) fn is_drifting(numbers: &[f64]) -> bool {
     let size = numbers.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    way_to_go(numbers).is_some_and(|way| way > WORTH * size)
+    drift(numbers).is_some_and(|way| way > NEGLIGIBLE * size)
 }
 
-/// What is said of a motion that was measured before it had settled.
+/// Caveat of a motion that was measured before it had settled.
 pub(crate) fn unsettled_in_words(found: &Measured, measures: &[impl std::fmt::Display]) -> Option<String> {
     let name = measures.get(found.unsettled?).map_or("the motion".into(), ToString::to_string);
     Some(format!("not settled: {name} goes one way while it is measured; discard more"))
 }
 
-/// The standard deviation of numbers, of which there are two at least.
+/// Standard deviation of at least two numbers.
 fn deviation(numbers: &[f64]) -> f64 {
     let count = numbers.len() as f64;
     let mean = numbers.iter().sum::<f64>() / count;
@@ -233,8 +233,8 @@ fn deviation(numbers: &[f64]) -> f64 {
     (scatter / (count - 1.0)).sqrt()
 }
 
-/// Passes over the next drive periods, in parts; of a motion that repeats no more of them than show
-/// that.
+/// Advances over the next drive periods in parts. Of a motion that repeats only the periods that
+/// show this are computed.
 fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Result<Vec<Window>> {
     let p = *simulator.parameters();
     let model = Model::new(&p)?;
@@ -270,7 +270,7 @@ fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Res
             }
         })?;
         let after = simulator.energy_accounts();
-        // The account of input is that of the drive and of the constant loads.
+        // The input account is that of the drive and of the constant loads.
         let way = simulator.state().x.into_iter().zip(from.x).map(|(to, from)| to - from);
         let of_loads: f64 = p.constant_loads.into_iter().zip(way).map(|(load, way)| load * way).sum();
         let energy = [after.input - before.input - of_loads, after.impact - before.impact];
@@ -281,7 +281,7 @@ fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Res
     Ok(parts.finish())
 }
 
-impl Seen for Window {
+impl Observation for Window {
     fn numbers(&self) -> [Vec<f64>; 3] {
         let ends = self.extents.iter().flat_map(|e| [e.within(f64::INFINITY).0, e.within(f64::INFINITY).1]);
         [ends.collect(), vec![self.impacts.speed], self.energy.to_vec()]
@@ -303,11 +303,11 @@ impl Seen for Window {
 impl Window {
     fn extent(&self, coordinate: Coordinate) -> &Extent {
         const NONE: &Extent = &Extent::new(Coordinate::X1, false);
-        // Those that the measures need are there.
+        // The coordinates that the measures need are there.
         self.extents.iter().find(|e| e.coordinate == coordinate).unwrap_or(NONE)
     }
 
-    /// The number of a measure of the window.
+    /// Value of a measure of the window.
     fn number(&self, measure: Measure, p: &Parameters) -> f64 {
         let per_period = |count: u32| f64::from(count) / self.periods;
         let [upper, lower] = self.impacts.counts;
@@ -330,7 +330,7 @@ impl Window {
             Measure::PowerImpact => self.energy[1] / self.duration,
             Measure::PowerBoxDamper => p.box_damping * mean_square(Coordinate::V1),
             Measure::PowerSecondaryDamper => p.secondary_damping * mean_square(Coordinate::V3),
-            // Not of the window.
+            // Not measures of the window.
             Measure::Class | Measure::Exponent | Measure::AmplitudeWithoutBlock => 0.0,
         }
     }

@@ -1,15 +1,15 @@
-//! Simulated motion for comparison with theory: after its transient, as samples cut at impacts,
-//! with amplitudes and maxima.
+//! Simulated motion for comparison with theory: settled, as samples cut at impacts, with amplitudes
+//! and maxima.
 
 use vibro_impact::error::Result;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator, State};
 
-/// Samples per drive period: cubic interpolation between them is good to about 1e-8 of the
+/// Samples per drive period. Cubic interpolation between them is accurate to about 1e-8 of the
 /// amplitudes.
 const PER_PERIOD: u32 = 128;
 
-/// One instant of a motion.
+/// State of a motion at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
     /// Drive periods since the record began.
@@ -20,12 +20,11 @@ pub struct Instant {
     pub state: State,
 }
 
-/// Motion between two impacts, its instants in order; the first is after an impact, the last before
-/// the next.
+/// Motion between two impacts: instants in order, the first after an impact, the last before the
+/// next.
 pub type Flight = Vec<Instant>;
 
-/// A simulator that started from a state and has been advanced over `periods` drive periods, in
-/// which the transient dies out.
+/// A simulator advanced from a state over `periods` drive periods, in which the transient dies out.
 ///
 /// # Errors
 /// As [`Simulator::new`] and [`Simulator::advance_to`].
@@ -118,12 +117,12 @@ pub fn amplitude(flights: &[Flight], parameters: &Parameters, q: [f64; 3]) -> f6
     sizes.chain(tops).fold(0.0, f64::max)
 }
 
-/// Maximum on [0, 1] of the cubic with these values and slopes at its ends, where its slope falls
+/// Maximum on [0, 1] of the cubic with these values and slopes at its ends, where the slope falls
 /// through zero.
 fn hermite_top(x0: f64, v0: f64, x1: f64, v1: f64) -> f64 {
     let (c2, c3) = (3.0 * (x1 - x0) - 2.0 * v0 - v1, v0 + v1 - 2.0 * (x1 - x0));
     let (mut low, mut high) = (0.0, 1.0);
-    // The slope is a quadratic that changes its sign once here, so that bisection finds the place.
+    // The slope is quadratic and changes its sign once here, so that bisection finds the zero.
     for _ in 0..50 {
         let t: f64 = 0.5 * (low + high);
         if v0 + t * (2.0 * c2 + 3.0 * t * c3) > 0.0 { low = t } else { high = t }

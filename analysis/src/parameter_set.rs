@@ -1,4 +1,4 @@
-//! The parameters of an analysis as a user gives them: by name, in SI or as dimensionless groups.
+//! Parameters of a study as a user gives them: by name, in SI or as dimensionless groups.
 
 mod caption;
 mod name;
@@ -12,12 +12,11 @@ use super::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{FIELDS, Field, GROUPS, Groups, Parameters, check_together};
 
-/// Parameters in both forms, kept in step.
+/// Parameters of the 3-DOF machine in both forms, kept consistent.
 ///
-/// Setting a group leaves the other groups as they are, setting an SI parameter the other SI
-/// parameters. Three groups are tied: β² = ε α̂23, of which the one set last is held when ε changes
-/// (α̂23 to begin with); and μ13 = 1/ε (m3 = m2, as the paper has it) until `mu13` or `secondary.m`
-/// is set.
+/// Setting a group leaves the other groups unchanged, setting an SI parameter the other SI
+/// parameters. Three groups are tied: β² = ε α̂23, where the one set last (at first α̂23) is held
+/// when ε changes; and μ13 = 1/ε (m3 = m2, as in the paper) until `mu13` or `secondary.m` is set.
 ///
 /// ```
 /// use vibro_analysis::ParameterSet;
@@ -28,7 +27,8 @@ use vibro_impact::parameters::{FIELDS, Field, GROUPS, Groups, Parameters, check_
 /// assert_eq!(set.parameters().coupling_stiffness, 0.05 * 0.5 * 0.05);
 ///
 /// let error = set.apply(&["kapa=0.5"]).unwrap_err().to_string();
-/// assert_eq!(error, "no parameter is named `kapa`; the nearest is `kappa`: restitution coefficient, 0 <= kappa <= 1");
+/// let problem = "no parameter is named `kapa`; the nearest is `kappa`: restitution coefficient";
+/// assert_eq!(error, format!("{problem}, 0 <= kappa <= 1"));
 /// # Ok::<(), vibro_analysis::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,19 +39,19 @@ pub struct ParameterSet {
     given: Given,
     parameters: Parameters,
     groups: Groups,
-    /// For labels.
+    /// Units in which labels show the parameters.
     #[serde(default, skip_serializing_if = "units::Units::is_empty")]
     units: units::Units,
 }
 
-/// The set that values come from which are not set.
+/// Source of the values that were not set.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Base {
     Basic,
     Strong,
 }
 
-/// Which parameters were set, a bit for each in the order of the lists.
+/// Parameters that were set, a bit for each in the order of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Given {
     fields: u16,
@@ -72,13 +72,13 @@ impl Given {
     }
 }
 
-/// The bit of a name's place in a list; none where it is not in the list.
+/// Bit of a name's place in a list; 0 where it is not in the list.
 fn bit(mut names: impl Iterator<Item = &'static str>, name: &str) -> u16 {
     names.position(|n| n == name).map_or(0, |i| 1 << i)
 }
 
-/// Each group, the physical parameter it is made of, and the others that scale it: docs/theory.md
-/// (21), (22).
+/// Each group with the physical parameter that it is set by and the others that scale it:
+/// docs/theory.md (21), (22).
 const DEFINITIONS: [(&str, &str, &[&str]); 10] = [
     ("epsilon", "block.m", &["box.m"]),
     ("kappa", "stop.restitution", &[]),
@@ -130,8 +130,8 @@ impl ParameterSet {
         &self.parameters
     }
 
-    /// Whether a parameter was set, in either form: a group also by any physical parameter that it
-    /// is made of, and a physical parameter also by its group.
+    /// Whether a parameter was set in either form: a group also by a physical parameter that enters
+    /// it, and a physical parameter also by its group.
     pub fn is_set(&self, name: Name) -> bool {
         let given = |name: &&str| self.given.has(name);
         let definitions = || DEFINITIONS.iter();
@@ -144,15 +144,15 @@ impl ParameterSet {
                 definitions()
                 .filter(|d| d.0 == group.name)
                 .any(|d| given(&d.0) || given(&d.1) || d.2.iter().any(given))
-                // Two names of one coupling.
+                // Two names of the coupling.
                 || (group.name == "alpha23" && given(&"beta2"))
                 || (group.name == "beta2" && given(&"alpha23"))
             }
         }
     }
 
-    /// The first parameter that was set by its own name or as the physical parameter of its group,
-    /// among these groups.
+    /// The first of these groups that was set, under the name by which it was: its own or that of
+    /// its physical parameter.
     pub fn first_set(&self, groups: &[&str]) -> Option<Name> {
         let names = groups.iter().filter_map(|group| DEFINITIONS.iter().find(|d| d.0 == *group));
         let mut names = names.flat_map(|d| [d.0, d.1]);
@@ -160,13 +160,13 @@ impl ParameterSet {
     }
 
     /// Whether a physical parameter was set, so that the machine is one in SI. Constant loads do
-    /// not count: they have a default of their own, which is none.
+    /// not count, since they have a default of their own: zero.
     pub fn is_si(&self) -> bool {
         self.given.fields & ((1 << FIELDS.len()) - 1) != 0
     }
 
-    /// Refuses constant loads, and parameters that vary if one of them is a load: for closed forms
-    /// and theories, which are those of the symmetric machine.
+    /// Refuses constant loads, and a load among the parameters that vary: closed forms and theories
+    /// are those of the symmetric machine.
     ///
     /// # Errors
     /// [`vibro_impact::Error::OutOfRange`] with the load's value; [`Error::Form`] with its name
@@ -182,9 +182,8 @@ impl ParameterSet {
         }
     }
 
-    /// The physical parameters that were not set although others were, and whose values therefore
-    /// belong to another machine. Those that a group fixes are not among them, nor is the drive's
-    /// phase.
+    /// Physical parameters that were not set although others were, so that their values belong to
+    /// another machine; without those that a group determines and without the drive's phase.
     pub fn not_given(&self) -> Vec<Name> {
         let fixed = |f: &&'static Field| self.is_set(Name::Si(f)) || f.name == "drive.phase";
         let missing = FIELDS.iter().filter(|f| self.is_si() && !fixed(f));
@@ -203,8 +202,8 @@ impl ParameterSet {
         g
     }
 
-    /// The parameter set with one parameter of either form changed: the one way to vary a
-    /// parameter.
+    /// The parameter set with one parameter of either form changed. All variation of parameters
+    /// goes through here.
     ///
     /// # Errors
     /// The range that the value violates.
@@ -212,9 +211,9 @@ impl ParameterSet {
         self.changed(&[(name.into(), value)])
     }
 
-    /// The groups with one parameter of either form changed. Where that is a group, the physical
-    /// parameters are not computed: theories in groups alone need no more, and over a plane this is
-    /// a fifth of their time.
+    /// The groups with one parameter of either form changed. If it is a group, the physical
+    /// parameters are not computed: theories in groups alone do not need them, and over a plane
+    /// this is a fifth of their time.
     ///
     /// # Errors
     /// The range that the value violates.
@@ -232,7 +231,7 @@ impl ParameterSet {
         }
     }
 
-    /// The physical parameters with these groups, in the scales and with the drive phase and the
+    /// The physical parameters with these groups, and with the scales, the drive phase and the
     /// constant loads of this parameter set.
     ///
     /// # Errors
@@ -243,8 +242,7 @@ impl ParameterSet {
     }
 
     /// Applies texts of the form `name=value`, in order. A number without a unit is in the unit in
-    /// which its parameter was [written](Self::unit) before, if it was, as on every axis; else in
-    /// SI.
+    /// which its parameter was [written](Self::unit) before, as on every axis, or else in SI.
     ///
     /// ```
     /// use vibro_analysis::ParameterSet;
@@ -276,8 +274,8 @@ impl ParameterSet {
         Ok(())
     }
 
-    /// Reads a number of a parameter with a unit, or without one in the unit in which the parameter
-    /// was [written](Self::unit), or else in SI.
+    /// Parses a number of a parameter: with a unit, or without one in the unit in which the
+    /// parameter was [written](Self::unit), or else in SI.
     ///
     /// # Errors
     /// As [`number`].
@@ -290,16 +288,16 @@ impl ParameterSet {
         })
     }
 
-    /// From now on labels and captions show a physical parameter in this unit, in which it was
-    /// written; `None`, and a unit of another dimension, change nothing.
+    /// Sets the unit in which labels and captions show a physical parameter: the one in which it
+    /// was written. `None`, and a unit of another dimension, change nothing.
     pub fn show_in(&mut self, name: Name, unit: Option<&'static Unit>) {
         if let (Name::Si(field), Some(unit)) = (name, unit) {
             self.units.set(field.name, unit.plain());
         }
     }
 
-    /// Applies values in order. The groups are turned into SI only where SI follows and at the end,
-    /// so that the order of two groups does not matter.
+    /// Applies values in order. Groups are converted to SI only where SI follows and at the end, so
+    /// that the order of two groups does not matter.
     ///
     /// # Errors
     /// The range that a value violates; nothing is changed then.

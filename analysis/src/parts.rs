@@ -1,16 +1,16 @@
-//! Long studies in parts: which parts are computed here, and where finished ones are kept.
+//! Long studies in parts: the parts that are computed here, and the store of finished ones.
 //!
-//! A study in parts is a function from the number of a part to its result. The parts are
-//! independent of each other, so threads and machines can share them, and a study that was
-//! interrupted continues with the parts that are missing. How parts outlive the program is decided
-//! by the caller through [`PartStore`]; this module touches no disk.
+//! A study in parts is a function from the index of a part to its result. The parts are independent
+//! of each other, so threads and computers can share them, and an interrupted study continues with
+//! the missing parts. The caller decides through [`PartStore`] how parts outlive the program; this
+//! module touches no disk.
 
 use super::error::{Error, Result};
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 
-/// The parts that are computed here: those whose number leaves the remainder `index` when divided
-/// by `count`.
+/// Share of the parts that is computed here: those whose index has the remainder `index` when
+/// divided by `count`.
 ///
 /// ```
 /// use vibro_analysis::parts::Shard;
@@ -35,7 +35,7 @@ impl Shard {
 impl std::str::FromStr for Shard {
     type Err = Error;
 
-    /// Reads `i/n` with i from 1 to n.
+    /// Parses `i/n` with i from 1 to n.
     fn from_str(text: &str) -> Result<Self> {
         let form = || Error::Form { text: text.into(), expected: "i/n with i from 1 to n, e.g. 2/4" };
         let (i, n) = text.split_once('/').ok_or_else(form)?;
@@ -46,19 +46,19 @@ impl std::str::FromStr for Shard {
     }
 }
 
-/// Keeps the bytes of finished parts by their number. Several threads use it at once.
+/// Storage of the bytes of finished parts by index. Several threads use it at once.
 pub trait PartStore: Sync {
-    /// The bytes of a finished part, or `None` where it is not there or cannot be read: it is then
+    /// The bytes of a finished part. `None` where it is missing or cannot be read; it is then
     /// computed again.
     fn load(&self, index: usize) -> Option<Vec<u8>>;
 
-    /// Keeps the bytes of a finished part. A part must be there whole or not at all.
+    /// Stores the bytes of a finished part, completely or not at all.
     ///
     /// # Errors
     /// [`Error::Store`] with the reason.
     fn save(&self, index: usize, bytes: &[u8]) -> Result<()>;
 
-    /// Asked now and then inside long work that comes before the parts, whether it is still wanted.
+    /// Checks, now and then in long work before the parts, whether the study is still wanted.
     ///
     /// # Errors
     /// [`Error::Store`] ends the study.
@@ -66,18 +66,18 @@ pub trait PartStore: Sync {
         Ok(())
     }
 
-    /// Whether a part is there.
+    /// Whether a part is stored.
     fn contains(&self, index: usize) -> bool {
         self.load(index).is_some()
     }
 
-    /// How many of the parts 0 … `count` - 1 are not there.
+    /// Number of the parts 0 … `count` - 1 that are not stored.
     fn missing(&self, count: usize) -> usize {
         (0..count).filter(|&index| !self.contains(index)).count()
     }
 }
 
-/// Keeps nothing: for results that need not outlive the program.
+/// Store that keeps nothing, for results that need not outlive the program.
 #[derive(Clone, Copy, Debug)]
 pub struct NoStore;
 
@@ -91,26 +91,26 @@ impl PartStore for NoStore {
     }
 }
 
-/// What one machine has to do of a long study.
+/// Share of one computer in a long study.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
-    /// Where finished parts are kept.
+    /// Store of finished parts.
     pub store: &'a dyn PartStore,
-    /// The parts that are computed here.
+    /// Parts that are computed here.
     pub shard: Shard,
-    /// Called once for each part that is ready, with whether it had been there.
+    /// Called once for each part that is ready; the argument tells whether it was stored before.
     pub done: &'a (dyn Fn(bool) + Sync),
 }
 
 impl Task<'static> {
-    /// All parts; nothing is kept and nobody is told.
+    /// All parts, without a store and without reports.
     pub const ALL: Self = Self { store: &NoStore, shard: Shard::ALL, done: &|_| () };
 }
 
 impl Task<'_> {
-    /// Computes the parts 0 … `count` - 1 that are not there and belong to the shard, on all
-    /// threads. Returns all parts in order, or `None` where some belong to other shards and are not
-    /// there.
+    /// Computes, on all threads, the parts 0 … `count` - 1 that are not stored and belong to the
+    /// shard. Returns all parts in order, or `None` where some belong to other shards and are not
+    /// stored.
     ///
     /// # Errors
     /// What `compute` returns; [`Error::Store`].
@@ -122,8 +122,8 @@ impl Task<'_> {
         self.complete_with(count, |&mut (), index| compute(index))
     }
 
-    /// [`complete`](Self::complete) with a workspace `W` that `compute` uses for one part after
-    /// another. It must not change what is computed.
+    /// [`complete`](Self::complete) with a workspace `W` that serves one part after another. It
+    /// must not change what `compute` returns.
     ///
     /// # Errors
     /// As [`complete`](Self::complete).
@@ -138,8 +138,8 @@ impl Task<'_> {
         Ok(parts.into_iter().collect())
     }
 
-    /// The same for a study whose parts do not fit into memory together: they are left in the
-    /// store, where [`Self::part`] finds them. Returns whether all are there.
+    /// [`complete`](Self::complete) for a study whose parts do not fit into memory together: they
+    /// stay in the store, where [`part`](Self::part) finds them. Returns whether all are stored.
     ///
     /// # Errors
     /// As [`Self::complete`].
@@ -153,7 +153,7 @@ impl Task<'_> {
         Ok(there.into_iter().all(|is| is))
     }
 
-    /// A part from the store or, if it belongs to the shard, computed and put there.
+    /// A part from the store; if it is missing and belongs to the shard, it is computed and stored.
     ///
     /// # Errors
     /// As [`Self::complete`].
@@ -214,7 +214,7 @@ mod tests {
             if i == 5 { Err(Error::Form { text: "5".into(), expected: "none" }) } else { square(i) }
         };
         assert!(Task { store: &store, ..Task::ALL }.complete(8, failing).is_err());
-        // Part 3 is damaged: it is not even the length of a vector.
+        // Part 3 is damaged: it is shorter than the length of a vector.
         store.save(3, &[255; 3]).unwrap();
         let (made, found) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let count = |was: bool| {

@@ -10,7 +10,7 @@ use vibro_impact::steady::exact_orbit::{ExactOrbit, OrbitFamily};
 use vibro_impact::steady::multiple_scales::MultipleScales;
 use vibro_impact::steady::strong_coupling::StrongCoupling;
 
-/// Which theory of the steady state.
+/// Theory of the steady state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Multiple scales: paper, section 3; docs/theory.md section 6.
@@ -22,26 +22,26 @@ pub enum Method {
     ExactOrbit,
 }
 
-/// What a point of a plane is. A motion exists when its impacts lead into the stop (C > 0; p > 0)
-/// and the block passes neither stop in between.
+/// Class of a point of the plane. A motion exists when its impacts lead into the stop (C > 0;
+/// p > 0) and the block passes neither stop in between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SteadyStateClass {
     /// No symmetric motion with two impacts.
     None,
-    /// There is one, or two, but unstable.
+    /// One or two, all unstable.
     Unstable,
     /// One is stable.
     Stable,
-    /// The theory has no answer here: a resonance without damping, an excitation without frequency.
+    /// The theory has no answer: a resonance without damping, an excitation without frequency.
     Undefined,
 }
 
-/// One axis of a plane: `count` values from `from` to `to`, both included. Written down with the
-/// parameter's name, and checked when read.
+/// Axis of a plane: `count` values from `from` to `to`, both included. Serialized with the
+/// parameter's name, and checked on reading.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written", bound = "N: AxisName")]
 pub struct ParameterAxis<N = Name> {
-    /// What varies, of either form.
+    /// Parameter that varies, of either form.
     pub name: N,
     /// First value.
     pub from: f64,
@@ -51,7 +51,7 @@ pub struct ParameterAxis<N = Name> {
     pub count: usize,
 }
 
-/// An axis as a file holds it: the parameter by its name.
+/// Serialized form of an axis, with the parameter by its name.
 #[derive(Serialize, Deserialize)]
 struct Written {
     name: String,
@@ -60,19 +60,19 @@ struct Written {
     count: usize,
 }
 
-/// What names the parameter of an axis.
+/// Name of the parameter of an axis.
 pub trait AxisName: Clone + Sized {
-    /// The parameter of a name.
+    /// The parameter with a name.
     ///
     /// # Errors
-    /// For a name that is none.
+    /// If there is no such parameter.
     fn named(name: String) -> Result<Self>;
-    /// Its name.
+    /// The name as text.
     fn text(&self) -> String;
-    /// Checks a value, as far as the name alone tells.
+    /// Checks a value as far as the name alone allows.
     ///
     /// # Errors
-    /// For one that is not allowed.
+    /// For a value that is not allowed.
     fn check_value(&self, value: f64) -> Result<()>;
 }
 
@@ -90,7 +90,7 @@ impl AxisName for Name {
     }
 }
 
-/// A parameter of a described machine, which checks its values itself.
+/// Parameter of a described machine, which checks its values itself.
 impl AxisName for String {
     fn named(name: String) -> Result<Self> {
         Ok(name)
@@ -119,7 +119,7 @@ impl<N: AxisName> TryFrom<Written> for ParameterAxis<N> {
     }
 }
 
-/// A classified plane.
+/// Classes over a plane.
 #[derive(Clone, Debug)]
 pub struct Plane {
     /// Horizontal axis.
@@ -128,7 +128,7 @@ pub struct Plane {
     pub y: ParameterAxis,
     /// The theory.
     pub method: Method,
-    /// Classes by rows of constant y, from the first.
+    /// Classes, row by row of constant y from the lowest.
     pub classes: Vec<SteadyStateClass>,
 }
 
@@ -143,7 +143,7 @@ pub const PAIRS: [(&str, &str); 6] = [
 ];
 
 impl Method {
-    /// Its name in tables and captions.
+    /// Name in tables and captions.
     pub fn name(self) -> &'static str {
         match self {
             Self::MultipleScales => "multiple scales",
@@ -154,7 +154,7 @@ impl Method {
 }
 
 impl SteadyStateClass {
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -175,7 +175,7 @@ impl SteadyStateClass {
 }
 
 impl ParameterAxis {
-    /// An axis, checked.
+    /// A checked axis.
     ///
     /// # Errors
     /// As [`of`](Self::of).
@@ -185,7 +185,7 @@ impl ParameterAxis {
 }
 
 impl<N: AxisName> ParameterAxis<N> {
-    /// An axis, checked.
+    /// A checked axis.
     ///
     /// # Errors
     /// [`Error::Form`] for a range that is empty or not finite, or for fewer than two values; the
@@ -195,13 +195,13 @@ impl<N: AxisName> ParameterAxis<N> {
             let text = format!("{}={from}:{to} in {count} values", name.text());
             return Err(Error::Form { text, expected: "from < to, both finite, and at least 2 values" });
         }
-        // ε = 0 and the like are left out where they end the range that pictures show.
+        // Values such as ε = 0 are left out where they end the range that pictures show.
         name.check_value(from)?;
         name.check_value(to)?;
         Ok(Self { name, from, to, count })
     }
 
-    /// Ends of the cells that are centred on the values.
+    /// Outer ends of the cells that are centred on the values.
     pub fn edges(&self) -> (f64, f64) {
         let half = 0.5 * (self.to - self.from) / (self.count - 1) as f64;
         (self.from - half, self.to + half)
@@ -214,8 +214,8 @@ impl<N: AxisName> ParameterAxis<N> {
     }
 }
 
-/// The class of a parameter set with one parameter changed. A value that makes no machine with the
-/// others is a point without an answer.
+/// The class of a parameter set with one parameter changed; undefined where the values make no
+/// machine.
 fn classify_with(set: &ParameterSet, name: Name, value: f64, method: Method) -> SteadyStateClass {
     match method {
         Method::MultipleScales => set.groups_with(name, value).and_then(|g| by_multiple_scales(&g)),
@@ -235,7 +235,7 @@ fn by_strong_coupling(groups: &Groups) -> vibro_impact::Result<SteadyStateClass>
     Ok(SteadyStateClass::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all()))))
 }
 
-/// The class by the exact orbit, and the stable orbit itself.
+/// The class by the exact orbit, and the orbit where it is stable.
 ///
 /// # Errors
 /// As [`OrbitFamily::new`] and [`OrbitFamily::orbit`].
@@ -252,11 +252,11 @@ pub fn exact(p: &Parameters) -> vibro_impact::Result<(SteadyStateClass, Option<E
     Ok((SteadyStateClass::None, None))
 }
 
-/// Two axes of a plane.
+/// Checks that two axes are different quantities.
 ///
 /// # Errors
 /// [`Error::Form`] when one is the other by another name: α̂23, β² and k23, κ and the stops'
-/// restitution coefficient, or a group and the physical parameter that it is made of.
+/// restitution coefficient, or a group and the physical parameter that it is set by.
 pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
     if x.name.is_same_quantity(y.name) {
         let text = format!("{},{}", x.name.name(), y.name.name());
@@ -265,11 +265,11 @@ pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
     Ok(())
 }
 
-/// The memory that a study may take for its results, bytes.
+/// Memory that a study's results may take, bytes.
 const MOST_MEMORY: usize = 1 << 30;
 
-/// Checks that a plane of so many columns and rows fits into memory, where at most `held` bytes are
-/// held at a time for each of its cells.
+/// Checks that a plane of columns and rows fits into memory, where at most `held` bytes at a time
+/// are held for each cell.
 ///
 /// # Errors
 /// [`Error::TooMany`], with the number that would fit.
@@ -284,8 +284,8 @@ pub fn check_cells(what: &'static str, (columns, rows): (usize, usize), held: us
     }
 }
 
-/// Checks that so many results of a study along a line fit into memory, where at most `held` bytes
-/// are held at a time for each.
+/// Checks that the results of a study along a line fit into memory, where at most `held` bytes at a
+/// time are held for each.
 ///
 /// # Errors
 /// [`Error::TooMany`], with the number that would fit.
@@ -294,8 +294,8 @@ pub fn check_count(what: &'static str, count: usize, held: usize) -> Result<()> 
     if count <= most { Ok(()) } else { Err(Error::TooMany { what, count: count as f64, most, side: None }) }
 }
 
-/// Classifies a plane on all threads; `done` hears of each finished row. The result does not depend
-/// on their number.
+/// Classifies a plane on all threads; `done` is called for each finished row. The result does not
+/// depend on the number of threads.
 ///
 /// # Errors
 /// As [`check_pair`]; constant loads.
@@ -308,7 +308,7 @@ pub fn plane(
 ) -> Result<Plane> {
     check_pair(&x, &y)?;
     set.check_symmetric([x.name, y.name])?;
-    // The rows are put together beside the whole.
+    // The rows are put together beside the whole plane.
     check_cells("points of the plane", (x.count, y.count), 2 * size_of::<SteadyStateClass>())?;
     let rows: Vec<Vec<SteadyStateClass>> = (0..y.count)
         .into_par_iter()

@@ -9,21 +9,21 @@ use vibro_impact::steady::Sheet;
 use vibro_impact::steady::continuation::{self, Branch, Special};
 use vibro_impact::steady::multiple_scales::Manifold;
 
-/// One point of a response curve. Amplitudes in units of L.
+/// Point of a response curve, with amplitudes in units of L.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResponsePoint {
-    /// The parameter that varies.
+    /// Parameter that varies.
     pub value: f64,
-    /// Which root.
+    /// Sheet of the solution.
     pub sheet: Sheet,
-    /// C; for the exact orbit what multiple scales would call so, A2/(1-ε+ε²).
+    /// C; for the exact orbit the corresponding number of multiple scales, A2/(1-ε+ε²).
     pub c: f64,
     /// Amplitude of U.
     pub b: f64,
     /// Amplitudes of X1, X2, X3.
     pub a: [f64; 3],
     /// Amplitude of W: 1 where the block keeps clear of the stops between its impacts, more where a
-    /// theory passes them; by strong coupling |W| at the impact.
+    /// theory passes them; for strong coupling |W| at the impact.
     pub w: f64,
     /// Whether the curve from here to the next point is stable and admissible.
     pub stable: bool,
@@ -32,12 +32,12 @@ pub struct ResponsePoint {
     /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin (docs/theory.md
     /// (56)).
     pub right: bool,
-    /// What is special here.
+    /// Special point here, if there is one.
     pub special: Option<Special>,
 }
 
 impl ResponsePoint {
-    /// The amplitude of a coordinate; `None` for sums, whose phases a curve does not hold.
+    /// Amplitude of a coordinate; `None` for sums, whose phases a curve does not hold.
     pub fn amplitude(&self, of: Displacement) -> Option<f64> {
         match of {
             Displacement::X1 => Some(self.a[0]),
@@ -54,11 +54,11 @@ impl ResponsePoint {
 pub struct Response {
     /// The theory.
     pub method: Method,
-    /// The curves, points in order; a closed curve ends where it begins.
+    /// Curves with points in order; a closed curve ends where it begins.
     pub curves: Vec<Vec<ResponsePoint>>,
 }
 
-/// The response of a theory along a parameter over a range, with `nodes` points per sheet.
+/// The response by a theory along a parameter over a range, with `nodes` points per sheet.
 ///
 /// # Errors
 /// The range of the parameter, and what the theory refuses.
@@ -75,14 +75,14 @@ pub fn response(
         set.with(along, value)?;
     }
     let groups = |value: f64| -> vibro_impact::Result<Groups> { Ok(*set.with(along, value)?.groups()) };
-    // A branch has points only where there is a system, so that the other case never comes.
+    // A branch has points only where there is a machine, so that the alternative is never taken.
     let at = |value: f64| groups(value).unwrap_or(*set.groups());
     let curves = match method {
         Method::MultipleScales => {
             let branch = continuation::multiple_scales(groups, range, nodes)?;
             let point = |value: f64, p: &vibro_impact::steady::multiple_scales::FixedPoint| {
                 let g = at(value);
-                // A manifold is refused for no κ of a solution.
+                // The κ of a solution has a manifold.
                 let w = Manifold::new(g.kappa).map_or(f64::NAN, |m| m.w_max(p.c));
                 Motion {
                     c: p.c,
@@ -128,7 +128,7 @@ pub fn response(
     Ok(Response { method, curves })
 }
 
-/// What a theory says of a motion, as in [`ResponsePoint`].
+/// Motion by a theory, with the meaning of the fields of [`ResponsePoint`].
 struct Motion {
     c: f64,
     b: f64,

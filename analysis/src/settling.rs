@@ -1,73 +1,71 @@
-//! When a motion has settled on a period, so that it need not be simulated through the rest of what
-//! is discarded.
+//! Early recognition of a motion that has settled on a period, so that the rest of the discarded
+//! periods need not be simulated.
 //!
-//! Impacts tell it first, at no cost: their order, times and speeds, added up over each drive
-//! period, repeat. Then the states at whole drive periods are looked at, and have the last word.
-//! docs/studies.md, "What has settled is not simulated further", says why the verdict at the end
-//! would be the same.
+//! Impacts tell first, at no cost: their sequence, times and speeds, summed over each drive period,
+//! repeat. Then the states at whole drive periods are compared, and decide. docs/studies.md, "What
+//! has settled is not simulated further", shows that the verdict at the end would be the same.
 
 use super::attractor::{RETURN, SAME, StroboscopicRecord, appended, distance};
 use super::stroboscopic::StroboscopicState;
 
-/// The longest period that is recognized early, in drive periods.
+/// Longest period that is recognized early, in drive periods.
 const LONGEST: u32 = 8;
-/// Drive periods over which impacts must have repeated, at least.
+/// Least number of drive periods over which impacts must repeat.
 const REPEATED: u32 = 16;
-/// As many for the longest period.
+/// Number of drive periods over which impacts of the longest period must repeat.
 const REMEMBERED: u32 = 4 * LONGEST;
-/// Impacts are looked at again after so many drive periods.
+/// Drive periods between checks of the impacts.
 const CHECK: u32 = 4;
-/// Sums over a drive period, of the speeds of its impacts (units of L ω10) and of their times
-/// (drive periods), repeat when they differ by no more.
+/// Largest difference of equal sums over a drive period: of the speeds of its impacts (units of L
+/// ω10) and of their times (drive periods).
 const SIMILAR: f64 = 1e-6;
-/// Differences under this may be round-off, and need not fall.
+/// Difference that may be round-off, and need not fall.
 const ROUNDING: f64 = 1e-11;
-/// Next to a period doubling a motion takes its way by turns from either side: the part of it that
-/// it takes a period is the ratio of the returns in two periods to those in one. Where that is
-/// less, the motion has twice the period. Next to a symmetry breaking half a period with the mirror
-/// image is such a part of a period.
-pub(crate) const TURNED: f64 = 1e-5;
-/// A motion has settled when its states return to this (units of L and L ω10). While returns of
-/// this size do not grow, they add up to as many times as much as there are of them in the drive
-/// periods left out, …
+/// Least part of its way to an orbit that a motion takes in a period. Next to a period doubling a
+/// motion approaches its orbit from either side in turn, and this part is the ratio of the returns
+/// in two periods to those in one; where it is less, the motion has twice the period. Next to a
+/// symmetry breaking the return in half a period with the mirror image is such a part.
+pub(crate) const LEAST_APPROACH: f64 = 1e-5;
+/// Largest return (units of L and L ω10) of a settled motion. Returns that do not grow add up, over
+/// the drive periods that are skipped, to at most this times their number.
 const STEADY: f64 = 1e-7;
-/// … at least so many are reckoned with, …
+/// Least number of returns that [`moves`] counts.
 const RETURNS: f64 = 1000.0;
 
-/// … and a state and the one that it nearly returns to may each move by that: where a shorter
-/// period is farther from a return than this beside [`RETURN`], it stays farther than that through
-/// as many returns. So does the mirror image beside [`SAME`].
+/// Largest distance that a state and its near return may move apart over a number of returns. A
+/// shorter period whose return exceeds [`RETURN`] by more than this stays excluded through all of
+/// them; so does the mirror image beside [`SAME`].
 fn moves(returns: f64) -> f64 {
     2.0 * returns.max(RETURNS) * STEADY
 }
 
-/// The impacts of one drive period.
+/// Impacts of one drive period.
 #[derive(Clone, Copy, Debug, Default)]
 struct PeriodImpacts {
-    /// Their order, as a number.
+    /// Sequence, encoded as a number.
     pattern: u64,
-    /// The sum of their speeds, and that of their times since the period's start.
+    /// Sum of the speeds, and of the times since the period's start.
     sums: [f64; 2],
 }
 
-/// The impacts of the last drive periods of a motion.
+/// Impacts of the last drive periods of a motion.
 #[derive(Debug, Default)]
 pub(crate) struct ImpactRepetition {
-    /// The last periods, each at its number's remainder.
+    /// The last periods, each at its index modulo the length.
     periods: [PeriodImpacts; REMEMBERED as usize],
-    /// The number of the period that is under way.
+    /// Index of the current period.
     number: u32,
     open: PeriodImpacts,
 }
 
 impl ImpactRepetition {
-    /// Forgets all: the motion begins.
+    /// Forgets everything: another motion begins.
     pub(crate) fn clear(&mut self) {
         (self.number, self.open) = (0, PeriodImpacts::default());
     }
 
-    /// Takes note of an impact at `time` (drive periods since the start) with `speed` (any unit of
-    /// the system); returns the period with which the impacts before it repeat, if they do.
+    /// Records an impact at `time` (drive periods since the start) with `speed` (in any unit of the
+    /// machine). Returns the period with which the impacts before it repeat, if they do.
     pub(crate) fn impact(&mut self, time: f64, upper: bool, speed: f64) -> Option<u32> {
         let (number, before) = (time as u32, self.number);
         while self.number < number {
@@ -81,8 +79,8 @@ impl ImpactRepetition {
         if number / CHECK == before / CHECK { None } else { (1..=LONGEST).find(|&n| self.repeats(n)) }
     }
 
-    /// Whether the last periods repeat after `lag` of them, and more exactly in the later half of
-    /// them than in the earlier.
+    /// Whether the last periods repeat after `lag` of them, and more exactly in their later half
+    /// than in their earlier.
     fn repeats(&self, lag: u32) -> bool {
         let pairs = REPEATED.max(4 * lag) - lag;
         if self.number < pairs + lag {
@@ -103,32 +101,33 @@ impl ImpactRepetition {
     }
 }
 
-/// A motion whose impacts repeat, while its states are looked at.
+/// Motion whose impacts repeat, while its states are compared.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Confirmation {
-    /// The period with which its impacts repeat.
+    /// Period with which the impacts repeat.
     pub(crate) period: u32,
-    /// The number of the first sample, in half drive periods.
+    /// Index of the first sample, in half drive periods.
     pub(crate) first: u32,
-    /// The state there.
+    /// State at the first sample.
     pub(crate) start: StroboscopicState,
 }
 
 impl Confirmation {
-    /// For a motion at `time` (drive periods since the start): its first sample is taken at the
-    /// next whole period.
+    /// Begins at `time` (drive periods since the start), with its first sample at the next whole
+    /// period.
     pub(crate) fn new(period: u32, time: f64) -> Self {
         Self { period, first: 2 * (time as u32 + 1), start: [0.0; 6] }
     }
 
-    /// The number of the last sample: after two periods of the motion.
+    /// Index of the last sample: after two periods of the motion.
     pub(crate) fn last(&self) -> u32 {
         self.first + 4 * self.period
     }
 
-    /// Whether the states of two periods since `start` and the order of impacts repeat with the
-    /// period and with no shorter one, so that they still will after `left` drive periods, and
-    /// whether it is decided if a motion of a `symmetric` machine is its own mirror image.
+    /// Whether the motion has settled: states and sequence of impacts over the two periods since
+    /// `start` repeat with the period and with no shorter one, and will still do so after `left`
+    /// drive periods; and for a `symmetric` machine it is decided whether the motion is its own
+    /// mirror image.
     pub(crate) fn holds(&self, record: &StroboscopicRecord, left: u32, symmetric: bool) -> bool {
         let n = self.period as usize;
         let moves = moves(f64::from(left) / f64::from(self.period));
@@ -136,17 +135,17 @@ impl Confirmation {
         let same = |lag: usize, k: usize, near: f64| distance(state(k), state(k + lag)) < near;
         let repeats = (0..=n).all(|k| same(n, k, STEADY))
             && (0..n).all(|k| record.periods[k].pattern == record.periods[k + n].pattern);
-        // A shorter period that is nearly one would be found later, or not, by rounding.
+        // A shorter period that is nearly one would later be found, or not, by rounding.
         let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, RETURN + moves));
         let most = |lag| (0..=2 * n - lag).map(|k| distance(state(k), state(k + lag))).fold(0.0, f64::max);
-        let by_turns = |lag: usize| n.is_multiple_of(lag) && most(n) >= TURNED * most(lag);
+        let alternates = |lag: usize| n.is_multiple_of(lag) && most(n) >= LEAST_APPROACH * most(lag);
         // Half of an odd period with the mirror image either returns as exactly, or stays away and
-        // is no part of it.
+        // is no part of the way.
         let half = record.mirror_distance(self.period);
-        let decided = half < STEADY || (half > SAME + moves && most(n) < TURNED * half);
+        let decided = half < STEADY || (half > SAME + moves && most(n) < LEAST_APPROACH * half);
         repeats
             && (!symmetric || n.is_multiple_of(2) || decided)
-            && !(1..n).any(|lag| shorter(lag) || by_turns(lag))
+            && !(1..n).any(|lag| shorter(lag) || alternates(lag))
     }
 }
 
@@ -155,7 +154,7 @@ mod tests {
     use super::*;
 
     /// The period in which impacts with these speeds, one in the middle of each drive period, are
-    /// found to repeat, and which.
+    /// found to repeat, and the repetition's length.
     fn found(speed: impl Fn(f64) -> f64) -> Option<(u32, u32)> {
         let mut impacts = ImpactRepetition::default();
         (0..400).find_map(|k| Some((k, impacts.impact(f64::from(k) + 0.5, true, speed(f64::from(k)))?)))
@@ -165,12 +164,12 @@ mod tests {
     fn closed_form_repetition_of_made_up_impacts() {
         use std::f64::consts::TAU;
         assert_eq!(found(|_| 0.3), Some((16, 1)));
-        // The least period of the impacts, as soon as four of them have been seen.
+        // The least period of the impacts, once four of them have passed.
         assert_eq!(found(|k| (TAU * k / 4.0).cos()), Some((16, 4)));
         assert_eq!(found(|k| (TAU * k / 8.0).cos()), Some((32, 8)));
         assert_eq!(found(|k| (TAU * k / 9.0).cos()), None);
         assert_eq!(found(|k| (TAU * k * 0.381_966_011).cos()), None);
-        // A transient: differences of 1 - q times q^k are similar when the first of sixteen is
+        // A transient: differences of 1 - q times q^k are similar once the first of sixteen is
         // under 1e-6.
         let (at, n) = found(|k| 1.0 + 0.9f64.powf(k)).unwrap();
         assert!(n == 1 && (124..=132).contains(&at), "{at} {n}");
@@ -190,8 +189,8 @@ mod tests {
             }
             confirmation.holds(&record, left, symmetric)
         };
-        // Of a symmetric motion, and by turns to one in 10,000 periods, in so many that it is none
-        // for all that is observed, and so near to it that the verdict at the end would call it
+        // Symmetric motions: one; one that approaches its orbit from either side in 10,000 periods;
+        // one so slow that it never seems to; and one so near that the verdict at the end would be
         // symmetric.
         let breaking = |size: f64, taken: f64| move |k: f64| size * (1.0 - taken).powf(2.0 * k);
         assert!(confirmed_of(true, 0, 3, &|k| (std::f64::consts::TAU * k / 3.0).cos()));
@@ -206,8 +205,7 @@ mod tests {
         let mut confirmed_for = |left: u32, period: u32, coordinate: &dyn Fn(f64) -> f64| {
             confirmed_of(false, left, period, coordinate)
         };
-        // Nearly of period 1, as the next ones: the more periods are left out, the farther from it
-        // it must be.
+        // Nearly of period 1: the more periods are skipped, the farther from period 1 it must be.
         let far = |size: f64| move |k: f64| size * (std::f64::consts::PI * k).cos();
         assert!(confirmed_for(2000, 2, &far(1.1e-4)) && !confirmed_for(8192, 2, &far(1.1e-4)));
         assert!(!confirmed_for(8192, 2, &far(4.1e-4)) && confirmed_for(8192, 2, &far(4.2e-4)));
@@ -220,8 +218,8 @@ mod tests {
         // Nearly of period 1: left to the verdict at the end.
         let nearly = |size: f64| move |k: f64| size * (std::f64::consts::PI * k).cos();
         assert!(!confirmed(2, &nearly(1e-4)) && confirmed(2, &nearly(1.1e-4)));
-        // By turns to an orbit of period 1, in 10,000 periods, and in so many that it has period 2
-        // for all that is observed.
+        // An approach from either side to an orbit of period 1 in 10,000 periods, and one so slow
+        // that it has period 2 for all that is observed.
         let turns =
             |taken: f64| move |k: f64| 4e-4 * (1.0 - taken).powf(k) * (std::f64::consts::PI * k).cos();
         assert!(!confirmed(2, &turns(1e-4)) && confirmed(2, &turns(1e-6)));

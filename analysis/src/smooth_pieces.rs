@@ -1,15 +1,15 @@
-//! A motion cut into its smooth pieces, for what needs more than states at communication points:
-//! measures and variations.
+//! Smooth pieces of a motion, for measures and variations, which need more than states at
+//! communication points.
 //!
 //! The simulator is used through its public methods. The state at the start of each piece is exact,
-//! so that the series of the flow (docs/theory.md (8)) gives the motion along the piece again.
+//! so that the series of the flow (docs/theory.md (8)) reproduces the motion along the piece.
 
 use vibro_impact::error::{Error, Result};
 use vibro_impact::flow::expand_along;
 use vibro_impact::model::{Augmented, Model, SmoothMode};
 use vibro_impact::simulator::{Event, Pause, Simulator};
 
-/// How a piece ends.
+/// End of a piece.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PieceEnd {
     /// At an impact.
@@ -20,29 +20,29 @@ pub(crate) enum PieceEnd {
         rate: f64,
         /// Impulse on the box in direction `side`, N·s.
         impulse: f64,
-        /// The state after it, and after the merge where the block comes to rest.
+        /// State after the impact, and after the merge where the block comes to rest.
         after: Augmented,
-        /// Whether it comes to rest.
+        /// Whether the block comes to rest.
         rests: bool,
     },
-    /// The block lets go.
+    /// The block leaves its stop.
     Release,
-    /// At the end asked for.
+    /// The requested end.
     End,
 }
 
-/// One smooth piece.
+/// Smooth piece of a motion.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct SmoothPiece {
     pub(crate) mode: SmoothMode,
     pub(crate) start: Augmented,
-    /// Its duration, s.
+    /// Duration, s.
     pub(crate) span: f64,
     pub(crate) end: PieceEnd,
 }
 
-/// The flow along a piece and its variations are those of the machine under its drive and its
-/// constant loads.
+/// Refuses loads other than the constant ones: the flow along a piece and its variations are those
+/// of the machine under its drive and its constant loads.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] with the first other load that is not zero.
@@ -70,14 +70,14 @@ pub(crate) fn smooth_pieces(
     simulator: &mut Simulator,
     model: &Model,
     end: f64,
-    visit: &mut dyn FnMut(&Piece),
+    visit: &mut dyn FnMut(&SmoothPiece),
 ) -> Result<()> {
     refuse_loads(simulator)?;
     loop {
         let (mut start, mut time, mut way) =
             (simulator.augmented(), simulator.time(), simulator.contact().mode());
         let (mut release, mut hit, mut rests) = (None, None, false);
-        // The simulator stops at the first impact; before it, at most one release can happen.
+        // The simulator stops at the first impact; before it there is at most one release.
         simulator.advance_until(
             end,
             Pause::AfterImpact,
@@ -90,17 +90,17 @@ pub(crate) fn smooth_pieces(
             }),
         )?;
         if let Some(at) = release {
-            visit(&Piece { mode: way, start, span: at - time, end: PieceEnd::Release });
+            visit(&SmoothPiece { mode: way, start, span: at - time, end: PieceEnd::Release });
             let forces = model.constant_forces();
             start = expand_along(model, way, (&start, forces.as_ref()), at - time, |_, _| ());
             (time, way) = (at, SmoothMode::Flight);
         }
         let Some((at, side, speed, impulse)) = hit else {
-            visit(&Piece { mode: way, start, span: end - time, end: PieceEnd::End });
+            visit(&SmoothPiece { mode: way, start, span: end - time, end: PieceEnd::End });
             return Ok(());
         };
         let after = simulator.augmented();
         let end = PieceEnd::Impact { side, rate: side * speed, impulse, after, rests };
-        visit(&Piece { mode: way, start, span: at - time, end });
+        visit(&SmoothPiece { mode: way, start, span: at - time, end });
     }
 }

@@ -1,19 +1,19 @@
-//! The Sobol sequence: points that fill a box evenly, however many of them are taken.
+//! The Sobol sequence: points that fill a box evenly, whatever their number.
 //!
 //! The direction numbers are those of S. Joe and F. Y. Kuo, "Constructing Sobol sequences with
 //! better two-dimensional projections", SIAM J. Sci. Comput. 30 (2008) 2635–2654, file
-//! `new-joe-kuo-6.21201`, for as many dimensions as a machine has parameters; the points come in
-//! the order of the Gray code (I. A. Antonov, V. M. Saleev, 1979). A table of our own, since the
-//! crates at hand scramble in single precision or are no longer kept up.
+//! `new-joe-kuo-6.21201`, for as many dimensions as a machine has parameters. The points are in the
+//! order of the Gray code (I. A. Antonov, V. M. Saleev, 1979). The table is our own, since the
+//! available crates scramble in single precision or are no longer maintained.
 
 /// Most dimensions.
 pub const DIMENSIONS: usize = 13;
 
-/// Digits of a coordinate.
+/// Binary digits of a coordinate.
 const DIGITS: usize = 32;
 
-/// Of each dimension from the second on: the inner coefficients of its primitive polynomial as
-/// bits, and the first direction numbers, of which there are as many as the polynomial's degree.
+/// For each dimension after the first: the inner coefficients of its primitive polynomial as bits,
+/// and its first direction numbers, as many as the polynomial's degree.
 const POLYNOMIALS: [(u32, &[u32]); DIMENSIONS - 1] = [
     (0, &[1]),
     (1, &[1, 3]),
@@ -29,7 +29,8 @@ const POLYNOMIALS: [(u32, &[u32]); DIMENSIONS - 1] = [
     (14, &[1, 3, 5, 5, 31]),
 ];
 
-/// The direction numbers of a dimension as binary fractions: the k-th has its last digit at place k + 1.
+/// Direction numbers of a dimension as binary fractions: the k-th has its last digit at place k +
+/// 1.
 fn directions(dimension: usize) -> [u32; DIGITS] {
     let fraction = |number: u32, k: usize| number << (DIGITS - 1 - k);
     let Some((coefficients, first)) = dimension.checked_sub(1).map(|d| POLYNOMIALS[d]) else {
@@ -50,8 +51,8 @@ fn directions(dimension: usize) -> [u32; DIGITS] {
     all
 }
 
-/// The coordinate of a point in one dimension below [`DIMENSIONS`], in [0, 1). The point of index 0
-/// is the origin.
+/// Coordinate of a point in a dimension below [`DIMENSIONS`], in [0, 1). The point of index 0 is
+/// the origin.
 ///
 /// ```
 /// use vibro_analysis::sobol::coordinate;

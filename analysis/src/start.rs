@@ -1,5 +1,5 @@
-//! Where motions start: on the exact orbit, or in a state by its coordinates, with or without
-//! units, as `x1=0.2,v2=1` or `block.s=5mm`. The one grammar of starts, for all studies.
+//! Starts of motions: on the exact orbit, or a state by its coordinates with or without units, such
+//! as `x1=0.2,v2=1` or `block.s=5mm`. This is the only grammar of starts.
 
 use crate::error::{Error, Result};
 use crate::parameter_set::quantity_in;
@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
-/// The names of the FMU for the same coordinates, whose numbers are in SI.
+/// Names of the coordinates in the FMU, whose numbers are in SI.
 pub const SI_COORDINATES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 
 const EXPECTED: &str = "name=value,… with names of x1 x2 x3 (units of L) v1 v2 v3 (L omega10) box.s block.s secondary.s (m) box.v \
                         block.v secondary.v (m/s), each also with a unit of length or speed, e.g. x1=0.2,v2=1 or block.s=5mm; \
                         or orbit";
 
-/// The rule by which motions get their starts. A file has it in words.
+/// Rule by which motions get their starts. Serialized as text.
 ///
 /// ```
 /// use vibro_analysis::start::StartRule;
@@ -30,9 +30,9 @@ const EXPECTED: &str = "name=value,… with names of x1 x2 x3 (units of L) v1 v2
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum StartRule {
-    /// All start in one state; what is not named is zero.
+    /// All start in one state; coordinates without a value are zero.
     State([Coordinate; 6]),
-    /// Each starts on the exact orbit where that is stable, elsewhere with the
+    /// Each starts on the exact orbit where that is stable, and elsewhere with the
     /// [moving block](MOVING_BLOCK).
     Orbit,
 }
@@ -55,7 +55,7 @@ impl Default for StartRule {
 
 crate::text::written_as_text!(StartRule);
 
-/// A coordinate by either of its names: its place, and whether its numbers are in SI.
+/// A coordinate by either of its names: its index, and whether its numbers are in SI.
 pub(crate) fn coordinate(name: &str) -> Option<(usize, bool)> {
     let place = |names: [&str; 6]| names.iter().position(|own| *own == name.trim());
     place(COORDINATES).map(|index| (index, false)).or_else(|| Some((place(SI_COORDINATES)?, true)))
@@ -112,9 +112,9 @@ impl StartRule {
         Self::State(state.map(Coordinate::Scaled))
     }
 
-    /// The state in which a machine starts, SI: that of the coordinates; for [`Orbit`](Self::Orbit)
-    /// that of the stable exact orbit at time 0, or the [moving block](MOVING_BLOCK) where no exact
-    /// orbit is stable.
+    /// The start of a machine, SI: the state with the coordinates; for [`Orbit`](Self::Orbit) the
+    /// stable exact orbit at time 0, or the [moving block](MOVING_BLOCK) where no exact orbit is
+    /// stable.
     ///
     /// # Errors
     /// For [`Orbit`](Self::Orbit) what the exact orbit refuses, constant loads among it.

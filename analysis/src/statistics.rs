@@ -1,72 +1,71 @@
-//! Means of a motion without a period, with their standard errors, and the test by which two such
-//! motions are one attractor.
+//! Means of a motion without a period, with their standard errors, and the test whether two such
+//! motions are on one attractor.
 //!
-//! Six observables are followed: x1, x2, x3 and their squares, at whole drive periods and, of the
-//! mirror image, at half ones. Two sets of six, since the mirror image of a motion has the same two
-//! in the other order. docs/studies.md, "When two motions without a period are one attractor",
-//! states the test and what it leaves open.
+//! The observables are x1, x2, x3 and their squares, at whole drive periods and, for the mirror
+//! image, at half ones: two sets of six, which the mirror image of a motion has in the other order.
+//! docs/studies.md, "When two motions without a period are one attractor", states the test and its
+//! limits.
 
 use super::stroboscopic::StroboscopicState;
 use serde::{Deserialize, Serialize};
 
 /// Drive periods in the shortest blocks.
 const BLOCK: u32 = 8;
-/// Fewer blocks do not tell their scatter.
+/// Least number of blocks whose scatter is meaningful.
 const LEAST_BLOCKS: usize = 8;
-/// Two means are the same when their difference and two of its standard errors are less than this
-/// part of the observable's standard deviation: docs/studies.md (N1). It is the resolution of the
-/// test.
+/// Resolution of the test: two means are the same when their difference plus two of its standard
+/// errors is less than this part of the observable's standard deviation, docs/studies.md (N1).
 pub const EQUAL: f64 = 0.25;
-/// Two means differ when they are farther apart than so many standard errors: docs/studies.md (N2).
+/// Distance of two means, in standard errors, beyond which they differ: docs/studies.md (N2).
 pub const CONFIDENCE: f64 = 6.0;
-/// Nothing less than this part of L, or of L² for a square, tells two motions apart.
+/// Differences below this part of L, or of L² for a square, do not count.
 const FLOOR: f64 = 1e-3;
 
-/// The observables of one kind of instant: x1, x2, x3 (units of L) and their squares.
+/// Observables at one kind of instant: x1, x2, x3 (units of L) and their squares.
 type Observables = [f64; 6];
 
-/// What two motions without a period are to each other by their means.
+/// Likeness of two motions without a period by their means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Likeness {
-    /// All means are the same to within the resolution of the test.
+    /// All means are the same within the resolution of the test.
     Same,
-    /// A mean differs for certain.
+    /// A mean certainly differs.
     Different,
     /// The windows are too short to tell.
     Undecided,
 }
 
-/// One mean, with its standard error, and the standard deviation of the observable.
+/// Mean of an observable, with its standard error and the observable's standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mean {
     /// The mean.
     pub value: f64,
-    /// Its standard error: the largest that blocks of any length give, of which there are eight or
-    /// more. Infinite where there are fewer.
+    /// Standard error of the mean: the largest that blocks of any length give, as long as there are
+    /// eight. Infinite where there are fewer.
     pub error: f64,
-    /// The standard deviation of the observable itself.
+    /// Standard deviation of the observable.
     pub deviation: f64,
 }
 
 /// Means over a window of a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
-    /// The window, in drive periods.
+    /// Length of the window, in drive periods.
     pub periods: u32,
-    /// Of x1, x2, x3 (units of L) and their squares at whole drive periods, and of the mirror image
-    /// at half ones.
+    /// Means of x1, x2, x3 (units of L) and their squares at whole drive periods, and those of the
+    /// mirror image at half ones.
     pub means: [[Mean; 6]; 2],
 }
 
 impl Statistics {
-    /// Whether the means are known well enough for others to be compared with them: to an eighth of
-    /// the test's resolution.
+    /// Whether the means are precise enough to compare others with them: to an eighth of the test's
+    /// resolution.
     pub fn is_precise(&self) -> bool {
         let sharp = |m: &Mean| 8.0 * m.error < FLOOR.max(EQUAL * m.deviation);
         self.means.iter().flatten().all(sharp)
     }
 
-    /// The same of the mirror image.
+    /// The means of the mirror image.
     pub fn mirrored(&self) -> Self {
         let [own, image] = self.means;
         Self { means: [image, own], ..*self }
@@ -88,8 +87,7 @@ impl Statistics {
         likeness
     }
 
-    /// The means of two windows of one attractor together. Windows of different motions are
-    /// independent.
+    /// Pooled means of two windows of one attractor. Windows of different motions are independent.
     pub fn pooled(&self, other: &Self) -> Self {
         let all = f64::from(self.periods) + f64::from(other.periods);
         let [a, b] = [self, other].map(|s| f64::from(s.periods) / all.max(1.0));
@@ -101,7 +99,7 @@ impl Statistics {
             .zip(self.means.iter().flatten().zip(other.means.iter().flatten()))
         {
             mean.value = a * x.value + b * y.value;
-            // A window too short to tell its error adds none of its own.
+            // A window too short to have an error contributes none.
             mean.error = match (x.error.is_finite(), y.error.is_finite()) {
                 (true, true) => (a * x.error).hypot(b * y.error),
                 _ => x.error.min(y.error),
@@ -119,12 +117,12 @@ impl Statistics {
     }
 }
 
-/// A motion's observables, as its window grows.
+/// Observables of a motion in a growing window.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Blocks {
-    /// Blocks that are full.
+    /// Complete blocks.
     full: Vec<Block>,
-    /// The block under way and the number of its drive periods.
+    /// The current block and its number of drive periods.
     open: Block,
     count: u32,
 }
@@ -136,7 +134,7 @@ struct Block {
     squares: [Observables; 2],
 }
 
-/// The places of all observables: of which instants, and which one.
+/// Indices of all observables: kind of instant, observable.
 fn places() -> impl Iterator<Item = (usize, usize)> {
     (0..2).flat_map(|k| (0..6).map(move |i| (k, i)))
 }
@@ -147,7 +145,7 @@ fn observables(state: &StroboscopicState) -> Observables {
 }
 
 impl Blocks {
-    /// Adds a window that follows at once. Windows are whole blocks but for the last one.
+    /// Appends a window that follows at once. Only the last window may end in an incomplete block.
     pub(crate) fn append(&mut self, next: Self) {
         self.full.extend(next.full);
         self.count += next.count;
@@ -162,7 +160,7 @@ impl Blocks {
         BLOCK * self.full.len() as u32 + self.count
     }
 
-    /// Adds a drive period: the state at its end, and that of the mirror image at its middle.
+    /// Adds a drive period: the state at its end, and the mirror image of the state at its middle.
     pub(crate) fn add(&mut self, whole: &StroboscopicState, mirrored_half: &StroboscopicState) {
         for (k, state) in [whole, mirrored_half].into_iter().enumerate() {
             for (i, q) in observables(state).into_iter().enumerate() {
@@ -187,7 +185,7 @@ impl Blocks {
         self.of(&self.full, true)
     }
 
-    /// The means of its first and of its second half.
+    /// The means of the first and of the second half of the window.
     pub(crate) fn halves(&self) -> [Statistics; 2] {
         let (first, second) = self.full.split_at(self.full.len() / 2);
         [first, second].map(|part| self.of(part, false))
@@ -210,9 +208,9 @@ impl Blocks {
     }
 }
 
-/// The standard error of the mean of correlated numbers: the largest of those that the scatter of
-/// blocks of 1, 2, 4, … of them gives, as long as there are [`LEAST_BLOCKS`]. While blocks are
-/// shorter than the memory of the motion it grows with their length.
+/// Standard error of the mean of correlated numbers: the largest of those from the scatter of
+/// blocks of 1, 2, 4, … numbers, as long as there are [`LEAST_BLOCKS`]. It grows with the length of
+/// blocks while they are shorter than the memory of the motion.
 fn standard_error(numbers: impl Iterator<Item = f64>) -> f64 {
     let mut blocks: Vec<f64> = numbers.collect();
     let mut most = f64::NEG_INFINITY;

@@ -1,4 +1,4 @@
-//! Stroboscopic states: the motion seen at whole drive periods, dimensionless, with names for its
+//! Stroboscopic states: dimensionless states at whole drive periods, with names for their
 //! coordinates.
 
 use vibro_impact::parameters::Parameters;
@@ -11,12 +11,12 @@ pub type StroboscopicState = [f64; 6];
 /// Names of the coordinates of a [`StroboscopicState`].
 pub const COORDINATES: [&str; 6] = ["x1", "x2", "x3", "v1", "v2", "v3"];
 
-/// A state in SI in units of L and L ω10.
+/// A state in units of L and L ω10, from SI.
 pub fn dimensionless(p: &Parameters, state: &State) -> StroboscopicState {
     Units::of(p).dimensionless(state)
 }
 
-/// The units of a [`StroboscopicState`], for many states of one system.
+/// The units of a [`StroboscopicState`], for many states of one machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Units {
     /// L, m.
@@ -41,14 +41,14 @@ impl Units {
     }
 }
 
-/// A state in units of L and L ω10 in SI.
+/// A state in SI, from units of L and L ω10.
 pub fn dimensional(p: &Parameters, s: &StroboscopicState) -> State {
     let speed = p.stop_gap * p.box_frequency();
     State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
 }
 
-/// The start that studies have in common: everything at rest in the middle but the block, which
-/// moves towards the upper stop with the speed L ω10.
+/// The common start of studies: everything at rest in the middle except the block, which moves
+/// towards the upper stop with speed L ω10.
 pub const MOVING_BLOCK: StroboscopicState = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 /// [`MOVING_BLOCK`] in SI.

@@ -1,6 +1,7 @@
-//! Values that are written in files as the text that a command line takes.
+//! Values serialized as the text that a command line takes.
 
-/// Makes serde's `try_from = "String"` and `into = "String"` of a type's `FromStr` and `Display`.
+/// Implements the conversions of serde's `try_from = "String"` and `into = "String"` by a type's
+/// `FromStr` and `Display`.
 macro_rules! written_as_text {
     ($value:ty) => {
         impl TryFrom<String> for $value {

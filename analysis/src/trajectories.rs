@@ -1,5 +1,5 @@
-//! Many independent motions at once, on all threads and sixteen to a thread, side by side in the
-//! machine's vectors.
+//! Many independent motions at once: on all threads, and in each thread sixteen side by side in the
+//! processor's vectors.
 
 mod queue;
 
@@ -12,29 +12,29 @@ use rayon::prelude::*;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{LaneUse, Simulator, State, TOGETHER, Way, advance_queue_by};
 
-/// Motions in a part of a study, at least. A lane that has finished one takes the next, so that
-/// only the last few of a part leave lanes idle; with so many that is a tenth.
+/// Least number of motions in a part of a study. A lane that has finished a motion takes the next,
+/// so that lanes are idle only for the last few; with this number that is a tenth.
 pub(crate) const MOTIONS: usize = 128;
 
-/// Where a motion starts, at time 0.
+/// Start of a motion at time 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// The system.
+    /// The machine.
     pub parameters: Parameters,
-    /// Its state.
+    /// The state.
     pub state: State,
 }
 
-/// What is done with each motion, in this order.
+/// Stages of each motion, in order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Program {
     /// Whole drive periods that are discarded.
     pub discard: u32,
-    /// Whether a motion that is found to have settled on a period within them, or to have no more
-    /// impacts, ends there, as what it would be observed to be. Only for motions that are observed
-    /// and whose maxima are not asked for.
+    /// Whether a motion that has certainly settled on a period while discarding, or has no more
+    /// impacts, ends there with the attractor that it would be observed to have. Only for motions
+    /// that are observed and whose maxima are not collected.
     pub until_settled: bool,
-    /// Whole drive periods over which the maxima of a displacement are collected, if any are.
+    /// Displacement whose maxima are collected, if any, and the number of whole drive periods.
     pub maxima: Option<(Displacement, u32)>,
     /// Whether the motion is then [observed](super::attractor::observe).
     pub observed: bool,
@@ -45,54 +45,54 @@ pub struct Program {
 }
 
 impl Program {
-    /// Whether motions end as soon as it is known what they are.
+    /// Whether motions end as soon as their attractor is known.
     fn ends_early(&self) -> bool {
         self.until_settled && self.observed && self.maxima.is_none()
     }
 }
 
-/// What has become of a motion.
+/// Result of a motion.
 #[derive(Debug)]
-pub struct Outcome<'a> {
-    /// The state at the end, a whole number of drive periods after the start.
+pub struct MotionEnd<'a> {
+    /// State at the end, a whole number of drive periods after the start.
     pub state: State,
-    /// The maxima, m, in the order of time.
+    /// Maxima, m, in order of time.
     pub maxima: &'a [f64],
-    /// What the motion has settled on, if it was observed.
+    /// Attractor, if the motion was observed.
     pub attractor: Option<Attractor>,
-    /// The largest exponent beside the drive phase's zero, where it was asked for and there are
+    /// Largest exponent besides the drive phase's zero, where it was requested and there are
     /// impacts and no period.
     pub exponent: Option<LargestExponent>,
-    /// What was observed, of motions that were.
+    /// Record of the observation, if there was one.
     pub(crate) record: &'a StroboscopicRecord,
 }
 
-/// A thread's workspace: simulators and records that serve one motion after another, so that
+/// Workspace of a thread: simulators and records that serve one motion after another, so that
 /// nothing is allocated for each.
 #[derive(Debug, Default)]
 pub struct Workspace {
     simulators: Vec<Simulator>,
     lanes: Vec<LaneRecord>,
-    /// How the lanes were used so far.
+    /// Use of the lanes so far.
     pub used: LaneUse,
-    /// How the motions are advanced; other ways than the usual one are for comparisons.
+    /// Way in which motions are advanced; others than the default are for comparisons.
     pub way: Way,
 }
 
 impl Workspace {
-    /// Runs a program on motions on this thread and shows `finished` each as it ends, with its
-    /// number in the order of the starts. What becomes of a motion does not depend on the others.
-    /// What the simulator refuses is the outcome of the motion that it refuses.
+    /// Runs a program on motions on this thread, and calls `finished` for each as it ends with its
+    /// index among the starts. The result of a motion does not depend on the others. If the
+    /// simulator refuses a motion, that is its result.
     pub fn run(
         &mut self,
         starts: &mut dyn Iterator<Item = Start>,
         program: &Program,
-        finished: &mut dyn FnMut(usize, Result<Outcome<'_>>),
+        finished: &mut dyn FnMut(usize, Result<MotionEnd<'_>>),
     ) {
         let mut starts = starts.enumerate();
         let mut first = None;
         while self.simulators.is_empty() {
-            // The first motion that is accepted makes the simulators.
+            // The first motion that is accepted creates the simulators.
             let Some((number, start)) = starts.next() else { return };
             match Simulator::new(&start.parameters, &start.state, 0.0) {
                 Ok(simulator) => {
@@ -109,14 +109,13 @@ impl Workspace {
     }
 }
 
-/// Advances motions over `periods` whole drive periods, on all threads, and calls `done` after
-/// each. The results are in the order of the starts and depend neither on the number of threads nor
-/// on the other starts. Since the periods are whole, a motion may be continued from its result at
-/// time 0.
+/// Advances motions over `periods` whole drive periods on all threads, and calls `done` after each.
+/// The results are in the order of the starts and depend neither on the number of threads nor on
+/// the other starts. Since the periods are whole, a motion may be continued from its result at time
+/// 0.
 ///
 /// # Errors
-/// Each start has a result of its own: what [`Simulator::new`] or [`Simulator::advance_until`]
-/// refuses.
+/// Each start has its own result: what [`Simulator::new`] or [`Simulator::advance_until`] refuses.
 pub fn propagate(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Result<State>> {
     let program = Program { discard: periods, ..Program::default() };
     let share = starts.len().div_ceil(4 * rayon::current_num_threads()).clamp(TOGETHER, MOTIONS);
@@ -126,7 +125,7 @@ pub fn propagate(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Ve
             done();
             ends[number] = Some(outcome.map(|outcome| outcome.state));
         });
-        // Each motion has an outcome.
+        // Each motion has a result.
         ends.into_iter().flatten().collect::<Vec<_>>()
     };
     starts.par_chunks(share).map_init(Workspace::default, together).flatten_iter().collect()

@@ -1,34 +1,34 @@
-//! How a motion varies with its start: exact transition matrices between events, and the jump at
+//! Variations of a motion with its start: exact transition matrices between events, and the jump at
 //! each event.
 //!
-//! A variation is carried in the centre of mass of box and block, w, x3 and their rates
-//! (docs/theory.md (83)), lengths in L and times in 1/rate, with (δcos θ, δsin θ) = δθ (-sin θ, cos
+//! A variation has the coordinates of docs/theory.md (83): centre of mass of box and block, w, x3
+//! and their rates, with lengths in L and times in 1/rate, and (δcos θ, δsin θ) = δθ (-sin θ, cos
 //! θ) for the phase of the drive (docs/theory.md (82)). In these coordinates an impact changes w,
-//! w' and, by the damper's force alone, the rate of the centre, so that coming to rest is a
+//! w' and, only by the damper's force, the rate of the centre, so that coming to rest is a
 //! projection without cancellation.
 
 mod single;
 
 pub(crate) use self::single::SingleVariation;
 
-use super::smooth_pieces::{Piece, PieceEnd};
+use super::smooth_pieces::{PieceEnd, SmoothPiece};
 use vibro_impact::flow::{Series, WHOLE, remainder};
 use vibro_impact::model::{Augmented, COORDINATES, Model, RELATIVE, RELATIVE_RATE, Saltation, SmoothMode};
 
-/// Exponents of the system: six coordinates and the phase of the drive.
+/// Number of exponents: six coordinates and the phase of the drive.
 pub(crate) const DIMENSION: usize = 7;
-/// A matrix by columns, each with the coordinates of an augmented state.
+/// Matrix by columns, each with the coordinates of an augmented state.
 type Matrix = [Augmented; COORDINATES];
-/// Orthonormal variations, the most expanding first.
+/// Orthonormal variations, the most expanding one first.
 pub(crate) type Frame = [Augmented; DIMENSION];
 
-/// Distance of two nodes of the grid, times the model's rate; a time is at most half of it away
-/// from a node.
+/// Distance of neighbouring nodes of the grid, times the model's rate. Any time is at most half of
+/// it away from a node.
 const GRID_TIMES_RATE: f64 = 0.16;
 /// Number of nodes: flights of up to 10/rate need one product.
 const NODES: usize = 64;
-/// Terms of the series around a node: the remainder is under 3.4e-15 of the variation's size, that
-/// of the drive's phase counted by the acceleration that it makes (docs/numerics.md, section 1).
+/// Terms of the series around a node. The remainder is under 3.4e-15 of the variation's size, in
+/// which the drive's phase counts by the acceleration that it causes (docs/numerics.md, section 1).
 const TERMS: usize = 9;
 const _: () = assert!(remainder(TERMS, 0.5 * GRID_TIMES_RATE) < 3.4e-15);
 
@@ -56,16 +56,16 @@ fn product<const N: usize>(a: &Matrix, b: &[Augmented; N]) -> [Augmented; N] {
     c
 }
 
-/// The transition matrices of one mode over any time.
+/// Transition matrices of one mode over any time.
 #[derive(Clone, Debug)]
-pub(crate) struct Transition {
+pub(crate) struct ModeTransition {
     /// Powers of the generator over their factorials, times the same power of the node distance.
     terms: [Matrix; TERMS],
     nodes: Vec<Matrix>,
     spacing: f64,
 }
 
-impl Transition {
+impl ModeTransition {
     pub(crate) fn new(model: &Model, mode: SmoothMode) -> Self {
         let spacing = GRID_TIMES_RATE / model.rate;
         let (share, speed) = (model.block_share, model.gap * model.rate);
@@ -123,18 +123,18 @@ fn physical(v: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
     [gap * x1, gap * v[1], gap * v[2], speed * rate1, speed * v[4], speed * v[5], v[6], v[7]]
 }
 
-/// A variation of the model's coordinates in those used here (docs/theory.md (83)).
+/// A variation in the coordinates of this module, from those of the model (docs/theory.md (83)).
 fn varied(z: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
     let (centre, rate) = (z[0] + share * z[RELATIVE], z[3] + share * z[RELATIVE_RATE]);
     [centre / gap, z[1] / gap, z[2] / gap, rate / speed, z[4] / speed, z[5] / speed, z[6], z[7]]
 }
 
-/// What an event does to the frame besides mapping it.
+/// Effect of an event on the rank of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rank {
     /// All columns stay independent.
     Kept,
-    /// At most so many stay so.
+    /// At most this many stay independent.
     Limited(usize),
 }
 
@@ -142,31 +142,31 @@ pub(crate) enum Rank {
 #[derive(Clone, Debug)]
 pub(crate) struct Variation {
     model: Model,
-    flight: Transition,
-    rest: Option<Box<Transition>>,
+    flight: ModeTransition,
+    rest: Option<Box<ModeTransition>>,
 }
 
 impl Variation {
     pub(crate) fn new(model: &Model) -> Self {
-        Self { model: *model, flight: Transition::new(model, SmoothMode::Flight), rest: None }
+        Self { model: *model, flight: ModeTransition::new(model, SmoothMode::Flight), rest: None }
     }
 
-    /// Propagates a frame along a piece and through the event at its end, by the best instruction
-    /// set at hand. No operation is fused, so that all instruction sets give the same bits.
-    pub(crate) fn propagate(&mut self, frame: &mut Frame, piece: &Piece) -> Rank {
+    /// Propagates a frame along a piece and through the event at its end, by the best available
+    /// instruction set. No operation is fused, so that all instruction sets give the same bits.
+    pub(crate) fn propagate(&mut self, frame: &mut Frame, piece: &SmoothPiece) -> Rank {
         let model = &self.model;
         let transition = match piece.mode {
             SmoothMode::Flight => &self.flight,
             SmoothMode::Rest => {
-                self.rest.get_or_insert_with(|| Box::new(Transition::new(model, SmoothMode::Rest)))
+                self.rest.get_or_insert_with(|| Box::new(ModeTransition::new(model, SmoothMode::Rest)))
             }
         };
         pulp::Arch::new().dispatch(
             #[inline(always)]
             || transition.propagate(frame, piece.span),
         );
-        // At a release the fields of rest and flight agree (the contact force is zero there):
-        // nothing jumps.
+        // At a release the fields of rest and flight agree, since the contact force is zero: there
+        // is no jump.
         let PieceEnd::Impact { rate, after, rests, .. } = &piece.end else { return Rank::Kept };
         let jump = saltation(&self.model, *rate, after);
         for v in frame.iter_mut() {
@@ -186,8 +186,8 @@ fn saltation(model: &Model, rate: f64, after: &Augmented) -> Saltation {
     Saltation::new(model, rate, after, model.constant_loads, model.rate)
 }
 
-/// Projects the phase's variation onto the circle of (cos θ, sin θ), docs/theory.md (82). What
-/// rounding puts beside the circle belongs to no motion, and the flow would not damp it.
+/// Projects the phase's variation onto the circle of (cos θ, sin θ), docs/theory.md (82). Rounding
+/// off the circle belongs to no motion, and the flow would not damp it.
 #[inline(always)]
 pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     for v in frame.iter_mut() {
@@ -196,9 +196,9 @@ pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     }
 }
 
-/// Gram–Schmidt: makes each column orthogonal to those before it, twice where the first time took
-/// most of it away, and returns the lengths before scaling. A column with nothing left, or past
-/// `rank`, becomes zero with length zero.
+/// Gram–Schmidt: makes each column orthogonal to those before it, twice where the first time
+/// removed most of it, and returns the lengths before scaling. A column that vanishes or is past
+/// `rank` becomes zero with length zero.
 #[inline(always)]
 pub(crate) fn orthonormalize(frame: &mut Frame, rank: usize) -> [f64; DIMENSION] {
     let mut lengths = [0.0; DIMENSION];
@@ -239,17 +239,17 @@ fn dot(a: &Augmented, b: &Augmented) -> f64 {
     (four[0] + four[2]) + (four[1] + four[3])
 }
 
-/// An orthonormal frame in general position: coming to rest makes no more directions zero than it
-/// must, and where bodies do not act on each other, as in flight, its first columns have parts of
-/// all of them.
+/// An orthonormal frame in general position: coming to rest makes no more directions zero than
+/// necessary, and where bodies do not act on each other, as in flight, the first columns have
+/// components in all of them.
 pub(crate) fn generic_frame(z: &Augmented) -> Frame {
-    // The first one is a unit variation reflected along a direction that is no coordinate's.
+    // The first column is a unit variation reflected along a direction that is no coordinate's.
     const FIRST: [f64; DIMENSION] = [0.815, -0.280, 0.137, -0.244, -0.221, 0.173, -0.316];
     let unit = unit_frame(z);
     let mut frame = [[0.0; COORDINATES]; DIMENSION];
     for (j, v) in frame.iter_mut().enumerate() {
         for (i, own) in unit.iter().enumerate() {
-            // Remainders that follow no rule in rows or columns.
+            // Irregular remainders in rows and columns.
             let k = DIMENSION * j + i + 1;
             let part = (k * k * k * 31 + k * k * 17) % 101;
             let part = if j == 0 { FIRST[i] } else { part as f64 / 50.0 - 1.0 };

@@ -1,57 +1,56 @@
-//! What a motion is, followed until that is decided or a stated limit is reached.
+//! Verdict on a motion, which is followed until it is decided or a stated limit is reached.
 //!
-//! A motion with a period is decided at once. One whose largest exponent is positive, or zero, for
-//! certain is chaotic or quasi-periodic for as long as it was followed; whoever asks says when its
-//! window is long enough. All others are prolonged, twice as far each time: a transient has an end,
-//! and so has a slow approach. What is undecided at the limit is *not settled*, and no attractor.
-//! docs/studies.md, "When a verdict is decided", has the reasons.
+//! A motion with a period is decided at once. One whose largest exponent is certainly positive or
+//! zero is chaotic or quasi-periodic as far as it was followed; the caller decides whether its
+//! window is long enough. All others are prolonged, twice as far each time, since a transient and a
+//! slow approach come to an end. A motion that is undecided at the limit is *not settled*, and no
+//! attractor. docs/studies.md, "When a verdict is decided", has the reasons.
 
 use super::attractor::{Attractor, MotionClass, OBSERVED, SAME, StroboscopicRecord};
 use super::error::Result;
 use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
 use super::largest_exponent::LargestExponent;
-use super::settling::TURNED;
+use super::settling::LEAST_APPROACH;
 use super::statistics::{Blocks, Likeness};
-use super::trajectories::{Outcome, Program, Start, Workspace};
+use super::trajectories::{MotionEnd, Program, Start, Workspace};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 
-/// Most drive periods for which a motion is followed after the discarded ones, but for the last of
-/// the growing steps.
+/// Most drive periods for which a motion is followed after the discarded ones; the last of the
+/// growing steps may exceed it.
 pub const PROLONGED: u32 = 8192;
 /// Most drive periods over which the largest exponent is computed at a time.
 pub const EXPONENT_PERIODS: u32 = 4000;
-/// Drive periods for which chaos must last to be called so where nothing else is asked of it.
+/// Drive periods for which chaos must last where there is no other condition.
 pub(crate) const LASTS: u32 = 4 * OBSERVED;
 
-/// The shortest window whose means may become those of an attractor, in drive periods: eight blocks
-/// of it hold 128 each.
+/// Shortest window, in drive periods, whose means may become those of an attractor: eight blocks of
+/// it have 128 each.
 const WINDOW: u32 = 1024;
 
-/// States that return to this (units of L and L ω10) have arrived: with a thousandth of the way
-/// taken a period, what is left is a thousand times as much and under what tells two attractors
-/// apart.
+/// Largest return (units of L and L ω10) of a motion that has arrived. If it covers a thousandth of
+/// its way in a period, the rest is a thousand returns, less than the distance of two attractors.
 const ARRIVED: f64 = 1e-7;
-/// What seems quasi-periodic is a spiral onto an orbit where its nearest return falls below the
-/// first part of what it was before the exponent was counted, thousands of drive periods, and in
-/// each window after that below the second. On a torus that passes a resonance slowly it falls too,
-/// for half of its slow time: at none of 20,553 places along the 221 tori by which both parts were
-/// chosen, and on none of 190 others, it did both.
+/// A motion that seems quasi-periodic is a spiral onto an orbit if its nearest return falls, while
+/// the exponent is counted (thousands of drive periods), below the first part of its value before,
+/// and in each later window below the second part. Beside a resonance a torus has falling returns
+/// too, for half of its slow time: at none of 20,553 places on the 221 tori by which these parts
+/// were chosen, and on none of 190 others, were both conditions met.
 const FALLS: [f64; 2] = [0.1, 0.97];
-/// Windows after the exponent in which it must do so.
+/// Number of windows after the exponent in which the nearest return must fall.
 const FALLEN: u32 = 3;
-/// Drive periods after which a damped motion without impacts has come to its limit.
+/// Drive periods after which a damped motion without impacts is at its limit.
 const FAR: u32 = 1 << 22;
 
-/// How motions are followed.
+/// Options of following motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Following {
     /// Drive periods discarded first.
     pub(crate) discard: u32,
     /// Most drive periods over which the largest exponent is computed, if it is.
     pub(crate) exponent: Option<u32>,
-    /// Most drive periods after the discarded ones; 0 for what is observed once and not prolonged.
+    /// Most drive periods after the discarded ones; 0 for a single observation.
     pub(crate) limit: u32,
 }
 
@@ -61,52 +60,51 @@ impl Default for Following {
     }
 }
 
-/// A motion as far as it has been followed.
+/// Motion as far as it has been followed.
 #[derive(Clone, Debug)]
 pub struct Followed {
-    /// Its class.
+    /// Class of the motion.
     pub class: MotionClass,
-    /// What it is, with the means of the whole window where it has no period.
+    /// The attractor, with the means of the whole window where it has no period.
     pub attractor: Attractor,
-    /// The largest exponent beside the drive phase's zero, where there are impacts and no period.
+    /// Largest exponent besides the drive phase's zero, where there are impacts and no period.
     pub exponent: Option<LargestExponent>,
-    /// Drive periods for which it has been followed since it is what it is.
+    /// Drive periods over which it has been followed since its class last changed.
     pub periods: u32,
-    /// Whether its window is long enough, since its means last changed, for others to be compared
-    /// with them.
+    /// Whether its window, since the means last changed, is long enough to compare others with
+    /// them.
     pub stationary: bool,
 }
 
 impl Followed {
-    /// Whether it stays in motion without a period: chaotic or on a torus.
+    /// Whether the motion stays without a period: chaotic or on a torus.
     pub(crate) fn wanders(&self) -> bool {
         matches!(self.class, MotionClass::Chaotic | MotionClass::QuasiPeriodic)
     }
 }
 
-/// A motion whose verdict is open.
+/// Motion whose verdict is open.
 struct Open {
     number: usize,
     start: Start,
     found: Followed,
-    /// The window of a motion without a period, since it is what it is, with its impacts.
+    /// Window of a motion without a period since its class last changed, and its impacts.
     blocks: Blocks,
     impacts: [f64; 2],
     rests: bool,
     arrived: bool,
     nearest: Option<f64>,
-    /// Windows since the exponent in each of which the nearest return [fell](FALLS); `None` once it
-    /// has not.
+    /// Number of windows since the exponent in each of which the nearest return [fell](FALLS);
+    /// `None` after one in which it did not.
     falls: Option<u32>,
-    /// Drive periods for which it has been followed in all.
+    /// Drive periods over which it has been followed in all.
     followed: u32,
 }
 
-/// Follows motions on this thread until all are decided. `judge` is shown each motion that has a
-/// period, that wanders, whose window has doubled since, or that has come to the limit, with its
-/// number in the order of the starts; it says whether that is enough. The last time (`true`) its
-/// answer counts for nothing. What it is shown comes in one order, whatever else the thread has
-/// done.
+/// Follows motions on this thread until all are decided. `judge` is called, with the index among
+/// the starts, for each motion that has a period, that wanders and whose window has doubled since,
+/// or that is at the limit; it returns whether that suffices. In the last call (`true`) its answer
+/// does not count. The order of the calls does not depend on other work of the thread.
 pub(crate) fn follow(
     workspace: &mut Workspace,
     starts: &[Start],
@@ -162,7 +160,7 @@ pub(crate) fn follow(
     }
 }
 
-/// Motions that are prolonged in the same way, together: those that wander, and the others by how
+/// Groups of motions that are prolonged in the same way: those that wander, and the others by how
 /// long they have been followed.
 fn alike(motions: Vec<Open>) -> Vec<Vec<Open>> {
     let kind = |m: &Open| (m.found.wanders(), if m.found.wanders() { 0 } else { m.followed });
@@ -176,50 +174,51 @@ fn alike(motions: Vec<Open>) -> Vec<Vec<Open>> {
     groups
 }
 
-/// What a run of a program has shown of a motion.
-struct Seen {
+/// Result of a run of a program for one motion.
+struct ProgramResult {
     state: vibro_impact::State,
     attractor: Attractor,
     exponent: Option<LargestExponent>,
-    /// Whether a motion with a period returns so exactly that a slow approach has no way left to
-    /// go, or keeps clear of the stops.
+    /// Whether a periodic motion returns so exactly that no slow approach is left, or keeps clear
+    /// of the stops.
     arrived: bool,
-    /// Whether it is proved that no impact will come.
+    /// Whether it is proved that no impact will follow.
     clear: bool,
-    /// The nearest return of a motion without a period that has impacts to the end.
+    /// Nearest return of a motion without a period that has impacts to the end.
     nearest: Option<f64>,
     blocks: Blocks,
 }
 
-/// Whether returns after a period are so exact that a slow approach has no way left to go.
+/// Whether returns after a period are so exact that no slow approach is left.
 pub(crate) fn has_arrived(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool {
     record.return_distance(period) < ARRIVED && has_no_part(record, period, p)
 }
 
-/// Whether a period is not that of a way by turns from either side, on which states nearly return
-/// in twice the period of the orbit, or, to a symmetric one, in its period without having come to
+/// Whether a period is not that of an approach from either side in turn. On such an approach states
+/// nearly return in twice the orbit's period; or, for a symmetric orbit, in its period, but not in
 /// half of it with the mirror image. Only an odd period has such a half.
 fn has_no_part(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool {
     let own = record.return_distance(period);
     let half = record.mirror_distance(period);
     let mirrored = p.is_symmetric() && !period.is_multiple_of(2) && half >= SAME;
     let mut parts = (1..period).filter(|part| period.is_multiple_of(*part));
-    parts.all(|part| own < TURNED * record.return_distance(part)) && (!mirrored || own < TURNED * half)
+    parts.all(|part| own < LEAST_APPROACH * record.return_distance(part))
+        && (!mirrored || own < LEAST_APPROACH * half)
 }
 
-/// The outcomes in the order of the starts.
-fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> Vec<Result<Seen>> {
-    let mut found: Vec<Option<Result<Seen>>> = starts.iter().map(|_| None).collect();
+/// Results in the order of the starts.
+fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> Vec<Result<ProgramResult>> {
+    let mut found: Vec<Option<Result<ProgramResult>>> = starts.iter().map(|_| None).collect();
     workspace.run(&mut starts.iter().copied(), program, &mut |number, outcome| {
-        found[number] = Some(outcome.map(|Outcome { state, attractor, exponent, record, .. }| {
+        found[number] = Some(outcome.map(|MotionEnd { state, attractor, exponent, record, .. }| {
             let mut blocks = Blocks::default();
             // Every motion of such a program is observed.
             let p = &starts[number].parameters;
             let mut attractor = attractor.unwrap_or_else(|| record.attractor(p));
             let clear = attractor.is_free() && keeps_clear(p, &state);
             if attractor.period.is_none() && clear {
-                // No impact will come, and the linear motion has one limit if it is damped; if not,
-                // it is still in motion then.
+                // No impact will follow, and the linear motion has one limit if it is damped;
+                // otherwise it is still moving then.
                 let mut far = StroboscopicRecord::default();
                 if free_motion::observe(p, &state, FAR, &mut far).is_some() {
                     attractor = far.attractor(p);
@@ -231,15 +230,15 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
                 record.add_to(&mut blocks);
                 nearest = record.nearest_return();
             }
-            Seen { state, attractor, exponent, arrived, clear, nearest, blocks }
+            ProgramResult { state, attractor, exponent, arrived, clear, nearest, blocks }
         }));
     });
-    // Each motion has an outcome.
+    // Each motion has a result.
     found.into_iter().flatten().collect()
 }
 
 impl Open {
-    fn new(number: usize, start: Start, seen: Seen) -> Self {
+    fn new(number: usize, start: Start, seen: ProgramResult) -> Self {
         let class = MotionClass::by_largest(&seen.attractor, seen.exponent.as_ref(), &start.parameters);
         let (impacts, rests) = (seen.attractor.impacts, seen.attractor.rests);
         let periods = seen.blocks.periods();
@@ -250,7 +249,7 @@ impl Open {
             periods,
             stationary: false,
         };
-        let Seen { arrived, blocks, nearest, .. } = seen;
+        let ProgramResult { arrived, blocks, nearest, .. } = seen;
         let falls = (class == MotionClass::QuasiPeriodic).then_some(0);
         let mut motion = Self {
             number,
@@ -268,8 +267,8 @@ impl Open {
         motion
     }
 
-    /// Takes up what was seen of the motion after so many more discarded drive periods.
-    fn take(&mut self, mut seen: Seen, discarded: u32) {
+    /// Takes the result of a run over `discarded` more discarded drive periods and an observation.
+    fn take(&mut self, mut seen: ProgramResult, discarded: u32) {
         let followed = self.followed.saturating_add(discarded).saturating_add(OBSERVED);
         self.start.state = seen.state;
         let ended = seen.clear && is_damped(&self.start.parameters);
@@ -278,7 +277,7 @@ impl Open {
             // window to the next.
             seen.attractor.approaching &=
                 seen.nearest.zip(self.nearest).is_none_or(|(now, before)| now < before);
-            // What it was so far was a transient.
+            // The motion so far was a transient.
             *self = Self { followed, ..Self::new(self.number, self.start, seen) };
             return;
         }
@@ -302,26 +301,26 @@ impl Open {
         }
     }
 
-    /// Shows the motion to the judge where there is something new to say of it; whether it is done
-    /// with.
+    /// Shows the motion to the judge where its verdict may have changed; returns whether it is
+    /// finished.
     fn is_decided(
         &mut self,
         following: &Following,
         judge: &mut dyn FnMut(usize, Result<&Followed>, bool) -> bool,
     ) -> bool {
-        // What may be a spiral shows first whether it is one.
+        // A possible spiral must first prove to be none.
         let asked = self.found.class == MotionClass::QuasiPeriodic && self.falls.is_some();
         let last = self.followed >= following.limit && !asked;
         let has_period = self.found.attractor.period.is_some();
         let periodic = has_period && self.arrived;
-        // Windows are compared each time that they have doubled.
+        // Windows are compared each time they have doubled.
         let due = self.found.wanders() && !asked && (self.followed / OBSERVED).is_power_of_two();
         if !(last || periodic || due) {
             return false;
         }
         if has_period && !self.arrived && following.limit > 0 {
-            // It is on its way to an orbit of this period or of a part of it, or past the place of
-            // one that has vanished.
+            // The motion approaches an orbit of this period or of a part of it, or passes the place
+            // of one that has vanished.
             self.found.class = MotionClass::Settling;
         }
         if !has_period {
@@ -329,7 +328,7 @@ impl Open {
             if first.likeness(&second) == Likeness::Different {
                 // The earlier half was a transient.
                 self.blocks.forget_half();
-                // Of its impacts the last periods tell.
+                // Its impacts are estimated from the last periods.
                 let periods = f64::from(self.blocks.periods());
                 self.impacts = self.found.attractor.impacts.map(|rate| rate * periods);
             }
@@ -352,8 +351,8 @@ impl Open {
     }
 }
 
-/// What one motion is, followed from its start; chaos and quasi-periodic motion are called so when
-/// they have lasted for 512 drive periods.
+/// The verdict on one motion from its start; chaos and quasi-periodic motion must last for 512
+/// drive periods.
 ///
 /// # Errors
 /// What the simulator refuses.
@@ -369,7 +368,7 @@ pub fn verdict(start: &Start, discard: u32) -> Result<Followed> {
     });
     match found {
         Some(found) => found,
-        // A single start has an outcome; it is refused where the simulator refuses it.
+        // A single start has a result unless the simulator refuses it.
         None => Err(match Simulator::new(&start.parameters, &start.state, 0.0) {
             Err(refused) => refused.into(),
             Ok(_) => super::error::Error::Form { text: "a motion".into(), expected: "an outcome" },

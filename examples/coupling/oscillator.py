@@ -65,6 +65,6 @@ class Oscillator(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without typ
         rate = damped * (dz * cosine - (decay * dz + stiffness / self.m * z) * sine)
         self.x = free.real + p0 + p1 * h + p2 * h * h
         self.dx = rate.real + p1 + 2.0 * p2 * h
-        # Where the flange has come to.
+        # Position of the flange at the end.
         self.s, self.v = self.s + self.v * h + self.a * h * h / 2.0, self.v + self.a * h
         return True

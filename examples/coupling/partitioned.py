@@ -35,7 +35,7 @@ BODIES = ("box.s", "block.s", "secondary.s")
 TOLERANCE = 1e-14
 MOST_ITERATIONS = 50
 
-#: A step (s) in which the block's own acceleration leaves less of the motion out than its displacement has of rounding.
+#: A step (s) so short that neglecting the block's own acceleration is less than the rounding of its displacement.
 SHORT = 1e-5
 
 
@@ -55,20 +55,20 @@ class Run:
     states: list[NDArray[np.float64]] = field(default_factory=list)
     steps: int = 0
     iterations: int = 0
-    #: Steps that the machine's FMU computed, those that were taken back included.
+    #: Steps that the machine's FMU computed, with those taken back.
     computed: int = 0
 
 
 @dataclass
 class Machine:
-    """The cut machine: the two instances and what passes between them at the present communication point."""
+    """The cut machine: the two instances and the quantities exchanged at the present communication point."""
 
     box: Slave
     oscillator: Slave
     stiffness: float  # of the cut spring
 
     def flange(self) -> tuple[float, float, float, float]:
-        """Displacement and velocity of the block, force on it and that force's rate; both sides agree on them after it."""
+        """Displacement and velocity of the block, force on it and rate of that force; afterwards both sides agree on them."""
         s, v = self.box.reals(["block.s", "block.v"])
         for name, value in (("s", s), ("v", v), ("a", 0.0)):
             self.oscillator.set(name, value)
@@ -76,7 +76,7 @@ class Machine:
         return float(s), float(v), float(f), float(rate)
 
     def displacements(self) -> NDArray[np.float64]:
-        """Of box, block and secondary oscillator, m."""
+        """Displacements of box, block and secondary oscillator, m."""
         return np.append(self.box.reals(["box.s", "block.s"]), self.oscillator.get("x"))
 
 
@@ -85,7 +85,7 @@ Master = Callable[[Machine, float, float], "tuple[float, int]"]
 
 
 def held(machine: Machine, time: float, size: float) -> tuple[float, int]:
-    """Gauss–Seidel with held values: what every host can do. First order."""
+    """Gauss–Seidel with held values, which every host can do. First order."""
     _, _, f, _ = machine.flange()
     machine.box.set("block.f", f)
     reached = machine.box.step(time, size)
@@ -164,7 +164,7 @@ class EventMachine:
         return float(s), float(v), float(f), float(rate), float(curvature)
 
     def displacements(self) -> NDArray[np.float64]:
-        """Of box, block and secondary oscillator, m."""
+        """Displacements of box, block and secondary oscillator, m."""
         return np.append(self.box.reals(["box.s", "block.s"]), self.oscillator.get("x"))
 
 
@@ -176,7 +176,7 @@ def to_events(machine: EventMachine, time: float, size: float) -> float:
     box, oscillator = machine.box, machine.oscillator
     s, v, f, rate, curvature = machine.flange()
     box.set("block.f", f)
-    # What the FMU asks for inside the step (intermediate update): a parabola comes back exactly as
+    # Inputs inside the step (intermediate update): the FMU reproduces a parabola exactly as
     # a cubic.
     box.courses["block.f"] = lambda t: f + (t - time) * (rate + (t - time) * curvature / 2.0)
     if time < machine.next_event < time + size:
@@ -196,7 +196,7 @@ def to_events(machine: EventMachine, time: float, size: float) -> float:
 
 
 def parameters(fmu: PathLike) -> dict[str, float]:
-    """Of the whole machine, SI."""
+    """Parameters of the whole machine, SI."""
     return {**start_values(fmu), "coupling.k": COUPLING}
 
 
@@ -204,7 +204,7 @@ START = {"block.s": 0.9, "block.v": 0.5}  # it meets both stops at once
 
 
 def whole(fmu: PathLike, points: int, periods: int = PERIODS) -> Run:
-    """The machine as one FMU, at so many points a period."""
+    """The machine as one FMU, recorded at `points` points a period."""
     p, run = parameters(fmu), Run()
     size = 2.0 * math.pi / p["drive.frequency"] / points
     with Slave(fmu, {**p, **START}) as box:
@@ -224,7 +224,7 @@ def cut(
     periods: int = PERIODS,
     to_impacts: bool = False,
 ) -> Run:
-    """The machine cut in two, with so many communication steps a period, of which `points` are recorded."""
+    """The machine cut in two, with a number of communication steps a period, of which `points` are recorded."""
     p, run = parameters(fmu), Run()
     size = 2.0 * math.pi / p["drive.frequency"] / per_period
     box_start = {**p, "coupling.k": 0.0, "stopAtImpact": to_impacts, **START}
@@ -248,7 +248,7 @@ def cut(
 def cut_by_events(
     fmu: PathLike, oscillator: PathLike, per_period: int, points: int, periods: int = PERIODS
 ) -> Run:
-    """The same with the FMI 3.0 FMU and the master that steps to the announced events."""
+    """The machine cut in two, with the FMI 3.0 FMU and the master that steps to the announced events."""
     p, run = parameters(fmu), Run()
     size = 2.0 * math.pi / p["drive.frequency"] / per_period
     box_start: dict[str, Value] = {**p, "coupling.k": 0.0, "stopAtImpact": True, **START}
@@ -288,16 +288,16 @@ STEPS = (10, 20, 40, 80, 160, 320, 640)
 
 @dataclass
 class Curve:
-    """What a master reaches with each number of steps a period, and what it costs."""
+    """Error and cost of a master for each number of steps a period."""
 
     #: Largest difference of any displacement from the whole machine, m.
     errors: list[float] = field(default_factory=list)
-    #: Steps a period that the machine's FMU computed, those that were taken back included.
+    #: Steps a period that the machine's FMU computed, with those taken back.
     computed: list[float] = field(default_factory=list)
 
 
 def curves(fmu: PathLike, oscillator: PathLike, steps: tuple[int, ...] = STEPS) -> dict[str, Curve]:
-    """Of every master, by its name; the FMU of FMI 3.0 lies beside that of FMI 2.0."""
+    """Results of every master, by its name; the FMU of FMI 3.0 lies beside that of FMI 2.0."""
     points = min(steps)
     expected = np.array(whole(fmu, points).states)
     table: dict[str, Curve] = {}
@@ -320,7 +320,7 @@ def curves(fmu: PathLike, oscillator: PathLike, steps: tuple[int, ...] = STEPS) 
 
 
 def draw(table: dict[str, Curve], motion: dict[str, NDArray[np.float64]], path: PathLike) -> None:
-    """Errors against the step and against the work, and what they look like."""
+    """Draws the errors against the step and against the work, and motions at ten steps a period."""
     import matplotlib
 
     matplotlib.use("Agg")

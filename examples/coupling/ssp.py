@@ -23,7 +23,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from vibro import FMU, PathLike  # noqa: E402
 
-#: Parameters by component and name; the values of VibroImpact3DOF that are not here are its start values.
+#: Parameters by component and name; other parameters of VibroImpact3DOF keep their start values.
 PARAMETERS: dict[str, dict[str, tuple[float, str]]] = {
     "machine": {"drive.amplitude": (0.0, "N"), "stop.gap": (0.2, "m"), "stop.restitution": (0.6, "1")},
     "motor": {

@@ -102,7 +102,7 @@ fn basins() -> Value {
     let p = *set(&[("f10", 2.5)]).parameters();
     let axis = |coordinate, count| InitialValueAxis { coordinate, from: -1.5, to: 1.25, count };
     let request =
-        basin::Request { x: axis(4, 8), y: axis(1, 6), discard: 200, start: basin::in_the_middle() };
+        basin::BasinRequest { x: axis(4, 8), y: axis(1, 6), discard: 200, start: basin::in_the_middle() };
     let found = basin::basin(&p, &request, &Task::ALL).expect("valid").expect("all parts");
     let cells: Vec<_> = found.cells.iter().map(|cell| format!("{cell:?}")).collect();
     json!({"cells": cells, "periods": found.attractors.iter().map(|a| a.attractor.period).collect::<Vec<_>>()})

@@ -1,6 +1,7 @@
-//! The places of the three bodies to which the states of an orbit refer: where springs hold
-//! constant loads, docs/theory.md (99), unless that is far beyond the stops, and then places near
-//! each other, at which the loads push.
+//! Reference places of the three bodies, from which the states of an orbit are measured.
+//!
+//! Where springs hold the constant loads within reach of the stops these are the rest positions,
+//! docs/theory.md (99). Otherwise they are places near each other, at which the loads push.
 
 use vibro_analysis::Result;
 use vibro_impact::parameters::{LOADS, Parameters};
@@ -22,17 +23,18 @@ pub struct ConstantLoads {
 }
 
 impl ConstantLoads {
-    /// The same as loads of the simulator.
+    /// The loads as those of the simulator.
     pub fn loads(&self) -> Loads {
         Loads { derivatives: self.forces.map(|f| [f, 0.0, 0.0, 0.0]) }
     }
 }
 
-/// Stiffness in parts of mass times ω1² up to which a spring hardly holds a body: beside it the
-/// equations of an orbit without an anchor lose three digits and more.
+/// Stiffness, in parts of mass times ω1², up to which a spring counts as soft: without an anchor
+/// the equations of an orbit lose three digits and more there.
 const SOFT: f64 = 1e-2;
 
-/// What moves along without a force where a spring is missing.
+/// Body or bodies that a missing or soft spring leaves without a place of their own, docs/theory.md
+/// (112).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     /// The box, without a spring to the ground.
@@ -44,18 +46,18 @@ pub(super) enum Anchor {
 }
 
 impl Anchor {
-    /// The place in a state of the displacement whose return the first contact replaces.
+    /// Index in a state of the displacement whose return the first contact replaces.
     pub(super) fn place(self) -> usize {
         usize::from(self != Self::Box)
     }
 
-    /// The place of a displacement that moves along with it, whose return is then asked for beside
-    /// that one.
+    /// Index of the displacement that moves along with the first: its return is asked for beside
+    /// that of the first.
     pub(super) fn follower(self) -> Option<usize> {
         (self == Self::Pair).then_some(2)
     }
 
-    /// The three, each with the stiffness that holds it in parts of mass times ω1².
+    /// All anchors, each with the stiffness that holds it in parts of mass times ω1².
     pub(super) fn held(p: &Parameters) -> [(Self, f64); 3] {
         let part = |stiffness: f64, mass: f64| stiffness / (mass * p.drive_frequency.powi(2));
         [
@@ -65,29 +67,30 @@ impl Anchor {
         ]
     }
 
-    /// The one that is held least in any of some machines, if it is hardly held.
+    /// The anchor with the least stiffness in any of some machines; `None` unless that is soft.
     pub(super) fn of<'a>(machines: impl Iterator<Item = &'a Parameters>) -> Option<Self> {
         let least = machines.flat_map(Self::held).min_by(|a, b| a.1.total_cmp(&b.1));
         least.filter(|(_, stiffness)| *stiffness <= SOFT).map(|(anchor, _)| anchor)
     }
 }
 
-/// Displacement of the block in the box, units of L, beyond which states refer to places near each
-/// other. Two digits are lost by then, and no motion without impacts keeps within the stops.
+/// Displacement of the block in the box, units of L, beyond which states are measured from places
+/// near each other. Two digits are lost by then, and no motion without impacts keeps within the
+/// stops.
 const FAR: f64 = 100.0;
 
-/// The farthest place, units of L: differences of places and their products with rates of a machine
-/// remain numbers.
+/// Farthest place, units of L. Differences of nearer places, and their products with the rates of a
+/// machine, do not overflow.
 const FARTHEST: f64 = 1e100;
 
-/// Places of the bodies, units of L, and what pushes them there.
+/// Reference places, units of L, and what pushes the bodies there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Balance {
-    /// Those to which states refer.
+    /// The reference places.
     pub places: [f64; 3],
     /// The constant part of the rate of a state there, d of docs/theory.md (111).
     pub push: Vector6,
-    /// Where the springs hold the loads; a block without a spring in the middle of the box.
+    /// Rest positions under the loads; a block without a spring is in the middle of the box.
     held: [f64; 3],
 }
 
@@ -97,7 +100,7 @@ impl Balance {
         self.held[1] - self.held[0]
     }
 
-    /// The same loads with states that refer to where the springs hold them.
+    /// This balance with the rest positions as reference places.
     pub fn at_rest(self) -> Self {
         if self.places == self.held {
             self
@@ -107,7 +110,7 @@ impl Balance {
     }
 }
 
-/// The places for a machine under loads.
+/// The balance of a machine under loads.
 ///
 /// # Errors
 /// A load that is not finite, on what no spring holds, or on what a spring holds farther away than
@@ -131,7 +134,7 @@ pub(super) fn balance(p: &Parameters, loads: ConstantLoads) -> Result<Balance> {
     Ok(Balance { places, push, held })
 }
 
-/// Places near each other at which all bodies are in balance but those that a spring hardly holds.
+/// Reference places near each other at which all bodies but the softly held ones are in balance.
 fn near(p: &Parameters, loads: ConstantLoads, [x1, x2, x3]: [f64; 3], anchor: Anchor) -> [f64; 3] {
     let [_, f2, f3] = loads.forces.map(|force| force / p.stop_gap);
     let (coupling, ground) = (p.coupling_stiffness, p.secondary_stiffness);

@@ -1,4 +1,4 @@
-//! Branches as plain data.
+//! Branches as plain data: points, labels, stability.
 
 use super::family::Family;
 use super::orbit::Orbit;
@@ -7,7 +7,7 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 use vibro_analysis::Result;
 
-/// What is special at a point of a branch; the names are those of the field's programs.
+/// Type of a special point, named as in AUTO and MatCont where these have it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Label {
@@ -23,16 +23,16 @@ pub enum Label {
     Grazing,
     /// EP: the end of the parameter's range.
     EndPoint,
-    /// MX: the path could not be followed on.
+    /// MX: continuation failed here.
     NoConvergence,
-    /// UZ: a value that was asked for.
+    /// UZ: a value of the parameter that was asked for.
     UserValue,
-    /// CH: an impact with speed zero is pressed into its stop, so that there is chatter beyond.
+    /// CH: an impact with speed zero after which the block stays on its stop; beyond it is chatter.
     Chatter,
 }
 
 impl Label {
-    /// Labels of points from which a curve in two parameters starts.
+    /// Labels at which a curve in two parameters may start.
     pub const STARTS: [Self; 6] = [
         Self::Fold,
         Self::BranchPoint,
@@ -42,7 +42,7 @@ impl Label {
         Self::Chatter,
     ];
 
-    /// Its two letters.
+    /// The two letters of the label.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fold => "LP",
@@ -64,14 +64,14 @@ impl std::fmt::Display for Label {
     }
 }
 
-/// What is special at a point.
+/// A special point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Special {
-    /// Its kind.
+    /// Type of the point.
     pub label: Label,
-    /// At a touch the word that lists it.
+    /// At a touch: the word that lists it.
     pub longer: Option<OrbitWord>,
-    /// At a touch whether the orbits with and without the impact exist on the same side of it, so
+    /// At a touch: whether the orbits with and without the impact exist on the same side of it, so
     /// that the family turns round.
     pub fold: Option<bool>,
 }
@@ -84,7 +84,7 @@ impl Special {
 
 /// One orbit of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct OrbitPoint {
     /// The parameter.
     pub value: f64,
     /// Phases of the drive at the impacts, rad.
@@ -95,12 +95,12 @@ pub struct Point {
     /// Whether the piece of the branch from here to the next point is stable; at the last point the
     /// piece before it.
     pub stable: bool,
-    /// What is special here.
+    /// The special point here, if it is one.
     pub special: Option<Special>,
 }
 
-impl Point {
-    /// Its label, if it is special.
+impl OrbitPoint {
+    /// The label of a special point.
     pub fn label(&self) -> Option<Label> {
         self.special.as_ref().map(|s| s.label)
     }
@@ -109,18 +109,18 @@ impl Point {
 /// A connected family of orbits along the parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Branch {
-    /// Its number in the tree.
+    /// Index in the tree.
     pub id: usize,
-    /// The branch and the point of it at which this one begins; `None` for one from a settled
-    /// motion.
+    /// Index of the parent branch and of its point at which this branch begins; `None` for a branch
+    /// that was entered from a simulated motion.
     pub parent: Option<(usize, usize)>,
-    /// Switches of branches since a settled motion.
+    /// Number of switches of branches since a simulated motion.
     pub depth: u32,
-    /// The word of all its orbits, canonical.
+    /// Canonical word of all orbits of the branch.
     pub word: OrbitWord,
-    /// Its points in order.
-    pub points: Vec<Point>,
-    /// Whether it ends where it begins.
+    /// Points in order.
+    pub points: Vec<OrbitPoint>,
+    /// Whether the branch ends where it begins.
     pub closed: bool,
 }
 
@@ -129,7 +129,7 @@ impl Branch {
     ///
     /// # Errors
     /// What the machine refuses.
-    pub fn orbit(&self, family: &Family, point: &Point) -> Result<Orbit> {
+    pub fn orbit(&self, family: &Family, point: &OrbitPoint) -> Result<Orbit> {
         let system = family.system(&[point.value])?;
         Orbit::at(&system, &self.word, &point.phases).map_err(|obstacle| obstacle.error(&system, &self.word))
     }
@@ -137,7 +137,7 @@ impl Branch {
     /// The local maxima of a displacement with weights of x1, x2, x3 at each point, units of L, the
     /// largest first; none where the orbit cannot be computed.
     pub fn maxima(&self, family: &Family, weights: [f64; 3]) -> Vec<Vec<f64>> {
-        let at = |point: &Point| {
+        let at = |point: &OrbitPoint| {
             let mut found = self.orbit(family, point).map_or(Vec::new(), |orbit| orbit.maxima(weights));
             found.sort_by(|a, b| b.total_cmp(a));
             found
@@ -145,8 +145,8 @@ impl Branch {
         self.points.iter().map(at).collect()
     }
 
-    /// Whether the piece before a point and the one after it are stable; at an end the piece that
-    /// is there.
+    /// Stability of the piece before a point and of the piece after it; at an end both are that of
+    /// the only piece.
     pub fn stability_around(&self, point: usize) -> (bool, bool) {
         let after = self.points[point].stable;
         let before = point.checked_sub(1).map_or(after, |last| self.points[last].stable);

@@ -1,7 +1,7 @@
 //! Which orbits a tree holds: whether a branch passes an orbit, and on which branch a settled
 //! motion lies.
 
-use super::branch::{Branch, Point};
+use super::branch::{Branch, OrbitPoint};
 use super::family::Family;
 use super::grower::SAME_PLACE;
 use super::orbit::{Orbit, canonical, newton, same_phases};
@@ -14,10 +14,10 @@ use vibro_analysis::Result;
 use vibro_analysis::attractor::Attractor;
 use vibro_analysis::stroboscopic::{StroboscopicState, dimensionless};
 
-/// Phases (rad) that count as those of one orbit at one value of the parameter.
+/// Differences of phases, rad, up to which two orbits at one value of the parameter are one.
 const SAME_ORBIT: f64 = 1e-6;
 
-/// How far interpolated phases may be from an orbit's for the branch to be tried.
+/// Distance of interpolated phases from an orbit's, rad, up to which Newton's method is tried.
 const NEAR_ORBIT: f64 = 0.2;
 
 /// An orbit of a tree at a value of the parameter.
@@ -29,7 +29,7 @@ pub struct TreeOrbit {
     pub orbit: Orbit,
 }
 
-/// Where a settled motion lies in a tree.
+/// Place of a settled motion in a tree.
 #[derive(Clone, Debug)]
 pub struct Covering {
     /// The number of the branch.
@@ -42,9 +42,9 @@ pub struct Covering {
 }
 
 impl Tree {
-    /// The largest [`distance`](Covering::distance) at which a motion counts as one that has
-    /// settled on an orbit: that to which states of one attractor agree that was reached in
-    /// different ways. Orbits that can be told apart differ by more.
+    /// The largest [`distance`](Covering::distance) at which a motion counts as settled on an
+    /// orbit. States of one attractor that were reached in different ways agree to it; distinct
+    /// orbits differ by more.
     pub const SETTLED_DISTANCE: f64 = 1e-3;
 
     /// The branch that passes an orbit, if one does.
@@ -82,17 +82,16 @@ impl Tree {
         Ok(self.branches.iter().flat_map(of).collect())
     }
 
-    /// The stable orbit of the tree on which a motion has settled that a simulation found at a
-    /// value of the parameter: the nearest one, if the motion is within
+    /// The stable orbit of the tree on which a simulated motion has settled at a value of the
+    /// parameter: the nearest one, if the motion is within
     /// [`SETTLED_DISTANCE`](Self::SETTLED_DISTANCE) of it. The orbit's mirror image counts as the
     /// orbit where the machine is symmetric.
     ///
     /// A motion is compared by its states at whole drive periods, one for each drive period of its
-    /// own period, which must be a multiple of the orbit's. `None` says that no continued stable
-    /// branch accounts for the motion: it is not periodic, rests at a stop, its transient has not
-    /// ended, or the branch is missing in the tree. The rows of a simulated diagram that are
-    /// covered, over all its periodic rows without rest, are the share of it that the tree
-    /// explains.
+    /// own period, which must be a multiple of the orbit's. `None` says that no stable branch of
+    /// the tree accounts for the motion: it is not periodic, rests at a stop, is still transient,
+    /// or its branch is missing. The share of a simulated diagram that the tree explains is the
+    /// number of covered rows over that of periodic rows without rest.
     ///
     /// ```
     /// use vibro_analysis::attractor::observe;
@@ -103,7 +102,8 @@ impl Tree {
     ///
     /// let span = Span::new(find_group("f10")?, 1.4, 1.6)?;
     /// let family = Family::new(&ParameterSet::basic(), span)?;
-    /// let options = TreeOptions { seeds: 2, settle: 300, starts: 0, depth: 0, ..TreeOptions::default() };
+    /// let few = TreeOptions { seeds: 2, settle: 300, starts: 0, ..TreeOptions::default() };
+    /// let options = TreeOptions { depth: 0, ..few };
     /// let found = tree(&family, &options, &|_, _| ())?;
     ///
     /// let system = family.system(&[1.5])?;
@@ -167,8 +167,8 @@ impl Branch {
     }
 
     /// The pairs of neighbouring points between which a value lies.
-    fn pieces_around(&self, value: f64) -> impl Iterator<Item = [&Point; 2]> {
-        let inside = move |pair: &[&Point; 2]| {
+    fn pieces_around(&self, value: f64) -> impl Iterator<Item = [&OrbitPoint; 2]> {
+        let inside = move |pair: &[&OrbitPoint; 2]| {
             let [a, b] = pair.map(|p| p.value);
             (a.min(b) - SAME_PLACE..=a.max(b) + SAME_PLACE).contains(&value)
         };
@@ -177,7 +177,7 @@ impl Branch {
 
     /// Guesses of the phases of an orbit between two points: those in between and, since next to a
     /// fold or a birth the interpolation is poor, those of the points.
-    fn guesses(value: f64, [a, b]: [&Point; 2]) -> [Vec<f64>; 3] {
+    fn guesses(value: f64, [a, b]: [&OrbitPoint; 2]) -> [Vec<f64>; 3] {
         let way = b.value - a.value;
         let part = if way == 0.0 { 0.5 } else { ((value - a.value) / way).clamp(0.0, 1.0) };
         let between = a.phases.iter().zip(&b.phases).map(|(a, b)| a + part * (b - a)).collect();
@@ -202,9 +202,9 @@ impl Branch {
         })
     }
 
-    /// Its certified orbits in the machine at a value of the parameter, on the pieces that begin at
-    /// points of a kind.
-    fn orbits_in(&self, system: &System, value: f64, begins: impl Fn(&Point) -> bool) -> Vec<Orbit> {
+    /// Certified orbits of the branch in the machine at a value of the parameter, on the pieces
+    /// that begin at points of a kind.
+    fn orbits_in(&self, system: &System, value: f64, begins: impl Fn(&OrbitPoint) -> bool) -> Vec<Orbit> {
         let mut found: Vec<Orbit> = Vec::new();
         for pair in self.pieces_around(value).filter(|pair| begins(pair[0])) {
             let guesses = Self::guesses(value, pair);

@@ -6,14 +6,14 @@ use super::obstacle::Obstacle;
 use super::orbit::{STEP_ROUNDING, STEP_STALLED};
 use nalgebra::{ComplexField, DMatrix, DVector};
 
-/// Most Newton steps of a correction.
+/// Most Newton steps of a correction of continuation.
 const STEPS: usize = 8;
 
-/// Most Newton steps towards a point that a further condition determines, which starts farther
+/// Most Newton steps towards a point that one further condition determines; they start farther
 /// away.
 const CONDITION_STEPS: usize = 20;
 
-/// A step of the latter that is longer than this is shortened.
+/// Longest Newton step towards such a point; longer ones are shortened to it.
 const LONGEST_STEP: f64 = 0.1;
 
 /// The value of n equations and their derivatives with respect to n + 1 unknowns.
@@ -37,11 +37,11 @@ pub(super) trait Equations {
 pub(super) struct CurvePoint {
     pub u: DVector<f64>,
     pub tangent: DVector<f64>,
-    /// Newton steps it took.
+    /// Newton steps that the correction took.
     pub steps: usize,
 }
 
-/// A matrix with one more row.
+/// A matrix with one more row at its end.
 fn bordered(matrix: &DMatrix<f64>, row: &DVector<f64>) -> DMatrix<f64> {
     let mut whole = matrix.clone().insert_row(matrix.nrows(), 0.0);
     whole.set_row(matrix.nrows(), &row.transpose());
@@ -57,8 +57,7 @@ pub(super) fn correct(
 ) -> Result<CurvePoint, Obstacle> {
     let mut u = predicted.clone();
     let mut known: Option<DMatrix<f64>> = None;
-    // The first of the steps that are rounding, as newton's, by which an easy correction counts as
-    // one.
+    // The first step that may be rounding (STEP_STALLED): an easy correction counts as taken there.
     let (mut stalled, mut before) = (None, f64::INFINITY);
     for steps in 1..=STEPS {
         let Linearization { value, matrix } = equations.linearize(&u, known.as_ref())?;
@@ -95,8 +94,8 @@ pub(super) fn correct(
     Err(Obstacle::NoConvergence)
 }
 
-/// The tangent at a point of the curve, on the side of `towards`: the null vector of the
-/// derivatives. Where `towards` is at a right angle to it, any side.
+/// The tangent at a point of the curve on the side of `towards`: the null vector of the
+/// derivatives. Either sign where `towards` is perpendicular to it.
 pub(super) fn tangent(
     equations: &impl Equations,
     u: &DVector<f64>,
@@ -148,7 +147,7 @@ pub(super) fn meet(
     })
 }
 
-/// Most sweeps of a decomposition by singular values: some for each of them suffice.
+/// Most sweeps of a singular value decomposition: a few for each value suffice.
 const SWEEPS: usize = 100_000;
 
 /// The left and the right singular vector of the least singular value of a square matrix: the null
@@ -214,7 +213,7 @@ mod tests {
     fn closed_form_null_vectors() {
         let (left, right) = least_vectors(DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 4.0])).unwrap();
         assert!((left[0] + 2.0 * left[1]).abs() + (right[0] + 2.0 * right[1]).abs() < 1e-14);
-        // Rows and columns of numbers that are none end at once.
+        // NaN and infinity end the sweeps at once.
         for bad in [f64::NAN, f64::INFINITY] {
             assert!(least_vectors(DMatrix::from_row_slice(2, 2, &[1.0, bad, 0.0, 1.0])).is_none());
         }

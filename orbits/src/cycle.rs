@@ -1,7 +1,8 @@
 //! The linear part of an orbit: for given impact phases the state follows from one system of six
-//! equations, and the conditions of contact are left as residual (docs/theory.md (101) to (105));
-//! for a body that a spring hardly holds the first contact is among the six, and the body's return
-//! is left instead (docs/theory.md (112)).
+//! equations, and the conditions of contact remain as residual (docs/theory.md (101) to (105)).
+//!
+//! Where a spring hardly holds a body, the first contact is one of the six equations, and the
+//! return of the body belongs to the residual instead (docs/theory.md (112)).
 
 use super::obstacle::Obstacle;
 use super::system::{Anchor, System};
@@ -16,7 +17,7 @@ const REGULAR: f64 = 1e-10;
 /// w as a row of a state.
 const GAP: Vector6 = Vector6::new(-1.0, 1.0, 0.0, 0.0, 0.0, 0.0);
 
-/// Which quantity at the ends of the flights is differentiated.
+/// Quantity at the ends of the flights that is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Functional {
     /// w.
@@ -26,7 +27,7 @@ pub(super) enum Functional {
 }
 
 impl Functional {
-    /// Its value for a state that carries no drive.
+    /// Value at a state without the drive.
     fn of(self, z: &Vector6) -> f64 {
         match self {
             Self::Gap => z[1] - z[0],
@@ -47,25 +48,25 @@ pub(super) struct Cycle<'a> {
     /// The derivatives of w and of w' at the end of each flight with respect to the state at the
     /// start.
     rows: Vec<[Vector6; 2]>,
-    /// z: the state less the motion without impacts, just after the first impact, and before and
-    /// after the impact at the end of each flight.
+    /// z: the state less the motion without impacts. `start` is just after the first impact;
+    /// `before` and `after` are around the impact at the end of each flight.
     pub start: Vector6,
     pub before: Vec<Vector6>,
     pub after: Vec<Vector6>,
-    /// w - s at the end of each flight; of an anchored system the last is how far what is anchored
-    /// misses its return.
+    /// w - s at the end of each flight. Of an anchored system the last entry is by how much the
+    /// anchored displacement misses its return.
     pub residual: Vec<f64>,
     /// w'⁻ at the end of each flight.
     pub rates: Vec<f64>,
 }
 
-/// Phases of the impacts at the ends of the flights, each the next one's start.
+/// Phase of the impact at the end of a flight, which starts the next one.
 fn arrival(word: &OrbitWord, phases: &[f64], flight: usize) -> f64 {
     phases.get(flight + 1).copied().unwrap_or(phases[0] + word.span())
 }
 
-/// Puts the first contact in place of the return of what a spring hardly holds, in the matrix of
-/// the equations for a state; what moves along with that is to return beside it.
+/// Replaces, in the matrix of the equations for a state, the return of the anchored displacement by
+/// the first contact. The displacement that moves along with it returns beside it.
 fn anchor_rows<T: ComplexField<RealField = f64>>(closed: &mut SMatrix<T, 6, 6>, anchor: Anchor) {
     let place = anchor.place();
     if let Some(follower) = anchor.follower() {
@@ -75,7 +76,8 @@ fn anchor_rows<T: ComplexField<RealField = f64>>(closed: &mut SMatrix<T, 6, 6>, 
     closed.set_row(place, &GAP.transpose().map(T::from_real));
 }
 
-/// The same of their right sides, with that of the contact.
+/// Replaces, in the right side of those equations, the return of the anchored displacement by the
+/// value of the first contact.
 fn anchor_right<T: ComplexField<RealField = f64>>(right: &mut SMatrix<T, 6, 1>, anchor: Anchor, contact: T) {
     let place = anchor.place();
     if let Some(follower) = anchor.follower() {
@@ -97,8 +99,8 @@ impl<'a> Cycle<'a> {
         Self::with_transitions(system, word, phases, transitions)
     }
 
-    /// The same with the maps of the flights, which do not depend on the drive's amplitude nor on
-    /// loads.
+    /// Closes a word at given phases with known maps of its flights, which depend neither on the
+    /// drive's amplitude nor on loads.
     pub fn with_transitions(
         system: &'a System,
         word: &'a OrbitWord,
@@ -145,13 +147,13 @@ impl<'a> Cycle<'a> {
         Ok(Self { system, word, phases, transitions, map, rows, start, before, after, residual, rates })
     }
 
-    /// Another cycle of the same phases in a system that may differ.
+    /// The cycle of these phases in another system.
     pub fn in_system<'b>(&self, system: &'b System) -> Result<Cycle<'b>, Obstacle>
     where
         'a: 'b,
     {
         let (own, other) = (&self.system.flight, &system.flight);
-        // All that the maps of the flights depend on.
+        // Parameters on which the maps of the flights depend.
         let rates =
             |f: &vibro_impact::steady::exact_orbit::Flight| [f.k1, f.c1, f.k2, f.k3, f.c3, f.k32, f.rate];
         if rates(own) == rates(other) {
@@ -180,9 +182,9 @@ impl<'a> Cycle<'a> {
         closed
     }
 
-    /// The determinant by which that of the residual's derivative is multiplied so that it does not
-    /// depend on which of the equations are solved for the state (docs/theory.md (112)): 1 unless
-    /// the system is anchored.
+    /// Factor by which the determinant of the residual's derivative is multiplied so that it does
+    /// not depend on which equations are solved for the state (docs/theory.md (112)): 1 unless the
+    /// system is anchored.
     pub fn anchor(&self, factor: f64) -> f64 {
         if self.system.anchor().is_some() {
             factor * self.sigma() * self.closed(&factor).determinant()
@@ -201,13 +203,13 @@ impl<'a> Cycle<'a> {
         (index + self.len() - 1) % self.len()
     }
 
-    /// The state after an impact, without the motion without impacts.
+    /// z after an impact.
     pub fn departure(&self, flight: usize) -> &Vector6 {
         if flight == 0 { &self.start } else { &self.after[flight - 1] }
     }
 
-    /// How far the block is from the stops at the start and at the end of a flight, where it is to
-    /// touch them: rounding, of an orbit.
+    /// Misses of contact at the start and at the end of a flight, units of L; those of an orbit are
+    /// rounding.
     pub fn contact_errors(&self, flight: usize) -> [f64; 2] {
         let off = |z: &Vector6, phase: f64, impact: usize| {
             (Functional::Gap.of(z) + self.system.forced_gap(phase)[0] - self.word.side(impact)).abs()
@@ -228,8 +230,8 @@ impl<'a> Cycle<'a> {
         free + self.system.forced_gap(self.arrival(flight))[2]
     }
 
-    /// Whether the block stays on its stop after the impact from which a flight starts: without
-    /// restitution it leaves without a speed, and its acceleration points at the stop.
+    /// Whether the block stays on its stop after the impact from which a flight starts. Without
+    /// restitution it leaves with speed zero, and stays if its acceleration points at the stop.
     pub fn stays(&self, flight: usize) -> bool {
         self.system.flight.kappa == 0.0 && {
             let free = Functional::Rate.of(&self.system.rate(self.departure(flight)));
@@ -238,7 +240,7 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// What an impact's delay by a unit of phase adds to the state at a later time, J f⁻ - f⁺
+    /// Derivative of the state at a later time with respect to an impact's phase, J f⁻ - f⁺
     /// (docs/theory.md (104)).
     fn delay(&self, flight: usize) -> Vector6 {
         let forced = self.system.forced_gap(self.arrival(flight))[2];
@@ -307,8 +309,8 @@ impl<'a> Cycle<'a> {
         Functional::Rate.of(&self.start) + self.system.forced_gap(self.phases[0])[1]
     }
 
-    /// For each impact what its delay changes directly: a functional at the ends of the later
-    /// flights, and the state at the end of the word.
+    /// For each impact the direct effect of its delay: on a functional at the ends of the later
+    /// flights, and on the state at the end of the word.
     fn delays(&self, functional: Functional) -> (DMatrix<f64>, Vec<Vector6>) {
         let n = self.len();
         let mut direct = DMatrix::zeros(n, n);
@@ -354,12 +356,12 @@ impl<'a> Cycle<'a> {
     }
 }
 
-/// A matrix whose columns are those of another one after a linear map.
+/// A matrix with a linear map applied to each column.
 fn mapped(matrix: &Matrix6<f64>, map: impl Fn(&Vector6) -> Vector6) -> Matrix6<f64> {
     Matrix6::from_columns(&[0, 1, 2, 3, 4, 5].map(|i| map(&matrix.column(i).into())))
 }
 
-/// The solution of a system of six equations; `None` where it is singular but for rounding.
+/// The solution of a system of six equations; `None` where it is singular up to rounding.
 fn solve(matrix: &Matrix6<f64>, right: &Vector6) -> Option<Vector6> {
     let lu = matrix.lu();
     let diagonal = lu.lu_internal().diagonal();

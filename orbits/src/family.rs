@@ -1,4 +1,4 @@
-//! The machines along one parameter or two, and the equations of orbits over them.
+//! Machines along one or two parameters, and the equations of orbits over them.
 
 use super::curve::{Equations, Linearization, slope};
 use super::cycle::{Cycle, Functional};
@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 use vibro_analysis::Error;
 use vibro_analysis::{Name, ParameterSet};
 
-/// Step of the differences with respect to the parameter, in its unit of the curve: it sets the
-/// speed of convergence and never the result.
+/// Step of the differences with respect to the parameter, in its curve unit. It sets the speed of
+/// convergence and never the result.
 const DIFFERENCE: f64 = 1e-5;
 
-/// The unit in which a parameter enters a curve's length: its range over this. Phases enter in rad.
+/// Range of a parameter over its curve unit: one unit is a fifth of the range. Phases enter in rad.
 const UNITS: f64 = 5.0;
 
 /// A parameter with its range.
@@ -23,9 +23,9 @@ const UNITS: f64 = 5.0;
 pub struct Span {
     /// The parameter.
     pub name: Name,
-    /// Its least value.
+    /// Least value.
     pub from: f64,
-    /// Its greatest value.
+    /// Greatest value.
     pub to: f64,
 }
 
@@ -54,7 +54,7 @@ impl Span {
     }
 }
 
-/// The machines over a parameter, or over two: all other parameters are held.
+/// The machines over one or two parameters; all other parameters are fixed.
 #[derive(Clone, Debug)]
 pub struct Family {
     set: ParameterSet,
@@ -83,11 +83,11 @@ impl Family {
     }
 
     fn over(set: &ParameterSet, spans: Vec<Span>) -> Result<Self, Error> {
-        // A span has public fields, so that it need not come from `Span::new`.
+        // The fields of a span are public, so that it may not come from `Span::new`.
         spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
         let family = Self { set: set.clone(), spans };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
-        // Of two parameters the other corners may be no machines.
+        // With two parameters the other corners may be no machines.
         family.system(&from)?;
         family.system(&to)?;
         Ok(family)
@@ -98,7 +98,7 @@ impl Family {
         &self.spans
     }
 
-    /// The first of them.
+    /// The first of the parameters that vary.
     pub fn span(&self) -> &Span {
         &self.spans[0]
     }
@@ -123,13 +123,13 @@ impl Family {
         System::new(self.parameter_set(values)?.parameters())
     }
 
-    /// Whether mirror images of orbits are orbits.
+    /// Whether the mirror image of every orbit is an orbit: no machine has loads.
     pub fn is_symmetric(&self) -> bool {
         self.set.parameters().constant_loads == [0.0; 3] && !self.spans.iter().any(|span| span.name.is_load())
     }
 
-    /// An orbit's shortest word in the family, with its phases: half of a symmetric orbit is one
-    /// only where no machine has loads.
+    /// The shortest word of an orbit in the family, with its phases. A half word is taken only
+    /// where no machine of the family has loads.
     pub(super) fn shortest(&self, orbit: &Orbit) -> (OrbitWord, Vec<f64>) {
         let (word, phases) = (orbit.word(), orbit.phases());
         let mirror = self.is_symmetric();
@@ -147,7 +147,7 @@ impl Family {
         self.spans.iter().enumerate().map(|(i, span)| u[first + i] * span.unit()).collect()
     }
 
-    /// A point of a curve.
+    /// The point of a curve with given phases and parameters.
     pub(super) fn point(&self, phases: &[f64], values: &[f64]) -> DVector<f64> {
         let scaled = self.spans.iter().zip(values).map(|(span, value)| value / span.unit());
         DVector::from_iterator(phases.len() + self.spans.len(), phases.iter().copied().chain(scaled))
@@ -158,8 +158,8 @@ impl Family {
         Ok(self.system(&self.values(u))?)
     }
 
-    /// The change of a quantity of the cycle with each parameter, by differences between machines
-    /// whose equations have its form.
+    /// Derivatives of a quantity of the cycle with respect to the parameters, by differences
+    /// between machines anchored as this cycle's.
     pub(super) fn by_parameters(
         &self,
         u: &DVector<f64>,
@@ -180,14 +180,14 @@ impl Family {
 
 /// The equations of contact of a word over a family: as many as impacts.
 #[derive(Clone, Copy)]
-pub(super) struct Contacts<'a> {
+pub(super) struct ContactEquations<'a> {
     pub family: &'a Family,
     pub word: &'a OrbitWord,
 }
 
-impl Contacts<'_> {
-    /// Value and derivative of the residual. The columns of the parameters are taken from `known`
-    /// where they are there.
+impl ContactEquations<'_> {
+    /// Value and derivative of the residual. The parameters' columns are taken from `known` where
+    /// given.
     pub fn linearize(
         &self,
         cycle: &Cycle,
@@ -210,11 +210,11 @@ impl Contacts<'_> {
     }
 }
 
-impl Equations for Contacts<'_> {
+impl Equations for ContactEquations<'_> {
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
         let system = self.family.system_at(u)?;
         let phases = &u.as_slice()[..self.word.len()];
         let cycle = Cycle::new(&system, self.word, phases)?;
-        Contacts::linearize(self, &cycle, u, known)
+        ContactEquations::linearize(self, &cycle, u, known)
     }
 }

@@ -7,12 +7,12 @@ use vibro_impact::numerics::roots::brent;
 pub(super) use vibro_impact::steady::PENETRATION_ROUNDING;
 use vibro_impact::steady::exact_orbit::{Clearance, Flight, Vector6};
 
-/// Parts of a piece at whose ends the slope is looked at. Over a piece the fastest mode turns by
-/// 0.75 rad, so that the slope changes its sign at most once in a part but next to an inflection,
-/// at which it is looked at too.
+/// Parts into which a piece is divided to search its extrema. Over a piece the fastest mode turns
+/// by 0.75 rad, so that the slope changes its sign at most once in a part, except next to an
+/// inflection, which is therefore looked at too.
 const PARTS: usize = 8;
 
-/// Accuracy of an extremum's place in a piece, whose value then is exact to round-off.
+/// Accuracy of an extremum's place in a piece; its value is then exact to round-off.
 const PLACE: f64 = 1e-12;
 
 /// One Taylor piece of a flight: x1, x2, x3 in units of L over `[phase, phase + length]`.
@@ -55,8 +55,8 @@ pub(super) fn pieces(
     })
 }
 
-/// Whether it is proved that the block keeps within the stops during a flight, to what contact is
-/// off by and [`Clearance`]'s rounding.
+/// Whether it is proved that the block keeps within the stops during a flight, except for
+/// `contact`, the miss of contact at its ends, and the rounding that [`Clearance`] allows.
 pub(super) fn is_clear(system: &System, z: &Vector6, phase: f64, span: f64, contact: f64) -> bool {
     let mut clearance = Clearance::new(contact, system.flight.least_pieces(span), system.amplitude());
     pieces(system, z, phase, span).all(|piece| clearance.holds(&piece.sum([-1.0, 1.0, 0.0]), piece.x[0][0]))
@@ -73,8 +73,8 @@ fn maxima_of(polynomial: &Polynomial) -> impl Iterator<Item = (f64, f64)> {
         let (mut from, mut to) = (t(i), t(i + 1));
         let rises = slope(from) > 0.0;
         if rises == (slope(to) > 0.0) && curvature(from) * curvature(to) < 0.0 {
-            // A minimum and a maximum hide each other, as shortly after a slow impact: the slope is
-            // looked at in between too.
+            // Shortly after a slow impact a minimum and a maximum lie in one part, and the slope at
+            // its ends shows neither: it is looked at in between too.
             let turn = brent(curvature, from, to, PLACE)?;
             if rises { to = turn } else { from = turn }
         }
@@ -105,8 +105,7 @@ pub(super) fn maxima(
 mod tests {
     use super::*;
 
-    /// A minimum and a maximum within one part, before and behind it: the slope falls or rises
-    /// through zero twice.
+    /// A part with a minimum and a maximum, before and behind it: the slope changes its sign twice.
     #[test]
     fn closed_form_a_maximum_is_found_next_to_a_minimum() {
         for (low, high) in [(0.02, 0.05), (0.05, 0.02), (0.9, 0.97), (0.97, 0.9)] {

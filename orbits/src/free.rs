@@ -1,31 +1,31 @@
-//! The motion without impacts along a parameter, in closed form: it ends where the block touches a
+//! The branch of the motion without impacts, in closed form. It ends where the block touches a
 //! stop.
 
-use super::branch::{Branch, Label, Point, Special};
+use super::branch::{Branch, Label, OrbitPoint, Special};
 use super::family::Family;
 use super::orbit::Orbit;
-use super::switching::{Contact, free_word};
+use super::switching::{FlightTouch, free_word};
 use nalgebra::DVector;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use vibro_analysis::Result;
 use vibro_impact::numerics::roots::brent;
 
-/// Values over the range at which the clearance is looked at, and points of a branch.
+/// Values over the range at which the clearance is computed, and points of a branch.
 const NODES: usize = 200;
 
 /// Accuracy of a touch's place in parts of the range.
 const LOCATION: f64 = 1e-14;
 
-/// Step of the difference that tells on which side of a touch the block keeps clear, in parts of
-/// the range.
+/// Step of the difference that tells on which side of a touch the block is clear, in parts of the
+/// range.
 const SIDE: f64 = 1e-6;
 
-/// How far the block keeps from the nearer stop, units of L; NaN without such a motion.
+/// Clearance of the block from the nearer stop, units of L; NaN where there is no such motion.
 fn clearance(family: &Family, value: f64) -> f64 {
     family.system(&[value]).ok().and_then(|s| s.clearance()).unwrap_or(f64::NAN)
 }
 
-/// The sign of the direction in which the parameter leaves a touch of the motion without impacts.
+/// Sign of the direction of the parameter in which the motion without impacts is clear of a touch.
 pub(super) fn towards_clear(family: &Family, u: &DVector<f64>) -> Option<f64> {
     let span = family.span();
     let value = family.values(u)[0];
@@ -36,7 +36,7 @@ pub(super) fn towards_clear(family: &Family, u: &DVector<f64>) -> Option<f64> {
 }
 
 /// A branch with the touches at its points.
-pub(super) type FreeBranch = (Branch, Vec<(usize, Contact)>);
+pub(super) type FreeBranch = (Branch, Vec<(usize, FlightTouch)>);
 
 /// The branches without impacts over the range, with the touches at which they end; points at the
 /// values `marks` are labelled UZ.
@@ -91,18 +91,18 @@ pub(super) fn branches(family: &Family, marks: &[f64]) -> Result<Vec<FreeBranch>
     Ok(found)
 }
 
-fn point(family: &Family, value: f64) -> Result<Point> {
+fn point(family: &Family, value: f64) -> Result<OrbitPoint> {
     let system = family.system(&[value])?;
     let orbit = Orbit::find(&system, &free_word(family), &[])?;
     let multipliers = orbit.multipliers();
-    Ok(Point { value, phases: Vec::new(), multipliers, stable: orbit.is_stable(), special: None })
+    Ok(OrbitPoint { value, phases: Vec::new(), multipliers, stable: orbit.is_stable(), special: None })
 }
 
-/// The touch of the motion without impacts at values where it has no clearance left.
-pub(super) fn contact(family: &Family, values: &[f64]) -> Result<Contact> {
+/// The touch of the motion without impacts at parameters where its clearance is zero.
+pub(super) fn contact(family: &Family, values: &[f64]) -> Result<FlightTouch> {
     let system = family.system(values)?;
     let (_, angle) = system.wave();
     let side: i8 = if system.offset() < 0.0 { -1 } else { 1 };
     let phase = (f64::from(side) * FRAC_PI_2 - angle).rem_euclid(TAU);
-    Ok(Contact { shorter: free_word(family), u: family.point(&[], values), flight: 0, phase, side })
+    Ok(FlightTouch { shorter: free_word(family), u: family.point(&[], values), flight: 0, phase, side })
 }

@@ -3,7 +3,7 @@
 
 use super::curve::{Equations, Linearization, solve};
 use super::cycle::{Cycle, Functional};
-use super::family::{Contacts, Family};
+use super::family::{ContactEquations, Family};
 use super::flights::{self, PENETRATION_ROUNDING};
 use super::obstacle::Obstacle;
 use super::word::OrbitWord;
@@ -15,25 +15,25 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Touch {
     /// The word with the touch.
     pub longer: OrbitWord,
-    /// Its place in the word.
+    /// Index of the touch in the longer word.
     pub index: usize,
     /// Phases and parameters as a point of a curve of the longer word.
     #[serde(with = "super::stored::vector")]
     pub u: DVector<f64>,
-    /// Other impacts of the word that have no speed there: where a repeated orbit touches a stop in
-    /// each round.
+    /// Other impacts of the word with speed zero there: a repeated orbit touches a stop in each
+    /// round.
     pub also: Vec<usize>,
-    /// Whether the branch that was followed lists it.
+    /// Whether the branch that was followed lists the touch.
     pub from_longer: bool,
 }
 
 impl Touch {
-    /// The same point without the touch.
+    /// Phases and parameters without the touch.
     pub fn without(&self) -> DVector<f64> {
         self.u.clone().remove_row(self.index)
     }
 
-    /// The same point as one of the branch that was followed.
+    /// Phases and parameters as a point of the branch that was followed.
     pub fn on_branch(&self) -> DVector<f64> {
         if self.from_longer { self.u.clone() } else { self.without() }
     }
@@ -44,8 +44,8 @@ impl Touch {
     }
 }
 
-/// The touches that a cycle that is no orbit of the machine announces, at the phases of that cycle:
-/// impacts that have lost their approach speed, and extrema past a stop.
+/// Touches announced by a cycle that is no orbit of the machine, at its phases: impacts that have
+/// lost their approach speed, and extrema past a stop.
 pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     let mut found = Vec::new();
     let word = cycle.word;
@@ -57,8 +57,8 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
         let span = cycle.arrival(flight) - phase;
         for side in [1i8, -1] {
             let s = f64::from(side);
-            // The flight of a block that would stay on its stop leads past it at once, which is no
-            // touch.
+            // A block that would stay on its stop is past it at once in the flight after; that is
+            // no touch.
             if cycle.stays(flight) && s * word.side(flight) > 0.0 {
                 continue;
             }
@@ -79,16 +79,16 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     found
 }
 
-/// The equations (109) of docs/theory.md: those of contact of a word, and no approach speed of one
-/// of its impacts.
+/// Equations (109) of docs/theory.md: those of contact of a word, and approach speed zero of one of
+/// its impacts.
 pub(super) struct Touching<'a> {
-    pub contacts: Contacts<'a>,
+    pub contacts: ContactEquations<'a>,
     pub index: usize,
 }
 
 impl Equations for Touching<'_> {
     fn linearize(&self, u: &DVector<f64>, _: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
-        let Contacts { family, word } = self.contacts;
+        let ContactEquations { family, word } = self.contacts;
         let n = word.len();
         let system = family.system_at(u)?;
         let cycle = Cycle::new(&system, word, &u.as_slice()[..n])?;
@@ -114,29 +114,29 @@ pub(super) fn speed_gradient(touching: &Touching, u: &DVector<f64>) -> Result<DV
     Ok(matrix.row(matrix.nrows() - 1).transpose())
 }
 
-/// The point at which the touch has no speed: regular equations on the longer word, whichever
-/// branch led there.
+/// The point at which the touch has speed zero, by the equations on the longer word, which are
+/// regular whichever branch led there.
 pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> {
-    let touching = Touching { contacts: Contacts { family, word: &touch.longer }, index: touch.index };
+    let touching =
+        Touching { contacts: ContactEquations { family, word: &touch.longer }, index: touch.index };
     let u = solve(&touch.u, |u| touching.linearize(u, None))?;
     Ok(Touch { u, ..touch.clone() })
 }
 
-/// Approach speeds under this, units of ω1 L, are none next to another touch: its own is zero but
-/// for rounding.
+/// Approach speed, units of ω1 L, below which another impact at a touch counts as a touch too.
 const NO_SPEED: f64 = 1e-6;
 
-/// What a cycle of the longer word at a touch says.
+/// Properties of the cycle of the longer word at a touch.
 pub(super) struct ExaminedTouch {
-    /// The touch with the others at the same point.
+    /// The touch, with the other touches at the same point.
     pub(super) touch: Touch,
-    /// Whether it is an orbit of the machine but for these.
+    /// Whether it is an orbit of the machine except for the touches.
     pub(super) is_orbit: bool,
-    /// Whether it is pressed into the stop, so that there would be chatter.
+    /// Whether the block is pressed into the stop at a touch, so that there would be chatter.
     pub(super) pressed: bool,
 }
 
-/// Looks at the cycle of the longer word at a touch.
+/// Examines the cycle of the longer word at a touch.
 pub(super) fn examine(family: &Family, touch: Touch) -> Result<ExaminedTouch, Obstacle> {
     let system = family.system_at(&touch.u)?;
     let n = touch.longer.len();

@@ -1,38 +1,38 @@
-//! The growth of a tree: which starts wait, which places are known, and what begins on a branch
-//! that was traced.
+//! Growth of a tree: the queue of starts, the special points that are known, and the starts at the
+//! special points of each traced branch.
 
 use super::branch::{Branch, Label, Special};
 use super::family::Family;
 use super::free;
 use super::grazing::Touch;
 use super::path::{PathEnd, PathOptions};
-use super::seeds::{Place, Seeds};
-use super::switching::{self, Contact, Departure};
+use super::seeds::{SeedOrbit, Seeds};
+use super::switching::{self, Departure, FlightTouch};
 use super::tree::{Traced, Tree};
 use super::tree_options::TreeOptions;
 use super::word::OrbitWord;
 
-/// Starts that are traced together. It is fixed, so that the results do not depend on the number of
-/// threads.
+/// Starts that are traced in parallel. A constant, so that the result does not depend on the number
+/// of threads.
 const TOGETHER: usize = 16;
 
-/// Values of the parameter, in units of a fifth of its range, that count as one place of the same
-/// kind of point.
+/// Differences of the parameter, in its curve unit, up to which two special points of one kind are
+/// one.
 pub(super) const SAME_PLACE: f64 = 1e-7;
 
-/// A place from which a branch may be traced.
+/// A start from which a branch may be traced.
 #[derive(Clone, Debug)]
-pub(super) struct Start {
+pub(super) struct BranchStart {
     pub depth: u32,
     pub parent: Option<(usize, usize)>,
     pub word: OrbitWord,
     pub departures: Vec<Departure>,
-    /// Whether its branch is taken only if it is stable somewhere: of an orbit near which a motion
-    /// passed.
+    /// Whether its branch is kept only if it is stable somewhere: starts at orbits near which a
+    /// motion passed.
     pub island: bool,
 }
 
-/// A start at an orbit near which a motion passed, behind all others.
+/// Depth in the queue of a start at an orbit near which a motion passed: after all others.
 const LAST: u32 = u32::MAX;
 
 /// The tree as far as it has grown.
@@ -41,10 +41,10 @@ pub(super) struct Grower<'a> {
     options: &'a TreeOptions,
     pub path: PathOptions,
     pub tree: Tree,
-    pub queue: Vec<Start>,
-    /// Branches that were traced and are stable nowhere, so that they are no islands.
+    pub queue: Vec<BranchStart>,
+    /// Traced branches that are stable nowhere, so that they are no islands.
     left_out: Tree,
-    /// Places from which branches were traced or at which they end: kind, canonical word,
+    /// Special points from which branches were traced or at which they end: label, canonical word,
     /// parameter.
     known: Vec<(Label, OrbitWord, f64)>,
 }
@@ -56,27 +56,28 @@ impl<'a> Grower<'a> {
         Self { family, options, path, tree, left_out, queue: Vec::new(), known: Vec::new() }
     }
 
-    /// Queues the orbits that were found by simulation: those on which motions settled first, those
-    /// near which others passed last.
+    /// Queues the orbits found by simulation: those on which motions settled first, those near
+    /// which motions passed last.
     pub fn plant(&mut self, seeds: Seeds) {
         let Seeds { settled, passed, searched } = seeds;
         self.tree.searched = searched;
-        // A stable orbit is on an island or on a branch that is known.
-        let (stable, unstable): (Vec<Place>, Vec<Place>) = passed.into_iter().partition(|place| place.stable);
-        let passed = stable.into_iter().chain(unstable).map(|place| (place, LAST));
-        for (place, depth) in settled.into_iter().map(|place| (place, 0)).chain(passed) {
-            let Place { word, phases, value, .. } = place;
+        // A stable orbit is on an island or on a known branch.
+        let (stable, unstable): (Vec<SeedOrbit>, Vec<SeedOrbit>) =
+            passed.into_iter().partition(|orbit| orbit.stable);
+        let passed = stable.into_iter().chain(unstable).map(|orbit| (orbit, LAST));
+        for (orbit, depth) in settled.into_iter().map(|orbit| (orbit, 0)).chain(passed) {
+            let SeedOrbit { word, phases, value, .. } = orbit;
             if let Ok((word, both)) = switching::both_ways(self.family, &word, &phases, value) {
                 let departures = both.to_vec();
-                self.queue.push(Start { depth, parent: None, word, departures, island: depth == LAST });
+                self.queue.push(BranchStart { depth, parent: None, word, departures, island: depth == LAST });
             }
         }
     }
 
-    /// The next starts of the queue, which is in order of depth and in each depth in order of
-    /// discovery: of those of one word the first alone, since others may lie on its branch.
-    pub fn next_batch(&mut self) -> Vec<Start> {
-        let (mut batch, mut rest): (Vec<Start>, Vec<Start>) = (Vec::new(), Vec::new());
+    /// The next batch of the queue, which is ordered by depth and then by discovery. Of starts with
+    /// one word only the first is taken, since the others may lie on its branch.
+    pub fn next_batch(&mut self) -> Vec<BranchStart> {
+        let (mut batch, mut rest): (Vec<BranchStart>, Vec<BranchStart>) = (Vec::new(), Vec::new());
         for start in self.queue.drain(..) {
             let first = batch.first().is_none_or(|b| b.depth == start.depth);
             if first && batch.len() < TOGETHER && batch.iter().all(|b| b.word != start.word) {
@@ -89,8 +90,8 @@ impl<'a> Grower<'a> {
         batch
     }
 
-    /// Whether the orbit from which a start leaves is on a branch already.
-    pub fn tree_has(&self, start: &Start) -> bool {
+    /// Whether the orbit at which a start begins already lies on a branch.
+    pub fn tree_has(&self, start: &BranchStart) -> bool {
         let Some(departure) = start.departures.first().filter(|d| d.special.is_none()) else { return false };
         let value = self.family.values(&departure.u)[0];
         let phases = &departure.u.as_slice()[..start.word.len()];
@@ -98,10 +99,10 @@ impl<'a> Grower<'a> {
         passes(&self.tree) || (start.island && passes(&self.left_out))
     }
 
-    /// Takes a branch into the tree, unless it is there, and queues what begins on it.
-    pub fn add(&mut self, start: Start, traced: Traced) {
+    /// Takes a branch into the tree, unless it is there already, and queues the starts on it.
+    pub fn add(&mut self, start: BranchStart, traced: Traced) {
         let Traced { points, closed, ends } = traced;
-        let Start { depth, parent, word, departures, island } = start;
+        let BranchStart { depth, parent, word, departures, island } = start;
         self.tree.searched.followed += usize::from(island);
         if points.len() < 3 {
             self.tree.failures += usize::from(!island);
@@ -138,7 +139,7 @@ impl<'a> Grower<'a> {
         for (point, end) in ends {
             match end {
                 PathEnd::Touch(touch) => {
-                    let contact = Contact::of(self.family, &touch);
+                    let contact = FlightTouch::of(self.family, &touch);
                     let value = self.family.values(&touch.u)[0];
                     let fold = self.is_fold(&contact, &touch);
                     if let Some(special) = &mut self.tree.branches[id].points[point].special {
@@ -154,7 +155,7 @@ impl<'a> Grower<'a> {
                     self.know(label.unwrap_or(Label::BranchPoint), &word, value);
                     let phases = u.as_slice()[..primary.len()].to_vec();
                     if let Ok((word, both)) = switching::both_ways(self.family, &primary, &phases, value) {
-                        self.offer(Start {
+                        self.offer(BranchStart {
                             depth: depth + 1,
                             parent: Some((id, point)),
                             word,
@@ -169,7 +170,7 @@ impl<'a> Grower<'a> {
     }
 
     /// Whether the orbits with and without a touch exist on the same side of it.
-    fn is_fold(&self, contact: &Contact, touch: &Touch) -> Option<bool> {
+    fn is_fold(&self, contact: &FlightTouch, touch: &Touch) -> Option<bool> {
         let with = switching::with_touch(self.family, touch).ok()?;
         let longer = with.tangent[touch.longer.len()];
         let shorter = if contact.shorter.is_empty() {
@@ -189,7 +190,7 @@ impl<'a> Grower<'a> {
         self.known.push(key);
     }
 
-    /// Remembers a place; false where it is known.
+    /// Remembers a special point; false if it is known.
     fn is_new(&mut self, label: Label, word: &OrbitWord, value: f64) -> bool {
         let key = self.key(label, word, value);
         let same =
@@ -201,13 +202,13 @@ impl<'a> Grower<'a> {
         true
     }
 
-    /// Queues a start in the order of depth, unless it is out of bounds.
-    fn offer(&mut self, start: Start) {
+    /// Queues a start by depth, unless it is beyond the tree's limits.
+    fn offer(&mut self, start: BranchStart) {
         if start.depth > self.options.depth || !self.options.admits(&start.word) {
             return;
         }
-        let place = self.queue.partition_point(|s| s.depth <= start.depth);
-        self.queue.insert(place, start);
+        let position = self.queue.partition_point(|s| s.depth <= start.depth);
+        self.queue.insert(position, start);
     }
 
     fn offer_doubled(&mut self, id: usize, point: usize, label: Label) {
@@ -215,11 +216,11 @@ impl<'a> Grower<'a> {
         let (at, depth, word) = (&branch.points[point], branch.depth, branch.word.clone());
         let u = self.family.point(&at.phases, &[at.value]);
         let value = at.value;
-        // A doubled branch's own crossing of another one is not a doubling.
+        // The crossing of a doubled branch with another one is not a doubling.
         let Ok((word, departure)) = switching::doubled(self.family, &word, &u, label) else { return };
         if self.is_new(label, &word, value) {
             let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
-            self.offer(Start {
+            self.offer(BranchStart {
                 depth: depth + 1,
                 parent: Some((id, point)),
                 word,
@@ -229,7 +230,7 @@ impl<'a> Grower<'a> {
         }
     }
 
-    pub fn offer_longer(&mut self, contact: &Contact, depth: u32, parent: (usize, usize)) {
+    pub fn offer_longer(&mut self, contact: &FlightTouch, depth: u32, parent: (usize, usize)) {
         for touch in contact.longer(self.family, self.options.repetitions) {
             let value = self.family.values(&touch.u)[0];
             if !self.is_new(Label::Grazing, &touch.longer, value) {
@@ -241,7 +242,7 @@ impl<'a> Grower<'a> {
         }
     }
 
-    fn offer_shorter(&mut self, contact: &Contact, depth: u32, parent: (usize, usize)) {
+    fn offer_shorter(&mut self, contact: &FlightTouch, depth: u32, parent: (usize, usize)) {
         let value = self.family.values(&contact.u)[0];
         if contact.shorter.is_empty() || !self.is_new(Label::Grazing, &contact.shorter, value) {
             return;
@@ -265,6 +266,6 @@ impl<'a> Grower<'a> {
         let (word, departure) = switching::reduced_departure(self.family, word, &departure);
         let (word, departure) = switching::canonical_departure(self.family, &word, &departure);
         let departures = vec![departure];
-        self.offer(Start { depth: depth + 1, parent: Some(parent), word, departures, island: false });
+        self.offer(BranchStart { depth: depth + 1, parent: Some(parent), word, departures, island: false });
     }
 }

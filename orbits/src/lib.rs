@@ -3,6 +3,25 @@
 //!
 //! For given impact phases the motion is linear, so that an orbit of n impacts has n unknowns,
 //! whatever it does in between.
+//!
+//! The way from a word to a tree of branches:
+//!
+//! - `system` is the machine in an orbit's units, `cycle` the linear part for given phases, `orbit`
+//!   Newton's method and the certificate that no other impact occurs.
+//! - `family`, `curve` and `path` follow orbits along a parameter; `special` and `grazing` locate
+//!   bifurcations and touches by equations that are regular there; `switching` leaves them.
+//! - `seeds`, `grower` and `trace` grow the tree; `ranges` and `coverage` read it; `locus` follows
+//!   a special point in two parameters.
+//!
+//! Two properties must survive every change. The result depends neither on the number of threads
+//! nor on interruptions: batches have a constant size (`grower`), and finished parts of a tree are
+//! kept bit for bit (`stored`). And the equations of motion and the impact law are those of the
+//! closed forms (`vibro_impact::steady`), never those of the simulator, which is the oracle of the
+//! tests (docs/design.md, "What stands once").
+//!
+//! A new type of special point needs a [`Label`], a test function in `test_functions` (a zero) or
+//! an announcement in `grazing` (a touch), its departure in `switching`, and, if it has a curve in
+//! two parameters, a condition in `locus/equations.rs`.
 
 mod balance;
 mod branch;
@@ -35,7 +54,7 @@ mod word;
 #[cfg(test)]
 mod tests;
 
-pub use branch::{Branch, Label, Point, Special};
+pub use branch::{Branch, Label, OrbitPoint, Special};
 pub use coverage::{Covering, TreeOrbit};
 pub use family::{Family, Span};
 pub use locus::{LocusEnd, LocusPoint, LocusStart, locus};

@@ -14,21 +14,22 @@ use nalgebra::DVector;
 use std::f64::consts::PI;
 use vibro_analysis::{Error, Result as Outcome};
 
-/// First, least and longest step, in rad and fifths of the parameters' ranges.
+/// First, least and longest step, in rad and curve units of the parameters (fifths of their
+/// ranges).
 const STEPS: [f64; 3] = [5e-3, 1e-5, 0.05];
 /// Most points in one direction.
 const MOST_POINTS: usize = 600;
-/// A step's correction is at most this part of it, and the cosine of its turn at least this.
+/// Largest correction of a step in parts of the step, and least cosine of the tangent's turn in it.
 const CORRECTION: f64 = 0.3;
 const COSINE: f64 = 0.9;
-/// Points after which a curve can have closed, and the distance from its first point, in steps, at
-/// which it has.
+/// Points after which a curve may have closed, and distance from its first point, in steps, at
+/// which it counts as closed.
 const SHORTEST_LOOP: usize = 10;
 const CLOSED: f64 = 0.1;
 
-/// The angle, rad, of multipliers so near 1 or -1 that a curve which cannot be followed on ends
-/// there: at the angle itself one of its equations says nothing, so that it is met only by a step
-/// across.
+/// Angle of multipliers, rad, from 1 or -1 within which a curve that cannot be continued ends at
+/// that resonance. At the resonance itself one of the equations is void, so that only a step across
+/// meets it.
 const RESONANT: f64 = 1e-2;
 
 /// A point of a curve in two parameters.
@@ -40,29 +41,29 @@ pub struct LocusPoint {
     pub phases: Vec<f64>,
     /// For Neimark-Sacker points the angle of the multipliers, rad.
     pub angle: Option<f64>,
-    /// What is special here.
+    /// End of the curve here, if it is one.
     pub end: Option<LocusEnd>,
 }
 
-/// What is special at a point of a curve in two parameters.
+/// End of a curve in two parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocusEnd {
     /// EP: the end of the range of a parameter.
     Range,
-    /// GR: beyond it the block would pass a stop, or an impact has no speed.
+    /// GR: beyond it the block would pass a stop, or an impact would have no speed.
     Touch,
     /// CP: a cusp, both parameters turn round.
     Cusp,
     /// R1 or R2: the multipliers of a Neimark-Sacker point meet at 1 or -1.
     Resonance(i8),
-    /// MX: it could not be followed on.
+    /// MX: continuation failed.
     NoConvergence,
     /// The curve is closed.
     Closed,
 }
 
 impl LocusEnd {
-    /// Its two letters.
+    /// The two letters of the label.
     pub fn name(self) -> &'static str {
         match self {
             Self::Range => "EP",
@@ -83,7 +84,7 @@ impl LocusEnd {
 /// use vibro_orbits::{Family, Label, LocusStart, OrbitWord, Span, locus};
 /// use vibro_analysis::{ParameterSet, find_group};
 ///
-/// // Where the symmetric motion breaks its symmetry, over the force and the restitution coefficient.
+/// // Where the symmetric motion breaks its symmetry, over force and restitution coefficient.
 /// let (force, kappa) = (find_group("f10")?, find_group("kappa")?);
 /// let spans = (Span::new(force, 1.9, 2.2)?, Span::new(kappa, 0.7, 0.8)?);
 /// let family = Family::over_two(&ParameterSet::basic(), spans.0, spans.1)?;
@@ -91,7 +92,8 @@ impl LocusEnd {
 /// let (phases, values) = (vec![4.49692], [2.03959, 0.75]); // as special-points.csv has them
 /// let start = LocusStart { label: Label::BranchPoint, word, phases, values };
 /// let curve = locus(&family, &start)?;
-/// assert!(curve.iter().any(|p| (p.values[1] - 0.75).abs() < 1e-2 && (p.values[0] - 2.04).abs() < 2e-2));
+/// let near = |a: f64, b: f64| (a - b).abs() < 1e-2;
+/// assert!(curve.iter().any(|p| near(p.values[0], 2.04) && near(p.values[1], 0.75)));
 /// # Ok::<(), vibro_analysis::Error>(())
 /// ```
 ///
@@ -123,7 +125,7 @@ pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
     let mut points: Vec<LocusPoint> = backward.into_iter().rev().collect();
     points.push(point(&locus, &u, None));
     points.extend(forward);
-    // The start itself is an end where no step could be taken.
+    // Where no step could be taken the start itself is an end.
     let last = points.len() - 1;
     points[0].end = Some(begin);
     points[last].end = Some(end);
@@ -136,7 +138,7 @@ fn point(locus: &Locus, u: &DVector<f64>, end: Option<LocusEnd>) -> LocusPoint {
     LocusPoint { values: [values[0], values[1]], phases: u.as_slice()[..locus.n()].to_vec(), angle, end }
 }
 
-/// Follows a curve in one direction and tells how it ends; the first point is left out.
+/// Follows a curve in one direction to its end; the first point is left out.
 fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> (Vec<LocusPoint>, LocusEnd) {
     let [mut step, least, longest] = STEPS;
     let mut points = Vec::new();
@@ -171,7 +173,7 @@ fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> (Vec<Locu
     (points, LocusEnd::NoConvergence)
 }
 
-/// The resonance at which a curve of pairs of multipliers ends, if it has come to one.
+/// The resonance at which a curve of Neimark-Sacker points ends, if it has come to one.
 fn resonance(locus: &Locus, u: &DVector<f64>) -> Option<LocusEnd> {
     let angle = matches!(locus.condition, Condition::Complex(_)).then(|| u[locus.n()])?;
     if angle < RESONANT {
@@ -183,7 +185,7 @@ fn resonance(locus: &Locus, u: &DVector<f64>) -> Option<LocusEnd> {
     }
 }
 
-/// One step; the loss of certification counts as a loss of the impacts' order.
+/// One step of continuation; a point that is no orbit of the machine counts as out of order.
 fn advance(locus: &Locus, last: &CurvePoint, step: f64) -> Result<(CurvePoint, Option<LocusEnd>), Obstacle> {
     let predicted = &last.u + &last.tangent * step;
     let columns = predicted.len();

@@ -1,23 +1,23 @@
-//! Why a step of an iteration failed.
+//! Reasons for which a step of an iteration fails.
 
 use super::system::System;
 use super::word::OrbitWord;
 use vibro_analysis::Error;
 
-/// What stands in the way of an orbit at some phases and some value of the parameter.
+/// Reason why there is no orbit at some phases and parameters.
 #[derive(Debug)]
 pub(super) enum Obstacle {
     /// The impacts are not in the order of the word.
     Order,
     /// The motion without impacts has a neutral direction: σI - M is singular.
     Singular,
-    /// The impulses of the word cannot balance the load on what no spring holds.
+    /// The impulses of the word cannot balance the load on a body that no spring holds.
     Unbalanced,
     /// A symmetric orbit is asked of a machine that is not symmetric.
     Asymmetric,
     /// Newton's method did not converge.
     NoConvergence,
-    /// The phases of a special point are far from those of an orbit of the machine.
+    /// The phases given for a special point are far from those of any orbit of the machine.
     OtherMachine,
     /// The parameters make no machine.
     Refused(Error),
@@ -42,7 +42,7 @@ impl Obstacle {
         if system.balances(word) { Ok(()) } else { Err(Self::Unbalanced) }
     }
 
-    /// The error that it means for a search of an orbit.
+    /// The error of a search for an orbit that failed so.
     pub fn error(self, system: &System, word: &OrbitWord) -> Error {
         let no_orbit = |reason: &str| word.no_orbit(reason);
         match self {

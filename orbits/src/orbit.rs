@@ -13,24 +13,24 @@ use vibro_impact::State;
 use vibro_impact::steady::exact_orbit::Vector6;
 pub(super) use vibro_impact::steady::exact_orbit::eigenvalues;
 
-/// Most Newton steps. From a fair guess four or five suffice; a step that would change the order of
-/// impacts is cut.
+/// Most Newton steps: a fair guess needs four or five. Steps that would change the order of impacts
+/// are shortened.
 const STEPS: usize = 40;
 
-/// Newton's method ends when a step is smaller than this, relatively: the next would be rounding.
+/// Relative size of a Newton step below which the iteration has converged: the next is rounding.
 pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
-/// A step of so many rad and less is rounding where it is not half of the last one: the equations
-/// of many fast impacts leave phases fewer digits.
+/// Size of a Newton step, rad, below which one that is not half of the last is rounding: the
+/// equations of many fast impacts leave phases fewer digits.
 pub(super) const STEP_STALLED: f64 = 1e-9;
 
-/// Longest step, rad: next to a fold Newton's steps are much longer, and would lead anywhere.
+/// Longest Newton step, rad: next to a fold they are much longer and lead anywhere.
 const LONGEST_STEP: f64 = 1.0;
 
-/// Largest residual, units of L, with which the phases count as those of an orbit.
+/// Largest residual, units of L, of phases that count as those of an orbit.
 const RESIDUAL: f64 = 1e-9;
 
-/// Part of a flight by which one step may shorten it.
+/// Largest part of a flight by which one step may shorten it.
 const SHORTENING: f64 = 0.5;
 
 /// A periodic orbit of a machine.
@@ -39,7 +39,7 @@ const SHORTENING: f64 = 0.5;
 /// use vibro_orbits::{Orbit, OrbitWord, System};
 /// use vibro_impact::{Parameters, steady::exact_orbit};
 ///
-/// // The motion with two symmetric impacts a period: one upper impact in half a period, closed with the opposite sign.
+/// // Two symmetric impacts a period: one upper impact in half a period, closed with -1.
 /// let system = System::new(&Parameters::default())?;
 /// let orbit = Orbit::find(&system, &OrbitWord::new("U", -1, 1)?, &[5.5])?;
 /// let closed_form = exact_orbit::solve(&Parameters::default())?.upper.expect("an orbit");
@@ -60,15 +60,15 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// The orbit with a word near a guess of its impact phases (rad, in order, as many as the word
-    /// has letters). What it finds solves the equations of contact and restitution; whether it is
-    /// an orbit of the machine says [`is_certified`](Self::is_certified).
+    /// The orbit of a word near a guess of its impact phases (rad, in order, one for each letter).
+    /// It solves the equations of contact and restitution; [`is_certified`](Self::is_certified)
+    /// tells whether it is an orbit of the machine.
     ///
     /// # Errors
-    /// [`Error::NoOrbit`] when Newton's method does not converge, for a guess of another length
-    /// than the word's, and for a symmetric orbit of a machine under loads; an error with the
-    /// parameter's name where phases do not determine the orbit: a block without a spring, an
-    /// undamped mode in resonance.
+    /// [`Error::NoOrbit`] when Newton's method does not converge, for a guess with another number
+    /// of phases than the word has letters, and for a symmetric orbit of a machine under loads; an
+    /// error with the parameter's name where phases do not determine the orbit: a block without a
+    /// spring, an undamped mode in resonance.
     pub fn find(system: &System, word: &OrbitWord, guess: &[f64]) -> Result<Self, Error> {
         let found = || {
             if guess.len() != word.len() {
@@ -134,8 +134,8 @@ impl Orbit {
         &self.phases
     }
 
-    /// Approach speeds |w'⁻| of the impacts in units of ω1 L; one that is not positive is no
-    /// impact.
+    /// Approach speeds |w'⁻| of the impacts in units of ω1 L; one that is not positive is no impact
+    /// of the machine.
     pub fn speeds(&self) -> &[f64] {
         &self.speeds
     }
@@ -151,22 +151,24 @@ impl Orbit {
         self.multipliers[0].norm()
     }
 
-    /// Whether it is proved that each impact approaches its stop, that without restitution the
-    /// block does not stay there, and that it keeps within the stops in between, so that there is
-    /// no impact that the word does not list: to 1e-12 L, to what the impacts themselves are off
-    /// their stops by, at most 1e-9 L, and to the rounding of the flights, which is more where a
-    /// mode is thousands of times faster than the drive or the box without damper near resonance.
+    /// Whether the orbit is proved to be one of the machine: each impact approaches its stop,
+    /// without restitution the block does not stay there, and in between it keeps within the stops,
+    /// so that there is no impact that the word does not list. The proof allows 1e-12 L, the misses
+    /// of contact of the impacts (at most 1e-9 L), and the rounding of the flights, which is larger
+    /// where a mode is thousands of times faster than the drive or the undamped box is near
+    /// resonance.
     pub fn is_certified(&self) -> bool {
         self.clear && self.speeds.iter().all(|speed| *speed > 0.0)
     }
 
-    /// Whether it attracts its neighbourhood. Without impacts the machine decides, since the
-    /// multipliers of what no spring holds or nothing damps have the modulus 1 but for rounding.
+    /// Whether the orbit attracts its neighbourhood. Without impacts the machine decides, since the
+    /// multipliers of a body that no spring holds or nothing damps have modulus 1 except for
+    /// rounding.
     pub fn is_stable(&self) -> bool {
         if self.word.is_empty() { self.system.holds_and_damps() } else { self.spectral_radius() < 1.0 }
     }
 
-    /// The same orbit with the word passed twice, closing with +1.
+    /// This orbit with its word passed twice, closing with +1.
     ///
     /// # Errors
     /// None for an orbit that was found.
@@ -176,10 +178,10 @@ impl Orbit {
         Self::at(&self.system, &word, &phases).map_err(|obstacle| obstacle.error(&self.system, &word))
     }
 
-    /// The same orbit in its shortest word, and how often the word of this one passes it: a motion
-    /// of two drive periods may be one of a single period that is passed twice, and one whose
-    /// second half is the mirror image of its first is a symmetric orbit, which closes with -1. The
-    /// multipliers are those of the shortest word.
+    /// The shortest word of this orbit, and how often this one's word passes it. A motion of two
+    /// drive periods may be one of a single period passed twice, and one whose second half is the
+    /// mirror image of its first is a symmetric orbit, which closes with -1. The multipliers are
+    /// those of the shortest word.
     ///
     /// ```
     /// use vibro_orbits::{Orbit, OrbitWord, System};
@@ -189,14 +191,14 @@ impl Orbit {
     /// let guess = [5.5, 8.6, 11.8, 14.9]; // rad
     /// let twice = Orbit::find(&system, &OrbitWord::new("ULUL", 1, 4)?, &guess)?;
     /// let (orbit, passages) = twice.shortest();
-    /// assert_eq!((orbit.word().to_string(), orbit.word().closing(), passages), ("U".into(), -1, 2));
+    /// assert_eq!((orbit.word().signed(), passages), ("U-".into(), 2));
     /// // Four halves of a period in two periods.
     /// assert!((twice.spectral_radius() - orbit.spectral_radius().powi(4)).abs() < 1e-9);
     /// # Ok::<(), vibro_analysis::Error>(())
     /// ```
     pub fn shortest(&self) -> (Self, u32) {
         let (word, phases) = self.word.reduced(&self.phases, self.system.is_symmetric(), REPETITION);
-        // The shorter word passes the same phases, whose cycle is regular.
+        // The shorter word passes these phases, whose cycle is regular.
         let short = if word == self.word { None } else { Self::at(&self.system, &word, &phases).ok() };
         let orbit = short.unwrap_or_else(|| self.clone());
         let passages = self.word.period() / orbit.word.period().max(1);
@@ -208,20 +210,20 @@ impl Orbit {
         self.word.reduced(&self.phases, self.system.is_symmetric(), REPETITION).0 == self.word
     }
 
-    /// Drive periods over which the [`multipliers`](Self::multipliers) are: the orbit's period, or
+    /// Drive periods over which the [`multipliers`](Self::multipliers) act: the orbit's period, or
     /// half of it for a symmetric orbit.
     pub fn multiplier_periods(&self) -> f64 {
         0.5 * f64::from(self.word.half_periods())
     }
 
-    /// The state at phase θ (rad) of the drive; just after the impact at an impact. A motion of
-    /// several drive periods has as many states at one phase of the drive: θ, which must be finite,
-    /// counts from the first period of its [`phases`](Self::phases).
+    /// The state at phase θ (rad) of the drive; at an impact, the one just after it. A motion of
+    /// several drive periods has as many states at one phase of the drive, so θ, which must be
+    /// finite, counts from the first period of its [`phases`](Self::phases).
     pub fn state(&self, theta: f64) -> State {
         self.system.si(&self.dimensionless_state(theta))
     }
 
-    /// The same in units of L and ω1 L.
+    /// The state at phase θ in units of L and ω1 L.
     fn dimensionless_state(&self, theta: f64) -> Vector6 {
         let Some(&first) = self.phases.first() else { return self.system.forced(theta) };
         let span = self.word.span();
@@ -286,9 +288,8 @@ impl Orbit {
         found
     }
 
-    /// Whether another orbit of the same machine is this one: the same word, and the same phases to
-    /// `tolerance` (rad), but for where the word begins and, without an offset, for the mirror
-    /// image.
+    /// Whether another orbit of the same machine is this one: the same word, and phases equal to
+    /// `tolerance` (rad) for some first letter and, without loads, for the mirror image too.
     pub fn is_same(&self, other: &Self, tolerance: f64) -> bool {
         let mirror = self.system.is_symmetric();
         let [own, their] = [self, other].map(|o| canonical(&o.word, &o.phases, mirror));
@@ -324,8 +325,8 @@ pub(super) fn repeated_phases(word: &OrbitWord, phases: &[f64], k: usize) -> Vec
     (0..k).flat_map(|round| phases.iter().map(move |phase| phase + round as f64 * word.span())).collect()
 }
 
-/// The same phase within some drive periods, rad, where it has so many turns that its difference
-/// from another would have few digits.
+/// A phase reduced to some drive periods, rad, where it has so many turns that differences from
+/// others would keep few digits.
 fn within(theta: f64, periods: u32) -> f64 {
     const MANY: f64 = 1e3;
     if theta.abs() <= MANY {
@@ -336,7 +337,7 @@ fn within(theta: f64, periods: u32) -> f64 {
 }
 
 /// Whether it is proved that the block leaves its stop after all impacts and keeps within the stops
-/// in all flights, but for what contact is off by at their ends.
+/// in all flights, except for the misses of contact at their ends.
 pub(super) fn is_clear(cycle: &Cycle) -> bool {
     (0..cycle.phases.len()).all(|i| {
         let span = cycle.arrival(i) - cycle.phases[i];

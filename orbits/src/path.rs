@@ -3,10 +3,10 @@
 mod between;
 mod step;
 
-use super::branch::{Label, Point, Special};
+use super::branch::{Label, OrbitPoint, Special};
 use super::curve::CurvePoint;
 use super::cycle::Cycle;
-use super::family::{Contacts, Family, Span};
+use super::family::{ContactEquations, Family, Span};
 use super::grazing::{self, Touch};
 use super::obstacle::Obstacle;
 use super::orbit::eigenvalues;
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use vibro_analysis::Error;
 
-/// Least step: a branch that needs a smaller one ends without convergence.
+/// Least step: a branch that needs a smaller one ends with MX.
 const LEAST_STEP: f64 = 1e-7;
 /// The least cosine of the angle by which the tangent turns in a step.
 const COSINE: f64 = 0.95;
@@ -29,10 +29,10 @@ const REDUCTION: f64 = 1.5;
 const SHORTEST_LOOP: usize = 10;
 /// Distance from the first point, in steps, at which a branch counts as closed.
 const CLOSED: f64 = 0.05;
-/// Difference of two values of the parameter, in its unit of the curve, that is rounding.
+/// Difference of two values of the parameter, in its curve unit, that is rounding.
 const MARK: f64 = 1e-12;
 
-/// How branches are followed.
+/// Options of following a branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathOptions {
     /// The longest step along a branch: phases in rad, the parameter in fifths of its range.
@@ -42,13 +42,12 @@ pub struct PathOptions {
 }
 
 impl PathOptions {
-    /// The longest steps that are allowed: shorter ones are those at which a path counts as stuck.
-    /// In a step of any length two special points of one kind may hide each other, and so may a
-    /// pair of multipliers that crosses the unit circle right beside a fold: the more of them the
-    /// longer the steps are.
+    /// Allowed longest steps; shorter ones are those at which a path counts as stuck. In a step of
+    /// any length two special points of one kind may hide each other, and a pair of multipliers may
+    /// cross the unit circle beside a fold unseen: both are more frequent with longer steps.
     pub const STEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.2;
 
-    /// Refuses a step that is not allowed.
+    /// Refuses a longest step outside [`STEPS`](Self::STEPS).
     pub(super) fn check(&self) -> Result<(), Error> {
         if Self::STEPS.contains(&self.longest_step) {
             return Ok(());
@@ -64,27 +63,28 @@ impl Default for PathOptions {
     }
 }
 
-/// How a path ends.
+/// End of a path.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) enum PathEnd {
-    /// Its last point's label says how.
+    /// As the label of the last point says.
     Plain,
-    /// At its first point.
+    /// At the first point of the path.
     Closed,
     /// At a touch.
     Touch(Box<Touch>),
-    /// At the branch from which it is born by doubling: that branch's word, phases and parameter.
+    /// At the branch from which it is born by doubling; the word, phases and parameter on that
+    /// branch.
     Primary(OrbitWord, #[serde(with = "super::stored::vector")] DVector<f64>),
 }
 
 /// A path with its end.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
-    pub points: Vec<Point>,
+    pub points: Vec<OrbitPoint>,
     pub end: PathEnd,
 }
 
-/// A point with all that is known of it.
+/// A point with its cycle's properties.
 struct Position {
     u: DVector<f64>,
     tangent: DVector<f64>,
@@ -96,7 +96,7 @@ struct Position {
 
 /// A step that was taken.
 struct Advance {
-    between: Vec<Point>,
+    between: Vec<OrbitPoint>,
     next: Position,
     label: Option<Special>,
     end: Option<PathEnd>,
@@ -136,7 +136,7 @@ pub(super) fn follow(follower: &Follower, departure: Departure) -> Result<Path, 
         let Advance { between, next, label, end } = advance;
         let closes = points.len() > SHORTEST_LOOP && follower.closes(&start_u, &start_tangent, &last, &next);
         if points.len() == 1 && departure.special.is_some() {
-            // The first point is special, so that its piece has the stability of what follows.
+            // The first point is special, so that its piece has the stability of the next point.
             points[0].stable = next.stable && between.is_empty();
         }
         points.extend(between);
@@ -163,15 +163,15 @@ pub(super) fn follow(follower: &Follower, departure: Departure) -> Result<Path, 
     }
 }
 
-fn label_last(points: &mut [Point], label: Label) {
+fn label_last(points: &mut [OrbitPoint], label: Label) {
     if let Some(last) = points.last_mut().filter(|p| p.special.is_none()) {
         last.special = Some(Special::of(label));
     }
 }
 
 impl Follower<'_> {
-    fn contacts(&self) -> Contacts<'_> {
-        Contacts { family: self.family, word: self.word }
+    fn contacts(&self) -> ContactEquations<'_> {
+        ContactEquations { family: self.family, word: self.word }
     }
 
     fn span(&self) -> &Span {
@@ -182,16 +182,16 @@ impl Follower<'_> {
         u[self.word.len()] * self.span().unit()
     }
 
-    /// Whether a value of the parameter is a mark but for rounding.
+    /// Whether a value of the parameter is a mark except for rounding.
     fn is_at(&self, value: f64, mark: f64) -> bool {
         (value - mark).abs() <= MARK * self.span().unit()
     }
 
-    fn point(&self, position: &Position, special: Option<Special>) -> Point {
+    fn point(&self, position: &Position, special: Option<Special>) -> OrbitPoint {
         let value = self.value(&position.u);
         let mark =
             self.marks.iter().copied().find(|mark| self.is_at(value, *mark)).filter(|_| special.is_none());
-        Point {
+        OrbitPoint {
             value: mark.unwrap_or(value),
             phases: position.u.as_slice()[..self.word.len()].to_vec(),
             multipliers: position.multipliers,
@@ -200,8 +200,8 @@ impl Follower<'_> {
         }
     }
 
-    /// What is known of the first point: a birth or a touch has no tests but those that remain
-    /// regular there.
+    /// Properties of the first point. At a birth or a touch only the test functions that are
+    /// regular there are computed.
     fn first(&self, departure: &Departure) -> Result<Position, Obstacle> {
         let Departure { u, tangent, .. } = departure;
         let system = self.family.system_at(u)?;
@@ -227,8 +227,8 @@ impl Follower<'_> {
         Ok(Position { u: u.clone(), tangent: tangent.clone(), steps: 3, multipliers, stable: false, tests })
     }
 
-    /// Looks at a point; `Err` with the touches that it announces is left to the caller, who finds
-    /// it not certified.
+    /// Properties of a point on the curve, with the touches that it announces if it is not
+    /// certified.
     fn look(&self, curve: CurvePoint) -> Result<(Position, Option<Vec<Touch>>), Obstacle> {
         let system = self.family.system_at(&curve.u)?;
         let cycle = Cycle::new(&system, self.word, &curve.u.as_slice()[..self.word.len()])?;
@@ -239,14 +239,14 @@ impl Follower<'_> {
         Ok((Position { u, tangent, steps, multipliers, stable, tests }, touches))
     }
 
-    /// Looks at a point within a step between two certified points: where it is not certified
-    /// itself, stops are touched twice in the step, which is too long.
+    /// Properties of a point within a step between two certified points. If it is not certified,
+    /// stops are touched twice in the step, which is too long.
     fn look_certified(&self, curve: CurvePoint) -> Result<Position, Obstacle> {
         let (position, touches) = self.look(curve)?;
         if touches.is_some() { Err(Obstacle::NoConvergence) } else { Ok(position) }
     }
 
-    /// Whether a step passes the first point again.
+    /// Whether a step passes the first point of the path again.
     fn closes(&self, u: &DVector<f64>, tangent: &DVector<f64>, last: &Position, next: &Position) -> bool {
         let n = self.word.len();
         let way = &next.u - &last.u;

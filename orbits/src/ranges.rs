@@ -1,11 +1,10 @@
-//! Ranges of the parameter in which branches are stable, between located bifurcations, and
-//! sequences of period doublings.
+//! Stable ranges of branches between located bifurcations, and sequences of period doublings.
 
-use super::branch::{Branch, Label, Point};
+use super::branch::{Branch, Label, OrbitPoint};
 use super::orbit::Orbit;
 
-/// Values of the parameter, relative to their size, that count as one place: a branch and the one
-/// born on it have located their common point each for itself, to rounding.
+/// Differences of the parameter, relative to its size, up to which two points are one: a branch and
+/// the one born on it locate their common point each for itself, to rounding.
 const SAME_PLACE: f64 = 1e-9;
 
 /// An end of a stable range.
@@ -13,15 +12,16 @@ const SAME_PLACE: f64 = 1e-9;
 pub struct RangeEnd {
     /// The parameter.
     pub value: f64,
-    /// What happens there; `None` only where the branch could not be followed on.
+    /// Label of the point; `None` only where the branch could not be continued.
     pub label: Option<Label>,
-    /// Whether the branch itself ends here: a PD or BP is then where it is born from another
-    /// branch, otherwise where another one is born from it.
+    /// Whether the branch itself ends here. A PD or BP is then where it is born from another
+    /// branch; otherwise another one is born from it.
     pub is_branch_end: bool,
 }
 
-/// A piece of a branch that is stable throughout, and no longer past its ends. The parameter grows
-/// or falls along it, since it turns only at folds, where stability changes.
+/// Maximal piece of a branch that is stable throughout. The parameter is monotone along it, since
+/// Maximal piece of a branch that is stable throughout. The parameter is monotone along it, since
+/// it turns only at folds, where stability changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StableRange {
     /// The number of the branch.
@@ -46,14 +46,14 @@ pub struct Doubling {
     pub value: f64,
     /// PD, or BP where the symmetry breaks.
     pub label: Label,
-    /// The period that the orbit has before, in drive periods.
+    /// Period of the orbit before, in drive periods.
     pub period: u32,
-    /// The number of the branch before.
+    /// Index of the branch before.
     pub branch: usize,
 }
 
 impl Branch {
-    /// Its stable ranges, in the order of its points.
+    /// Stable ranges in the order of the points.
     pub fn stable_ranges(&self) -> Vec<StableRange> {
         let mut found = Vec::new();
         let last = self.points.len().saturating_sub(1);
@@ -81,17 +81,18 @@ impl Branch {
         StableRange { branch: self.id, points: (first, last), letters, period, from, to }
     }
 
-    /// The stable range on which a stable orbit of the branch lies at a value of the parameter.
-    /// Where two of its ranges have the value, it is the one with the nearest flight times, put in
-    /// order of length, on which neither the begin of the word nor the mirror image has an
-    /// influence.
+    /// The stable range on which a stable orbit of the branch lies at a value of the parameter. If
+    /// two ranges contain the value, it is the one with the nearest flight times; these are sorted,
+    /// so that neither the first letter of the word nor the mirror image matters.
     pub fn stable_range_of(&self, orbit: &Orbit, value: f64) -> Option<StableRange> {
         let room = SAME_PLACE * value.abs().max(1.0);
         let inside = |r: &StableRange| (r.from.value - room..=r.to.value + room).contains(&value);
         let own = flight_times(orbit.phases(), orbit.word().span());
         let distance = |range: &StableRange| {
             let points = &self.points[range.points.0..=range.points.1];
-            let near = |a: &&Point, b: &&Point| (a.value - value).abs().total_cmp(&(b.value - value).abs());
+            let near = |a: &&OrbitPoint, b: &&OrbitPoint| {
+                (a.value - value).abs().total_cmp(&(b.value - value).abs())
+            };
             let nearest = points.iter().min_by(near).map(|p| flight_times(&p.phases, self.word.span()));
             nearest.map_or(f64::INFINITY, |n| n.iter().zip(&own).map(|(a, b)| (a - b).abs()).sum())
         };
@@ -100,7 +101,7 @@ impl Branch {
     }
 }
 
-/// The times between the impacts of an orbit, in rad of the drive, the shortest first.
+/// Times between the impacts of an orbit, in rad of the drive, ascending.
 fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
     let ends = phases.iter().skip(1).copied().chain(phases.first().map(|first| first + span));
     let mut times: Vec<f64> = phases.iter().zip(ends).map(|(a, b)| b - a).collect();
@@ -108,10 +109,9 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
     times
 }
 
-/// The sequences of doublings: each begins with a stable range that is not born at a doubling, and
-/// goes on from branch to branch as long as the branch born at a doubling is stable from there on;
-/// folds may lie between its birth and its own doubling. Those with the shortest period come first,
-/// then those with the least value.
+/// Sequences of doublings, ordered by period and then by least value. Each begins with a stable
+/// range that is not born at a doubling, and goes on while the branch born at a doubling is stable
+/// from there on; folds may lie between that branch's birth and its own doubling.
 ///
 /// ```
 /// use vibro_orbits::{Family, Span, TreeOptions, doubling_sequences, tree};
@@ -119,7 +119,8 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
 ///
 /// let span = Span::new(find_group("f10")?, 2.0, 2.5)?;
 /// let family = Family::new(&ParameterSet::basic(), span)?;
-/// let options = TreeOptions { seeds: 1, settle: 300, starts: 0, depth: 2, longest_period: 2, ..TreeOptions::default() };
+/// let few = TreeOptions { seeds: 1, settle: 300, starts: 0, ..TreeOptions::default() };
+/// let options = TreeOptions { depth: 2, longest_period: 2, ..few };
 /// let found = tree(&family, &options, &|_, _| ())?;
 /// let sequence = &doubling_sequences(&found.branches)[0];
 /// // The symmetry breaks before the first period doubling.
@@ -133,7 +134,8 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
         let born = ranges.iter().position(|range| is_born(from, at, range))?;
         Some(next_doubling(&ranges, born, at))
     };
-    // What is born at a doubling, and where a sequence comes to, is not the begin of another one.
+    // A sequence begins neither at a range born at a doubling nor at one that another sequence
+    // reaches.
     let mut reached = vec![false; ranges.len()];
     for range in &ranges {
         for end in [range.from, range.to] {
@@ -150,7 +152,7 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
     for start in (0..ranges.len()).filter(|i| !reached[*i]) {
         for end in [ranges[start].from, ranges[start].to] {
             let (mut sequence, mut here) = (Vec::new(), Some((start, end)));
-            // Words double from step to step, so that there is an end.
+            // Words double from step to step, so that the loop ends.
             while let Some((range, end)) = here
                 && let Some(label) = end.label.filter(|_| is_doubling(end))
             {
@@ -167,9 +169,9 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
     found
 }
 
-/// From the range that is born at a doubling the range with the next doubling: itself if it ends
-/// so, else the first one further along its branch, with folds in between. Without one, the other
-/// end of the range.
+/// Of a range born at a doubling, the range with the next doubling and that end: itself if it ends
+/// so, else the first one further along its branch, beyond folds. Without one, itself with its
+/// other end.
 fn next_doubling(ranges: &[StableRange], born: usize, at: RangeEnd) -> (usize, RangeEnd) {
     let own = &ranges[born];
     let doubles = |r: &StableRange| [r.to, r.from].into_iter().find(|end| is_doubling(*end));
@@ -201,12 +203,12 @@ fn is_same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME_PLACE * a.abs().max(1.0)
 }
 
-/// Whether another branch of a doubled word is born at the end of a range.
+/// Whether a branch of a doubled word is born at the end of a range.
 fn is_doubling(end: RangeEnd) -> bool {
     !end.is_branch_end && matches!(end.label, Some(Label::PeriodDoubling | Label::BranchPoint))
 }
 
-/// Whether a range is of the branch that is born at the end of another one.
+/// Whether a range belongs to the branch that is born at the end of another one.
 fn is_born(from: &StableRange, end: RangeEnd, range: &StableRange) -> bool {
     let begins =
         |own: &RangeEnd| own.is_branch_end && own.label == end.label && is_same(own.value, end.value);

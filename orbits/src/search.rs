@@ -6,13 +6,13 @@ use super::system::System;
 use super::word::OrbitWord;
 use vibro_analysis::{Error, Result};
 
-/// Phases (rad) that count as those of one orbit.
+/// Differences of phases, rad, up to which two orbits are one.
 const SAME: f64 = 1e-6;
 
-/// The certified orbits of a word that Newton's method reaches from `tries` guesses, which fill the
-/// space of phases evenly (the additive recurrence of the generalized golden ratio). There may be
-/// others. Those that a shorter word has too come last: they are that one's orbit passed several
-/// times, or a symmetric orbit ([`Orbit::shortest`]).
+/// The certified orbits of a word that Newton's method finds from `tries` guesses, which fill the
+/// space of phases evenly (additive recurrence of the generalized golden ratio). There may be
+/// others. Orbits that a shorter word has too come last: one passed several times, or a symmetric
+/// one ([`Orbit::shortest`]).
 ///
 /// # Errors
 /// [`Error::NoOrbit`] when none is found; what [`Orbit::find`] says of a machine whose orbits

@@ -1,5 +1,5 @@
-//! The orbits from which a tree grows: those on which motions settle with the parameter rising and
-//! falling, and those near which motions pass from starts all over the states that are visited
+//! Orbits from which a tree grows: those on which motions settle with the parameter rising and
+//! falling, and those near which motions from starts all over the visited states pass
 //! (docs/theory.md, section 14).
 
 use super::family::Family;
@@ -17,37 +17,37 @@ use vibro_analysis::sobol::coordinate;
 use vibro_analysis::stroboscopic::{StroboscopicState, moving_block};
 use vibro_impact::simulator::{Event, Simulator, State};
 
-/// Drive periods over which the states of a settled motion are looked at.
+/// Drive periods over which the states of a settled motion are recorded.
 const VISITED: u32 = 64;
-/// Neighbouring values, in each direction, whose states make up the box of starts of a value, and
-/// the box's growth.
+/// Neighbouring values in each direction whose visited states make up the box of starts of a value,
+/// and the factor by which that box is widened.
 const NEIGHBOURS: usize = 2;
 const WIDER: f64 = 1.5;
-/// Part of the gap within which a block starts.
+/// Part of the gap within which the block starts.
 const INSIDE: f64 = 0.999;
-/// Drive periods of a motion from such a start.
+/// Drive periods of the motion from each start.
 pub(super) const PERIODS: u32 = 300;
-/// The longest period, in drive periods, whose near returns are looked at.
+/// Longest period of a near return, in drive periods.
 pub(super) const LONGEST: usize = 4;
 /// Largest change of a coordinate (units of L and L ω1) in a near return.
 const RETURN: f64 = 0.04;
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an
 /// orbit.
 const MOVE: f64 = 0.4;
-/// Parts of the range in each of which one unstable orbit of a word is kept: others mostly lie on
-/// its branch.
-const PLACES: f64 = 30.0;
+/// Number of parts of the range; in each only one unstable orbit of a word is kept, since others
+/// mostly lie on its branch.
+const RANGE_PARTS: f64 = 30.0;
 
-/// An orbit's word, phases and parameter.
+/// An orbit found by simulation: word, phases and parameter.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Place {
+pub(super) struct SeedOrbit {
     pub word: OrbitWord,
     pub phases: Vec<f64>,
     pub value: f64,
     pub stable: bool,
 }
 
-/// A value of the parameter at which orbits were sought.
+/// Search results at a value of the parameter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SearchedValue {
     /// The parameter.
@@ -55,33 +55,33 @@ pub struct SearchedValue {
     /// The period, in drive periods, of the orbit on which the motion settled with the parameter
     /// rising; `None` where it settled on none that was found stable within the tree's limits.
     pub rising: Option<u32>,
-    /// The same with the parameter falling.
+    /// As `rising`, with the parameter falling.
     pub falling: Option<u32>,
-    /// Starts between this value and the next.
+    /// Number of starts between this value and the next.
     pub starts: u32,
-    /// Orbits near which motions from these starts passed, and which were taken to a branch.
+    /// Number of orbits near which motions from these starts passed and that were kept as starts of
+    /// branches.
     pub found: u32,
 }
 
-/// Where orbits were sought.
+/// Extent and result of the search for orbits by simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Searched {
     /// The values at which motions were settled, in order.
     pub values: Vec<SearchedValue>,
     /// Drive periods of each motion from a start.
     pub periods: u32,
-    /// Branches that were followed from orbits near which such motions passed, and those of them
-    /// that are stable somewhere.
+    /// Branches traced from orbits near which such motions passed.
     pub followed: usize,
-    /// The latter, which were kept.
+    /// Those of `followed` that are stable somewhere and not known, which were kept.
     pub islands: usize,
 }
 
-/// What was found of a family.
+/// All orbits found by simulation.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Seeds {
-    pub settled: Vec<Place>,
-    pub passed: Vec<Place>,
+    pub settled: Vec<SeedOrbit>,
+    pub passed: Vec<SeedOrbit>,
     pub searched: Searched,
 }
 
@@ -107,7 +107,7 @@ pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Err
     let chains = [rising?, falling?];
     let boxes: Vec<Hull> = (0..count).map(|i| hull(chains[0][i].visited, &chains[1][i].visited)).collect();
     let period = |links: &[Link], i: usize| -> Option<u32> {
-        links[i].place.as_ref().filter(|place| place.stable).map(|place| place.word.period())
+        links[i].orbit.as_ref().filter(|orbit| orbit.stable).map(|orbit| orbit.word.period())
     };
     let mut values: Vec<SearchedValue> = (0..count)
         .map(|i| SearchedValue {
@@ -118,20 +118,20 @@ pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Err
         })
         .collect();
     let passed = wide(family, options, &boxes, &mut values)?;
-    let settled = chains.into_iter().flatten().filter_map(|link| link.place).collect();
+    let settled = chains.into_iter().flatten().filter_map(|link| link.orbit).collect();
     let searched = Searched { values, periods: PERIODS, followed: 0, islands: 0 };
     Ok(Seeds { settled, passed, searched })
 }
 
-/// What a value of a chain has.
+/// Result of a settled motion at one value: its orbit and the box of its states.
 #[derive(Clone)]
 struct Link {
-    place: Option<Place>,
+    orbit: Option<SeedOrbit>,
     visited: Hull,
 }
 
-/// The orbits on which motions settle from value to value, the end of one being the start of the
-/// next, in the order of rising values.
+/// The orbits on which motions settle from value to value, each motion starting where the last one
+/// ended; in the order of rising values.
 fn chain(
     family: &Family,
     options: &TreeOptions,
@@ -139,7 +139,7 @@ fn chain(
     rising: bool,
 ) -> Result<Vec<Link>, Error> {
     let (count, limits) = (options.seeds, options.limits());
-    let mut links = vec![Link { place: None, visited: NOTHING }; count];
+    let mut links = vec![Link { orbit: None, visited: NOTHING }; count];
     let mut last = None;
     for k in 0..count {
         let i = if rising { k } else { count - 1 - k };
@@ -156,17 +156,17 @@ fn chain(
         }
         let orbit =
             settled::orbit_within(&system, &state, limits).ok().filter(|orbit| !orbit.word().is_empty());
-        links[i].place = orbit.and_then(|orbit| {
+        links[i].orbit = orbit.and_then(|orbit| {
             let (word, phases) = family.shortest(&orbit);
-            let place = Place { word, phases, value, stable: orbit.is_stable() };
-            options.admits(&place.word).then_some(place)
+            let seed = SeedOrbit { word, phases, value, stable: orbit.is_stable() };
+            options.admits(&seed.word).then_some(seed)
         });
     }
     Ok(links)
 }
 
-/// The box of the states of a motion at whole drive periods, without loads with their mirror
-/// images.
+/// Box of the states of a motion at whole drive periods; without loads their mirror images are
+/// included.
 fn visited(system: &System, state: &State) -> Result<Hull, Error> {
     let p = system.parameters();
     let mut simulator = settled::simulator(system, state)?;
@@ -182,15 +182,16 @@ fn visited(system: &System, state: &State) -> Result<Hull, Error> {
     Ok(found)
 }
 
-/// The starts: half of them over the whole range, half over those parts of it at whose ends a
-/// motion did not settle on a stable orbit, where a diagram has few rows. Each is a value with a
-/// state in the box that is visited at neighbouring values, widened.
+/// The orbits near which motions from spread starts pass. Half of the starts lie over the whole
+/// range, half over those parts at whose ends a motion did not settle on a stable orbit, where a
+/// diagram has few rows. The states are spread over the widened box of those visited at
+/// neighbouring values.
 fn wide(
     family: &Family,
     options: &TreeOptions,
     boxes: &[Hull],
     values: &mut [SearchedValue],
-) -> Result<Vec<Place>, Error> {
+) -> Result<Vec<SeedOrbit>, Error> {
     let (starts, cells) = (options.starts, values.len().saturating_sub(1));
     if starts == 0 || cells == 0 {
         return Ok(Vec::new());
@@ -198,18 +199,18 @@ fn wide(
     let settles = |v: &SearchedValue| v.rising.is_some() && v.falling.is_some();
     let poor: Vec<usize> =
         (0..cells).filter(|i| !(settles(&values[*i]) && settles(&values[i + 1]))).collect();
-    // The number of the cell and the place in it, of a number in [0, 1).
+    // The cell of a number in [0, 1), and its position in the cell.
     let spread = |part: f64, among: usize| {
         let at = part * among as f64;
         (at as usize, at.fract())
     };
     let start = |k: usize| -> Option<(usize, f64, State)> {
-        // The origin, of index 0, is left out.
+        // The sequence's first point, the origin, is left out.
         let index = u32::try_from(k + 1).ok()?;
         let at = |dimension: usize| coordinate(index, dimension);
         let (cell, part) = if k % 2 == 1 && !poor.is_empty() {
-            let (place, part) = spread(at(0), poor.len());
-            (poor[place], part)
+            let (index, part) = spread(at(0), poor.len());
+            (poor[index], part)
         } else {
             spread(at(0), cells)
         };
@@ -229,38 +230,42 @@ fn wide(
             .then(|| (cell, value, from_drive_units(system.parameters(), &state)))
     };
     let all: Vec<(usize, f64, State)> = (0..starts).filter_map(start).collect();
-    let found: Vec<Vec<Place>> = all
+    let found: Vec<Vec<SeedOrbit>> = all
         .par_iter()
         .map(|(_, value, state)| passes(family, *value, state, options))
         .collect::<Result<_, _>>()?;
-    let unit = (values[cells].value - values[0].value) / PLACES;
-    let mut kept: Vec<Place> = Vec::new();
-    for ((cell, ..), places) in all.iter().zip(found) {
+    let unit = (values[cells].value - values[0].value) / RANGE_PARTS;
+    let mut kept: Vec<SeedOrbit> = Vec::new();
+    for ((cell, ..), orbits) in all.iter().zip(found) {
         values[*cell].starts += 1;
-        for place in places {
-            let alike = |k: &Place| {
-                k.word == place.word && k.stable == place.stable && (k.value - place.value).abs() < unit
+        for orbit in orbits {
+            let alike = |k: &SeedOrbit| {
+                k.word == orbit.word && k.stable == orbit.stable && (k.value - orbit.value).abs() < unit
             };
             if !kept.iter().any(alike) {
                 values[*cell].found += 1;
-                kept.push(place);
+                kept.push(orbit);
             }
         }
     }
     Ok(kept)
 }
 
-/// The orbits near which a motion passes, in their shortest canonical words, one of each: those to
-/// which Newton's method leads from near returns on its way, and the one on which it has settled in
-/// the end.
-fn passes(family: &Family, value: f64, start: &State, options: &TreeOptions) -> Result<Vec<Place>, Error> {
+/// The orbits near which a motion passes, each once in its shortest canonical word: those that
+/// Newton's method finds from near returns, and the one on which it has settled in the end.
+fn passes(
+    family: &Family,
+    value: f64,
+    start: &State,
+    options: &TreeOptions,
+) -> Result<Vec<SeedOrbit>, Error> {
     let (system, limits) = (family.system(&[value])?, options.limits());
-    let mut found: Vec<Place> = Vec::new();
+    let mut found: Vec<SeedOrbit> = Vec::new();
     let mut keep = |orbit: Orbit| {
         let (word, phases) = family.shortest(&orbit);
         let (word, phases) = canonical(&word, &phases, family.is_symmetric());
-        if !word.is_empty() && options.admits(&word) && !found.iter().any(|place| place.word == word) {
-            found.push(Place { word, phases, value, stable: orbit.is_stable() });
+        if !word.is_empty() && options.admits(&word) && !found.iter().any(|orbit| orbit.word == word) {
+            found.push(SeedOrbit { word, phases, value, stable: orbit.is_stable() });
         }
     };
     let Ok(mut simulator) = settled::simulator(&system, start) else { return Ok(Vec::new()) };
@@ -294,13 +299,13 @@ fn passes(family: &Family, value: f64, start: &State, options: &TreeOptions) -> 
     Ok(found)
 }
 
-/// The course of a motion by its states at whole drive periods and its impacts.
+/// States of a motion at whole drive periods, and its impacts.
 #[derive(Default)]
 struct Course {
     states: Vec<StroboscopicState>,
     letters: Vec<i8>,
     phases: Vec<f64>,
-    /// Impacts up to the end of each period, and whether the block rested in it.
+    /// For each period the number of impacts up to its end, and whether the block rested in it.
     ends: Vec<(usize, bool)>,
 }
 
@@ -321,7 +326,7 @@ impl Course {
         Ok(())
     }
 
-    /// The impacts of the last q periods, if the motion has nearly returned in them.
+    /// Impacts of the last q periods, if the motion nearly returned in them.
     fn near_return(&self, q: usize) -> Option<(&[i8], &[f64])> {
         let n = self.ends.len();
         let far = distance(&self.states[n], &self.states[n - q]) > RETURN;

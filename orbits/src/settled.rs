@@ -11,26 +11,26 @@ use vibro_analysis::{Error, Result};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Event, Simulator, State};
 
-/// The longest period that is looked for, in drive periods.
+/// Longest period that is sought, in drive periods.
 pub(super) const LONGEST: u32 = 32;
 
-/// A motion counts as near a return when no coordinate (units of L and L ω1) differs by more:
-/// Newton's method does the rest.
+/// Largest change of a coordinate (units of L and L ω1) in a near return. Newton's method does the
+/// rest.
 const RETURN: f64 = 2e-3;
 
 /// Largest change of a phase, rad, by which Newton's method may come from a near return to an
 /// orbit.
 const MOVE: f64 = 0.05;
 
-/// Differences of the phases of two passages, rad, that may be what Newton's method has left of
-/// them next to a period doubling.
+/// Difference of the phases of two passages, rad, that Newton's method may leave next to a period
+/// doubling.
 const ALIKE: f64 = 1e-5;
 
-/// Most impacts of a word that is tried after a shorter one: the work grows with their cube, to a
-/// second for so many.
+/// Most impacts of a word that is tried after a shorter one. The work grows with the cube of their
+/// number, to a second at this one.
 const MANY: usize = 512;
 
-/// How far a motion is followed to its return.
+/// Limits within which a motion is followed to its return.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// Most drive periods.
@@ -43,14 +43,14 @@ impl Limits {
     const WIDEST: Self = Self { periods: LONGEST, impacts: MOST_LETTERS };
 }
 
-/// The phase of the drive at time 0, rad, without the turns by which a large one would leave the
-/// phases of impacts few digits.
+/// Phase of the drive at time 0, rad, without whole turns: many of them would leave the phases of
+/// impacts few digits.
 pub(super) fn first_phase(p: &Parameters) -> f64 {
     let phase = p.drive_phase;
     if phase.abs() <= TAU { phase } else { phase.sin().atan2(phase.cos()) }
 }
 
-/// A state in units of L and L ω1, in which speeds are of the size of displacements also where
+/// A state in units of L and L ω1. In these, speeds are of the size of displacements even where
 /// hardly any spring holds the box.
 pub(super) fn in_drive_units(p: &Parameters, state: &State) -> StroboscopicState {
     let speed = p.stop_gap * p.drive_frequency;
@@ -58,7 +58,7 @@ pub(super) fn in_drive_units(p: &Parameters, state: &State) -> StroboscopicState
     [x[0], x[1], x[2], v[0], v[1], v[2]]
 }
 
-/// A state in SI by those units.
+/// A state in SI from one in units of L and L ω1.
 pub(super) fn from_drive_units(p: &Parameters, s: &StroboscopicState) -> State {
     let speed = p.stop_gap * p.drive_frequency;
     State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
@@ -81,12 +81,12 @@ pub fn settle(system: &System, start: &State, periods: u32) -> Result<State> {
     Ok(simulator.state())
 }
 
-/// The periodic orbit on which a motion has settled that passes a state at time 0.
+/// The periodic orbit on which a motion through a state at time 0 has settled.
 ///
-/// Chaos comes near its unstable orbits too, so that what is found need not be stable: its
-/// multipliers say. A stable orbit comes first, since next to a period doubling a settled motion
-/// nearly returns in half of its period, by the orbit that has just become unstable. Words of more
-/// than 1024 impacts are not tried, and after the first near return none of more than 512.
+/// Chaos comes near its unstable orbits too, so that the orbit need not be stable; its multipliers
+/// tell. A stable orbit is preferred: next to a period doubling a settled motion nearly returns in
+/// half of its period by the orbit that has just become unstable. Words of more than 1024 impacts
+/// are not tried, and after the first near return none of more than 512.
 ///
 /// # Errors
 /// [`Error::NoPeriodicMotion`] when the block comes to rest at a stop in its course, when the
@@ -97,7 +97,7 @@ pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
     orbit_within(system, state, Limits::WIDEST)
 }
 
-/// The same within limits.
+/// [`orbit_of`] within limits.
 pub(super) fn orbit_within(system: &System, state: &State, limits: Limits) -> Result<Orbit> {
     let p = system.parameters();
     let mut simulator = simulator(system, state)?;
@@ -124,7 +124,7 @@ pub(super) fn orbit_within(system: &System, state: &State, limits: Limits) -> Re
             break;
         }
         if distance(&start, &in_drive_units(p, &simulator.state())) < RETURN {
-            // The first of each kind tells most: later returns pass the same orbit again.
+            // The first near return of each kind tells most: later ones pass the same orbit again.
             match near(system, &letters, &phases, q, MOVE) {
                 Ok(orbit) if orbit.is_stable() => return Ok(orbit),
                 Ok(orbit) => unstable = unstable.or(Some(orbit)),
@@ -135,15 +135,15 @@ pub(super) fn orbit_within(system: &System, state: &State, limits: Limits) -> Re
     unstable.ok_or_else(|| if rests { at_rest() } else { not_found(system, missed, limits, many) })
 }
 
-/// Why a motion with rest has no orbit.
+/// The error for a motion with rest.
 fn at_rest() -> Error {
     let reason = "rests at a stop in its course, which orbits by impacts alone do not describe: a weaker drive or a larger \
                   stop.restitution may avoid rest";
     Error::NoPeriodicMotion { reason: reason.into() }
 }
 
-/// Why no orbit was found, with the first near return that led to none, if there was one, and
-/// whether there were too `many` impacts.
+/// The error for a motion without an orbit. `missed` is the first near return that led to none,
+/// `many` whether there were too many impacts.
 fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, many: bool) -> Error {
     let Limits { periods, impacts } = limits;
     let within =
@@ -164,13 +164,13 @@ fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, m
     Error::NoPeriodicMotion { reason }
 }
 
-/// The certified orbit near the impacts of q drive periods, in its shortest word, whose phases
-/// differ from theirs by so much at most.
+/// The certified orbit near the impacts of q drive periods, in its shortest word; its phases differ
+/// from theirs by `most` at most.
 ///
-/// Next to a period doubling the equations of the word passed twice are nearly singular, and
-/// Newton's method comes so slowly to the orbit that is passed twice that it leaves the passages
-/// apart, or does not arrive: those of the word passed once tell. Where the passages are apart, it
-/// is meant if it is stable.
+/// Next to a period doubling the equations of a word passed twice are nearly singular: Newton's
+/// method converges so slowly to an orbit passed twice that it stops short, with the passages
+/// apart. The word passed once is therefore tried too. Where the passages are apart, its orbit is
+/// taken only if it is stable.
 pub(super) fn near(
     system: &System,
     letters: &[i8],
@@ -199,7 +199,7 @@ pub(super) fn near(
     certified(Orbit::at(system, &word, &phases)?)
 }
 
-/// The phases of an orbit that differ from a guess by so much at most.
+/// Phases of an orbit that differ from a guess by `most` at most.
 fn newton_near(
     system: &System,
     word: &OrbitWord,
@@ -211,7 +211,7 @@ fn newton_near(
     if far { Err(Obstacle::NoConvergence) } else { Ok(found) }
 }
 
-/// An orbit, unless it is none of the machine.
+/// An orbit, if it is certified.
 fn certified(orbit: Orbit) -> std::result::Result<Orbit, Obstacle> {
     if orbit.is_certified() { Ok(orbit) } else { Err(Obstacle::NoConvergence) }
 }

@@ -1,8 +1,8 @@
-//! The location of special points, and what is known of them.
+//! Location of special points.
 
 use super::curve::{gradient, meet};
 use super::cycle::Cycle;
-use super::family::{Contacts, Family};
+use super::family::{ContactEquations, Family};
 use super::obstacle::Obstacle;
 use super::orbit::eigenvalues;
 use super::test_functions::{DOUBLING, SignedLog, is_on_circle, test};
@@ -11,15 +11,15 @@ use nalgebra::DVector;
 use std::cell::Cell;
 use vibro_impact::numerics::roots::brent;
 
-/// The difference of the halves of an orbit (rad) that counts as rounding.
+/// Difference of the halves of an orbit, rad, that is rounding.
 const BIRTH: f64 = 1e-9;
 
-/// Step of the differences of a test function, whose gradient sets the speed of convergence and
+/// Step of the differences of a test function. It sets the speed of convergence of its zero and
 /// never the result.
 const DIFFERENCE: f64 = 1e-6;
 
-/// The arc in (0, length) at which a test function is zero, to `tolerance`; its values at the ends
-/// are known.
+/// Arc in (0, length) at which a test function is zero, to `tolerance`, from its values at the
+/// ends.
 pub(super) fn zero(
     value: &impl Fn(f64) -> Result<f64, Obstacle>,
     length: f64,
@@ -62,14 +62,15 @@ pub(super) fn scaled_test(
     Ok(test(&cycle, index).ok_or(Obstacle::NoConvergence)?.relative_to(unit))
 }
 
-/// The difference of the two halves of a doubled orbit, half a span apart.
+/// Difference of the two halves of a doubled orbit, half a span apart.
 fn halves(word: &OrbitWord, u: &DVector<f64>) -> DVector<f64> {
     let h = word.len() / 2;
     DVector::from_fn(h, |i, _| u[h + i] - u[i] - 0.5 * word.span())
 }
 
-/// A point beyond the one at which the halves of a doubled orbit would be the same, by the tangent
-/// at a point of its branch: as far again from there, if that is within a distance.
+/// A point beyond the birth of a doubled branch, where the halves of its orbit are equal: along the
+/// tangent, as far beyond the birth as the given point is before it. `None` if that is farther than
+/// `within`.
 pub(super) fn beyond_birth(
     word: &OrbitWord,
     u: &DVector<f64>,
@@ -83,8 +84,8 @@ pub(super) fn beyond_birth(
     (own.norm() > BIRTH && (0.0..within).contains(&arc)).then(|| u + tangent * (2.0 * arc))
 }
 
-/// The branch from which a branch of a doubled word is born, where a step passes it: there both
-/// halves of the orbit are the same, and past it the path would go back along its own mirror image.
+/// The point at which a doubled branch is born from another one, if a step passes it: both halves
+/// of the orbit are equal there, and past it the path would run back along its own mirror image.
 pub(super) fn primary(
     family: &Family,
     word: &OrbitWord,
@@ -95,7 +96,7 @@ pub(super) fn primary(
         return Ok(None);
     };
     let [a, b] = [last, next].map(|u| halves(word, u));
-    // The first point of a branch born here has halves that are the same but for rounding. So has a
+    // The first point of a branch born here has halves that are equal except for rounding. So has a
     // point past the birth if the corrector ended on the other branch.
     let passes = a.dot(&b) < 0.0 || b.norm() < BIRTH;
     if !passes || a.norm() < BIRTH {
@@ -109,13 +110,13 @@ pub(super) fn primary(
     let unit = {
         let system = family.system_at(&guess)?;
         let cycle = Cycle::new(&system, &folded, &guess.as_slice()[..h])?;
-        // Its size some way off, since here it is nearly zero.
+        // The test's size is that of another test, since here it is nearly zero.
         let log = test(&cycle, super::test_functions::UNIT).ok_or(Obstacle::NoConvergence)?.log;
         SignedLog { sign: 1.0, log }
     };
     let function = |u: &DVector<f64>| scaled_test(family, &folded, DOUBLING, unit, u);
     let condition = |u: &DVector<f64>| Ok((function(u)?, gradient(u, DIFFERENCE, function)?));
-    let u = meet(&Contacts { family, word: &folded }, &guess, condition)?;
+    let u = meet(&ContactEquations { family, word: &folded }, &guess, condition)?;
     if (&u - &guess).norm() > (next - last).norm() {
         return Err(Obstacle::NoConvergence);
     }

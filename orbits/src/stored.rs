@@ -1,5 +1,5 @@
-//! Vectors and multipliers as they are written down in the parts of a long study: plain lists of
-//! numbers, bit for bit.
+//! Serialized form of vectors and multipliers in the parts of a long study: plain lists of numbers,
+//! bit for bit.
 
 /// A vector.
 pub(super) mod vector {

@@ -1,9 +1,9 @@
-//! Where branches begin: at settled orbits, at bifurcations of another branch, at touches.
+//! Starts of branches: at settled orbits, at bifurcations of another branch, at touches.
 
 use super::branch::{Label, Special};
 use super::curve::{axis, least_vectors, tangent};
 use super::cycle::{Cycle, Functional};
-use super::family::{Contacts, Family};
+use super::family::{ContactEquations, Family};
 use super::grazing::{self, Touch, Touching};
 use super::obstacle::Obstacle;
 use super::orbit::{Orbit, canonical, repeated_phases, unfolded_phases};
@@ -14,26 +14,28 @@ use nalgebra::{Complex, DVector};
 const FIRST_STEP: f64 = 1e-2;
 const SWITCH_STEP: f64 = 1e-3;
 
-/// Step of the difference that tells on which side of a touch the block keeps clear of the stop.
+/// Step of the difference that tells on which side of a touch the block is clear of the stop.
 const SIDE_STEP: f64 = 1e-5;
 
-/// Where a path begins.
+/// Start of a path.
 #[derive(Clone, Debug)]
 pub(super) struct Departure {
     pub u: DVector<f64>,
-    /// The direction in which it leaves.
+    /// The direction in which the path leaves.
     pub tangent: DVector<f64>,
-    /// Its first step.
+    /// The first step.
     pub step: f64,
-    /// What is special at its first point: a birth or a touch, which is not certified itself.
+    /// The special point at which the path begins: a birth or a touch, which is not certified
+    /// itself.
     pub special: Option<Special>,
     /// The multipliers there, where the cycle does not give them: at a touch.
     pub multipliers: Option<[Complex<f64>; 6]>,
 }
 
-/// A touch in the words of the orbit without it: what is common to all words that meet there.
+/// A touch within a flight of the shortest word that does not list it. All words that meet at the
+/// touch have it in common.
 #[derive(Clone, Debug)]
-pub(super) struct Contact {
+pub(super) struct FlightTouch {
     /// The shortest word without the touch.
     pub shorter: OrbitWord,
     /// Phases and parameter.
@@ -46,8 +48,8 @@ pub(super) struct Contact {
     pub side: i8,
 }
 
-impl Contact {
-    /// A touch on a branch, reduced.
+impl FlightTouch {
+    /// The touch of a branch in the shortest word without it.
     pub fn of(family: &Family, touch: &Touch) -> Self {
         let values = family.values(&touch.u);
         let (phase, side) = (touch.u[touch.index], touch.longer.letters()[touch.index]);
@@ -78,9 +80,9 @@ impl Contact {
         }
     }
 
-    /// The words that list the touch: once in a passage, and for a symmetric orbit, which touches
-    /// both stops, at one of them alone. With `repetitions` above 1 also up to so many passages
-    /// with the touch in one of them, which are orbits of a longer period.
+    /// The words that list the touch: once in a passage, and of a symmetric orbit, which touches
+    /// both stops, at one of them. With `repetitions` above 1 also up to that many passages with
+    /// the touch in one of them, which are orbits of a longer period.
     pub fn longer(&self, family: &Family, repetitions: u32) -> Vec<Touch> {
         let phases = &self.u.as_slice()[..self.shorter.len()];
         let index = if phases.is_empty() { 0 } else { self.flight + 1 };
@@ -93,7 +95,7 @@ impl Contact {
             .then(|| (self.shorter.unfolded(), unfolded_phases(&self.shorter, phases)));
         let own = (self.shorter.clone(), phases.to_vec());
         let passages = |(word, phases): (OrbitWord, Vec<f64>)| {
-            // A symmetric orbit is one after an odd number of passages.
+            // A symmetric orbit closes with -1 after an odd number of passages.
             let step = if word.closing() < 0 { 2 } else { 1 };
             let repeated = |k| touch(&word.repeated(k), repeated_phases(&word, &phases, k));
             (1..=repetitions as usize).step_by(step).map(repeated).collect::<Vec<_>>()
@@ -101,11 +103,11 @@ impl Contact {
         std::iter::once(own).chain(unfolded).flat_map(passages).collect()
     }
 
-    /// Where the branch without the touch leaves: on the side on which the block keeps clear of the
+    /// Departure of the branch without the touch, to the side on which the block is clear of the
     /// stop.
     pub fn departure(&self, family: &Family) -> Result<Departure, Obstacle> {
         let n = self.shorter.len();
-        let contacts = Contacts { family, word: &self.shorter };
+        let contacts = ContactEquations { family, word: &self.shorter };
         let along = tangent(&contacts, &self.u, &axis(n + 1, n))?;
         let excess = |step: f64| -> Result<f64, Obstacle> {
             let u = &self.u + &along * step;
@@ -115,7 +117,7 @@ impl Contact {
             let z = system.fly(since, cycle.departure(self.flight));
             Ok(f64::from(self.side) * (z[1] - z[0] + system.forced_gap(self.phase)[0]))
         };
-        // The extremum's own shift changes its value in second order only.
+        // The shift of the extremum changes its value only in second order.
         let leaves = excess(SIDE_STEP)? - excess(-SIDE_STEP)? < 0.0;
         let tangent = if leaves { along } else { -along };
         let system = family.system_at(&self.u)?;
@@ -135,10 +137,10 @@ pub(super) fn free_word(family: &Family) -> OrbitWord {
     if family.is_symmetric() { OrbitWord::of(Vec::new(), -1, 1) } else { OrbitWord::of(Vec::new(), 1, 2) }
 }
 
-/// Where the branch with a touch leaves: on the side on which the impact has a speed.
+/// Departure of the branch with a touch, to the side on which the impact has a speed.
 pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Obstacle> {
     let n = touch.longer.len();
-    let contacts = Contacts { family, word: &touch.longer };
+    let contacts = ContactEquations { family, word: &touch.longer };
     let along = tangent(&contacts, &touch.u, &axis(n + 1, n))?;
     let gradient = grazing::speed_gradient(&Touching { contacts, index: touch.index }, &touch.u)?;
     let tangent = if gradient.dot(&along) > 0.0 { along } else { -along };
@@ -154,9 +156,9 @@ pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Ob
     })
 }
 
-/// Where the branch born by doubling leaves a point with a multiplier -1: along the variation that
-/// closes with the opposite sign. On one side only; the other holds the same orbits half a span
-/// later.
+/// Departure of the branch born by doubling, from a point with a multiplier -1 along the variation
+/// that closes with the opposite sign. One side suffices: the other holds the same orbits half a
+/// span later.
 pub(super) fn doubled(
     family: &Family,
     word: &OrbitWord,
@@ -186,8 +188,8 @@ pub(super) fn doubled(
     Ok((word.unfolded(), departure))
 }
 
-/// Where a branch leaves an orbit in both directions, the parameter rising and falling, in its
-/// canonical word.
+/// Departures from an orbit in both directions, the parameter rising and falling, in its canonical
+/// word.
 pub(super) fn both_ways(
     family: &Family,
     word: &OrbitWord,
@@ -196,14 +198,14 @@ pub(super) fn both_ways(
 ) -> Result<(OrbitWord, [Departure; 2]), Obstacle> {
     let (word, phases) = canonical(word, phases, family.is_symmetric());
     let u = family.point(&phases, &[value]);
-    let along = tangent(&Contacts { family, word: &word }, &u, &axis(word.len() + 1, word.len()))?;
+    let along = tangent(&ContactEquations { family, word: &word }, &u, &axis(word.len() + 1, word.len()))?;
     let departure =
         |tangent| Departure { u: u.clone(), tangent, step: FIRST_STEP, special: None, multipliers: None };
     Ok((word.clone(), [departure(along.clone()), departure(-along)]))
 }
 
-/// A departure in the shortest word of its orbit: where an orbit that is passed several times
-/// touches a stop in each round, the branch that lists all touches is passed several times too.
+/// A departure in the shortest word of its orbit. Where an orbit passed several times touches a
+/// stop in each round, the branch that lists all touches is passed several times too.
 pub(super) fn reduced_departure(
     family: &Family,
     word: &OrbitWord,
@@ -222,7 +224,7 @@ pub(super) fn reduced_departure(
     (least, Departure { u, tangent, ..departure.clone() })
 }
 
-/// A departure in the canonical word, so that one orbit has one place in a tree.
+/// A departure in the canonical word, so that one orbit has one start in a tree.
 pub(super) fn canonical_departure(
     family: &Family,
     word: &OrbitWord,

@@ -12,8 +12,8 @@ use vibro_impact::numerics::bernstein::Polynomial;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
 
-/// A machine with its constant loads, prepared for orbits. Lengths are in L and a prime is a
-/// derivative with respect to the drive's phase, so that its period is 2π.
+/// A machine with its constant loads in an orbit's units. Lengths are in L, and a prime is the
+/// derivative with respect to the drive's phase, whose period is 2π.
 #[derive(Clone, Copy, Debug)]
 pub struct System {
     parameters: Parameters,
@@ -21,22 +21,22 @@ pub struct System {
     pub(super) flight: Flight,
     /// H of docs/theory.md (71): without impacts the box swings as Im(H e^{iφ}).
     response: Complex<f64>,
-    /// The places to which states refer, and what pushes the bodies there.
+    /// The reference places of states, and what pushes the bodies there.
     balance: Balance,
-    /// The acceleration of a block without a spring under its load, docs/theory.md (111); 0 where a
+    /// Acceleration under its load of a block without a spring, docs/theory.md (111); 0 where a
     /// spring holds it.
     pull: f64,
-    /// What a spring hardly holds, so that the state is found with the first contact in place of
-    /// its return, docs/theory.md (112).
+    /// The anchor where a spring hardly holds a body: the state is found with the first contact in
+    /// place of its return, docs/theory.md (112).
     anchor: Option<Anchor>,
 }
 
-/// Stiffness of a second spring in parts of mass times ω1², beside which states keep so few digits
+/// Stiffness of a second spring, in parts of mass times ω1², below which states keep so few digits
 /// that their equations may count as singular.
 const NEUTRAL: f64 = 1e-8;
 
-/// Determinant of what a free flight over a word leaves, under which a mode is next to a resonance:
-/// its frequency is off by about the root of that, in parts of the word's.
+/// Determinant of the free flight over a word less its return, below which a mode is next to a
+/// resonance: relative to the word's, its frequency is off by about the root of it.
 const RESONANT: f64 = 1e-4;
 
 impl System {
@@ -58,21 +58,20 @@ impl System {
         Ok(Self { parameters: *parameters, loads, flight, response, balance, pull, anchor })
     }
 
-    /// The same machine with its state found as that of another one, whose equations those of this
-    /// one are then compared with.
+    /// This machine with the anchor of another one, so that the equations of both can be compared.
     #[must_use]
     pub(super) fn anchored(self, anchor: Option<Anchor>) -> Self {
         Self { anchor, ..self }
     }
 
-    /// What the first contact holds, where the state is found so.
+    /// The anchor: what the first contact holds.
     pub(super) fn anchor(&self) -> Option<Anchor> {
         self.anchor
     }
 
-    /// What the first contact may hold next to a resonance of a mode that hardly anything damps: of
-    /// a word of such a length the free flight takes box, or block and secondary oscillator, nearly
-    /// back to where they were, and impacts move what is left by its square.
+    /// Anchors that may be needed next to the resonance of a mode with hardly any damping. Over a
+    /// word of that length the free flight takes box, or block and secondary oscillator, nearly
+    /// back to where they were; impacts move what is left by its square.
     pub(super) fn resonant_anchors(&self, word: &OrbitWord) -> [Option<Anchor>; 2] {
         let Transition { one, pair } = self.flight.transition(word.span());
         let sigma = f64::from(word.closing());
@@ -88,14 +87,14 @@ impl System {
         self.parameters.coupling_stiffness == 0.0
     }
 
-    /// The acceleration of a block without a spring under its load, units of ω1² L.
+    /// Acceleration under its load of a block without a spring, units of ω1² L.
     pub(super) fn pull(&self) -> f64 {
         self.pull
     }
 
-    /// Whether the impulses of a word can balance the load on what no spring holds over a round,
-    /// docs/theory.md (113): without a load they need both stops, with one the stop towards which
-    /// it pulls.
+    /// Whether the impulses of a word can balance, over a round, the load on what no spring holds
+    /// (docs/theory.md (113)): without a load the word needs both stops, with one the stop towards
+    /// which the load pulls.
     pub(super) fn balances(&self, word: &OrbitWord) -> bool {
         let p = &self.parameters;
         let has = |side: i8| word.letters().contains(&side);
@@ -128,7 +127,7 @@ impl System {
         &self.parameters
     }
 
-    /// Its loads.
+    /// The constant loads.
     pub fn loads(&self) -> ConstantLoads {
         self.loads
     }
@@ -139,8 +138,8 @@ impl System {
         self.balance.offset()
     }
 
-    /// The same machine with states that refer to where the springs hold the loads, however far
-    /// that is: a motion without impacts is about there.
+    /// This machine with the rest positions as reference places, however far they are: a motion
+    /// without impacts is about there.
     pub(super) fn at_rest(self) -> Self {
         Self { balance: self.balance.at_rest(), ..self }
     }
@@ -175,32 +174,32 @@ impl System {
         Vector6::new(x1 + turned.im, x2, x3, turned.re, 0.0, 0.0)
     }
 
-    /// The places to which states refer: the rest positions under the loads, where these are not
-    /// far beyond the stops.
+    /// Reference places of the states, units of L: the rest positions under the loads where these
+    /// are not far beyond the stops.
     pub(super) fn rest_positions(&self) -> [f64; 3] {
         self.balance.places
     }
 
-    /// How far the block keeps from the nearer stop without impacts, units of L; `None` where there
+    /// Clearance of the block from the nearer stop without impacts, units of L; `None` where there
     /// is no such motion, since a block without a spring falls.
     pub(super) fn clearance(&self) -> Option<f64> {
         (self.pull == 0.0).then(|| 1.0 - self.amplitude() - self.offset().abs())
     }
 
-    /// The rate of the free part of a state in flight: A z, and the accelerations of what falls
-    /// under its load.
+    /// Rate of the free part of a state in flight: A z and the constant part of docs/theory.md
+    /// (111).
     pub(super) fn rate(&self, z: &Vector6) -> Vector6 {
         self.flight.rate_of(z, 0.0) + self.balance.push
     }
 
-    /// The free part of a state after a flight of a span with its map.
+    /// The free part of a state after a flight of a span, whose map is given.
     pub(super) fn flown(&self, transition: &Transition, span: f64, z: &Vector6) -> Vector6 {
         let after = transition.apply(z);
         if self.balance.push == Vector6::zeros() || span == 0.0 { after } else { after + self.fall(span) }
     }
 
-    /// What the loads move the bodies by over a flight from rest at the places to which states
-    /// refer.
+    /// Displacement of a state by the loads over a flight that starts at rest at the reference
+    /// places.
     fn fall(&self, span: f64) -> Vector6 {
         let pieces = self.flight.least_pieces(span);
         let length = span / f64::from(pieces);
@@ -209,8 +208,8 @@ impl System {
         (0..pieces).fold(Vector6::zeros(), |fallen, _| transition.apply(&fallen) + step)
     }
 
-    /// The same as polynomials over a Taylor piece. Under a constant d in z' = A z + d the state
-    /// from rest is the integral of that which flies freely from d.
+    /// The fall over a Taylor piece as polynomials. Under a constant d in z' = A z + d the state
+    /// from rest is the integral of the one that flies freely from d.
     pub(super) fn fall_piece(&self, length: f64) -> [Polynomial; 3] {
         let free = self.flight.piece(&self.balance.push, 0.0, length, 0.0);
         free.map(|x| {
@@ -221,24 +220,24 @@ impl System {
         })
     }
 
-    /// The same with the span alone.
+    /// The free part of a state after a flight of a span.
     pub(super) fn fly(&self, span: f64, z: &Vector6) -> Vector6 {
         self.flown(&self.flight.transition(span), span, z)
     }
 
-    /// A state in units of L and ω1 L in SI units.
+    /// The SI state of one in units of L and ω1 L.
     pub(super) fn si(&self, y: &Vector6) -> State {
         let length = self.parameters.stop_gap;
         let speed = length * self.parameters.drive_frequency;
         State { x: [0, 1, 2].map(|i| length * y[i]), v: [3, 4, 5].map(|i| speed * y[i]) }
     }
 
-    /// Says which parameter makes the periodic response to impulses singular: the motion without
-    /// impacts then has a neutral direction.
+    /// The error that names the parameter by which the periodic response to impulses is singular:
+    /// the motion without impacts then has a neutral direction.
     pub(super) fn singular(&self) -> vibro_impact::Error {
         let p = &self.parameters;
         let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";
-        // One body that a spring hardly holds is held by the first contact, and two are not.
+        // The first contact holds one body that a spring hardly holds, but not two.
         let soft: Vec<Anchor> = Anchor::held(p)
             .into_iter()
             .filter(|(_, part)| *part <= NEUTRAL)

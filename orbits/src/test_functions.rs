@@ -20,7 +20,7 @@ impl SignedLog {
         })
     }
 
-    /// Its value in units of another one's modulus.
+    /// Value in units of another number's modulus.
     pub fn relative_to(self, unit: Self) -> f64 {
         self.sign * (self.log - unit.log).exp()
     }
@@ -44,7 +44,7 @@ pub(super) const DOUBLING: usize = 1;
 /// Index of the test for a pair of multipliers with the product 1: a Neimark-Sacker point.
 pub(super) const PAIR: usize = 2;
 
-/// One test function at a cycle; the last needs the multipliers.
+/// Value of a test function at a cycle; [`PAIR`] needs the multipliers.
 pub(super) fn test(cycle: &Cycle, index: usize) -> Option<SignedLog> {
     match index {
         UNIT => breaking(cycle, 1.0),
@@ -84,7 +84,7 @@ pub(super) fn is_on_circle(multipliers: &[Complex<f64>; 6]) -> bool {
     multipliers.iter().any(|m| m.im != 0.0 && (m.norm() - 1.0).abs() < ON_CIRCLE)
 }
 
-/// All that is looked at in one point of a branch.
+/// Properties of a cycle that are examined at each point of a branch.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     pub multipliers: [Complex<f64>; 6],
@@ -96,7 +96,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Looks at a cycle; `None` where the numbers do not suffice.
+    /// The properties of a cycle; `None` where its eigenvalues cannot be computed.
     pub fn of(cycle: &Cycle) -> Option<Self> {
         let map: Matrix6<f64> = cycle.monodromy();
         let multipliers = eigenvalues(map)?;

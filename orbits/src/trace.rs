@@ -1,11 +1,11 @@
-//! All branches that can be reached: from settled motions over the whole range, from orbits near
-//! which other motions pass, from the motion without impacts, and from every special point of every
-//! branch; or one branch alone.
+//! Tracing of the tree of all branches that can be reached from settled motions over the whole
+//! range, from orbits near which other motions pass, from the motion without impacts, and from
+//! every special point of every branch; or of one branch alone.
 
-use super::branch::{Branch, Point};
+use super::branch::{Branch, OrbitPoint};
 use super::family::Family;
 use super::free;
-use super::grower::{Grower, Start};
+use super::grower::{BranchStart, Grower};
 use super::obstacle::Obstacle;
 use super::orbit::Orbit;
 use super::path::{Follower, PathEnd, PathOptions, follow};
@@ -18,8 +18,8 @@ use rayon::prelude::*;
 use vibro_analysis::Error;
 use vibro_analysis::parts::{NoStore, PartStore, Task};
 
-/// Traces the tree of a family with one parameter; `done` hears of the starts that were traced and
-/// those that are known to wait, which may become more.
+/// Traces the tree of a family with one parameter. `done` receives the number of traced starts and
+/// of those known to wait, which may grow.
 ///
 /// # Errors
 /// [`Error::Form`] for a step outside [`PathOptions::STEPS`], repetitions outside 1 to 64, more
@@ -32,10 +32,10 @@ pub fn tree(
     tree_in_parts(family, options, &NoStore, done)
 }
 
-/// The same with finished parts kept: the orbits from which branches start, then the branches of
-/// each round of starts. How many rounds there are shows in their course. A tree that was
-/// interrupted goes on from the parts in the store, which must be of the same family and options,
-/// and becomes the same to the bit.
+/// [`tree`] with finished parts kept in a store: part 0 holds the orbits found by simulation, each
+/// further part the branches of one batch of starts. The number of parts is not known in advance.
+/// An interrupted tree continues from the parts of its store, which must be of this family and
+/// these options, and becomes bit-identical to an uninterrupted one.
 ///
 /// # Errors
 /// As [`tree`]; what the store refuses.
@@ -66,9 +66,9 @@ pub fn tree_in_parts(
         }
         let batch = grower.next_batch();
         traced += batch.len();
-        let batch: Vec<Start> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
+        let batch: Vec<BranchStart> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
         let trace_all = |_| -> Result<Vec<Option<Traced>>, Error> {
-            let trace = |start: &Start| trace(family, &grower.path, &options.marks, start).ok();
+            let trace = |start: &BranchStart| trace(family, &grower.path, &options.marks, start).ok();
             Ok(batch.par_iter().map(trace).collect())
         };
         let found = task.part(round, trace_all)?.unwrap_or_default();
@@ -84,9 +84,10 @@ pub fn tree_in_parts(
 }
 
 /// The branch of one orbit, followed in both directions without switching to others; points at the
-/// values `marks` of the parameter are labelled UZ. Its word is the orbit's shortest: of UL closing
-/// with + on a symmetric orbit that is U closing with -, whose symmetry may break, and which is
-/// followed beyond. Along a load it is UL, since under a load no orbit is symmetric.
+/// values `marks` of the parameter are labelled UZ. Its word is the orbit's shortest. For UL
+/// closing with + on a symmetric orbit that is U closing with -: the symmetry may break there, and
+/// the symmetric orbits are followed beyond. Along a load it stays UL, since under a load no orbit
+/// is symmetric.
 ///
 /// ```
 /// use vibro_orbits::{Family, Label, OrbitWord, PathOptions, Span, branch};
@@ -94,8 +95,10 @@ pub fn tree_in_parts(
 ///
 /// let span = Span::new(find_group("f10")?, 0.5, 3.0)?;
 /// let family = Family::new(&ParameterSet::basic(), span)?;
-/// let found = branch(&family, &OrbitWord::new("U", -1, 1)?, &[5.5], 1.5, &PathOptions::default(), &[])?;
-/// let breaking = found.points.iter().find(|p| p.label() == Some(Label::BranchPoint)).expect("one");
+/// let word = OrbitWord::new("U", -1, 1)?;
+/// let found = branch(&family, &word, &[5.5], 1.5, &PathOptions::default(), &[])?;
+/// let special = found.points.iter().find(|p| p.label() == Some(Label::BranchPoint));
+/// let breaking = special.expect("the symmetry breaks");
 /// assert!((breaking.value - 2.039_588_865_238).abs() < 1e-11);
 /// # Ok::<(), vibro_analysis::Error>(())
 /// ```
@@ -131,7 +134,7 @@ pub fn branch(
     let (word, phases) = family.shortest(&orbit);
     let followed = || {
         let (word, both) = switching::both_ways(family, &word, &phases, value)?;
-        let start = Start { depth: 0, parent: None, word, departures: both.to_vec(), island: false };
+        let start = BranchStart { depth: 0, parent: None, word, departures: both.to_vec(), island: false };
         Ok((trace(family, options, marks, &start)?, start.word))
     };
     let (Traced { points, closed, .. }, word) =
@@ -140,7 +143,12 @@ pub fn branch(
 }
 
 /// Follows a start in all its directions.
-fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: &Start) -> Result<Traced, Obstacle> {
+fn trace(
+    family: &Family,
+    options: &PathOptions,
+    marks: &[f64],
+    start: &BranchStart,
+) -> Result<Traced, Obstacle> {
     let follower = Follower { family, word: &start.word, options, marks };
     let mut departures = start.departures.iter();
     let first = departures.next().ok_or(Obstacle::NoConvergence)?;
@@ -151,10 +159,10 @@ fn trace(family: &Family, options: &PathOptions, marks: &[f64], start: &Start) -
     let mut points = Vec::new();
     let mut ends = Vec::new();
     if let Some(path) = backward {
-        // Each point keeps the stability of the piece that follows it in the branch's order.
+        // A point keeps the stability of the piece after it in the branch's order.
         let pieces: Vec<bool> = path.points.iter().map(|p| p.stable).collect();
         let reversed = path.points.into_iter().enumerate().skip(1).rev();
-        points.extend(reversed.map(|(i, point)| Point { stable: pieces[i - 1], ..point }));
+        points.extend(reversed.map(|(i, point)| OrbitPoint { stable: pieces[i - 1], ..point }));
         ends.push((0, path.end));
     }
     points.extend(forward.points);

@@ -1,27 +1,27 @@
-//! All branches that were found of a family, and what is traced of them.
+//! All branches found of a family, and the result of tracing one start.
 
-use super::branch::{Branch, Point};
+use super::branch::{Branch, OrbitPoint};
 use super::path::PathEnd;
 use super::seeds::Searched;
 use serde::{Deserialize, Serialize};
 
-/// All branches that were found.
+/// All branches found of a family.
 #[derive(Clone, Debug, Default)]
 pub struct Tree {
-    /// In the order in which they were found, which depends on nothing but the family and the
+    /// Branches in the order in which they were found, which depends only on the family and the
     /// options.
     pub branches: Vec<Branch>,
-    /// Starts that led nowhere: no branch could be followed from them.
+    /// Number of starts from which no branch could be followed.
     pub failures: usize,
-    /// Where orbits were sought.
+    /// The search for orbits by simulation.
     pub searched: Searched,
 }
 
-/// What was found from a start: the points of a branch, with how its ends continue.
+/// Result of a start: the points of a branch, and its ends.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Traced {
-    pub points: Vec<Point>,
+    pub points: Vec<OrbitPoint>,
     pub closed: bool,
-    /// Indices of points with what continues there.
+    /// Indices of end points with the ends there.
     pub ends: Vec<(usize, PathEnd)>,
 }

@@ -1,4 +1,4 @@
-//! What is traced of a family's branches, and how far.
+//! Options of tracing a tree.
 
 use super::path::PathOptions;
 use super::settled::{LONGEST, Limits};
@@ -6,19 +6,19 @@ use super::word::{MOST_LETTERS, OrbitWord};
 use serde::{Deserialize, Serialize};
 use vibro_analysis::Error;
 
-/// What is traced.
+/// Extent and limits of a tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
-    /// Values of the parameter at which motions are settled, in each direction.
+    /// Number of values of the parameter at which motions are settled, in each direction.
     pub seeds: usize,
     /// Drive periods in which transients die out.
     pub settle: u32,
-    /// Motions from starts that are spread over the states that settled motions visit and over the
-    /// range. Branches of orbits near which they pass are kept where they are stable somewhere:
+    /// Number of motions from starts spread over the range and over the states that settled motions
+    /// visit. Branches of orbits near which they pass are kept if they are stable somewhere:
     /// islands that motions followed along the range miss.
     #[serde(default)]
     pub starts: usize,
-    /// Switches of branches that are followed one after another from a settled motion.
+    /// Most switches of branches in a row since a settled motion.
     pub depth: u32,
     /// The longest period of a branch, in drive periods.
     pub longest_period: u32,
@@ -28,22 +28,22 @@ pub struct TreeOptions {
     pub longest_step: f64,
     /// Most points of a branch in one direction.
     pub most_points: usize,
-    /// At a touch the words that list it once in up to so many passages of the orbit without it are
-    /// followed too: with 1 in every passage alone.
+    /// Most passages of the orbit without a touch in words that list the touch in one passage; 1
+    /// leaves only words that list it in every passage.
     pub repetitions: u32,
     /// Values of the parameter at which each branch has a point, labelled UZ.
     pub marks: Vec<f64>,
 }
 
-/// Most repetitions of a word, and the longest period, that are followed.
+/// Largest number of repetitions and longest period that may be asked for.
 const MOST_REPETITIONS: u32 = 64;
 const LONGEST_PERIOD: u32 = 1 << 12;
 
-/// Most starts.
+/// Largest number of starts.
 const MOST_STARTS: usize = 1_000_000;
 
 impl TreeOptions {
-    /// Refuses what would not end or not fit into memory.
+    /// Refuses options with which a tree would not end or not fit into memory.
     pub(super) fn check(&self) -> Result<(), Error> {
         let refused = |text: String, expected| Err(Error::Form { text, expected });
         if !(1..=MOST_REPETITIONS).contains(&self.repetitions) {
@@ -66,7 +66,7 @@ impl TreeOptions {
         word.period() <= self.longest_period && word.len() <= self.most_letters
     }
 
-    /// Those within which a motion shows any such word, which may be half of its orbit.
+    /// Limits within which a motion shows any word of a tree, which may be half of its orbit.
     pub(super) fn limits(&self) -> Limits {
         let impacts = self.most_letters.saturating_mul(2).min(MOST_LETTERS);
         Limits { periods: self.longest_period.min(LONGEST), impacts }

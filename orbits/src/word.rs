@@ -1,19 +1,19 @@
-//! The impact word: which stops an orbit meets in which order, how it closes, and how long it
-//! takes.
+//! Impact word of a periodic orbit: which stops it meets in which order, how it closes, and how
+//! long it takes.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::{Error, Result};
 
-/// Phases that repeat to this are those of a repeated or symmetric orbit.
+/// Difference of phases, rad, up to which passages or halves of an orbit are equal.
 pub(super) const REPETITION: f64 = 1e-8;
 
-/// Most letters and half periods of a word that is read: equations of more impacts need a memory of
-/// their square.
+/// Most letters and half periods of a word that may be read: the equations need memory of the
+/// square of the number of impacts.
 pub(super) const MOST_LETTERS: usize = 1024;
 const MOST_HALF_PERIODS: u32 = 1 << 16;
 
-/// How a word without letters is shown.
+/// Text of the word without letters.
 const EMPTY: &str = "-";
 
 /// The order of impacts of a periodic orbit with the way it closes (docs/theory.md, section 14).
@@ -39,24 +39,23 @@ pub struct OrbitWord {
     half_periods: u32,
 }
 
-/// An operation that takes a word to one of its equivalents: the start moved by a number of
-/// letters, then the mirror image.
+/// An operation between equivalent words: the first letter moved by a number of letters, then the
+/// mirror image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
-    /// Letters by which the start moves, counted in the unfolded word.
+    /// Letters by which the first one moves, counted in the unfolded word.
     pub by: usize,
     /// Whether the mirror image is taken: opposite stops, half a drive period later.
     pub mirrored: bool,
 }
 
 impl OrbitWord {
-    /// A word of the letters U (upper stop) and L (lower stop), or `-` for the empty one, as it is
-    /// shown.
+    /// A word from its text: letters U (upper stop) and L (lower stop), or `-` for the empty word.
     ///
     /// # Errors
     /// [`Error::Form`] for other letters, more than 1024 letters or 65,536 half periods, a closing
-    /// sign that is not ±1, and a length that does not go with it: a multiple of two half periods
-    /// for +1, an odd number of half periods for -1.
+    /// sign other than ±1, and half periods that do not fit it: a multiple of two for +1, an odd
+    /// number for -1.
     pub fn new(text: &str, closing: i8, half_periods: u32) -> Result<Self> {
         let letter = |c| match c {
             'U' | 'u' => Some(1),
@@ -82,7 +81,7 @@ impl OrbitWord {
         Ok(Self::of(letters, closing, half_periods))
     }
 
-    /// A word of stops (±1) that is known to be one.
+    /// A word of stops (±1) that is known to be valid.
     pub(super) fn of(letters: Vec<i8>, closing: i8, half_periods: u32) -> Self {
         Self { letters, closing, half_periods }
     }
@@ -107,17 +106,17 @@ impl OrbitWord {
         self.closing
     }
 
-    /// The sign of [`Self::closing`].
+    /// The sign of [`closing`](Self::closing) as a character.
     pub fn sign(&self) -> char {
         if self.closing > 0 { '+' } else { '-' }
     }
 
-    /// Its letters with the closing sign.
+    /// The letters with the closing sign.
     pub fn signed(&self) -> String {
         format!("{self}{}", self.sign())
     }
 
-    /// That there is no orbit of it, and why.
+    /// The error that there is no orbit with this word, and why.
     pub(super) fn no_orbit(&self, reason: impl Into<String>) -> Error {
         Error::NoOrbit {
             word: self.to_string(),
@@ -127,7 +126,7 @@ impl OrbitWord {
         }
     }
 
-    /// Half drive periods until it closes.
+    /// Half drive periods until the orbit closes.
     pub fn half_periods(&self) -> u32 {
         self.half_periods
     }
@@ -137,7 +136,7 @@ impl OrbitWord {
         if self.closing == 1 { self.half_periods / 2 } else { self.half_periods }
     }
 
-    /// Θ, the phase until it closes, rad.
+    /// Θ, the drive's phase over which the orbit closes, rad.
     pub fn span(&self) -> f64 {
         f64::from(self.half_periods) * PI
     }
@@ -150,7 +149,7 @@ impl OrbitWord {
     }
 
     /// The word passed twice, which closes with +1: W becomes W W, and the half word W of a
-    /// symmetric orbit W followed by its opposite.
+    /// symmetric orbit becomes W followed by its opposite.
     #[must_use]
     pub fn unfolded(&self) -> Self {
         let again = self.letters.iter().map(|s| s * self.closing);
@@ -164,23 +163,22 @@ impl OrbitWord {
         Self::of(sides.collect(), self.closing, self.half_periods * k as u32)
     }
 
-    /// The half word of which this one is the [unfolded](Self::unfolded) one; `None` where it is
-    /// none.
+    /// The half word whose [unfolded](Self::unfolded) word this one is, if there is one.
     #[must_use]
     pub fn folded(&self) -> Option<Self> {
         let (n, half) = (self.len(), self.half_periods / 2);
         if self.closing != 1 || n % 2 == 1 {
             return None;
         }
-        // Over an odd number of half periods only the opposite can follow, over an even one only
-        // the same.
+        // Over an odd number of half periods only the opposite can follow, over an even number only
+        // a repetition.
         let closing = if half % 2 == 1 { -1 } else { 1 };
         let (first, second) = self.letters.split_at(n / 2);
         let fits = first.iter().zip(second).all(|(a, b)| *b == closing * a);
         fits.then(|| Self::of(first.to_vec(), closing, half))
     }
 
-    /// The word that a k-fold passage of this one makes up; for a symmetric orbit k must be odd.
+    /// The word whose k-fold passage this one is; for a symmetric orbit k must be odd.
     fn divided(&self, k: usize) -> Option<Self> {
         let parts = u32::try_from(k).ok()?;
         let n = self.len() / k;
@@ -210,7 +208,7 @@ impl OrbitWord {
         word
     }
 
-    /// Number of letters by which the start can move.
+    /// Number of different first letters.
     fn turns(&self) -> usize {
         if self.closing == -1 { 2 * self.len() } else { self.len() }
     }
@@ -222,8 +220,8 @@ impl OrbitWord {
         Self::of(letters, self.closing, self.half_periods)
     }
 
-    /// All turns; the mirror image is one only without loads, and of a symmetric orbit it is among
-    /// the others.
+    /// All turns. The mirror image is one only without loads; for a symmetric orbit it is among the
+    /// other turns.
     fn all_turns(&self, mirror: bool) -> impl Iterator<Item = Turn> {
         let mirrored = mirror && self.closing == 1;
         let both = [false, true].into_iter().filter(move |m| !m || mirrored);
@@ -231,8 +229,8 @@ impl OrbitWord {
         both.flat_map(move |mirrored| (0..turns).map(move |by| Turn { by, mirrored }))
     }
 
-    /// The first of all equivalent words in the order U < L, with a turn that leads to it.
-    /// Rotations are equivalent, and without loads (`mirror`) mirror images too.
+    /// The canonical word (the first equivalent one in the order U < L) with a turn that leads to
+    /// it. Rotations are equivalent, and without loads (`mirror`) mirror images too.
     pub(super) fn canonical_turn(&self, mirror: bool) -> (Self, Turn) {
         let own = (self.clone(), Turn { by: 0, mirrored: false });
         self.all_turns(mirror).fold(own, |best, turn| {
@@ -242,15 +240,14 @@ impl OrbitWord {
         })
     }
 
-    /// The first of all equivalent words in the order U < L: one orbit has as many words as it has
+    /// The first of all equivalent words in the order U < L. An orbit has as many words as it has
     /// impacts to begin with, and the mirror images of these.
     #[must_use]
     pub fn canonical(&self) -> Self {
         self.canonical_turn(true).0
     }
 
-    /// The turns that leave the word as it is: orbits whose phases differ by one of these are the
-    /// same.
+    /// Turns that leave the word unchanged: orbits whose phases differ by one of these are equal.
     pub(super) fn symmetries(&self, mirror: bool) -> Vec<Turn> {
         self.all_turns(mirror).filter(|turn| self.turned(*turn).letters == self.letters).collect()
     }
@@ -267,9 +264,9 @@ impl OrbitWord {
         (0..n).map(|i| at(i + turn.by) - whole).collect()
     }
 
-    /// The shortest word and phases of the same orbit: repetitions and symmetry taken out where
-    /// phases repeat to `tolerance`. Symmetric orbits close with -1 then, for which there must be
-    /// no loads (`mirror`).
+    /// The shortest word of the orbit with its phases: repetitions and symmetry are removed where
+    /// phases repeat to `tolerance`. A symmetric orbit then closes with -1, which requires that
+    /// there are no loads (`mirror`).
     pub(super) fn reduced(&self, phases: &[f64], mirror: bool, tolerance: f64) -> (Self, Vec<f64>) {
         let repeats = |part: &Self| {
             let n = part.len();

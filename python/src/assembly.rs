@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
-use vibro_analysis::assembly::diagram::{self, Point};
+use vibro_analysis::assembly::diagram::{self, AssemblyPoint};
 use vibro_analysis::assembly::{Machine, Measure, SectionRule, Start, columns, measure, named, values};
 use vibro_analysis::bifurcation::Diagram;
 use vibro_analysis::measures::Measured;
@@ -263,9 +263,9 @@ pub struct AssemblyDiagram<'py> {
 fn direction<'py>(
     py: Python<'py>,
     axis: &ParameterAxis<String>,
-    points: &[Option<Point>],
+    points: &[Option<AssemblyPoint>],
 ) -> AssemblyDirection<'py> {
-    let of = |read: &dyn Fn(&Point) -> f64| -> Vec<f64> {
+    let of = |read: &dyn Fn(&AssemblyPoint) -> f64| -> Vec<f64> {
         points.iter().map(|p| p.as_ref().map_or(0.0, read)).collect()
     };
     let mut tops = (Vec::new(), Vec::new(), Vec::new());
@@ -276,8 +276,8 @@ fn direction<'py>(
             tops.2.push(met);
         }
     }
-    let class = |p: &Option<Point>| p.as_ref().map_or("refused".into(), |p| p.settled.class.name());
-    let period = |p: &Option<Point>| p.as_ref().and_then(|p| p.settled.period).unwrap_or(0) as i32;
+    let class = |p: &Option<AssemblyPoint>| p.as_ref().map_or("refused".into(), |p| p.settled.class.name());
+    let period = |p: &Option<AssemblyPoint>| p.as_ref().and_then(|p| p.settled.period).unwrap_or(0) as i32;
     let rests: Vec<bool> = points.iter().map(|p| p.as_ref().is_some_and(|p| p.settled.rests)).collect();
     AssemblyDirection {
         value: column(py, &(0..axis.count).map(|i| axis.value(i)).collect::<Vec<_>>()),
@@ -314,9 +314,10 @@ pub fn assembly_diagram<'py>(
     let axis = ParameterAxis::of(name, ends, count).map_err(Failure::from)?;
     let of = of.parse().map_err(Failure::from)?;
     let (discard, keep) = periods;
-    let request = diagram::Request { axis: axis.clone(), of, at_section, discard, keep, exponents, anew };
+    let request =
+        diagram::DiagramRequest { axis: axis.clone(), of, at_section, discard, keep, exponents, anew };
     let own = machine.machine(section);
-    let found: Diagram<Point> = compute(py, progress, move |control| {
+    let found: Diagram<AssemblyPoint> = compute(py, progress, move |control| {
         in_parts(control, request.count(), |task| diagram::diagram(&own, &request, task))
     })?;
     Ok(AssemblyDiagram {

@@ -260,7 +260,7 @@ pub fn basins<'py>(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Basins<'py>> {
     let axis = |(coordinate, from, to, count)| InitialValueAxis { coordinate, from, to, count };
-    let request = basin::Request { x: axis(x), y: axis(y), discard, start: basin::in_the_middle() };
+    let request = basin::BasinRequest { x: axis(x), y: axis(y), discard, start: basin::in_the_middle() };
     let p = *system.set().map_err(Failure::from)?.parameters();
     let found = compute(py, progress, move |control| {
         in_parts(control, basin::count(&request), |task| basin::basin(&p, &request, task))

@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_analysis::assembly::{
-    Contact, Contacts, Extreme, Extremes, Followed, Machine, NamedEvent, columns, named, values,
+    ContactRecorder, Extreme, Extremes, Followed, Machine, NamedEvent, StopContact, columns, named, values,
 };
 use vibro_assembly::description::Description;
 use vibro_assembly::elements::Action;
@@ -159,7 +159,7 @@ pub fn record(
     let end = times.last().copied().unwrap_or(0.0);
     let extremes =
         Extremes::new(&watched(&assembly.description), (times.first().copied().unwrap_or(0.0), end));
-    let followed = Followed::new(Contacts::new(&motion, &events), extremes);
+    let followed = Followed::new(ContactRecorder::new(&motion, &events), extremes);
     let mut record =
         Record { assembly, columns, rows: Vec::new(), events, followed, motion, start, ended: None };
     for &time in times {
@@ -233,7 +233,7 @@ impl Record {
         let mut csv = CsvRows::new(names)?;
         let cell = |value: Option<f64>| value.map_or(String::new(), exact);
         for contact in self.followed.contacts.all() {
-            let Contact { begin, end, peak, impulse, speed, lost, .. } = contact;
+            let StopContact { begin, end, peak, impulse, speed, lost, .. } = contact;
             let element = contact.element(&self.assembly);
             csv.push([
                 element,

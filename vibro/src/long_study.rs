@@ -57,11 +57,11 @@ pub enum Work {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum AssemblyStudy {
     /// A quantity's maxima over a parameter, classes and, if asked for, exponents.
-    Diagram(assembly::diagram::Request),
+    Diagram(assembly::diagram::DiagramRequest),
     /// Measures of motions over any number of parameters.
-    DesignSweep(design_sweep::Request<assembly::Machine>),
+    DesignSweep(design_sweep::SweepRequest<assembly::Machine>),
     /// Simulated motion over two parameters.
-    Isoperiodic(isoperiodic::Request<assembly::Machine>),
+    Isoperiodic(isoperiodic::IsoperiodicRequest<assembly::Machine>),
 }
 
 impl Work {
@@ -88,11 +88,11 @@ pub enum StudyKind {
         orbits: Option<TreeOptions>,
     },
     /// Basins over two initial values.
-    Basin(basin::Request),
+    Basin(basin::BasinRequest),
     /// Simulated motion over two parameters.
-    Isoperiodic(isoperiodic::Request),
+    Isoperiodic(isoperiodic::IsoperiodicRequest),
     /// Measures of motions over any number of parameters.
-    DesignSweep(design_sweep::Request),
+    DesignSweep(design_sweep::SweepRequest),
     /// All branches of periodic orbits over a parameter.
     Orbits {
         /// The parameter and its range.

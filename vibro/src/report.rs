@@ -119,7 +119,7 @@ impl Plan {
             fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
             basin: LongStudy::new(
                 "basin",
-                StudyKind::Basin(basin::Request { x, y, discard, start: basin::in_the_middle() }),
+                StudyKind::Basin(basin::BasinRequest { x, y, discard, start: basin::in_the_middle() }),
                 &there,
             ),
             basin_set: there,

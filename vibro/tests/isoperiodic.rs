@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use vibro::studies;
 use vibro_analysis::attractor::{MotionClass, observe};
-use vibro_analysis::isoperiodic::{Isoperiodic, Request, StartRule, isoperiodic};
+use vibro_analysis::isoperiodic::{Isoperiodic, IsoperiodicRequest, StartRule, isoperiodic};
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::{self, Method, ParameterAxis, SteadyStateClass};
 use vibro_analysis::stroboscopic::moving_block;
@@ -16,15 +16,15 @@ fn axis(name: &str, range: (f64, f64), count: usize) -> ParameterAxis {
     ParameterAxis::new(find_group(name).unwrap(), range, count).unwrap()
 }
 
-fn request(x: ParameterAxis, y: ParameterAxis, start: StartRule, discard: u32) -> Request {
-    Request { x, y, start, discard, exponents: Some(4000) }
+fn request(x: ParameterAxis, y: ParameterAxis, start: StartRule, discard: u32) -> IsoperiodicRequest {
+    IsoperiodicRequest { x, y, start, discard, exponents: Some(4000) }
 }
 
-fn found(request: &Request) -> Isoperiodic {
+fn found(request: &IsoperiodicRequest) -> Isoperiodic {
     isoperiodic(&ParameterSet::basic(), request, &Task::ALL).unwrap().unwrap()
 }
 
-fn at(request: &Request, index: usize) -> ParameterSet {
+fn at(request: &IsoperiodicRequest, index: usize) -> ParameterSet {
     let (x, y) = (&request.x, &request.y);
     let set = ParameterSet::basic().with(x.name, x.value(index % x.count)).unwrap();
     set.with(y.name, y.value(index / x.count)).unwrap()

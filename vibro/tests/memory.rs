@@ -4,7 +4,7 @@
 
 use vibro::studies;
 use vibro_analysis::attractor::MotionClass;
-use vibro_analysis::isoperiodic::{PlanePoint, Request, SettledMotion, StartRule, isoperiodic};
+use vibro_analysis::isoperiodic::{IsoperiodicRequest, PlanePoint, SettledMotion, StartRule, isoperiodic};
 use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group};
@@ -25,7 +25,7 @@ fn a_plane_takes_the_memory_per_point_that_is_reckoned_with() {
     let axis = |name, range| ParameterAxis::new(find_group(name).unwrap(), range, SIDE).unwrap();
     // Where 1 + ε σ1 < 0 there is no system, so that nothing is simulated.
     let (x, y) = (axis("sigma1", (-12.0, -11.0)), axis("f10", (0.5, 4.0)));
-    let request = Request { x, y, start: StartRule::default(), discard: 0, exponents: None };
+    let request = IsoperiodicRequest { x, y, start: StartRule::default(), discard: 0, exponents: None };
     let set = ParameterSet::basic();
     let before = most_held();
     let mut plane = isoperiodic(&set, &request, &Task::ALL).unwrap().unwrap();

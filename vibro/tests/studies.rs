@@ -152,7 +152,7 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.48).unwrap();
     let p = set.parameters();
     let (x, y) = (initial("x1=-1:1", 6), initial("v2=-2:2", 5));
-    let request = basin::Request { x, y, discard: 300, start: basin::in_the_middle() };
+    let request = basin::BasinRequest { x, y, discard: 300, start: basin::in_the_middle() };
     let found = basin::basin(p, &request, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.cells.len(), 30);
     let both = found.shares(0);
@@ -172,7 +172,7 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
         };
         assert_eq!(found.attractors[usize::from(number)].attractor.relation(&ends), relation, "cell {i}");
     }
-    let outside = basin::Request { x: initial("x2=-3:3", 6), ..request };
+    let outside = basin::BasinRequest { x: initial("x2=-3:3", 6), ..request };
     let found = basin::basin(p, &outside, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.cells.iter().filter(|g| **g == Destination::Outside).count(), 20);
 }

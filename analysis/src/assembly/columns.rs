@@ -5,27 +5,27 @@ use vibro_assembly::description::Description;
 use vibro_assembly::motion::EventKind;
 use vibro_assembly::{Assembly, Motion};
 
-/// Names of the columns, after the time.
+/// Names of the columns, without the time.
 pub fn columns(d: &Description) -> Vec<String> {
     d.named_quantities().into_iter().map(|quantity| quantity.name).collect()
 }
 
-/// Their values now.
+/// Present values of the columns.
 pub fn values(m: &Motion) -> Vec<f64> {
     // Zero without a sign.
     m.assembly().description.quantities().map(|quantity| m.value(quantity) + 0.0).collect()
 }
 
-/// An event by the names of things.
+/// Event by the names of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedEvent {
     /// `impact`, `close`, `open`, `press`, `free`, `cap`, `stick`, `slip`, `level`, `knot`.
     pub kind: &'static str,
-    /// `stop.NAME`, `friction.NAME`, or nothing.
+    /// `stop.NAME`, `friction.NAME`, or empty.
     pub element: String,
     /// Closing speed, rate, force while slipping, or whether a friction or a cap acts (1 or 0).
     pub value: Option<f64>,
-    /// How many stops took part in an impact.
+    /// Number of stops that took part in an impact.
     pub stops: Option<usize>,
 }
 

@@ -1,5 +1,5 @@
-//! The contacts of a motion one by one: impacts and rests on rigid stops, contacts with compliant
-//! ones.
+//! Record of the contacts of a motion: impacts and rests on rigid stops, contacts with compliant
+//! stops.
 
 use super::flight::{Flow, value_at};
 use super::rows::Sparse;
@@ -9,33 +9,34 @@ use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::system::{Part, System};
 use vibro_assembly::{Assembly, Motion};
 
-/// A contact of a stop.
+/// Contact of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
-    /// Place of the stop.
+pub struct StopContact {
+    /// Index of the stop.
     pub stop: usize,
-    /// When it begins, s: an impact, a rigid stop that closes, a compliant one that is met.
+    /// Time of the begin, s: of an impact, of the closing of a rigid stop, of the first touch of a
+    /// compliant one.
     pub begin: f64,
-    /// When it ends, s: that of an impact is its begin; `None` while it lasts.
+    /// Time of the end, s; the begin for an impact, `None` while the contact lasts.
     pub end: Option<f64>,
-    /// The largest force, N or N m; `None` for an impact, and where the flow was not looked at.
+    /// Largest force, N or N m; `None` for an impact, and where the flow was not looked at.
     pub peak: Option<f64>,
-    /// The force's integral, or an impact's impulse, N s or N m s; `None` where the flow was not
+    /// Integral of the force, or impulse of an impact, N s or N m s; `None` where the flow was not
     /// looked at.
     pub impulse: Option<f64>,
-    /// Closing speed at its begin, m/s or rad/s: 0 where a rigid stop stays closed, whose impacts
-    /// are contacts of their own.
+    /// Closing speed at the begin, m/s or rad/s; 0 where a rigid stop stays closed, since its
+    /// impacts are contacts of their own.
     pub speed: f64,
-    /// Energy lost, J: at the impact; in the compliant stop, with what its spring loses after it
-    /// without force. `None` where the flow was not looked at.
+    /// Energy lost, J: at an impact, or in a compliant stop, with the loss of its spring after its
+    /// force is zero. `None` where the flow was not looked at.
     pub lost: Option<f64>,
 }
 
-/// Collects the contacts of a motion that keeps its energy accounts.
+/// Recorder of the contacts of a motion that keeps its energy accounts.
 #[derive(Clone, Debug)]
-pub struct Contacts {
-    all: Vec<Contact>,
-    /// By stop the place of its contact that lasts, or whose loss does.
+pub struct ContactRecorder {
+    all: Vec<StopContact>,
+    /// For each stop the index of the contact that lasts, or whose loss does.
     current: Vec<Option<usize>>,
     /// The stops with force or loss in the mode, with their functionals.
     acting: Vec<Acting>,
@@ -45,11 +46,11 @@ pub struct Contacts {
 struct Acting {
     stop: usize,
     force: Sparse,
-    /// The force that is lost, and the rate; none of a rigid stop.
+    /// The force that loses energy, and the rate; none for a rigid stop.
     loss: Option<(Sparse, Sparse)>,
 }
 
-impl Contacts {
+impl ContactRecorder {
     /// Of a motion at its start, with the events that were told of it.
     pub fn new(motion: &Motion, told: &[Event]) -> Self {
         let current = vec![None; motion.mode().stops.len()];
@@ -64,8 +65,8 @@ impl Contacts {
         contacts
     }
 
-    /// The contacts so far, by their begin.
-    pub fn all(&self) -> Vec<Contact> {
+    /// The contacts so far, ordered by their begin.
+    pub fn all(&self) -> Vec<StopContact> {
         let mut all = self.all.clone();
         all.sort_by(|a, b| a.begin.total_cmp(&b.begin));
         all
@@ -73,9 +74,9 @@ impl Contacts {
 
     fn begin(&mut self, stop: usize, begin: f64, speed: f64) {
         self.current[stop] = Some(self.all.len());
-        // Zero without a sign.
+        // Adding zero turns -0 into 0.
         let (speed, zero) = (speed + 0.0, Some(0.0));
-        self.all.push(Contact { stop, begin, end: None, peak: zero, impulse: zero, speed, lost: zero });
+        self.all.push(StopContact { stop, begin, end: None, peak: zero, impulse: zero, speed, lost: zero });
     }
 
     fn end(&mut self, stop: usize, time: f64) {
@@ -85,7 +86,8 @@ impl Contacts {
         }
     }
 
-    /// Events of one instant, at which impacts have lost so much, where that is known.
+    /// Records the events of one instant; `lost` is the energy lost at its impacts, where it is
+    /// known.
     pub(super) fn meet(&mut self, system: &System, events: &[Event], lost: Option<f64>) {
         let first = self.all.len();
         let closes = |i: usize| events.iter().any(|e| e.kind == EventKind::Close { stop: i });
@@ -93,14 +95,14 @@ impl Contacts {
         for event in events {
             match event.kind {
                 EventKind::Impact { stop, speed, impulse, .. } => {
-                    // A stop's last impact before it stays closed has no restitution.
+                    // The last impact of a stop before it stays closed has no restitution.
                     let own = system.stops[stop].restitution().unwrap_or(0.0);
                     let restitution = if closes(stop) { 0.0 } else { own };
                     let loss = 0.5 * (1.0 - restitution) * speed * impulse;
                     (nominal, work) = (nominal + loss, work + speed * impulse);
                     let (end, peak, impulse) = (Some(event.time), None, Some(impulse));
                     let lost = Some(loss);
-                    self.all.push(Contact { stop, begin: event.time, end, peak, impulse, speed, lost });
+                    self.all.push(StopContact { stop, begin: event.time, end, peak, impulse, speed, lost });
                 }
                 EventKind::Close { stop } => self.begin(stop, event.time, 0.0),
                 EventKind::Press { stop, speed } => self.begin(stop, event.time, speed),
@@ -108,7 +110,7 @@ impl Contacts {
                 _ => {}
             }
         }
-        // What ends endless bounces takes the rest.
+        // The rest is lost by the impact that ends endless bounces.
         let left = lost.map_or(0.0, |lost| lost - nominal);
         for contact in self.all[first..].iter_mut().filter(|c| c.peak.is_none()) {
             let share = contact.speed * contact.impulse.unwrap_or(0.0) / work;
@@ -118,7 +120,7 @@ impl Contacts {
         }
     }
 
-    /// A mode begins.
+    /// Enters a mode.
     pub(super) fn enter(&mut self, system: &System, flow: &Flow) {
         self.acting.clear();
         for (stop, &state) in flow.mode.stops.iter().enumerate() {
@@ -135,7 +137,7 @@ impl Contacts {
         }
     }
 
-    /// A stretch of a flight, of this length in s.
+    /// Records a stretch of a flight, of a length in s.
     pub(super) fn stretch(&mut self, series: &[Vec<f64>], length: f64) {
         for Acting { stop, force, loss } in &self.acting {
             let Some(place) = self.current[*stop] else { continue };
@@ -155,7 +157,7 @@ impl Contacts {
         }
     }
 
-    /// Forgets what came after a time, s.
+    /// Removes the contacts after a time, s.
     pub fn cut(&mut self, time: f64) {
         self.all.retain(|contact| contact.begin <= time);
         self.current.fill(None);
@@ -164,7 +166,7 @@ impl Contacts {
         }
     }
 
-    /// A flight is not looked at.
+    /// Records a flight whose flow is not looked at.
     pub(super) fn leave_out(&mut self) {
         for Acting { stop, .. } in &self.acting {
             let Some(place) = self.current[*stop] else { continue };
@@ -180,7 +182,7 @@ fn holds(state: StopState) -> bool {
     matches!(state, StopState::Closed | StopState::Pressed | StopState::Capped)
 }
 
-impl Contact {
+impl StopContact {
     /// `stop.NAME`.
     pub fn element(&self, assembly: &Assembly) -> String {
         assembly.name_of_stop(self.stop)

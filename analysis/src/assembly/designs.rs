@@ -1,20 +1,20 @@
-//! A described machine as one of which designs are measured.
+//! Described machines as [`design_sweep::DesignMachine`]s.
 
 use super::measures::need_accounts;
 use super::oscillations::oscillations;
 use super::timescales::settle;
 use super::{Machine, Measure, Start, measure};
-use crate::design_sweep::{self, Outcome, Request, failed};
+use crate::design_sweep::{self, MotionMeasures, SweepRequest, failed};
 use crate::error::Result;
 use crate::measures::{Measured, unsettled_in_words};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use vibro_assembly::Assembly;
 
-/// The start of a described machine's motion: the one that its file gives.
+/// Start of a described machine's motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum FileStart {
-    /// That one.
+    /// The start that the machine's file gives.
     #[default]
     File,
 }
@@ -25,7 +25,7 @@ impl fmt::Display for FileStart {
     }
 }
 
-impl design_sweep::Machine for Machine {
+impl design_sweep::DesignMachine for Machine {
     type Name = String;
     type Start = FileStart;
     type Measure = Measure;
@@ -48,7 +48,7 @@ impl design_sweep::Machine for Machine {
         self.with(values.iter().map(|(name, value)| (name.as_str(), *value)))
     }
 
-    fn outcomes(&self, request: &Request<Self>) -> Vec<Outcome> {
+    fn outcomes(&self, request: &SweepRequest<Self>) -> Vec<MotionMeasures> {
         let one = || -> Result<_> {
             let (mut motion, section) = self.motion(&Start::default())?;
             if !need_accounts(&request.measures) {

@@ -1,12 +1,12 @@
-//! Bifurcation diagrams of described machines: the local maxima of a quantity, or its values at the
-//! section, over one parameter, in both directions, with period, class and, if asked for, the
-//! largest exponent.
+//! Bifurcation diagrams of described machines: local maxima of a quantity, or its values at the
+//! section, over one parameter in both directions, with period, class and, on request, the largest
+//! exponent.
 //!
-//! As for the 3-DOF machine each value starts from the last state of the value before, and what is
-//! observed at each value is independent of the others. Time goes on from value to value, so that a
-//! body whose motion is prescribed is where the others met it. Where what drives the machine does
-//! not repeat, that would make each value's motion depend on when it is reached: such a machine is
-//! refused, or each value [starts anew](Request::anew).
+//! As for the 3-DOF machine, each value starts from the last state of the value before, and the
+//! observation at each value is independent of the others. Time continues from value to value, so
+//! that a prescribed body is where the others met it. If what drives the machine does not repeat,
+//! each motion would depend on when its value is reached: such a machine is refused, unless each
+//! value [starts anew](DiagramRequest::anew).
 
 use super::flight::Flows;
 use super::settled::{Settled, settled};
@@ -21,14 +21,14 @@ use crate::plane::ParameterAxis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Digits to which values are told apart, of the largest of the motion.
+/// Digits by which values are distinguished, relative to the largest of the motion.
 const DIGITS: i32 = 6;
 /// Most values of a diagram.
 pub const MOST_VALUES: usize = 20_000;
 
-/// What to compute.
+/// Request of a bifurcation diagram.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Request {
+pub struct DiagramRequest {
     /// The parameter and its values, SI.
     pub axis: ParameterAxis<String>,
     /// The quantity that is drawn.
@@ -41,23 +41,23 @@ pub struct Request {
     pub keep: u32,
     /// Returns over which the largest exponent is counted, if it is.
     pub exponents: Option<u32>,
-    /// Whether each value starts as the file says, at time 0: there is then one direction.
+    /// Whether each value starts from the file's start at time 0, which leaves one direction.
     pub anew: bool,
 }
 
-/// The motion at one value.
+/// Motion at one value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct AssemblyPoint {
     /// The parameter's value.
     pub value: f64,
-    /// Maxima, or values at the section, SI, to seven digits of the largest, ascending, with the
-    /// times each was met.
+    /// Maxima, or values at the section, SI, to seven digits of the largest, ascending, each with
+    /// its count.
     pub maxima: Vec<(f64, u32)>,
-    /// What the motion has settled on.
+    /// Attractor of the motion.
     pub settled: Settled,
 }
 
-impl DiagramPoint for Point {
+impl DiagramPoint for AssemblyPoint {
     fn value(&self) -> f64 {
         self.value
     }
@@ -79,23 +79,23 @@ impl DiagramPoint for Point {
     }
 }
 
-/// Where the motion at one value has settled; nowhere where it cannot go on.
+/// Settled state of the motion at one value; none where the motion cannot go on.
 struct SettledStart {
     value: f64,
     start: Option<Start>,
 }
 
-impl Request {
+impl DiagramRequest {
     /// The machine at a value.
     fn at(&self, machine: &Machine, value: f64) -> Result<Machine> {
         machine.with([(self.axis.name.as_str(), value)])
     }
 
-    /// Checks what every value depends on.
+    /// Checks the properties on which every value depends.
     ///
     /// # Errors
-    /// Names that the machine does not have, ends that are not allowed, a machine without a section
-    /// or a motion from its start.
+    /// Names that the machine does not have, ends that are not allowed, no section, or no motion
+    /// from the start.
     pub fn check(&self, machine: &Machine) -> Result<()> {
         self.of.find(&machine.description)?;
         for end in [self.axis.from, self.axis.to] {
@@ -122,7 +122,7 @@ impl Request {
     }
 }
 
-/// Why a chain of values makes no diagram.
+/// Refusal of a chain of values, and its reason.
 fn runs_on_in_words(why: &str) -> String {
     format!(
         "{why}: time goes on from value to value, so that each would be seen at another time of it; allowed are changes within what is \
@@ -133,7 +133,7 @@ fn runs_on_in_words(why: &str) -> String {
 
 fn chain(
     machine: &Machine,
-    request: &Request,
+    request: &DiagramRequest,
     store: &dyn PartStore,
     upward: bool,
 ) -> Result<Vec<SettledStart>> {
@@ -153,24 +153,24 @@ fn chain(
     })
 }
 
-/// Where the motion at a value is when it has settled.
-fn settled_at(machine: &Machine, request: &Request, value: f64, start: &Start) -> Result<Start> {
+/// State of the motion at a value after it has settled.
+fn settled_at(machine: &Machine, request: &DiagramRequest, value: f64, start: &Start) -> Result<Start> {
     let (motion, section) = request.at(machine, value)?.motion(start)?;
     let mut motion = motion.without_energy_accounts();
     settle(&mut motion, &section, request.discard)?;
     Ok(now(&motion))
 }
 
-/// What is seen at one value.
+/// Observes the motion at one value.
 ///
 /// # Errors
 /// Where the motion cannot go on.
-fn observe(machine: &Machine, request: &Request, value: f64, start: &Start) -> Result<Point> {
+fn observe(machine: &Machine, request: &DiagramRequest, value: f64, start: &Start) -> Result<AssemblyPoint> {
     let (motion, section) = request.at(machine, value)?.motion(start)?;
     let mut motion = motion.without_energy_accounts();
     let mut scout = motion.clone();
     let settled = settled(&mut scout, &section, request.exponents)?;
-    // A motion with a period shows all in one, after it has settled.
+    // A motion with a period is observed over one period after it has settled.
     let (length, times) = match settled.period {
         Some(n) => {
             motion = scout;
@@ -198,10 +198,10 @@ fn observe(machine: &Machine, request: &Request, value: f64, start: &Start) -> R
         }
         values = watcher.maxima.map_or(Vec::new(), |m| m.found);
     }
-    Ok(Point { value, maxima: counted(values, times), settled })
+    Ok(AssemblyPoint { value, maxima: counted(values, times), settled })
 }
 
-/// Values to some digits of the largest, ascending, with the times each is met.
+/// Values to some digits of the largest, ascending, each with its count.
 fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
     let largest = values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     if largest == 0.0 {
@@ -213,12 +213,16 @@ fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
     whole.chunk_by(|a, b| a == b).map(|same| (same[0] as f64 * unit, times * same.len() as u32)).collect()
 }
 
-/// The diagram, on all threads, in parts: `None` where parts belong to other shards. The result
+/// The diagram, on all threads, in parts; `None` where parts belong to other shards. The result
 /// depends neither on threads nor on shards.
 ///
 /// # Errors
-/// As [`Request::check`]; what the parts' folder refuses.
-pub fn diagram(machine: &Machine, request: &Request, task: &Task) -> Result<Option<Diagram<Point>>> {
+/// As [`DiagramRequest::check`]; what the parts' folder refuses.
+pub fn diagram(
+    machine: &Machine,
+    request: &DiagramRequest,
+    task: &Task,
+) -> Result<Option<Diagram<AssemblyPoint>>> {
     request.check(machine)?;
     let points = |_: &mut (), starts: &[SettledStart]| {
         let point = |s: &SettledStart| observe(machine, request, s.value, s.start.as_ref()?).ok();

@@ -1,34 +1,35 @@
-//! How far quantities go in a motion, between the samples too, and what a picture needs of them.
+//! Extremes of quantities over a motion, between samples too, and their curves for a picture.
 
 use super::flight::{Flow, turning_points};
 use super::rows::Sparse;
 use vibro_assembly::Quantity;
 use vibro_assembly::system::System;
 
-/// Parts of the time of which a curve keeps the least and the largest value; a picture has fewer
+/// Number of columns of a curve, each with the least and the largest value; a picture has fewer
 /// columns of pixels.
 const COLUMNS: usize = 2000;
 /// Most quantities whose curves are kept.
 const CURVES: usize = 64;
 
-/// A quantity's extremes.
+/// Extremes of a quantity.
 #[derive(Clone, Debug)]
 pub struct Extreme {
     /// Which one.
     pub quantity: Quantity,
     row: Sparse,
-    /// The largest absolute value.
+    /// Largest absolute value.
     pub largest: f64,
-    /// By column the least and the largest value with their times; none while it is zero.
+    /// For each column the least and the largest value with their times; empty while the quantity
+    /// is zero.
     curve: Vec<Option<[(f64, f64); 2]>>,
-    /// Whether it began with zero.
+    /// Whether the quantity began at zero.
     was_zero: bool,
 }
 
-/// The extremes of some quantities.
+/// Extremes of several quantities.
 #[derive(Clone, Debug)]
 pub struct Extremes {
-    /// By quantity.
+    /// One for each quantity.
     pub all: Vec<Extreme>,
     /// Begin and end of the curves, s.
     times: (f64, f64),
@@ -47,12 +48,12 @@ impl Extremes {
         Self { all: quantities.iter().map(extreme).collect(), times }
     }
 
-    /// A mode begins.
+    /// Enters a mode.
     pub(super) fn enter(&mut self, system: &System, flow: &Flow) {
         self.all.iter_mut().for_each(|e| e.row = Sparse::of(flow.row_of(system, e.quantity)));
     }
 
-    /// A stretch of a flight that begins at `time`, of this length in s.
+    /// Includes a stretch of a flight that begins at `time`, of a length in s.
     pub(super) fn stretch(&mut self, series: &[Vec<f64>], time: f64, length: f64) {
         let times = self.times;
         for (i, extreme) in self.all.iter_mut().enumerate() {
@@ -61,7 +62,7 @@ impl Extremes {
         }
     }
 
-    /// A state at a time.
+    /// Includes a state at a time.
     pub(super) fn state(&mut self, z: &[f64], time: f64) {
         let times = self.times;
         for (i, extreme) in self.all.iter_mut().enumerate() {
@@ -94,8 +95,8 @@ impl Extreme {
         }
     }
 
-    /// Times and values between which a curve of it goes, in order of time: in each column the
-    /// least and the largest.
+    /// Times and values of the curve in order of time: in each column the least and the largest
+    /// value.
     pub fn points(&self) -> Vec<(f64, f64)> {
         let mut points: Vec<_> = self.curve.iter().flatten().flatten().copied().collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,9 +1,9 @@
-//! A motion of a described machine cut into flights, between whose ends one linear system z' = A z
-//! holds, and the events between them.
+//! Flights of a described machine's motion, over each of which one linear system z' = A z holds,
+//! and the events between them.
 //!
-//! Everything that is read off a motion along the way (extrema, mean squares, maxima, variations)
-//! comes through [`follow`]: the engine says where flights end, and within one the states are a
-//! power series.
+//! Everything read off a motion along the way (extrema, mean squares, maxima, variations) comes
+//! through
+//! [`follow`]: the engine decides where flights end, and within one the states are a power series.
 
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
@@ -15,29 +15,29 @@ use vibro_assembly::system::{Row, System};
 use vibro_assembly::{Error, Motion, Quantity};
 use vibro_impact::events::turns;
 
-/// The bound of A times the length of a stretch: a series to [`ORDERS`] terms leaves out less than
-/// 2²⁶/26! of the state.
+/// Bound of the norm of A times the length of a stretch: a series of [`ORDERS`] terms then leaves
+/// out less than 2²⁶/26! of the state.
 const RADIUS: f64 = 2.0;
-/// A series ends with the first term under this part of the state's rate bound.
+/// Size of a series' last term relative to the state's rate bound.
 const REMAINDER: f64 = 1e-19;
 
-/// Stretches of a flight above which variations are carried by a matrix that is squared, …
+/// Stretches of a flight beyond which variations are carried by a matrix, by squaring.
 const MANY: f64 = 64.0;
-/// … where the augmented state is no longer than this: its products cost the cube.
+/// Largest size of an augmented state for that: the products cost its cube.
 const LARGE: usize = 160;
 
-/// The linear system of a mode, by rows.
+/// Linear system of a mode, by rows.
 #[derive(Debug)]
 pub struct Flow {
     /// The mode.
     pub mode: Mode,
     /// A.
     a: SparseMatrix,
-    /// A bound of its norm, 1/s.
+    /// Bound of the norm of A, 1/s.
     rate: f64,
-    /// The forces of the mode's independent contacts.
+    /// Forces of the mode's independent contacts.
     pub lambda: Vec<Row>,
-    /// What ends the mode, each negative inside it.
+    /// Functionals that end the mode, each negative inside it.
     pub watched: Vec<(Watch, Row)>,
 }
 
@@ -53,15 +53,15 @@ impl Flow {
         self.a.rows_times(0..z.len(), z).as_slice().to_vec()
     }
 
-    /// The row of a functional's rate: r A.
+    /// Row of the rate of a functional: r A.
     pub fn rate_of(&self, row: &[f64]) -> Vec<f64> {
         let mut rate = vec![0.0; row.len()];
         self.a.after_row(row, 1.0, &mut rate);
         rate
     }
 
-    /// The terms of the power series of the states over a time `span` in its part from 0 to 1, at
-    /// most [`ORDERS`].
+    /// Terms of the power series of the states over a time `span`, as a function of its part from 0
+    /// to 1; at most [`ORDERS`].
     fn series(&self, z: &[f64], span: f64) -> Vec<Vec<f64>> {
         let mut terms = vec![z.to_vec()];
         let mut size = 1.0;
@@ -77,18 +77,18 @@ impl Flow {
         terms
     }
 
-    /// The length of a flight in those of the mode's sub-steps, about: its rate times the time of
-    /// one is at most 3.
+    /// Approximate length of a flight in sub-steps of the mode, for which rate times time is at
+    /// most 3.
     pub fn sub_steps_of(&self, span: f64) -> f64 {
         self.rate * span / 3.0
     }
 
-    /// The number of stretches of a flight.
+    /// Number of stretches of a flight.
     pub fn stretches_of(&self, span: f64) -> f64 {
         (self.rate * span / RADIUS).ceil().max(1.0)
     }
 
-    /// Calls `visit` with the series of each stretch of a flight, and its length in s; returns the
+    /// Calls `visit` with the series of each stretch of a flight and its length in s; returns the
     /// state at the end.
     pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&[Vec<f64>], f64)) -> Vec<f64> {
         let count = self.stretches_of(span);
@@ -102,8 +102,8 @@ impl Flow {
         state
     }
 
-    /// Carries variations over a flight, each on its own, or all by the matrix exp(A t), doubled
-    /// up, where the flight has many stretches.
+    /// Carries variations over a flight: each by its series, or, over many stretches, all by the
+    /// matrix exp(A t), found by squaring.
     pub fn carry(&self, variations: &mut [Vec<f64>], span: f64) {
         let (count, size) = (self.stretches_of(span), variations.first().map_or(0, Vec::len));
         if count <= MANY || size > LARGE {
@@ -129,30 +129,30 @@ impl Flow {
     }
 }
 
-/// A row times a state.
+/// Product of a row and a state.
 pub fn dot(row: &[f64], z: &[f64]) -> f64 {
     row.iter().zip(z).map(|(a, b)| a * b).sum()
 }
 
-/// The coefficients of a functional along a series.
+/// Coefficients of a functional along a series.
 pub fn coefficients(row: &[f64], series: &[Vec<f64>]) -> [f64; ORDERS] {
     let mut c = [0.0; ORDERS];
     c.iter_mut().zip(series).for_each(|(c, term)| *c = dot(row, term));
     c
 }
 
-/// The value of a polynomial.
+/// Value of a polynomial.
 pub fn value_at(q: &[f64; ORDERS], u: f64) -> f64 {
     q.iter().rev().fold(0.0, |sum, c| sum * u + c)
 }
 
-/// Visits the values of a polynomial at 0, at every extremum between and at 1, in this order: it is
-/// monotone from one to the next.
+/// Visits the values of a polynomial at 0, at every extremum in between and at 1, in this order. It
+/// is monotone from one to the next.
 pub fn monotone_pieces(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64)) {
     turning_points(q, &mut |_, value| visit(value));
 }
 
-/// Visits places and values of [`monotone_pieces`].
+/// [`monotone_pieces`] with the places of the values.
 pub fn turning_points(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64, f64)) {
     visit(0.0, q[0]);
     let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
@@ -164,48 +164,47 @@ pub fn turning_points(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64, f64)) {
     visit(1.0, value_at(q, 1.0));
 }
 
-/// A flight: its mode, its state at the start, its length in s.
+/// Flight as an observer receives it.
 #[derive(Clone, Copy, Debug)]
-pub struct Flight<'a> {
-    /// When it begins, s.
+pub struct ObservedFlight<'a> {
+    /// Time of its begin, s.
     pub time: f64,
-    /// The linear system that holds.
+    /// Linear system that holds.
     pub flow: &'a Flow,
-    /// The augmented state at its start.
+    /// Augmented state at its begin.
     pub start: &'a [f64],
-    /// s.
+    /// Duration, s.
     pub span: f64,
 }
 
-/// An event between two flights.
+/// Event between two flights.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage<'a> {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// What ended the flight; `None` for a knot of a signal.
+    /// Functional that ended the flight; `None` for a knot of a signal.
     pub watch: Option<Watch>,
-    /// The system before and after.
+    /// Linear systems before and after.
     pub flows: [&'a Flow; 2],
-    /// The state before and after the event's law.
+    /// States before and after the event's law.
     pub states: [&'a [f64]; 2],
-    /// What was told of it.
+    /// Reported events.
     pub events: &'a [Event],
-    /// What the account of losses at impacts has taken in by it, J: nothing where the motion keeps
-    /// none.
+    /// Energy lost by it at impacts, J, by the engine's account; 0 where the motion keeps none.
     pub lost: f64,
 }
 
-/// What looks at a motion while it is followed.
+/// Observer of a motion that is followed.
 pub trait Observer {
-    /// A flight is over.
-    fn flight(&mut self, system: &System, flight: Flight<'_>);
-    /// An event after it.
+    /// Receives a flight that is over.
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>);
+    /// Receives the event after it.
     fn passage(&mut self, system: &System, passage: Passage<'_>);
-    /// What is told of an event, at once: also where its law then fails.
+    /// Receives a reported event at once, also where its law then fails.
     fn told(&mut self, _event: &Event) {}
 }
 
-/// The linear systems of the modes that were met.
+/// Linear systems of the modes met so far.
 #[derive(Debug, Default)]
 pub struct Flows(HashMap<Mode, Arc<Flow>>);
 
@@ -229,8 +228,8 @@ impl Flows {
     }
 }
 
-/// Follows a motion to a time, or to the first event that `stops` wants, and shows the way to the
-/// observers. Returns whether an event ended it.
+/// Follows a motion to a time, or to the first event for which `stops` returns true, and passes its
+/// flights and events to the observers. Returns whether an event ended it.
 ///
 /// # Errors
 /// As [`Motion::advance_to`].
@@ -254,9 +253,9 @@ pub fn follow(
         };
         let outcome = motion.advance_before_event(end, &mut tell);
         let span = motion.time() - from;
-        // What has left all numbers is no flight to be looked at.
+        // A state that has overflowed is not observed.
         if span > 0.0 && !matches!(outcome, Err(Error::Beyond { .. })) {
-            let flight = Flight { time: from, flow: &flow, start: &start, span };
+            let flight = ObservedFlight { time: from, flow: &flow, start: &start, span };
             observers.iter_mut().for_each(|o| o.flight(system, flight));
         }
         if outcome? == Outcome::Event {

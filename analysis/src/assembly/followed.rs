@@ -1,33 +1,33 @@
-//! A motion that is followed from instant to instant while everything between them is looked at.
+//! Advance of a motion from instant to instant with everything between them observed.
 
-use super::contacts::Contacts;
+use super::contacts::ContactRecorder;
 use super::extremes::Extremes;
-use super::flight::{Flight, Flow, Flows, Observer, Passage, follow};
+use super::flight::{Flow, Flows, ObservedFlight, Observer, Passage, follow};
 use std::cell::Cell;
 use vibro_assembly::mode::Mode;
 use vibro_assembly::motion::Event;
 use vibro_assembly::system::System;
 use vibro_assembly::{Error, Motion};
 
-/// Flights in one advance, and for each sub-step's length of time: the engine's limit of work,
-/// which pauses do not see.
+/// Work of an advance for each flight, and for each sub-step's length: the engine's own limit does
+/// not count across pauses.
 const WORK: (f64, f64) = (20_000.0, 64.0);
-/// Stretches of a flight that are looked at in any case.
+/// Stretches of a flight that are observed in any case.
 const USUAL: f64 = 64.0;
-/// Stretches beyond these that are looked at in a whole motion: some seconds. A body that is far
-/// faster than all others has more, and its motion is mostly at rest in them.
+/// Further stretches that are observed in a whole motion, some seconds of work. A body far faster
+/// than all others has more, and is mostly at rest in them.
 const MOST: f64 = 500_000.0;
 
 /// Contacts and extremes of a motion.
 #[derive(Debug)]
 pub struct Followed {
-    /// Its contacts.
-    pub contacts: Contacts,
+    /// Contacts of the motion.
+    pub contacts: ContactRecorder,
     /// Extremes of quantities.
     pub extremes: Extremes,
-    /// Time in flights of which only the ends were looked at, s.
+    /// Duration of flights of which only the ends were observed, s.
     pub left_out: f64,
-    /// Stretches that may still be looked at.
+    /// Stretches that may still be observed.
     left: f64,
     mode: Option<Mode>,
     flows: Flows,
@@ -36,18 +36,18 @@ pub struct Followed {
 struct Tell<'a>(&'a mut dyn FnMut(&Event));
 
 impl Observer for Tell<'_> {
-    fn flight(&mut self, _: &System, _: Flight<'_>) {}
+    fn flight(&mut self, _: &System, _: ObservedFlight<'_>) {}
     fn passage(&mut self, _: &System, _: Passage<'_>) {}
     fn told(&mut self, event: &Event) {
         (self.0)(event);
     }
 }
 
-/// The work that an advance may still take.
-struct Work<'a>(&'a Cell<f64>);
+/// Counter of the work left to an advance.
+struct WorkMeter<'a>(&'a Cell<f64>);
 
-impl Observer for Work<'_> {
-    fn flight(&mut self, _: &System, flight: Flight<'_>) {
+impl Observer for WorkMeter<'_> {
+    fn flight(&mut self, _: &System, flight: ObservedFlight<'_>) {
         self.0.set(self.0.get() + WORK.1 * flight.flow.sub_steps_of(flight.span));
     }
     fn passage(&mut self, _: &System, _: Passage<'_>) {
@@ -56,13 +56,13 @@ impl Observer for Work<'_> {
 }
 
 impl Followed {
-    /// Nothing is followed yet.
-    pub fn new(contacts: Contacts, extremes: Extremes) -> Self {
+    /// A record of a motion at its start.
+    pub fn new(contacts: ContactRecorder, extremes: Extremes) -> Self {
         Self { contacts, extremes, left_out: 0.0, left: MOST, mode: None, flows: Flows::default() }
     }
 
-    /// Advances to a time, on the bits of [`Motion::advance_observed`]; `met` hears the time of
-    /// each event.
+    /// Advances to a time, bit-identical to [`Motion::advance_observed`]; `met` receives the time
+    /// of each event.
     ///
     /// # Errors
     /// As [`Motion::advance_to`].
@@ -93,12 +93,13 @@ impl Followed {
             work.get() < 0.0
         };
         let mut teller = Tell(tell);
-        let is_left = follow(motion, flows, end, &mut [&mut teller, &mut Work(&work), self], &mut many)?;
+        let is_left = follow(motion, flows, end, &mut [&mut teller, &mut WorkMeter(&work), self], &mut many)?;
         let from = motion.time();
         if is_left {
             self.contacts.leave_out();
         }
-        // What rounding of the clock has left; beyond the limit of work, the engine's own error.
+        // Covers what rounding of the clock has left, and returns the engine's own error beyond the
+        // limit of work.
         let mut events: Vec<Event> = Vec::new();
         let rest = motion.advance_observed(end, &mut |event| {
             tell(event);
@@ -122,7 +123,7 @@ impl Followed {
 }
 
 impl Observer for Followed {
-    fn flight(&mut self, system: &System, flight: Flight<'_>) {
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
         self.enter(system, flight.flow);
         let beyond = flight.flow.stretches_of(flight.span) - USUAL;
         if beyond > self.left {

@@ -1,37 +1,35 @@
-//! The growth of a variation from return to return: the exponent that it gives, and how exact that
-//! is.
+//! Growth of a variation from return to return, and the exponent with its error.
 
 use crate::largest_exponent::{ExponentSign, LargestExponent};
 
-/// Returns in which a variation turns into its direction before its growth is counted.
+/// Returns in which a variation aligns with its direction before growth counts.
 pub const ALIGN: usize = 32;
-/// Fewer blocks do not tell their scatter, and of so many more each is too short to be independent
-/// of the next.
+/// Least number of blocks whose scatter is meaningful, and number from which each would be too
+/// short to be independent of the next.
 const LEAST_BLOCKS: usize = 8;
 const MOST_BLOCKS: usize = 64;
-/// Fewer returns do not tell a sign.
+/// Least number of returns that decide a sign.
 const LEAST_RETURNS: usize = 64;
-/// A sign is decided where the exponent is farther than so many standard errors from the threshold,
-/// …
+/// Distance of an exponent from the threshold, in standard errors, beyond which its sign is
+/// decided; LEAST_GROWTH must be exceeded too.
 const CONFIDENCE: f64 = 6.0;
-/// … and the variation has grown or shrunk by this, as a logarithm: on a torus it stays within some
-/// powers of ten for ever.
+/// Logarithm of the growth or shrinkage of the variation that a decided sign requires. On a torus
+/// the variation stays within some powers of ten for ever.
 const LEAST_GROWTH: f64 = 20.0;
 
-/// The logarithms of a variation's growth, by return.
+/// Logarithms of a variation's growth, by return.
 #[derive(Clone, Debug, Default)]
 pub struct Growth {
-    /// Returns that are left out at the beginning.
+    /// Returns left out at the beginning.
     turning: usize,
-    /// s.
+    /// Duration of the left-out returns, s.
     turned: f64,
-    /// Growth and time, s, of each return that counts.
+    /// Growth and duration, s, of each counted return.
     counted: Vec<[f64; 2]>,
 }
 
 impl Growth {
-    /// The variation has grown by this, as a logarithm, in so many seconds from one return to the
-    /// next.
+    /// Adds the logarithm of the growth from one return to the next, and the seconds between them.
     pub fn add(&mut self, logarithm: f64, seconds: f64) {
         if self.turning < ALIGN && logarithm.is_finite() {
             self.turning += 1;
@@ -41,17 +39,17 @@ impl Growth {
         }
     }
 
-    /// The sums of growth and of time, s.
+    /// Sums of growth and of time, s.
     fn sums(&self) -> [f64; 2] {
         self.counted.iter().fold([0.0; 2], |[g, t], [growth, time]| [g + growth, t + time])
     }
 
-    /// Returns that count.
+    /// Number of counted returns.
     pub fn returns(&self) -> u32 {
         self.counted.len() as u32
     }
 
-    /// Whether all directions have been lost, so that the exponent is -∞.
+    /// Whether all directions are lost, so that the exponent is -∞.
     pub fn is_lost(&self) -> bool {
         self.counted.last().is_some_and(|last| last[0] == f64::NEG_INFINITY)
     }
@@ -62,10 +60,10 @@ impl Growth {
         if time > 0.0 { growth / time } else { 0.0 }
     }
 
-    /// The standard error of the mean, 1/s: the largest that the scatter of blocks of 1, 2, 4, …
-    /// returns gives, where there are 8 to 63 of them. Growth from return to return depends on that
-    /// before: correlated growth scatters more in long blocks, and the turns of a complex
-    /// multiplier, which cancel, less.
+    /// Standard error of the mean, 1/s: the largest from the scatter of blocks of 1, 2, 4, …
+    /// returns, as long as there are 8 to 63 of them. Growth depends on that of the return before:
+    /// correlated growth scatters more in long blocks, and the turns of a complex multiplier, which
+    /// cancel, less.
     fn scatter(&self) -> f64 {
         let (value, [_, time]) = (self.value(), self.sums());
         let mut rest: Vec<f64> = self.counted.iter().map(|[growth, time]| growth - value * time).collect();
@@ -83,8 +81,8 @@ impl Growth {
     }
 
     /// The exponent with its error. A length that grows in proportion to time, as on a torus, gives
-    /// ln(1 + T/T₀)/T instead of zero after the time T₀ of turning: this share of the error no
-    /// scatter shows.
+    /// ln(1 + T/T₀)/T instead of zero after the time T₀ of alignment; no scatter shows this share
+    /// of the error.
     pub fn exponent(&self) -> LargestExponent {
         let periods = self.returns();
         if self.is_lost() {
@@ -95,7 +93,7 @@ impl Growth {
         LargestExponent { value: self.value(), error: self.scatter().hypot(bias), periods }
     }
 
-    /// What is known of the exponent's sign beyond a threshold, 1/s.
+    /// Sign of the exponent at a threshold, 1/s, as far as it is known.
     pub fn sign(&self, threshold: f64) -> ExponentSign {
         if self.is_lost() {
             return ExponentSign::Negative;
@@ -117,12 +115,12 @@ impl Growth {
 mod tests {
     use super::*;
 
-    /// A sequence whose standard errors are known: x' = ρ x + noise has (1 + ρ)/(1 - ρ) times the
-    /// variance of independent numbers in its means.
+    /// Sequence with known standard errors: for x' = ρ x + noise the variance of means is (1 +
+    /// ρ)/(1 - ρ) times that of independent numbers.
     #[test]
     fn closed_form_errors_of_correlated_growth_cover_the_mean_at_their_rate() {
-        // Within two standard errors 95 % of normal means lie; the number of blocks is small, so
-        // that a few more lie outside.
+        // 95 % of normal means lie within two standard errors; a few more lie outside, since there
+        // are few blocks.
         const COVERED: std::ops::RangeInclusive<usize> = 176..=200;
         let mut seed = 1u64;
         let mut uniform = || {

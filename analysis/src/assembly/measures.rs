@@ -1,20 +1,19 @@
-//! What is measured of a described machine's settled motion, by the names of its bodies and
-//! elements.
+//! Measures of a described machine's settled motion, by the names of its bodies and elements.
 //!
-//! Extrema and mean squares come from the flow's series and not from samples, as in
-//! [`crate::measures`]; losses in dashpots, compliant stops and friction and the work of loads are
-//! the engine's accounts, those of rigid stops ½ (1 - ε) u P an impact.
+//! Extrema and mean squares come from the flow's series, not from samples, as in
+//! [`crate::measures`]. Losses in dashpots, compliant stops and friction, and the work of loads,
+//! are the engine's accounts; an impact on a rigid stop loses ½ (1 - ε) u P.
 
 use super::flight::Flows;
 use super::quantity::{QuantityName, unknown};
-use super::returns::Record;
+use super::returns::ReturnRecord;
 use super::section::Section;
 use super::settled::settled;
 use super::timescales::{Passed, needed, runs_on};
 use super::watch::Watcher;
 use crate::error::{Error, Result};
-use crate::measures::parts::{Parts, Seen, whole};
-use crate::measures::{Measured, is_on_its_way, spread_of};
+use crate::measures::parts::{Observation, Parts, whole};
+use crate::measures::{Measured, is_drifting, spread_of};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -26,7 +25,7 @@ use vibro_assembly::{Assembly, Element, Motion, Quantity};
 /// Returns over which the exponent is counted.
 const EXPONENT_RETURNS: u32 = 400;
 
-/// What is measured. Written down by its name.
+/// Measure by name. Serialized as its name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Measure {
@@ -41,7 +40,7 @@ pub enum Measure {
     /// Impacts and first touches of a stop, or of all, from one return to the next:
     /// `impacts.steel`, `impacts`.
     Impacts(Option<String>),
-    /// The same a second: `impact.rate.steel`, `impact.rate`.
+    /// Impacts and first touches a second: `impact.rate.steel`, `impact.rate`.
     ImpactRate(Option<String>),
     /// Largest closing speed of a stop, or of all that are alike: `impact.speed.steel`.
     ImpactSpeed(String),
@@ -71,7 +70,7 @@ const OF_QUANTITIES: [OfQuantity; 4] = [
 impl FromStr for Measure {
     type Err = Error;
 
-    /// Reads a name; whether a machine has the body or element is known by [`Measure::check`].
+    /// Parses a name; [`Measure::check`] tells whether a machine has the body or element.
     fn from_str(text: &str) -> Result<Self> {
         let text = text.trim();
         for (word, kind) in OF_QUANTITIES {
@@ -147,7 +146,7 @@ impl Measure {
         }
     }
 
-    /// Checks that a machine has what it names.
+    /// Checks that a machine has the bodies and elements of the name.
     ///
     /// # Errors
     /// [`Error::Described`] with the nearest name.
@@ -169,7 +168,7 @@ impl Measure {
         if known.iter().any(|k| k == name) { Ok(()) } else { Err(unknown(name, &known)) }
     }
 
-    /// Its SI unit; `1` where it has none.
+    /// SI unit; `1` where there is none.
     pub fn unit(&self, d: &Description) -> &'static str {
         let of_stop = |name: &str, units: [&'static str; 2]| {
             let rotates = stop(d, name).is_some_and(|i| d.stops[i].arms.dimension == Dimension::Rotation);
@@ -185,8 +184,7 @@ impl Measure {
         }
     }
 
-    /// What is measured of a machine unless told otherwise: amplitudes of free bodies, contacts,
-    /// power lost, class.
+    /// Default measures of a machine: amplitudes of free bodies, contacts, power lost, class.
     pub fn usual(d: &Description) -> Vec<Self> {
         use vibro_assembly::description::BodyKind;
         let free = d.bodies.iter().filter(|b| matches!(b.kind, BodyKind::Free(_)));
@@ -223,7 +221,7 @@ impl Measure {
         all
     }
 
-    /// What it is.
+    /// Description in a few words.
     pub fn description(&self) -> String {
         match self {
             Self::Amplitude(q) => format!("largest |{q}|"),
@@ -243,7 +241,7 @@ impl Measure {
         }
     }
 
-    /// Whether it is read off the window: not the class and the exponent.
+    /// Whether the measure is read off the window; false for the class and the exponent.
     pub(super) fn is_of_window(&self) -> bool {
         !matches!(self, Self::Class | Self::Exponent)
     }
@@ -252,7 +250,7 @@ impl Measure {
         matches!(self, Self::Power(_) | Self::PowerLost)
     }
 
-    /// Whether it is an extreme of its window and not a mean.
+    /// Whether the measure is an extreme of its window instead of a mean.
     fn is_extreme(&self) -> bool {
         matches!(
             self,
@@ -265,7 +263,7 @@ impl Measure {
     }
 }
 
-/// What was seen in a part of the window.
+/// Observation of a part of the window.
 #[derive(Clone, Debug)]
 struct Window {
     watcher: Watcher,
@@ -281,7 +279,7 @@ fn energies(motion: &Motion) -> [Vec<f64>; 4] {
     [&e.loads, &e.dashpots, &e.stops, &e.frictions].map(|all| all.iter().map(|x| x.value()).collect())
 }
 
-impl Seen for Window {
+impl Observation for Window {
     fn numbers(&self) -> [Vec<f64>; 3] {
         let ends = self.watcher.extents.iter().flat_map(|e| [e.least, e.largest]);
         let speeds = self.watcher.contacts.iter().map(|c| c.speed);
@@ -337,7 +335,7 @@ impl Window {
                 let impacts: f64 = self.watcher.contacts.iter().map(|c| c.lost).sum();
                 (smooth + impacts) / self.duration
             }
-            // Not of the window.
+            // Not measures of the window.
             Measure::Class | Measure::Exponent => 0.0,
         };
         // A sum of nothing is -0.
@@ -345,14 +343,14 @@ impl Window {
     }
 }
 
-/// Measures a motion over the next `periods` returns, and over as many more as the machine's
-/// slowest own oscillation needs; class and exponent over those that follow. Of a motion that
-/// repeats no more are followed than show that. The transient is the caller's to discard.
+/// Measures a motion over the next `periods` returns, or as many more as the machine's slowest own
+/// oscillation needs, and class and exponent over the returns after these. Of a motion that repeats
+/// only the returns that show this are followed. The caller has discarded the transient.
 ///
 /// # Errors
-/// As [`Section::advance`]; [`Error::Described`] for what the machine does not have, where the
-/// returns last so short a time that the window would have to be more than a hundred times as long,
-/// and for the class of a motion whose drive does not repeat.
+/// As [`Section::advance`]; [`Error::Described`] for names that the machine does not have, for
+/// returns so short that the window would need a hundred times as many, and for the class of a
+/// motion whose drive does not repeat.
 pub fn measure(
     motion: &mut Motion,
     section: &Section,
@@ -399,7 +397,7 @@ pub fn measure(
         Measure::Exponent => exponent.map_or(0.0, |e| e.error),
         _ => spread_of(&of_parts(m), m.is_extreme()),
     };
-    let is_unsettled = |m: &Measure| m.is_of_window() && is_on_its_way(&of_parts(m));
+    let is_unsettled = |m: &Measure| m.is_of_window() && is_drifting(&of_parts(m));
     Ok(Measured {
         numbers: measures.iter().map(number).collect(),
         class,
@@ -408,7 +406,7 @@ pub fn measure(
     })
 }
 
-/// Passes over the next returns, in parts.
+/// Advances over the next returns in parts.
 fn windows(
     motion: &mut Motion,
     section: &Section,
@@ -419,7 +417,7 @@ fn windows(
     let mut watcher = Watcher::of(quantities, stops);
     let (mut flows, mut parts) = (Flows::default(), Parts::new());
     let mut passed = Passed::new(motion, needed(motion, section, periods)?, periods);
-    let mut record = Record::new(motion, section);
+    let mut record = ReturnRecord::new(motion, section);
     record.arrive(motion, true);
     loop {
         let (from, before) = (motion.time(), energies(motion));

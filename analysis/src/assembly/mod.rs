@@ -1,10 +1,10 @@
-//! Studies of described machines, which a file or a program puts together of bodies and elements
-//! (`vibro-assembly`): the same diagrams, exponents and design sweeps as those of the 3-DOF
-//! machine, by the names of the machine's own bodies, elements and parameters.
+//! Studies of described machines, which a file or a program composes of bodies and elements
+//! (`vibro-assembly`): the diagrams, exponents and design sweeps of the 3-DOF machine, by the names
+//! of the machine's own bodies, elements and parameters.
 //!
 //! A motion is looked at where it returns to a [section](SectionRule): after each common period of
-//! what drives the machine, or at each event of an element. What the other modules call a drive
-//! period is here the way from one return to the next.
+//! what drives the machine, or at each event of an element. The time from one return to the next
+//! takes the place of the drive period of the other modules.
 
 mod columns;
 mod contacts;
@@ -29,7 +29,7 @@ mod watch;
 mod written;
 
 pub use columns::{NamedEvent, columns, named, values};
-pub use contacts::{Contact, Contacts};
+pub use contacts::{ContactRecorder, StopContact};
 pub use designs::FileStart;
 pub use extremes::{Extreme, Extremes};
 pub use followed::Followed;
@@ -49,20 +49,19 @@ use vibro_assembly::description::Description;
 use vibro_assembly::{Assembly, Motion, file};
 use vibro_impact::quantities::{Unit, quantity_in};
 
-/// A machine of the user's own, how its motions are looked at, and in which units its parameters
-/// were written.
+/// Described machine, with its section and the units in which its parameters were written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Machine {
-    /// What it consists of.
+    /// Bodies and elements.
     pub description: Description,
-    /// Where its motions are looked at.
+    /// Rule of the section.
     pub section: SectionRule,
-    /// The unit in which each parameter is shown, where it is not SI.
+    /// Unit in which each parameter is shown, where it is not SI.
     pub units: BTreeMap<String, String>,
 }
 
-/// A machine as a manifest holds it: the text of its file.
+/// Serialized form of a machine: the text of its file.
 #[derive(Serialize, Deserialize)]
 struct Written {
     file: String,
@@ -85,17 +84,17 @@ impl TryFrom<Written> for Machine {
     }
 }
 
-/// Where a motion begins: a time and, by body, coordinate and rate; those of the machine itself
-/// where there are none.
+/// Start of a motion: a time and, for each body, coordinate and rate; the machine's own where there
+/// are none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Start {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// m, m/s or rad, rad/s.
+    /// Coordinate and rate of each body: m, m/s or rad, rad/s.
     pub bodies: Option<Vec<(f64, f64)>>,
 }
 
-/// Part of the terms of e - gap that is rounding.
+/// Rounding of e - gap relative to its terms.
 const ROUNDING: f64 = 1e-12;
 
 impl Machine {
@@ -112,18 +111,18 @@ impl Machine {
         Ok(Self { description: self.description.with(values)?, ..self.clone() })
     }
 
-    /// The SI unit of a parameter; `1` where it has none, and for a name that is none.
+    /// SI unit of a parameter; `1` where there is none, and for an unknown name.
     pub fn si_unit(&self, name: &str) -> &'static str {
         self.description.parameter(name).map_or("1", |p| p.unit)
     }
 
-    /// The unit in which a parameter was written, where it was.
+    /// Unit in which a parameter was written, if it was.
     pub fn written_unit(&self, name: &str) -> Option<&'static Unit> {
         let symbol = self.units.get(name)?;
         quantity_in(self.si_unit(name), &format!("1 {symbol}"))?.unit
     }
 
-    /// The unit in which a parameter is shown: how many of it are in one of SI, and its symbol.
+    /// Unit in which a parameter is shown: number of units in one of SI, and symbol.
     pub fn unit(&self, name: &str) -> (f64, String) {
         match (self.written_unit(name), self.si_unit(name)) {
             (Some(unit), _) => (unit.number(1.0), unit.symbol()),
@@ -139,10 +138,9 @@ impl Machine {
         if symbol.is_empty() { number } else { format!("{number} {symbol}") }
     }
 
-    /// Its motion from a start, and its section. Where the start's state violates rigid stops, as
-    /// one of a machine with other gaps may, the engine moves bodies by the least amount in the
-    /// inertia's metric; where that is in vain, and where no motion begins there, the machine's own
-    /// start is taken.
+    /// The motion from a start, with its section. Where the start violates rigid stops, as that of
+    /// a machine with other gaps may, the engine moves bodies by the least amount in the inertia's
+    /// metric. If that fails, or no motion begins there, the machine's own start is taken.
     ///
     /// # Errors
     /// What the machine's matrices, its start or its section refuse.
@@ -169,7 +167,7 @@ fn is_between_stops(motion: &Motion) -> bool {
     })
 }
 
-/// Where the motion is now, to go on from with another machine.
+/// The present state of a motion, as a start for another machine.
 pub fn now(motion: &Motion) -> Start {
     let count = motion.assembly().description.bodies.len();
     let body = |i: usize| {

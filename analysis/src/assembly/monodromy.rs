@@ -1,12 +1,12 @@
-//! The derivative of a period: how far a motion is from the orbit that it nears, and by how much
-//! neighbours come nearer in a period.
+//! Derivative of a period: the distance of a motion from the orbit that it approaches, and the
+//! growth of variations over a period.
 //!
-//! A return that moves a state by r, and has the derivative M, belongs to a fixed point that is
-//! (1 - M)⁻¹ r away. A slow approach shows itself so: returns may be as near as one likes while the orbit is
-//! far. Neutral directions are left out, and of an autonomous machine a shift in time.
+//! A return that moves a state by r and has the derivative M belongs to a fixed point that is
+//! (1 - M)⁻¹ r away. This reveals a slow approach, whose returns may be arbitrarily near while the
+//! orbit is far. Neutral directions are left out, and for an autonomous machine the shift in time.
 
 use super::flight::Flows;
-use super::returns::Record;
+use super::returns::ReturnRecord;
 use super::section::{Section, is_steady};
 use super::variation::{Frame, Metric};
 use crate::error::Result;
@@ -16,23 +16,24 @@ use vibro_assembly::description::Dimension;
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::{Elongation, Row, System};
 
-/// Roundings of a state beside one another, and the most of a size that counts for rounding.
+/// Rounding of a state in units of `f64::EPSILON`, and the most of its size that counts as
+/// rounding.
 const ROUNDINGS: f64 = 64.0;
 const MOST_ROUNDING: f64 = 1e-7;
-/// Singular values under this are zero: a family of orbits.
+/// Singular value below which there is a family of orbits.
 const SINGULAR: f64 = 1e-12;
-/// Logarithms of multipliers under this are zero: what rounding makes of a defective multiplier 1.
+/// Logarithm of a multiplier below which it is zero: rounding of a defective multiplier 1.
 pub const MARGINAL: f64 = 1e-6;
-/// Multipliers under this are rounding beside the variations that they are differences of.
+/// Multiplier below which it is rounding beside the variations from which it is found.
 const LEAST_MULTIPLIER: f64 = 1e-10;
 /// Sweeps of the Schur decomposition for each multiplier.
 const SWEEPS: usize = 200;
-/// Part of the rates' sizes under which a shift in time is one exactly.
+/// Relative size of the rates below which a shift in time leaves the motion the same.
 const EXACT: f64 = 1e-9;
 
-/// The lengths by which changes of a motion's state are measured: how far elongations and rates of
-/// each dimension have been apart.
-pub fn metric(motion: &Motion, record: &Record) -> Metric {
+/// Metric of changes of a motion's state: how far elongations and rates of each dimension have been
+/// apart.
+pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
     let assembly = motion.assembly();
     let (d, system) = (&assembly.description, assembly.system());
     let sizes = record.sizes();
@@ -44,8 +45,8 @@ pub fn metric(motion: &Motion, record: &Record) -> Metric {
     Metric(of(0).chain(of(2)).collect())
 }
 
-/// The change of the state (q, q') by which the motion is the one a little later: z' less the even
-/// motion of what prescribed bodies carry along. None where the machine is not autonomous.
+/// Change of the state (q, q') that is a shift in time: z' without the uniform motion of what
+/// prescribed bodies carry along. `None` where the machine is not autonomous.
 pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     let assembly = motion.assembly();
     let (d, system, z) = (&assembly.description, assembly.system(), motion.state());
@@ -59,9 +60,9 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     Some(shift)
 }
 
-/// The change of the coordinates by which elongations stay what they are while signals change as in
-/// a change of the augmented state, or their rates where the state itself is given: what a body
-/// that moves evenly carries along. None where nothing does that.
+/// Change of the coordinates for which elongations stay the same while signals change as in a
+/// change of the augmented state; for their rates if the state itself is given. It is what a
+/// uniformly moving body carries along. `None` where there is no such change.
 fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
@@ -77,23 +78,29 @@ fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>>
     ((rows * &along - &changes).amax() <= EXACT * changes.amax()).then_some(along)
 }
 
-/// What the derivative of a period says.
+/// Derivative of a period, evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Period {
-    /// The distance of the state from the orbit, in parts of the motion's sizes.
+    /// Distance of the state from the orbit, relative to the motion's sizes.
     pub distance: f64,
-    /// The modulus of the largest multiplier; none where rounding hides it, or where all is lost.
+    /// Modulus of the largest multiplier; `None` where rounding hides it or all directions are
+    /// lost.
     pub multiplier: Option<f64>,
-    /// s.
+    /// Duration, s.
     pub time: f64,
 }
 
 impl Period {
-    /// Follows the motion over a period of so many returns.
+    /// Follows the motion over a period of `returns` returns.
     ///
     /// # Errors
     /// As [`Section::advance`].
-    pub fn follow(motion: &mut Motion, section: &Section, record: &Record, returns: u32) -> Result<Self> {
+    pub fn follow(
+        motion: &mut Motion,
+        section: &Section,
+        record: &ReturnRecord,
+        returns: u32,
+    ) -> Result<Self> {
         let assembly = motion.assembly().clone();
         let system = assembly.system();
         let metric = metric(motion, record);
@@ -107,7 +114,7 @@ impl Period {
         }
         let size = 2 * system.coordinates;
         let mut change = motion.state() - &start;
-        // Signals that return do so to rounding, which is no even motion.
+        // Signals return up to rounding, which is not a uniform motion.
         let terms = motion.state().abs() + start.abs();
         let signals = change.iter_mut().zip(terms.iter()).skip(size);
         signals.for_each(|(x, terms)| {
@@ -141,14 +148,14 @@ impl Period {
         Ok(Self { distance, multiplier: largest_multiplier(m), time: motion.time() - from })
     }
 
-    /// The largest exponent, 1/s, where the multiplier tells it.
+    /// Largest exponent, 1/s, where the multiplier gives it.
     pub fn exponent(&self) -> Option<f64> {
         let logarithm = self.multiplier?.ln();
         Some(if logarithm.abs() < MARGINAL { 0.0 } else { logarithm / self.time })
     }
 }
 
-/// (1 - M)⁻¹ r outside the neutral directions; none where r has a part beyond rounding in a
+/// (1 - M)⁻¹ r outside the neutral directions; `None` where r has a part beyond rounding in a
 /// direction in which M is 1.
 fn offset(m: &DMatrix<f64>, basis: &[DVector<f64>], r: &DVector<f64>, rounding: f64) -> Option<DVector<f64>> {
     let mut a = DMatrix::identity(m.nrows(), m.ncols()) - m;
@@ -169,7 +176,7 @@ fn offset(m: &DMatrix<f64>, basis: &[DVector<f64>], r: &DVector<f64>, rounding: 
     Some(off)
 }
 
-/// The largest modulus of the eigenvalues, where it is not rounding.
+/// Largest modulus of the eigenvalues, where it is not rounding.
 fn largest_multiplier(m: DMatrix<f64>) -> Option<f64> {
     let size = m.amax();
     if !size.is_finite() {

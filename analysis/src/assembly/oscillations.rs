@@ -1,15 +1,15 @@
-//! A machine's own oscillations without contacts.
+//! Own oscillations of a machine without contacts.
 
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use vibro_assembly::mode::{FrictionState, Mode, StopState};
 use vibro_assembly::system::System;
 
-/// What turns slower than this part of the fastest turns by rounding.
+/// Frequency relative to the fastest below which an oscillation is rounding.
 const ROUNDING: f64 = 1e-7;
 
-/// The frequencies of the machine's own oscillations with all stops open and all friction off,
-/// damping included, Hz.
+/// Frequencies of the machine's own oscillations, Hz, with all stops open and all friction off,
+/// with damping.
 pub(super) fn oscillations(system: &System) -> Vec<f64> {
     let open = |stop: &vibro_assembly::system::StopRows| {
         if stop.restitution().is_some() { StopState::Open } else { StopState::Below }

@@ -1,42 +1,42 @@
-//! A described machine as one whose motions are seen over a plane.
+//! Described machines as [`PlaneMachine`]s.
 
 use super::timescales::{runs_on_beyond, settle};
 use super::{FileStart, Machine, Section, Start, settled};
 use crate::attractor::MotionClass;
 use crate::error::{Error, Result};
-use crate::isoperiodic::{PlaneMachine, Request};
+use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// What the motion from the machine's own start has settled on, at one point of a plane.
+/// Motion from the machine's own start at one point of a plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanePoint {
-    /// Its class.
+    /// Class of the motion.
     pub class: MotionClass,
     /// Impacts and first touches a return.
     pub contacts: f64,
-    /// Whether a stop stays closed or a friction sticks in the course of it.
+    /// Whether a stop stays closed or a friction sticks at some time.
     pub rests: bool,
     /// Mean time between returns, s.
     pub interval: f64,
-    /// The largest exponent, 1/s, and its standard error, where it was computed.
+    /// Largest exponent, 1/s, with its standard error, where it was computed.
     pub exponent: Option<[f64; 2]>,
 }
 
 impl PlaneMachine for Machine {
-    /// None where the values make no machine, and where its motion cannot go on.
+    /// `None` where the values make no machine, and where its motion cannot go on.
     type Point = Option<PlanePoint>;
     type Workspace = ();
     const IN_PLANE_PART: usize = 32;
 
-    fn check_plane(&self, request: &Request<Self>) -> Result<()> {
+    fn check_plane(&self, request: &IsoperiodicRequest<Self>) -> Result<()> {
         let FileStart::File = request.start;
         for axis in [&request.x, &request.y] {
             for end in [axis.from, axis.to] {
                 self.with([(axis.name.as_str(), end)])?;
             }
         }
-        // What no point could do without.
+        // Conditions of every point.
         let section = Section::of(&self.description, &self.section)?;
         match runs_on_beyond(&self.description, &section, request.discard) {
             None => Ok(()),
@@ -48,7 +48,12 @@ impl PlaneMachine for Machine {
         }
     }
 
-    fn points(&self, request: &Request<Self>, rows: Range<usize>, (): &mut ()) -> Vec<Self::Point> {
+    fn points(
+        &self,
+        request: &IsoperiodicRequest<Self>,
+        rows: Range<usize>,
+        (): &mut (),
+    ) -> Vec<Self::Point> {
         let places = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
         places.map(|(i, j)| point(self, request, request.x.value(i), request.y.value(j)).ok()).collect()
     }
@@ -58,7 +63,7 @@ impl PlaneMachine for Machine {
 ///
 /// # Errors
 /// Values that make no machine; a motion that cannot go on.
-fn point(machine: &Machine, request: &Request<Machine>, x: f64, y: f64) -> Result<PlanePoint> {
+fn point(machine: &Machine, request: &IsoperiodicRequest<Machine>, x: f64, y: f64) -> Result<PlanePoint> {
     let own = machine.with([(request.x.name.as_str(), x), (request.y.name.as_str(), y)])?;
     let (motion, section) = own.motion(&Start::default())?;
     let mut motion = motion.without_energy_accounts();

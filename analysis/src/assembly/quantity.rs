@@ -47,7 +47,7 @@ impl fmt::Display for QuantityName {
 
 crate::text::written_as_text!(QuantityName);
 
-/// The refusal of a name that a machine does not have, with the nearest one.
+/// Refusal of a name that a machine does not have, with the nearest one.
 pub fn unknown(text: &str, known: &[String]) -> Error {
     let nearest = known.iter().max_by(|a, b| strsim::jaro(a, text).total_cmp(&strsim::jaro(b, text)));
     let advice = nearest.map_or("the machine has none".into(), |near| {

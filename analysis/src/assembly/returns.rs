@@ -1,49 +1,50 @@
-//! What must return for a motion of a described machine to be periodic: what forces depend on.
+//! Returns of a described machine's motion: what must repeat for the motion to be periodic.
 //!
-//! Elongations of springs with stiffness and of stops, rates of all elements, and the phases of
-//! harmonics where the section does not hold them. The angle of a shaft that nothing holds, and the
-//! elongation of a dashpot, do not act.
+//! Forces depend on elongations of springs with stiffness and of stops, on rates of all elements,
+//! and on the phases of harmonics, unless the section fixes these. The angle of a shaft that
+//! nothing holds and the elongation of a dashpot have no effect.
 
 use super::section::{Section, harmonics};
-use crate::attractor::{LONGEST, RETURN, least_period, nears};
+use crate::attractor::{LONGEST, RETURN, comes_nearer, least_period};
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
 use vibro_assembly::description::{Description, Dimension};
 use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::system::{Elongation, Part, Row, System};
 
-/// Contacts slower than this part of the fastest are chatter, of which the number does not make a
-/// period.
+/// Speed of contacts relative to the fastest below which they are chatter, whose number does not
+/// count for a period.
 const CHATTER: f64 = 1e-6;
-/// Part of a size that stands still, beside which changes of it count: a buffer of which the
-/// deflection is 10⁵ times what it swings by is at rest.
+/// Least size of changes relative to a constant part: a buffer whose deflection is 10⁵ times its
+/// swing is at rest.
 const STANDING: f64 = 1e-5;
-/// Roundings of the terms of a functional beside one another.
+/// Rounding of a functional in units of `f64::EPSILON` times its terms.
 const ROUNDINGS: f64 = 64.0;
-/// Roundings are at most this part of the sizes by which states are compared.
+/// Largest rounding relative to the sizes by which states are compared.
 const ROUNDING_PART: f64 = 1e-4;
-/// An event this near to a section, in parts of the interval, may come on either side of it.
+/// Distance of an event from a section, relative to the interval, at which it may come on either
+/// side.
 const BESIDE: f64 = 1e-6;
-/// Of fewer returns each may be larger than the one before by chance.
+/// Number of returns among which each may exceed the one before by chance.
 const FEW: usize = 16;
-/// Points between two returns at which sizes are taken.
+/// Samples between two returns by which sizes are found.
 const SAMPLES: u32 = 8;
 
-/// The numbers that must return.
+/// Functionals that must return.
 #[derive(Clone, Debug)]
 pub struct Functionals {
     rows: Vec<Row>,
-    /// The kind of each: elongation or rate, of translation or rotation.
+    /// Kind of each: elongation or rate, of translation or rotation.
     kinds: Vec<usize>,
-    /// Of a rate the place of its elongation, where a stiffness makes forces of it, and the
-    /// frequency, rad/s, with which these turn roundings of the elongation into ones of the rate.
+    /// For the rate of an element with stiffness the index of its elongation, and the frequency,
+    /// rad/s, by which forces turn roundings of the elongation into those of the rate.
     stiff: Vec<Option<(usize, f64)>>,
     /// Frequencies, Hz, whose phases must return.
     phases: Vec<f64>,
 }
 
 impl Functionals {
-    /// Those of a machine that is looked at in a section.
+    /// The functionals of a machine with a section.
     pub fn of(d: &Description, system: &System, section: &Section) -> Self {
         let (mut all, mut kinds, mut stiff) = (Vec::new(), Vec::new(), Vec::new());
         let mut push = |row: &Row, kind: usize, stiffness: Option<(&Elongation, f64)>| {
@@ -74,7 +75,8 @@ impl Functionals {
         Self { rows: all, kinds, stiff, phases }
     }
 
-    /// Their values, cosine and sine of the phases last, and the sums of their terms' sizes.
+    /// Values of the functionals, with cosine and sine of the phases last, and the sums of the
+    /// sizes of their terms.
     fn at(&self, motion: &Motion) -> (Vec<f64>, Vec<f64>) {
         let z = motion.state();
         let size = |row: &Row| row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum::<f64>();
@@ -92,37 +94,38 @@ impl Functionals {
         (values, sizes)
     }
 
-    /// How a change of the state (q, q') changes each, phases left out.
+    /// Changes of the functionals, without phases, for a change of the state (q, q').
     fn changes(&self, change: &[f64]) -> Vec<f64> {
         let along = |row: &Row| row.iter().zip(change).map(|(r, x)| r * x).sum();
         self.rows.iter().map(along).collect()
     }
 }
 
-/// A return: the values of the functionals.
+/// Return: the values of the functionals.
 #[derive(Clone, Debug)]
 pub struct Return {
     pub state: Vec<f64>,
-    /// The contacts since the last one, and a number that tells how many of each stop.
+    /// Contacts since the last return, and a number that identifies how many there were on each
+    /// stop.
     pub contacts: u32,
     pattern: u64,
-    /// s.
+    /// Time, s.
     pub time: f64,
 }
 
-/// Returns of a motion.
+/// Record of the returns of a motion.
 #[derive(Clone, Debug)]
-pub struct Record {
+pub struct ReturnRecord {
     functionals: Functionals,
     pub returns: Vec<Return>,
-    /// The least and the largest value of each functional.
+    /// Least and largest value of each functional.
     extents: Vec<[f64; 2]>,
-    /// The largest sum of each one's terms.
+    /// Largest sum of each functional's terms.
     terms: Vec<f64>,
     fastest: f64,
     contacts: u32,
     pattern: u64,
-    /// The times of contacts since the last return but one, s.
+    /// Times of contacts since the last return but one, s.
     struck: Vec<f64>,
     /// Whether a contact lies beside a return.
     pub is_beside: bool,
@@ -130,8 +133,8 @@ pub struct Record {
     pub rests: bool,
 }
 
-impl Record {
-    /// Without a return so far.
+impl ReturnRecord {
+    /// A record without returns.
     pub fn new(motion: &Motion, section: &Section) -> Self {
         let assembly = motion.assembly();
         let functionals = Functionals::of(&assembly.description, assembly.system(), section);
@@ -156,7 +159,7 @@ impl Record {
                 self.contacts += 1;
                 self.fastest = self.fastest.max(speed);
                 if speed > CHATTER * self.fastest {
-                    // A sum, since of two contacts at one instant rounding says which comes first.
+                    // A sum, since rounding decides the order of two contacts at one instant.
                     let own = (1 + stop as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
                     self.pattern = self.pattern.wrapping_add(own ^ (own >> 29));
                     self.struck.push(event.time);
@@ -167,7 +170,7 @@ impl Record {
         }
     }
 
-    /// Takes a state into the sizes.
+    /// Includes a state in the sizes.
     fn include(&mut self, motion: &Motion) -> Vec<f64> {
         let (values, terms) = self.functionals.at(motion);
         for (([least, largest], size), (x, terms)) in
@@ -180,7 +183,7 @@ impl Record {
         values
     }
 
-    /// Takes the way to the next return into the sizes, on a copy of the motion.
+    /// Includes the motion to the next return in the sizes, on a copy of it.
     pub fn look_between(&mut self, motion: &Motion, interval: f64) {
         let mut copy = motion.clone();
         for k in 1..=SAMPLES {
@@ -213,8 +216,8 @@ impl Record {
         }
     }
 
-    /// The sizes of elongations and rates of a kind: how far they have been apart, in the way from
-    /// one return to the next too, and at least a small part of what they are.
+    /// Size of elongations or rates of a kind: their range, between returns too, and at least a
+    /// small part of their values.
     fn size_of(&self, kind: usize) -> f64 {
         let kinds = self.functionals.kinds.iter().zip(&self.extents);
         let own = kinds
@@ -223,16 +226,16 @@ impl Record {
         own.fold(0.0, f64::max)
     }
 
-    /// Sizes of lengths, angles, rates and spins: each at least what the other of its pair makes at
-    /// the frequency of the returns.
+    /// Sizes of lengths, angles, rates and spins; each is at least what the other of its pair gives
+    /// at the frequency of the returns.
     pub fn sizes(&self) -> [f64; 4] {
         let omega = TAU / self.interval();
         let [length, angle, rate, spin] = [0, 1, 2, 3].map(|kind| self.size_of(kind));
         [length.max(rate / omega), angle.max(spin / omega), rate.max(omega * length), spin.max(omega * angle)]
     }
 
-    /// The sizes by which states are compared, number by number: of a shaft that has turned far, at
-    /// least so much that rounding is a small part.
+    /// Sizes by which states are compared, number by number; for a shaft that has turned far at
+    /// least so large that rounding is a small part.
     pub fn scales(&self) -> Vec<f64> {
         let sizes = self.sizes();
         let kinds = self.functionals.kinds.iter().map(|kind| sizes[*kind]);
@@ -240,7 +243,7 @@ impl Record {
         kinds.map(|(size, terms)| size.max(ROUNDINGS * f64::EPSILON * terms / ROUNDING_PART)).collect()
     }
 
-    /// The largest difference of two states in parts of the sizes, roundings left out.
+    /// Largest difference of two states relative to the sizes, without rounding.
     fn distance(&self, a: &[f64], b: &[f64], scales: &[f64]) -> f64 {
         let parts = a.iter().zip(b).zip(scales.iter().zip(&self.terms));
         let part = |((a, b), (scale, terms)): ((&f64, &f64), (&f64, &f64))| {
@@ -250,13 +253,13 @@ impl Record {
         parts.map(part).fold(0.0, f64::max)
     }
 
-    /// A change of the state (q, q') in parts of the sizes, roundings left out.
+    /// Change of the state (q, q') relative to the sizes, without rounding.
     pub fn size_of_change(&self, change: &[f64]) -> f64 {
         let changes = self.functionals.changes(change);
         self.distance(&changes, &vec![0.0; changes.len()], &self.scales())
     }
 
-    /// The least period up to [`LONGEST`] after which states return to a part of their sizes.
+    /// Least period up to [`LONGEST`] after which states return, relative to their sizes.
     pub fn period(&self, near: f64) -> Option<u32> {
         let scales = self.scales();
         least_period(&self.returns, |a, b| {
@@ -264,7 +267,7 @@ impl Record {
         })
     }
 
-    /// The largest distance of the last returns from those so many before.
+    /// Largest distance of the last returns from those one period before.
     pub fn return_distance(&self, period: u32) -> f64 {
         let (lag, scales) = (period as usize, self.scales());
         let last = &self.returns[self.returns.len().saturating_sub(2 * lag)..];
@@ -272,14 +275,14 @@ impl Record {
         pairs.map(|(a, b)| self.distance(&a.state, &b.state, &scales)).fold(0.0, f64::max)
     }
 
-    /// Whether returns come nearer from one eighth of the record to the next.
+    /// Whether returns come nearer from each eighth of the record to the next.
     pub fn is_approaching(&self) -> bool {
         let scales = self.scales();
-        nears(&self.returns, |a, b| self.distance(&a.state, &b.state, &scales))
+        comes_nearer(&self.returns, |a, b| self.distance(&a.state, &b.state, &scales))
     }
 
-    /// Whether in the later half of the record a number that must return has changed in one
-    /// direction from each return to the next: a motion that is braked or driven on.
+    /// Whether a functional changed in one direction from each return to the next in the later half
+    /// of the record: a motion that is braked or driven on.
     pub fn drifts(&self) -> bool {
         let later = &self.returns[self.returns.len() / 2..];
         let (Some(first), Some(last)) = (later.first(), later.last()) else { return false };
@@ -292,7 +295,7 @@ impl Record {
         later.len() >= FEW && (0..self.functionals.kinds.len()).any(goes)
     }
 
-    /// Forgets early returns where there are more than are needed.
+    /// Forgets early returns that are no longer needed.
     pub fn shorten(&mut self) {
         if self.returns.len() >= 8 * LONGEST as usize {
             self.returns.drain(..4 * LONGEST as usize);

@@ -1,6 +1,6 @@
-//! Where a motion of a described machine is looked at: at whole periods of what drives it or, where
-//! nothing does, at each event of an element. A return to the section is for these machines what a
-//! drive period is for the 3-DOF one.
+//! Section at which a described machine's motion is looked at: whole periods of what drives it or,
+//! where nothing does, each event of an element. The return to the section takes the place of the
+//! drive period of the 3-DOF machine.
 
 use super::flight::{Flows, Observer, follow};
 use crate::error::{Error, Result};
@@ -9,40 +9,40 @@ use vibro_assembly::Motion;
 use vibro_assembly::description::{Description, Harmonic, Signal};
 use vibro_assembly::motion::{Event, EventKind, Outcome};
 
-/// Frequencies are multiples of one another to this part.
+/// Relative accuracy to which frequencies are multiples of one another.
 const COMMENSURATE: f64 = 1e-9;
 /// Most periods of the slowest harmonic in a common period.
 const MOST_PERIODS: u32 = 1000;
-/// The time within which an event that makes the section must come again, s.
+/// Time within which an event that defines the section must come again, s.
 const WITHIN: f64 = 100.0;
 
-/// Where a section lies beside one of whole periods, in parts of the period: no simple fraction.
+/// Offset of a section beside one of whole periods, in parts of the period: no simple fraction.
 const BESIDE: f64 = 0.381_966_011_250_105;
 
-/// How the section is chosen.
+/// Rule by which the section is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum SectionRule {
-    /// At whole periods of all harmonics together; of a machine without harmonics at the events of
-    /// its first stop, or else friction.
+    /// Whole common periods of all harmonics; for a machine without harmonics the events of its
+    /// first stop, or else friction.
     #[default]
     Auto,
-    /// At whole multiples of a time, s.
+    /// Whole multiples of a time, s.
     Period(f64),
-    /// At the events of an element: impacts and first touches of a stop, each time that a friction
-    /// begins to stick.
+    /// Events of an element: impacts and first touches of a stop; each time that a friction begins
+    /// to stick.
     Element(String),
 }
 
-/// The section of a machine.
+/// Poincaré section of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Section {
-    /// At whole multiples of a time, s.
+    /// Whole multiples of a time, s.
     Period(f64),
-    /// At a time, s, after whole multiples of another: beside events that fall on these.
+    /// A time, s, after whole multiples of another: beside events that fall on these.
     Shifted(f64, f64),
-    /// Where a stop is hit or met.
+    /// Impacts or first touches of a stop.
     Stop(usize),
-    /// Where a friction begins to stick.
+    /// Times at which a friction begins to stick.
     Friction(usize),
 }
 
@@ -51,14 +51,14 @@ pub(super) fn harmonics(d: &Description) -> impl Iterator<Item = &Harmonic> {
     d.signals().flat_map(|s| s.signal.harmonics.iter())
 }
 
-/// Whether no signal changes with time: prescribed bodies may move evenly.
+/// Whether no signal changes with time; prescribed bodies may move uniformly.
 pub(super) fn is_steady(d: &Description) -> bool {
     let is_constant = |s: &Signal| s.harmonics.is_empty() && s.steps.is_empty() && s.table.is_none();
     d.signals().all(|s| is_constant(s.signal))
 }
 
-/// The least time that is a whole number of periods of each harmonic, s: `None` without harmonics,
-/// or where there is none up to 1000 periods of the slowest.
+/// Least time that is a whole number of periods of each harmonic, s; `None` without harmonics, or
+/// where there is none up to 1000 periods of the slowest.
 pub fn common_period(d: &Description) -> Option<f64> {
     let frequencies: Vec<f64> = harmonics(d).map(|h| h.frequency).collect();
     let slowest = frequencies.iter().copied().reduce(f64::min)?;
@@ -71,7 +71,7 @@ impl Section {
     /// The section of a machine.
     ///
     /// # Errors
-    /// [`Error::Described`] where there is none by the rule, with what to do.
+    /// [`Error::Described`] where the rule gives none, with advice.
     pub fn of(d: &Description, rule: &SectionRule) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
         match rule {
@@ -107,7 +107,7 @@ impl Section {
         }
     }
 
-    /// In words: `periods of 0.1 s`, `events of stop.floor`.
+    /// Section in words: `periods of 0.1 s`, `events of stop.floor`.
     pub fn in_words(&self, d: &Description) -> String {
         match self {
             Self::Period(period) | Self::Shifted(period, _) => {
@@ -133,7 +133,7 @@ impl Section {
         }
     }
 
-    /// The end of the period that is under way; none where events are the section.
+    /// End of the current period; `None` where events are the section.
     fn end(&self, time: f64) -> Option<f64> {
         let (period, shift) = match self {
             Self::Period(period) => (*period, 0.0),
@@ -143,7 +143,7 @@ impl Section {
         Some((((time - shift) / period + COMMENSURATE).floor() + 1.0) * period + shift)
     }
 
-    /// Whether each return is a whole number of turns of a harmonic, of a frequency in Hz.
+    /// Whether each return is a whole number of turns of a harmonic with a frequency in Hz.
     pub(super) fn holds(&self, frequency: f64) -> bool {
         let turns = match self {
             Self::Period(period) | Self::Shifted(period, _) => period * frequency,
@@ -152,7 +152,7 @@ impl Section {
         (turns - turns.round()).abs() <= COMMENSURATE * turns && turns.round() >= 1.0
     }
 
-    /// A section beside this one, where it is one of times.
+    /// Section beside this one, if it is one of times.
     pub(super) fn beside(&self) -> Option<Self> {
         match self {
             Self::Period(period) => Some(Self::Shifted(*period, BESIDE * period)),
@@ -160,7 +160,7 @@ impl Section {
         }
     }
 
-    /// Advances to the next return and tells every event on the way.
+    /// Advances to the next return and reports every event on the way.
     ///
     /// # Errors
     /// As [`Motion::advance_to`]; [`Error::Described`] where an element has no event for 100 s.
@@ -184,7 +184,7 @@ impl Section {
         }
     }
 
-    /// Advances to the next return and shows the way to observers.
+    /// Advances to the next return and passes the way to observers.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).

@@ -1,17 +1,17 @@
-//! What a motion of a described machine settles on: its period in returns to the section, its
-//! class, its largest exponent.
+//! Attractor of a described machine's motion: period in returns to the section, class, largest
+//! exponent.
 //!
-//! A period is said where states return, where the [derivative of the period](super::monodromy)
-//! says that the orbit is near, and where no part of the period would do: what seems to return in
-//! 2T next to a doubling is followed until it returns in T, or until its two states are farther
-//! apart than the way that is left. What is not decided after the most returns is settling or not
-//! settled.
+//! A period is decided where states return, where the [derivative of the period](super::monodromy)
+//! shows that the orbit is near, and where no part of the period would do: a motion that seems to
+//! return in 2T next to a doubling is followed until it returns in T, or until its two states are
+//! farther apart than the way that is left. A motion undecided after the most returns is settling
+//! or not settled.
 
 use super::flight::Flows;
 use super::growth::{ALIGN, Growth};
 use super::monodromy::{MARGINAL, Period, shift};
 use super::oscillations::oscillations;
-use super::returns::Record;
+use super::returns::ReturnRecord;
 use super::section::{Section, common_period, harmonics};
 use super::variation::{Metric, Variation};
 use crate::attractor::{MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT};
@@ -22,57 +22,57 @@ use std::f64::consts::TAU;
 use vibro_assembly::Motion;
 use vibro_assembly::neutral::Neutral;
 
-/// A motion is not followed further where its states return to this part of their sizes.
+/// Return, relative to the sizes of states, at which a motion is not followed further.
 const STEADY: f64 = 1e-9;
-/// Returns between two looks at whether a motion has settled.
+/// Returns between two checks whether a motion has settled.
 const LOOK: u32 = 4;
-/// A motion whose derivative of the period was in vain is looked at again when it has been followed
-/// so many times as long.
+/// Factor by which a motion must have been followed longer before the derivative of its period is
+/// computed again.
 const AGAIN: f64 = 1.25;
-/// States of an orbit are apart by so many times the distance that is left to it, or may be one.
+/// Distance of distinct states of an orbit in units of the distance from the orbit.
 const APART: f64 = 20.0;
-/// Most returns over which an exponent is counted before its sign is left open, where they are the
-/// slowest of the motion: as many as tell that it is zero, by [`ZERO_EXPONENT`], …
+/// Most returns over which an exponent is counted before its sign is left open, if returns are the
+/// slowest rate of the motion: as many as decide that it is zero, by [`ZERO_EXPONENT`].
 const MOST_RETURNS: u32 = 3_300;
-/// … and so many times as many where an own oscillation is slower.
+/// Largest factor by which that number grows where an own oscillation is slower.
 const SLOWER: f64 = 4.0;
-/// Most returns for which a motion is followed while it is on its way.
+/// Most returns for which an undecided motion is followed.
 const PROLONGED: u32 = 8_192;
-/// Returns between two looks at an exponent's sign.
+/// Returns between two checks of an exponent's sign.
 const BLOCK: u32 = 8;
-/// The logarithm by which rounding grows to what is seen.
+/// Logarithm by which rounding grows to be visible.
 const PARTED: f64 = 20.0;
-/// An exponent by the multiplier of a period is exact where the orbit is as near as this.
+/// Distance from the orbit at which the exponent by the multiplier of a period is exact.
 const NEAR: f64 = 1e-9;
 
-/// What a motion has settled on.
+/// Attractor on which a motion has settled.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settled {
-    /// Its period in returns, where it has one up to [`LONGEST`](crate::attractor::LONGEST).
+    /// Period in returns, where there is one up to [`LONGEST`](crate::attractor::LONGEST).
     pub period: Option<u32>,
-    /// Its class.
+    /// Class of the motion.
     pub class: MotionClass,
-    /// The largest exponent beside neutral ones, where it was computed and the class is decided:
-    /// that of a motion on its way belongs to the way.
+    /// Largest exponent besides neutral ones, where it was computed and the class is decided;
+    /// before that it would be the exponent of the transient.
     pub exponent: Option<LargestExponent>,
     /// Impacts and first touches a return.
     pub contacts: f64,
-    /// Whether a stop stays closed or a friction sticks in the course of it.
+    /// Whether a stop stays closed or a friction sticks at some time.
     pub rests: bool,
     /// Mean time between returns, s.
     pub interval: f64,
-    /// The states of one period, SI: elongations and rates of elements, and phases of harmonics
-    /// that the section does not hold.
+    /// States of one period, SI: elongations and rates of elements, and phases of harmonics that
+    /// the section does not fix.
     pub states: Vec<Vec<f64>>,
-    /// The sizes of the states' numbers, SI.
+    /// Sizes of the states' numbers, SI.
     pub scales: Vec<f64>,
     /// Time after the section at which the states are taken, s.
     pub shift: f64,
 }
 
 impl Settled {
-    /// Whether both are two attractors: two classes, two periods, or states that differ. None where
-    /// that is not decided, as of two chaotic motions.
+    /// Whether two motions are on different attractors: by class, period or states. `None` where
+    /// that is undecided, as for two chaotic motions.
     pub fn differs(&self, other: &Self) -> Option<bool> {
         if !(self.class.is_decided() && other.class.is_decided()) {
             return None;
@@ -95,19 +95,19 @@ impl Settled {
 struct Follower<'a> {
     motion: &'a mut Motion,
     section: Section,
-    record: Record,
-    /// Returns for which it has been followed.
+    record: ReturnRecord,
+    /// Number of returns followed.
     followed: u32,
-    /// How far it must have been followed before the derivative of the period is looked at again.
+    /// Number of returns followed at which the derivative of the period is computed again.
     next_look: u32,
-    /// Whether the orbit that its returns seem to be near was unstable when this was last looked
-    /// at.
+    /// Whether the orbit near which the motion seems to return was unstable when it was last
+    /// examined.
     is_unstable: bool,
 }
 
 impl<'a> Follower<'a> {
     fn new(motion: &'a mut Motion, section: &Section) -> Self {
-        let record = Record::new(motion, section);
+        let record = ReturnRecord::new(motion, section);
         Self { motion, section: *section, record, followed: 0, next_look: 0, is_unstable: false }
     }
 
@@ -116,12 +116,12 @@ impl<'a> Follower<'a> {
     }
 
     fn begin(&mut self) {
-        self.record = Record::new(self.motion, &self.section);
+        self.record = ReturnRecord::new(self.motion, &self.section);
         let at_event = self.at_event();
         self.record.arrive(self.motion, at_event);
     }
 
-    /// Goes on to the next return.
+    /// Continues to the next return.
     fn advance(&mut self) -> Result<()> {
         let record = &mut self.record;
         self.section.advance(self.motion, &mut |event| record.event(event))?;
@@ -135,7 +135,7 @@ impl<'a> Follower<'a> {
         Ok(())
     }
 
-    /// The period, with its derivative, where it is decided; the motion is then a period further.
+    /// The period with its derivative, where it is decided; the motion is then one period further.
     fn period(&mut self, near: f64) -> Result<Option<(u32, Period)>> {
         if self.followed < self.next_look || self.record.is_beside {
             return Ok(None);
@@ -147,7 +147,7 @@ impl<'a> Follower<'a> {
         let parts = (2..=returns).filter(|factor| returns.is_multiple_of(*factor));
         let mut apart = parts.map(|factor| self.record.return_distance(returns / factor));
         let is_whole = apart.all(|apart| apart > APART * period.distance);
-        // A motion that stays for long where its neighbours part is on that orbit exactly, as by
+        // A motion that stays long on an orbit from which neighbours depart is exactly on it, as by
         // symmetry.
         let growth = period.multiplier.map_or(0.0, f64::ln);
         let turns = self.record.returns.len() as f64 / f64::from(returns);
@@ -160,12 +160,12 @@ impl<'a> Follower<'a> {
         Ok(Some((returns, period)))
     }
 
-    /// Whether the motion has a period by its returns, and no unstable one.
+    /// Whether the motion has a period by its returns, on an orbit that is not unstable.
     fn seems_periodic(&self) -> bool {
         !self.is_unstable && self.record.period(RETURN).is_some()
     }
 
-    /// Follows it until its period is decided, over up to [`OBSERVED`] returns.
+    /// Follows the motion until its period is decided, over up to [`OBSERVED`] returns.
     fn observe(&mut self) -> Result<Option<(u32, Period)>> {
         self.begin();
         for k in 1..=OBSERVED {
@@ -179,14 +179,14 @@ impl<'a> Follower<'a> {
         if self.record.is_beside
             && let Some(section) = self.section.beside()
         {
-            // Contacts at the very section come on either side of it.
+            // Contacts at the section itself may come on either side of it.
             self.section = section;
             return self.observe();
         }
         self.period(RETURN)
     }
 
-    /// Follows it for as long as it has been followed, or until its period is decided.
+    /// Follows the motion as long again as so far, or until its period is decided.
     fn prolong(&mut self) -> Result<Option<(u32, Period)>> {
         for k in 1..=self.followed {
             self.advance()?;
@@ -217,14 +217,13 @@ pub fn discard(motion: &mut Motion, section: &Section, discard: u32) -> Result<(
     Ok(())
 }
 
-/// The slowest of a motion's rates, rad/s: that of its returns or, where it is slower, of an own
-/// oscillation.
+/// Slowest rate of a motion, rad/s: that of its returns or of a slower own oscillation.
 fn slowest(motion: &Motion, interval: f64) -> f64 {
     let own = oscillations(motion.assembly().system()).into_iter();
     own.map(|frequency| TAU * frequency).fold(TAU / interval, f64::min)
 }
 
-/// The growth of a variation from the present on: until its sign is decided and it has been counted
+/// Growth of a variation from the present on, until its sign is decided and it has been counted
 /// over `least` returns, or over the most.
 fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Growth> {
     let motion = &mut *follower.motion;
@@ -253,8 +252,8 @@ fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Gro
     Ok(growth)
 }
 
-/// The exponent of a motion with a period, by its multipliers; by the growth of a variation where
-/// they are too small to be told from rounding.
+/// Exponent of a motion with a period, by its multipliers, or by the growth of a variation where
+/// the multipliers are too small to be told from rounding.
 fn periodic_exponent(
     follower: &mut Follower<'_>,
     (returns, first): (u32, Period),
@@ -263,7 +262,7 @@ fn periodic_exponent(
     let mut periods = [first; 2];
     let mut left = PROLONGED / 4;
     while periods[1].exponent().is_some() && left >= returns {
-        // What is left of the way changes multipliers in proportion.
+        // The distance left to the orbit changes multipliers in proportion.
         if periods[1].distance <= NEAR && periods[1] != first {
             break;
         }
@@ -282,9 +281,9 @@ fn periodic_exponent(
     Ok(LargestExponent { value, error: (value - before).abs(), periods: returns })
 }
 
-/// What a motion settles on, from the present on. The exponent of a motion with a period is
-/// computed where `exponents` gives the least number of returns over which one without is counted;
-/// of these the sign decides on the class.
+/// The attractor of a motion from the present on. `exponents` is the least number of returns over
+/// which the exponent of a motion without a period is counted, whose sign decides the class; where
+/// it is given, the exponent of a motion with a period is computed too.
 ///
 /// # Errors
 /// As [`Section::advance`].
@@ -307,7 +306,7 @@ pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -
                 class = MotionClass::NotSettled;
             }
             if class == MotionClass::Settling && !has_periods {
-                // All that two frequencies without a common period leave is a motion as theirs.
+                // Two frequencies without a common period leave a quasi-periodic motion.
                 class = MotionClass::QuasiPeriodic;
             }
             follower.followed += growth.returns();
@@ -335,7 +334,7 @@ pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -
 }
 
 impl Follower<'_> {
-    /// What was seen of the motion.
+    /// The attractor from the record of the motion.
     fn seen(&self, period: Option<u32>, class: MotionClass, exponent: Option<LargestExponent>) -> Settled {
         let record = &self.record;
         let count = period.map_or(record.returns.len().saturating_sub(1), |n| n as usize).max(1);
@@ -365,8 +364,8 @@ mod tests {
     use crate::assembly::{Machine, Start};
     use vibro_assembly::file;
 
-    /// Two coupled oscillators with random numbers, of which the second hits a stop in every second
-    /// machine.
+    /// Two coupled oscillators with random parameters; in every second machine the second
+    /// oscillator hits a stop.
     fn machine(draw: &mut impl FnMut(f64, f64) -> f64, hits: bool) -> Machine {
         let stop = if hits {
             "[stop.s]\nbetween = [\"ground\", \"b\"]\ngap = 0.002\nrestitution = 0.6\n"
@@ -389,11 +388,12 @@ mod tests {
         Machine::new(file::parse(&text, "m.toml", &file::no_records).unwrap())
     }
 
-    /// Of 200 machines with a period the multipliers are known; a variation's growth, counted as if
-    /// they were not, must be as near as it says.
+    /// Machines with a period have known multipliers: the growth of a variation must be as near to
+    /// them as its error says.
     #[test]
     fn second_method_errors_of_growth_cover_the_exponents_by_multipliers() {
-        /// 95 % of normal errors are within two of them; growth that swings regularly is nearer.
+        /// Of 200 machines: 95 % of normal errors are within two of them, and growth that swings
+        /// regularly is nearer.
         const COVERED: usize = 190;
         let mut seed = 44u64;
         let mut draw = |from: f64, to: f64| {

@@ -1,4 +1,4 @@
-use super::diagram::{self, Request};
+use super::diagram::{self, DiagramRequest};
 use super::*;
 use crate::attractor::MotionClass;
 use crate::lyapunov::{SpectrumOptions, spectrum};
@@ -10,14 +10,14 @@ mod verdicts;
 
 /// Rounding of a motion that has settled to 1e-9 of its size.
 const SETTLED: f64 = 1e-8;
-/// A variation that turns has a length that swings by at most its ratio of axes, whose logarithm
-/// counts over 74 s at -2/s.
+/// Swing of the length of a variation that turns: its ratio of axes, whose logarithm is divided by
+/// 74 s beside an exponent of -2/s.
 const SWING: f64 = 1e-3;
-/// An exponent of a settled motion over some hundred periods: the variation has turned to e-16 or
-/// to a few powers of the multipliers' ratio.
+/// Error of an exponent of a settled motion over some hundred periods: the variation has aligned to
+/// e-16, or to a few powers of the multipliers' ratio.
 const TURNED: f64 = 1e-4;
-/// Exponents of chaos over 400 periods of motions that part after some tens: three standard errors
-/// of either are under this part.
+/// Three standard errors of an exponent of chaos over 400 periods of motions that part after some
+/// tens, relative to the exponent.
 const CHAOS: f64 = 0.2;
 
 fn example(name: &str) -> Machine {
@@ -93,9 +93,9 @@ fn closed_form_exponent_and_impacts_of_the_impact_pair() {
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();
     let found = settled(&mut motion, &section, Some(200)).unwrap();
     assert_eq!((found.class, found.contacts), (MotionClass::Periodic(1), 2.0));
-    // The map from one impact to the next, of their times and of the speeds after them: with y the
-    // base, v the speed after the impact at t, dt' = ((y'(t) - v) dt + π dv)/(y'(t') - v), dv' = -ε
-    // dv + (1 + ε) y''(t') dt'; the second half of a period is its mirror image.
+    // The map from one impact to the next, of their times and of the speeds after them. With y the
+    // base and v the speed after the impact at t: dt' = ((y'(t) - v) dt + π dv)/(y'(t') - v), dv' =
+    // -ε dv + (1 + ε) y''(t') dt'. The second half of a period is its mirror image.
     let (e, v) = (0.5, 1.505_573_953_117_26);
     let c = -(1.0 - e) / (1.0 + e) * v;
     let sine = 0.5 * (std::f64::consts::PI * v - 3.0);
@@ -109,7 +109,7 @@ fn closed_form_exponent_and_impacts_of_the_impact_pair() {
     assert!((exponent - expected).abs() < TURNED, "{exponent} {expected}");
 }
 
-/// The paper's machine as a description beside its parameters.
+/// The paper's machine as a description and as parameters of the 3-DOF core.
 fn paper(amplitude: f64) -> (Machine, Simulator) {
     let machine = example("paper_machine.toml").with([("load.drive.amplitude", amplitude)]).unwrap();
     let p = Parameters { drive_amplitude: amplitude, ..Parameters::default() };
@@ -120,8 +120,8 @@ fn paper(amplitude: f64) -> (Machine, Simulator) {
 #[test]
 fn second_method_exponents_are_the_3_dof_cores() {
     let p = Parameters::default();
-    // A motion with one impact at each stop: to what both have settled. Chaos: to what two windows
-    // of it scatter.
+    // With one impact at each stop: to the accuracy to which both have settled. In chaos: to the
+    // scatter of two windows.
     for (amplitude, near) in [(p.drive_amplitude, 5e-3), (p.drive_amplitude * 3.6 / 1.5, CHAOS)] {
         let (machine, mut core) = paper(amplitude);
         let period = 2.0 * std::f64::consts::PI / core.parameters().drive_frequency;
@@ -131,7 +131,7 @@ fn second_method_exponents_are_the_3_dof_cores() {
         let (mut motion, section) = machine.motion(&Start::default()).unwrap();
         discard(&mut motion, &section, 400).unwrap();
         let found = settled(&mut motion, &section, Some(400)).unwrap();
-        // Of the core's seven one is the drive phase's, which is zero.
+        // Of the core's seven exponents that of the drive's phase is zero.
         let is_chaos = found.class == MotionClass::Chaotic;
         let expected = if is_chaos { exponents[0] } else { exponents[1] };
         let own = found.exponent.unwrap().value;
@@ -206,7 +206,7 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     let axis = ParameterAxis::of("stop.steel.gap".to_owned(), (4e-3, 6e-3), 3).unwrap();
     let of = "block.s".parse().unwrap();
     let request =
-        Request { axis, of, at_section: false, discard: 150, keep: 12, exponents: None, anew: false };
+        DiagramRequest { axis, of, at_section: false, discard: 150, keep: 12, exponents: None, anew: false };
     let found = diagram::diagram(&machine, &request, &Task::ALL).unwrap().unwrap();
     let first = found.up[0].as_ref().unwrap();
     let top = measured(&machine.with([("stop.steel.gap", 4e-3)]).unwrap(), &["maximum.block.s"])[0];
@@ -215,7 +215,7 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     let again = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let one = again.install(|| diagram::diagram(&machine, &request, &Task::ALL)).unwrap().unwrap();
     assert_eq!(one, found);
-    let wrong = Request { of: "blok.s".parse().unwrap(), ..request };
+    let wrong = DiagramRequest { of: "blok.s".parse().unwrap(), ..request };
     let error = diagram::diagram(&machine, &wrong, &Task::ALL).unwrap_err().to_string();
     assert!(error.contains("the nearest is `block.s`"), "{error}");
 }
@@ -223,18 +223,18 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
 /// Rounding of motions that repeat.
 const REPEATS: f64 = 1e-6;
 
-/// What a sweep measures of the machine as it is.
-fn swept(machine: &Machine, names: &[&str], discard: u32, periods: u32) -> crate::design_sweep::Row {
+/// Measures of the machine as it is, by a sweep.
+fn swept(machine: &Machine, names: &[&str], discard: u32, periods: u32) -> crate::design_sweep::DesignRow {
     let measures = names.iter().map(|n| n.parse().unwrap()).collect();
     let request =
-        crate::design_sweep::Request::<Machine> { measures, discard, periods, ..Default::default() };
+        crate::design_sweep::SweepRequest::<Machine> { measures, discard, periods, ..Default::default() };
     crate::design_sweep::row(machine, &request, 0)
 }
 
 #[test]
 fn invariant_a_motion_that_repeats_after_some_returns_has_no_spread() {
-    // Looked at every 0.2/3 s, the motion of 0.2 s is 3T; parts of ten returns are no whole number
-    // of it.
+    // At a section every 0.2/3 s the motion of 0.2 s is 3T; parts of ten returns are no multiple of
+    // it.
     let mut machine = text(OSCILLATOR);
     machine.section = SectionRule::Period(0.2 / 3.0);
     let row = swept(&machine, &["rms.a.s", "power.k", "maximum.a.s", "class"], 400, 60);
@@ -247,8 +247,8 @@ fn invariant_a_motion_that_repeats_after_some_returns_has_no_spread() {
 
 #[test]
 fn closed_form_measures_last_four_periods_of_the_slowest_own_oscillation() {
-    // Undamped, 1 Hz, from a start of 1 m: cos(2 pi t). A ripple makes the section of 1 ms, ten of
-    // which see 10 ms of it.
+    // Undamped at 1 Hz, from a start of 1 m: cos(2 pi t). A ripple defines the section of 1 ms, so
+    // that ten returns are 10 ms.
     let slow = "name = \"S\"\n[body.a]\nmass = 1.0\nstart = { s = 1.0 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\n\
         stiffness = 39.47841760435743\n[load.f]\non = \"a\"\namplitude = 1e-9\nfrequency = \"1 kHz\"\n";
     let machine = text(slow);
@@ -256,7 +256,7 @@ fn closed_form_measures_last_four_periods_of_the_slowest_own_oscillation() {
     let number = |i: usize| row.outputs[i].unwrap_or_else(|| panic!("{row:?}")).largest;
     assert!((number(0) - 2.0).abs() < REPEATS, "{row:?}");
     assert!((number(1) - 0.5f64.sqrt()).abs() < 1e-3, "{row:?}");
-    // A hundred times what was asked for is not taken without being asked.
+    // A window a hundred times as long as requested is refused.
     let row = swept(&machine, &["peak_to_peak.a.s"], 60, 10);
     let reason = row.reason.unwrap();
     assert!(
@@ -275,13 +275,13 @@ fn stepped(time: &str) -> Machine {
 fn closed_form_what_does_not_repeat_is_measured_after_its_last_change_or_as_asked() {
     let names = ["maximum.a.s", "class"];
     let swing = measured(&text(OSCILLATOR), &["maximum.a.s"])[0];
-    let number = |row: &crate::design_sweep::Row| row.outputs[0].unwrap().largest;
-    // A step before what is discarded ends: what comes after it.
+    let number = |row: &crate::design_sweep::DesignRow| row.outputs[0].unwrap().largest;
+    // A step before the end of the discarded returns: the motion after it is measured.
     let row = swept(&stepped("20 s"), &names, 300, 60);
     assert!((number(&row) - 2.0 - swing).abs() < REPEATS, "{row:?}");
     assert_eq!(row.classes, [MotionClass::Periodic(1)]);
-    // A step to come: as long as was asked for, though the motion has settled long before; and it
-    // has no class.
+    // A step to come: the requested returns are measured, though the motion has settled long
+    // before; it has no class.
     let row = swept(&stepped("62 s"), &names[..1], 300, 60);
     assert!(number(&row) > 2.0 + swing, "{row:?}");
     let row = swept(&stepped("200 s"), &names, 300, 60);
@@ -298,21 +298,21 @@ fn a_diagram_of_what_does_not_repeat_is_refused_by_name_or_starts_anew() {
     let axis = ParameterAxis::of("spring.k.damping".to_owned(), (8.0, 9.0), 5).unwrap();
     let of = "a.s".parse().unwrap();
     let request =
-        Request { axis, of, at_section: false, discard: 100, keep: 5, exponents: None, anew: false };
+        DiagramRequest { axis, of, at_section: false, discard: 100, keep: 5, exponents: None, anew: false };
     let machine = stepped("200 s");
     let error = diagram::diagram(&machine, &request, &Task::ALL).unwrap_err().to_string();
     assert!(error.starts_with("load.f has a step at 200 s: ") && error.contains("--anew"), "{error}");
-    let anew = Request { anew: true, ..request.clone() };
+    let anew = DiagramRequest { anew: true, ..request.clone() };
     let found = diagram::diagram(&machine, &anew, &Task::ALL).unwrap().unwrap();
     assert!(found.down.iter().all(Option::is_none) && found.hysteresis().iter().all(|h| !h));
-    // All values are seen before the step, as without it.
+    // All values are observed before the step, and equal those without it.
     for point in &found.up {
         let point = point.as_ref().unwrap();
         let own = text(OSCILLATOR).with([("spring.k.damping", point.value)]).unwrap();
         let swing = measured(&own, &["maximum.a.s"])[0];
         assert!((point.maxima[0].0 - swing).abs() < REPEATS && point.maxima.len() == 1, "{point:?}");
     }
-    // A step within what is discarded has passed at the first value.
+    // A step within the discarded returns is over at the first value.
     let found = diagram::diagram(&stepped("10 s"), &request, &Task::ALL).unwrap().unwrap();
     assert!(found.up.iter().chain(&found.down).flatten().all(|p| p.maxima[0].0 > 1.9), "{found:?}");
     assert!(found.hysteresis().iter().all(|h| !h));

@@ -1,5 +1,5 @@
-//! How long a motion must be looked at: as long as the machine's slowest own oscillation needs, and
-//! after the last change of what drives it.
+//! Time for which a motion must be looked at: as the machine's slowest own oscillation requires,
+//! and after the last change of what drives it.
 
 use super::oscillations::oscillations;
 use super::section::Section;
@@ -10,24 +10,24 @@ use vibro_assembly::Motion;
 use vibro_assembly::description::Description;
 use vibro_assembly::elements::NamedSignal;
 
-/// A window lasts so many periods of the slowest own oscillation, and what is discarded before it
-/// too.
+/// Least length of a window, and of the discarded time before it, in periods of the slowest own
+/// oscillation.
 const SLOWEST: f64 = 4.0;
-/// A window is at most as many times as long as was asked for.
+/// Largest factor by which a window may be longer than requested.
 const MOST: f64 = 100.0;
-/// Where there are events there are as many in a window, if ten times its length has them.
+/// Least number of events in a window, and the factor up to which the window is prolonged for them.
 const EVENTS: u32 = 8;
 const TIMES: u32 = 10;
 
-/// The period of the slowest own oscillation, s; 0 without one.
+/// Period of the slowest own oscillation, s; 0 without one.
 fn slowest(motion: &Motion) -> f64 {
     oscillations(motion.assembly().system()).into_iter().map(|f| 1.0 / f).fold(0.0, f64::max)
 }
 
-/// The least length of a window, s.
+/// Least length of a window, s.
 ///
 /// # Errors
-/// [`Error::Described`] where it is more than a hundred times what was asked for.
+/// [`Error::Described`] where it is more than a hundred times the requested one.
 pub(super) fn needed(motion: &Motion, section: &Section, periods: u32) -> Result<f64> {
     let slowest = slowest(motion);
     is_allowed(section, periods, slowest, "measured, --periods")?;
@@ -59,7 +59,7 @@ fn too_short(time: f64, periods: u32, slowest: f64, option: &str) -> Error {
     }
 }
 
-/// How much of a window has passed.
+/// Progress of a window.
 pub(super) struct Passed {
     begin: f64,
     needed: f64,
@@ -69,15 +69,15 @@ pub(super) struct Passed {
 }
 
 impl Passed {
-    /// From now on, over a time and a number of returns at least.
+    /// A window from now on, over at least a time and a number of returns.
     pub fn new(motion: &Motion, needed: f64, periods: u32) -> Self {
         Self { begin: motion.time(), needed, periods, returns: 0, events: 0 }
     }
 
-    /// Counts a return with its events; says whether the window is long enough.
+    /// Counts a return with its events; returns whether the window is long enough.
     ///
     /// # Errors
-    /// [`Error::Described`] where it would be more than a hundred times what was asked for.
+    /// [`Error::Described`] where it would be more than a hundred times the requested one.
     pub fn is_enough(&mut self, motion: &Motion, (events, repeats): (u32, bool)) -> Result<bool> {
         self.returns += 1;
         self.events = self.events.saturating_add(events);
@@ -111,15 +111,14 @@ fn last_change(d: &Description) -> Option<(f64, String)> {
     d.signals().flat_map(of).flatten().reduce(|a, b| if b.0 > a.0 { b } else { a })
 }
 
-/// What still changes after a time without ever repeating, in words; `None` where all repeats from
-/// then on or is constant.
+/// The signal that still changes after a time without repeating, in words; `None` where all repeat
+/// from then on or are constant.
 pub fn runs_on(d: &Description, time: f64) -> Option<String> {
     last_change(d).filter(|(end, _)| *end > time).map(|(_, words)| words)
 }
 
-/// Whether what drives a machine still changes without repeating when so many returns have passed
-/// from its start; of a machine that is looked at where events fall this is not known beforehand,
-/// and any change counts.
+/// The signal that still changes without repeating after `discard` returns from the start, in
+/// words. With a section of events that time is not known beforehand, and any change counts.
 pub(super) fn runs_on_beyond(d: &Description, section: &Section, discard: u32) -> Option<String> {
     match section {
         Section::Period(period) | Section::Shifted(period, _) => runs_on(d, f64::from(discard) * period),
@@ -127,14 +126,13 @@ pub(super) fn runs_on_beyond(d: &Description, section: &Section, discard: u32) -
     }
 }
 
-/// Discards what comes before a motion is looked at. What drives the machine may still change
-/// without repeating: then all `discard` returns pass, or, where it has changed for the last time
-/// before, as many from there on or until the motion has settled. The slowest own oscillation has
-/// had four periods in any case.
+/// Discards the motion before it is looked at. If a signal still changes without repeating, all
+/// `returns` pass; if its last change comes within them, as many pass after it, or until the motion
+/// has settled. Four periods of the slowest own oscillation pass in any case.
 ///
 /// # Errors
 /// As [`Section::advance`]; [`Error::Described`] where four periods are more than a hundred times
-/// what was asked for.
+/// the requested time.
 pub fn settle(motion: &mut Motion, section: &Section, returns: u32) -> Result<()> {
     let begin = motion.time();
     let end = last_change(&motion.assembly().description).map_or(begin, |(time, _)| time);

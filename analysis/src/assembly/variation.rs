@@ -2,25 +2,25 @@
 //! (docs/assembly-law.md (A21)): one for the largest Lyapunov exponent, all for the multipliers of
 //! a period.
 //!
-//! What contacts hold is no direction of a variation, and neutral directions are told apart: what
-//! is left of a variation where both are taken away is what can grow or shrink.
+//! What contacts hold is no direction of a variation, and neutral directions are removed: the rest
+//! of a variation can grow or shrink.
 
-use super::flight::{Flight, Flow, Observer, Passage, dot};
+use super::flight::{Flow, ObservedFlight, Observer, Passage, dot};
 use nalgebra::DVector;
 use vibro_assembly::mode::{Contact, Mode};
 use vibro_assembly::motion::{Crossing, keep};
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::System;
 
-/// Stretches after which a variation's length is looked at: it changes by e¹⁰⁰ in them at most.
+/// Stretches between checks of a variation's length, which changes by at most e¹⁰⁰ in them.
 const STRETCHES: f64 = 50.0;
-/// Lengths between which a variation is not scaled on the way: its squares stay numbers for as many
-/// stretches more.
+/// Lengths between which a variation is not rescaled on the way: its squares do not overflow for as
+/// many stretches more.
 const SCALED: std::ops::Range<f64> = 1e-100..1e100;
-/// A variation of which contacts leave less than this part is held by them: the rest is rounding.
+/// Part of a variation below which contacts hold it and the rest is rounding.
 const HELD: f64 = 1e-12;
 
-/// Units of the numbers of a state (q, q'), by which variations have one length.
+/// Units of the numbers of a state (q, q'), which give variations a length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric(pub Vec<f64>);
 
@@ -57,7 +57,7 @@ impl Metric {
         basis
     }
 
-    /// Takes away from a variation what lies along a basis.
+    /// Removes the components of a variation along a basis.
     pub fn remove(&self, basis: &[DVector<f64>], v: &mut [f64]) {
         for b in basis {
             let share: f64 = b.iter().zip(v.iter().zip(&self.0)).map(|(b, (x, unit))| b * x / unit).sum();
@@ -66,7 +66,7 @@ impl Metric {
     }
 }
 
-/// Takes from a variation what contacts hold; one that they hold whole is zero from there on.
+/// Removes from a variation what contacts hold; one that they hold entirely becomes zero.
 fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
     if basis.is_empty() {
         return;
@@ -78,7 +78,7 @@ fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
     }
 }
 
-/// The event's derivative on some variations.
+/// Applies the derivative of an event to some variations.
 fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<f64>], metric: &Metric) {
     let Passage { watch, flows, states, events, .. } = passage;
     let rates = [0, 1].map(|k| flows[k].derivative(states[k]));
@@ -100,13 +100,13 @@ fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<f64>], metr
 /// All variations of the state, carried over a period.
 #[derive(Debug)]
 pub struct Frame {
-    /// By number of the state (q, q'): the variation that began as this number's.
+    /// For each number of the state (q, q') the variation that began along it.
     pub columns: Vec<Vec<f64>>,
     metric: Metric,
 }
 
 impl Frame {
-    /// The variations by each number of the state, less what the contacts of a mode hold.
+    /// Variations along each number of the state, without what the contacts of a mode hold.
     pub fn new(system: &System, mode: &Mode, metric: &Metric) -> Self {
         let unit = |place: usize| {
             let mut v = vec![0.0; system.signals.size];
@@ -119,7 +119,7 @@ impl Frame {
 }
 
 impl Observer for Frame {
-    fn flight(&mut self, system: &System, flight: Flight<'_>) {
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
         flight.flow.carry(&mut self.columns, flight.span);
         for v in &mut self.columns {
             hold(system, &flight.flow.mode.basis, v, &self.metric);
@@ -131,31 +131,31 @@ impl Observer for Frame {
     }
 }
 
-/// One variation of a motion, and the logarithm of its growth.
+/// One variation of a motion, with the logarithm of its growth.
 #[derive(Debug)]
 pub struct Variation {
     v: [Vec<f64>; 1],
     metric: Metric,
     neutral: Vec<Vec<f64>>,
-    /// The logarithm of its growth since it was last asked for.
+    /// Logarithm of the growth since it was last read.
     growth: f64,
 }
 
 impl Variation {
-    /// In general position, for a motion that is in this mode.
+    /// In general position, for a motion in a mode.
     pub fn new(system: &System, mode: &Mode, metric: Metric, neutral: &Neutral) -> Self {
         let mut v = vec![0.0; system.signals.size];
         for (k, (x, unit)) in v.iter_mut().zip(&metric.0).enumerate() {
-            // No two alike, none zero.
+            // All different, none zero.
             *x = (1.0 + 0.7 * k as f64).sin() * unit;
         }
         hold(system, &mode.basis, &mut v, &metric);
         Self { v: [v], metric, neutral: neutral.states(), growth: 0.0 }
     }
 
-    /// Takes away what lies along neutral directions, and along `shift` where a shift in time is
-    /// one; makes the length one, and returns the logarithm of the growth since this was last done:
-    /// -∞ where nothing is left of the variation.
+    /// Removes the components along neutral directions, and along `shift`, the shift in time of an
+    /// autonomous machine; makes the length one, and returns the logarithm of the growth since the
+    /// last call: -∞ where nothing is left of the variation.
     pub fn grown(&mut self, shift: Option<Vec<f64>>) -> f64 {
         let before = self.metric.length(&self.v[0]);
         let basis = self.metric.basis(self.neutral.iter().cloned().chain(shift));
@@ -176,13 +176,13 @@ impl Variation {
 }
 
 impl Observer for Variation {
-    fn flight(&mut self, system: &System, flight: Flight<'_>) {
-        let Flight { flow, span, .. } = flight;
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
+        let ObservedFlight { flow, span, .. } = flight;
         let parts = (flow.stretches_of(span) / STRETCHES).ceil();
         for _ in 0..parts as u64 {
             self.v[0] = Flow::stretches(flow, &self.v[0], span / parts, &mut |_, _| ());
             hold(system, &flow.mode.basis, &mut self.v[0], &self.metric);
-            // Beside a slow drive dampers may take all of it within one return.
+            // Beside a slow drive dampers may remove all of it within one return.
             if !SCALED.contains(&self.metric.length(&self.v[0])) {
                 self.scale();
             }

@@ -1,18 +1,18 @@
-//! What is read off a motion along the way: extrema and mean squares, local maxima, contacts.
+//! Quantities read off a motion along the way: extrema and mean squares, local maxima, contacts.
 
-use super::flight::{Flight, Observer, Passage, coefficients, monotone_pieces};
+use super::flight::{ObservedFlight, Observer, Passage, coefficients, monotone_pieces};
 use vibro_assembly::Quantity;
 use vibro_assembly::energy::NODES;
 use vibro_assembly::motion::EventKind;
 use vibro_assembly::system::System;
 
-/// Values of a plateau differ by less than this part of the largest.
+/// Relative difference of values of a plateau.
 const FLAT: f64 = 1e-12;
-/// An extremum under this part of the largest value is zero, as at a stop with gap 0: its time is
-/// known to the clock's rounding, which after 1e5 periods is some 1e-11 of one.
+/// Size relative to the largest value below which an extremum is zero, as at a stop with gap 0. Its
+/// time is known to the clock's rounding, which after 1e5 periods is some 1e-11 of one.
 const ZERO: f64 = 1e-10;
 
-/// A value beside the largest that was met.
+/// A value, or zero where it is rounding beside the largest so far.
 fn rounded(value: f64, size: f64) -> f64 {
     if value.abs() <= ZERO * size { 0.0 } else { value }
 }
@@ -23,20 +23,20 @@ pub struct Extent {
     quantity: Quantity,
     /// The least value.
     pub least: f64,
-    /// The largest value.
+    /// Largest value.
     pub largest: f64,
     /// ∫ q² dt.
     pub square: f64,
 }
 
-/// The local maxima of a quantity. One that lasts counts once, where it ends.
+/// Local maxima of a quantity. One that lasts counts once, where it ends.
 #[derive(Clone, Debug)]
 pub struct Maxima {
     quantity: Quantity,
     last: Option<f64>,
     rising: bool,
     size: f64,
-    /// In order.
+    /// Maxima in order.
     pub found: Vec<f64>,
 }
 
@@ -46,7 +46,7 @@ impl Maxima {
         Self { quantity, last: None, rising: false, size: 0.0, found: Vec::new() }
     }
 
-    /// The next value; the quantity is monotone from one to the next.
+    /// Includes the next value; the quantity is monotone from one to the next.
     fn meet(&mut self, value: f64) {
         self.size = self.size.max(value.abs());
         let Some(last) = self.last else {
@@ -67,29 +67,29 @@ impl Maxima {
     }
 }
 
-/// Contacts of a stop.
+/// Summary of the contacts of a stop.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Contacts {
-    /// Impacts, or first touches of a compliant stop.
+pub struct ContactSummary {
+    /// Number of impacts, or of first touches of a compliant stop.
     pub count: u32,
-    /// The largest closing speed.
+    /// Largest closing speed.
     pub speed: f64,
-    /// The largest impulse of a rigid stop.
+    /// Largest impulse of a rigid stop.
     pub impulse: f64,
     /// Energy lost at impacts, J: ½ (1 - ε) u P each.
     pub lost: f64,
 }
 
-/// Looks at several things at once, which share the series.
+/// Observer of extents, maxima and contacts, which share the series.
 #[derive(Clone, Debug, Default)]
 pub struct Watcher {
     /// Extents of quantities.
     pub extents: Vec<Extent>,
-    /// Maxima of one.
+    /// Maxima of one quantity.
     pub maxima: Option<Maxima>,
-    /// By stop.
-    pub contacts: Vec<Contacts>,
-    /// Events of any element.
+    /// Contacts by stop.
+    pub contacts: Vec<ContactSummary>,
+    /// Number of events of any element.
     pub events: u32,
 }
 
@@ -105,12 +105,12 @@ impl Watcher {
         Self {
             extents: quantities.iter().map(extent).collect(),
             maxima: None,
-            contacts: vec![Contacts::default(); stops],
+            contacts: vec![ContactSummary::default(); stops],
             events: 0,
         }
     }
 
-    /// Takes in the extents and contacts that another saw after it.
+    /// Joins the extents and contacts of a later observer.
     pub fn join(&mut self, later: &Self) {
         for (own, of) in self.extents.iter_mut().zip(&later.extents) {
             own.least = own.least.min(of.least);
@@ -125,18 +125,18 @@ impl Watcher {
         }
     }
 
-    /// Forgets what was seen, but for where maxima stand.
+    /// Forgets the observations, but not the state of the search for maxima.
     pub fn clear(&mut self) {
         for extent in &mut self.extents {
             (extent.least, extent.largest, extent.square) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
         }
-        self.contacts.iter_mut().for_each(|c| *c = Contacts::default());
+        self.contacts.iter_mut().for_each(|c| *c = ContactSummary::default());
         self.events = 0;
     }
 }
 
 impl Observer for Watcher {
-    fn flight(&mut self, system: &System, flight: Flight<'_>) {
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
         if self.extents.is_empty() && self.maxima.is_none() {
             return;
         }
@@ -149,7 +149,7 @@ impl Observer for Watcher {
                 let value = |u: f64| q.iter().rev().fold(0.0, |sum, c| sum * u + c);
                 extent.square += length * NODES.iter().map(|(u, w)| w * value(*u).powi(2)).sum::<f64>();
                 let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
-                // Between the ends it cannot pass the extrema met so far.
+                // Between the ends it cannot pass the extrema found so far.
                 if q[0] + spread > extent.largest || q[0] - spread < extent.least {
                     monotone_pieces(&q, &mut |x| {
                         extent.least = extent.least.min(x);
@@ -194,8 +194,8 @@ mod tests {
     use super::super::{Machine, Measure, discard, measure};
     use vibro_assembly::file::no_records;
 
-    /// The wall stands where the spring is without force, so that the largest coordinate is 0 at
-    /// every impact; without it nothing is hit.
+    /// The wall stands where the spring has no force, so that the largest coordinate is 0 at every
+    /// impact; without the wall there are no impacts.
     #[test]
     fn closed_form_what_is_zero_has_no_rounding_and_no_sign() {
         let text = "name = \"M\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n\

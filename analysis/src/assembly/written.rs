@@ -1,5 +1,4 @@
-//! In which units the numbers of a machine's file are written, and what a number without a unit
-//! means beside it.
+//! Units of the numbers in a machine's file, and of numbers without a unit beside it.
 
 use super::Machine;
 use crate::error::Result;
@@ -11,19 +10,19 @@ use vibro_assembly::file::{self, Records};
 use vibro_impact::quantities::{Quantity, quantity_in};
 
 impl Machine {
-    /// The machine of a file, with the units in which the file writes its parameters.
+    /// Reads a machine's file, with the units in which it writes its parameters.
     ///
     /// # Errors
     /// As [`vibro_assembly::file::read`].
     pub fn read(path: &Path) -> Result<Self> {
         let mut machine = Self::new(file::read(path)?);
-        // Read already, so that it can be read.
+        // The file was read just before.
         let text = std::fs::read_to_string(path).unwrap_or_default();
         machine.units = units(&text, &machine.description);
         Ok(machine)
     }
 
-    /// The machine of a file's text, likewise; `name` is what messages call it.
+    /// Parses the text of a machine's file, with its units; `name` is its name in messages.
     ///
     /// # Errors
     /// As [`vibro_assembly::file::parse`].
@@ -33,13 +32,12 @@ impl Machine {
         Ok(machine)
     }
 
-    /// Reads a value of a parameter, in SI, with its unit. A number without one is in the unit in
-    /// which the parameter was written, by the file or [since](Self::note_unit), and in SI where
-    /// none was.
+    /// Parses a value of a parameter, in SI, with its unit. A number without one is in the unit in
+    /// which the parameter was written, by the file or [since](Self::note_unit), or else in SI.
     ///
     /// # Errors
-    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name, and for what is no allowed
-    /// value, with what is.
+    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name, and for a value that is not
+    /// allowed.
     pub fn quantity(&self, name: &str, text: &str) -> Result<Quantity> {
         let parameter = self.description.parameter(name)?;
         let typed = quantity_in(parameter.unit, text.trim()).and_then(|q| q.unit);
@@ -53,7 +51,8 @@ impl Machine {
         })
     }
 
-    /// From now on a parameter is read and shown in the unit of this value, where it has one.
+    /// Sets the unit of this value, if it has one, as the one in which the parameter is read and
+    /// shown.
     pub fn note_unit(&mut self, name: &str, text: &str) {
         let Ok(parameter) = self.description.parameter(name) else { return };
         if let Some(unit) = quantity_in(parameter.unit, text.trim()).and_then(|q| q.unit) {
@@ -62,7 +61,7 @@ impl Machine {
     }
 }
 
-/// The units in which the text of a machine's file writes its parameters.
+/// Units in which the text of a machine's file writes its parameters.
 fn units(text: &str, d: &Description) -> BTreeMap<String, String> {
     let Ok(root) = text.parse::<Table>() else { return BTreeMap::new() };
     let root = Value::Table(root);
@@ -73,14 +72,14 @@ fn units(text: &str, d: &Description) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// What stands in the file for a parameter.
+/// Entry of the file for a parameter.
 fn written<'t>(root: &'t Value, name: &str) -> Option<&'t Value> {
     let found = name.split('.').try_fold(root, step)?;
-    // A level whose table has a constant alone.
+    // A level whose table has only a constant.
     found.as_table().map_or(Some(found), |table| table.get("constant"))
 }
 
-/// The value of a part of a name, such as `harmonics[1]`.
+/// Entry for a part of a name, such as `harmonics[1]`.
 fn step<'t>(value: &'t Value, part: &str) -> Option<&'t Value> {
     let (key, index) = match part.split_once('[') {
         Some((key, index)) => (key, Some(index.trim_end_matches(']').parse::<usize>().ok()?)),
@@ -133,7 +132,7 @@ mod tests {
         harmonics = [{ amplitude = "7 mN", frequency = "6 rad/s" }]
     "#;
 
-    /// Each number that the text writes with a unit stands beside the parameter that it is.
+    /// For each number that the text writes with a unit, the parameter that it is.
     #[test]
     fn a_bare_number_is_in_the_unit_of_the_files_number() {
         let machine = Machine::parse(TEXT, "m.toml", &no_records).unwrap();

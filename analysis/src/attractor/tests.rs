@@ -1,10 +1,11 @@
+use super::record::{ObservedPeriod, approaches, period};
 use super::*;
 use crate::motion::settled_simulator;
 use crate::stroboscopic::moving_block;
 use vibro_impact::parameters::{Groups, Scales};
-use vibro_impact::simulator::{Loads, State};
+use vibro_impact::simulator::{Contact, Loads, State};
 
-/// Periods of a made-up motion.
+/// Periods of a constructed motion.
 fn periods(coordinate: impl Fn(f64) -> f64, pattern: impl Fn(u64) -> u64) -> Vec<ObservedPeriod> {
     (0..u64::from(OBSERVED))
         .map(|n| ObservedPeriod {
@@ -21,12 +22,12 @@ fn closed_form_periods_of_made_up_motions() {
     use std::f64::consts::TAU;
     assert_eq!(period(&periods(|_| 0.3, |_| 1)), Some(1));
     assert_eq!(period(&periods(|n| (TAU * n / 4.0).cos(), |_| 1)), Some(4));
-    // The states alone say 1, the order of impacts says 3.
+    // The states alone repeat after 1 period, the sequence of impacts after 3.
     assert_eq!(period(&periods(|_| 0.3, |n| n % 3)), Some(3));
     assert_eq!(period(&periods(|n| (TAU * n / f64::from(LONGEST)).cos(), |_| 1)), Some(LONGEST));
     let torus = periods(|n| (TAU * n * 0.381_966_011).cos(), |_| 1);
     assert_eq!((period(&torus), approaches(&torus)), (None, false));
-    // A transient of half a per cent a period, alternating.
+    // An alternating transient that decays by half a per cent a period.
     let slow = periods(|n| 0.995f64.powf(n) * if n % 2.0 == 0.0 { 1.0 } else { -1.0 }, |_| 1);
     assert_eq!((period(&slow), approaches(&slow)), (None, true));
 }
@@ -43,7 +44,7 @@ fn invariant_the_stable_symmetric_motion_is_its_own_mirror_image() {
 
 #[test]
 fn second_method_impacts_of_a_motion_that_settles_under_observation() {
-    // Three impacts a period later on; the 400 discarded periods are left out here.
+    // Three impacts a period in the end; the usual 400 discarded periods are left out here.
     let groups = Groups { f10: 3.9, ..Groups::basic() };
     let p = groups.to_parameters(Scales::default()).unwrap();
     let [early, late] =
@@ -55,7 +56,7 @@ fn second_method_impacts_of_a_motion_that_settles_under_observation() {
 
 #[test]
 fn closed_form_motions_without_impacts_have_one_limit() {
-    // Block and secondary oscillator: the slow swing loses about a thousandth of itself a period.
+    // The slow oscillation of block and secondary oscillator loses about a thousandth a period.
     let groups = Groups { f10: 0.4, sigma1: 2.0, ..Groups::basic() };
     let p = groups.to_parameters(Scales::default()).unwrap();
     let start = |v2| vibro_impact::simulator::State { x: [0.0; 3], v: [0.0, v2, 0.0] };
@@ -107,13 +108,13 @@ fn closed_form_classes_by_exponents() {
     assert_eq!(class(true, 0.0, 0.0), MotionClass::Settling);
     assert_eq!(class(false, 0.0, -0.1), MotionClass::Settling);
     assert_eq!(MotionClass::of(&attractor(false), None, &p), MotionClass::NotSettled);
-    // In units of a box's frequency that is a thousand times the drive's.
+    // With a box frequency that is a thousand times the drive's.
     let stiff = Parameters { box_stiffness: 1e6 * p.box_stiffness, ..p };
     assert_eq!(MotionClass::of(&attractor(false), Some(&spectrum(2e-4, 0.0)), &stiff), MotionClass::Chaotic);
 }
 
-/// A weight on the block that is larger than all that the drive makes holds it at the lower stop:
-/// no impact, but no freedom either.
+/// A weight on the block that exceeds all forces of the drive holds it at the lower stop: it has no
+/// impact, but is not free either.
 #[test]
 fn closed_form_a_block_that_a_load_holds_at_a_stop_rests_throughout() {
     let p = Groups { f10: 0.1, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
@@ -127,9 +128,9 @@ fn closed_form_a_block_that_a_load_holds_at_a_stop_rests_throughout() {
     let found = observe(&mut simulator).unwrap();
     assert!(found.rests && !found.is_free() && found.impacts == [0.0; 2], "{found:?}");
     assert_eq!(found.period, Some(1));
-    // Box and block are one body.
+    // Box and block move as one body.
     assert!(found.states.iter().all(|s| (s[1] - s[0] + 1.0).abs() < 1e-12));
-    // The motion without any load flies freely, and is another one.
+    // Without load the motion is free, and another one.
     let mut free = Simulator::new(&p, &State::default(), 0.0).unwrap();
     free.advance_to(2000.0 * p.period()).unwrap();
     let free = observe(&mut free).unwrap();

@@ -16,7 +16,7 @@ fn axes_without_width_or_cells_are_refused() {
         for (x, y) in [(good, y), (y, good)] {
             let error = basin(
                 &Parameters::default(),
-                &Request { x, y, discard: 1, start: in_the_middle() },
+                &BasinRequest { x, y, discard: 1, start: in_the_middle() },
                 &Task::ALL,
             )
             .unwrap_err();
@@ -25,7 +25,7 @@ fn axes_without_width_or_cells_are_refused() {
     }
 }
 
-/// A motion of period one through this state.
+/// A motion of period one through a state.
 fn motion(x: f64) -> Followed {
     Followed {
         class: MotionClass::Periodic(1),
@@ -90,11 +90,11 @@ fn invariant_rows_put_together_are_the_whole() {
 fn plane(f10: f64, count: usize) -> Basin {
     let axis = |coordinate, to: f64| InitialValueAxis { coordinate, from: -to, to, count };
     let p = *ParameterSet::basic().with(find_group("f10").unwrap(), f10).unwrap().parameters();
-    let request = Request { x: axis(0, 1.0), y: axis(4, 2.0), discard: 300, start: in_the_middle() };
+    let request = BasinRequest { x: axis(0, 1.0), y: axis(4, 2.0), discard: 300, start: in_the_middle() };
     basin(&p, &request, &Task::ALL).unwrap().unwrap()
 }
 
-/// Chaotic on both sides, and without a way from one to the other.
+/// Two chaotic attractors, each the mirror image of the other, without a way between them.
 #[test]
 fn invariant_two_mirror_images_of_chaos_are_an_attractor_and_its_image() {
     let found = plane(2.86, 5);
@@ -102,12 +102,13 @@ fn invariant_two_mirror_images_of_chaos_are_an_attractor_and_its_image() {
     assert_eq!(attractor.class, MotionClass::Chaotic);
     let [own, mirror] = found.shares(0);
     assert!(own > 0.2 && mirror > 0.2 && (own + mirror - 1.0).abs() < 1e-12, "{own} {mirror}");
-    // One impact more at one of the stops.
+    // One more impact at one of the stops.
     let [upper, lower] = attractor.attractor.impacts;
     assert!(((upper - lower).abs() - 1.0).abs() < 0.05, "{upper} {lower}");
 }
 
-/// Some of these motions are chaotic for a thousand drive periods and more, and end with a period.
+/// Some of these motions are chaotic for a thousand drive periods and more before they become
+/// periodic.
 #[test]
 fn second_method_a_long_transient_is_no_attractor() {
     let found = plane(2.85, 5);

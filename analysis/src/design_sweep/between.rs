@@ -1,71 +1,72 @@
-//! What lies between the values over which the motions of a design are taken together: a resonance
-//! that none of them meets.
+//! Search for a resonance between the values over which a design's motions are summarized.
 //!
-//! Along an interval the first measure is known at some values. Between two of them it may rise as
-//! steeply as it was seen to rise anywhere, and twice that: where it could then pass the largest,
-//! the middle is looked at next (S. A. Piyavskii, 1972). Values at which the machine resonates come
-//! first.
+//! Along an interval the first measure is known at some values. Between two of them it is assumed
+//! to rise at most twice as steeply as between any two known values; where it could then exceed the
+//! largest, the middle is measured next (S. A. Piyavskii, 1972). Values at which the machine
+//! resonates come first.
 
-use super::{Machine, Outcome, Request, motions};
+use super::{DesignMachine, MotionMeasures, SweepRequest, motions};
 
 /// Most further values of one design along one interval.
 pub(super) const MOST: usize = 32;
-/// Values along an interval that are looked at in any case.
+/// Values along an interval that are measured in any case.
 const LEAST: usize = 9;
-/// How much steeper the measure may be than it was seen to be.
+/// Factor between the assumed and the observed steepness.
 const STEEPER: f64 = 2.0;
-/// What could pass the largest by less than this part is not looked at.
+/// Part of the largest value by which a bound must exceed it to be pursued.
 const PART: f64 = 0.01;
-/// Values are not nearer to each other than this part of the interval.
+/// Least distance of values in parts of the interval.
 const NEAREST: f64 = 1.0 / 256.0;
 
-/// The motions of a design at values of [`Request::over`], from all starts at each.
+/// Motions of a design at combinations of values of [`SweepRequest::over`], from all starts at
+/// each.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Looked {
-    /// The values.
+pub(super) struct BandMotions {
+    /// The combinations of values.
     pub places: Vec<Vec<f64>>,
-    /// The motions there, place by place.
-    pub outcomes: Vec<Outcome>,
+    /// The motions, combination by combination.
+    pub outcomes: Vec<MotionMeasures>,
 }
 
-/// A value along an interval, the largest of the measure there, and by how much that scatters.
-type Point = (f64, f64, f64);
+/// A value along an interval, with the largest of the measure there and its spread.
+type ValueSpread = (f64, f64, f64);
 
-impl Looked {
-    /// The largest of a measure over the starts at a place, and its spread.
+impl BandMotions {
+    /// Largest of a measure over the starts at a combination, and its spread.
     fn largest(&self, place: usize, measure: usize) -> Option<(f64, f64)> {
         let starts = self.outcomes.len() / self.places.len();
         let own = &self.outcomes[place * starts..(place + 1) * starts];
-        let number =
-            |(found, _): &Outcome| Some((found.numbers.get(measure).copied()??, found.spreads[measure]));
+        let number = |(found, _): &MotionMeasures| {
+            Some((found.numbers.get(measure).copied()??, found.spreads[measure]))
+        };
         own.iter().map(number).reduce(|a, b| if b?.0 > a?.0 { b } else { a }).flatten()
     }
 
-    /// The places on the line along an axis through the one with the largest value, and that place;
+    /// Values along an axis through the combination with the largest measure, and that combination;
     /// `None` where a motion has failed.
-    fn line(&self, axis: usize, measure: usize) -> Option<(Vec<Point>, Vec<f64>)> {
+    fn line(&self, axis: usize, measure: usize) -> Option<(Vec<ValueSpread>, Vec<f64>)> {
         let values: Vec<(f64, f64)> =
             (0..self.places.len()).map(|i| self.largest(i, measure)).collect::<Option<_>>()?;
         let top = (1..values.len()).fold(0, |best, i| if values[i].0 > values[best].0 { i } else { best });
         let through = self.places[top].clone();
         let on_line = |place: &[f64]| (0..through.len()).all(|j| j == axis || place[j] == through[j]);
         let met = self.places.iter().zip(&values).filter(|(place, _)| on_line(place));
-        let mut line: Vec<Point> = met.map(|(place, y)| (place[axis], y.0, y.1)).collect();
+        let mut line: Vec<ValueSpread> = met.map(|(place, y)| (place[axis], y.0, y.1)).collect();
         line.sort_by(|a, b| a.0.total_cmp(&b.0));
         line.dedup_by(|a, b| a.0 == b.0);
         Some((line, through))
     }
 }
 
-/// Looks between the values of those of [`Request::over`] that are intervals, along each through
-/// the largest, until a value but for twice its spread is larger than `enough`. The new places
-/// follow the others. A motion that fails ends the search, as the design has no value then. Returns
-/// whether all was looked at.
-pub(super) fn look_between<M: Machine>(
+/// Searches the intervals of [`SweepRequest::over`], along each through the largest measure, until
+/// a value less twice its spread exceeds `enough`. New combinations are appended. A motion that
+/// fails ends the search, since the design then has no value. Returns whether the search is
+/// complete.
+pub(super) fn search_between<M: DesignMachine>(
     own: &M,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     (measure, enough): (usize, f64),
-    looked: &mut Looked,
+    looked: &mut BandMotions,
 ) -> bool {
     for (k, axis) in request.over.iter().enumerate() {
         if !request.between.contains(&axis.name) || axis.values.len() < 2 {
@@ -93,26 +94,26 @@ pub(super) fn look_between<M: Machine>(
     true
 }
 
-/// Whether a value lies in the interval and not at one that is there.
-fn is_new(line: &[Point], x: f64) -> bool {
+/// Whether a value lies in the interval and not at a known one.
+fn is_new(line: &[ValueSpread], x: f64) -> bool {
     let (from, to) = (line[0].0, line[line.len() - 1].0);
     let near = NEAREST * (to - from);
     from < x && x < to && line.iter().all(|p| (p.0 - x).abs() > near)
 }
 
-/// The value to look at next, if any could have a larger one than those that are there, which are
-/// ascending, by more than they scatter.
-fn next(line: &[Point]) -> Option<f64> {
+/// The value to measure next, if the measure could exceed the largest there by more than its
+/// spread. `line` is ascending.
+fn next(line: &[ValueSpread]) -> Option<f64> {
     let span = line[line.len() - 1].0 - line[0].0;
     let top = line.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-    let rise = |p: &[Point]| ((p[1].1 - p[0].1).abs() - p[0].2.hypot(p[1].2)).max(0.0);
+    let rise = |p: &[ValueSpread]| ((p[1].1 - p[0].1).abs() - p[0].2.hypot(p[1].2)).max(0.0);
     let steepest = line.windows(2).map(|p| rise(p) / (p[1].0 - p[0].0)).fold(0.0, f64::max);
     let wide = line.windows(2).filter(|p| p[1].0 - p[0].0 > 2.0 * NEAREST * span);
-    let bound = |p: &[Point]| {
+    let bound = |p: &[ValueSpread]| {
         let width = p[1].0 - p[0].0;
         if line.len() < LEAST { width } else { 0.5 * (p[0].1 + p[1].1 + STEEPER * steepest * width) }
     };
-    // Of equal ones the first.
+    // The first of equal bounds.
     let (pair, bound) = wide.map(|p| (p, bound(p))).reduce(|a, b| if b.1 > a.1 { b } else { a })?;
     let passes = line.len() < LEAST || bound > top.1 + (2.0 * top.2).max(PART * top.1.abs());
     passes.then(|| 0.5 * (pair[0].0 + pair[1].0))

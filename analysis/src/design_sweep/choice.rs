@@ -1,101 +1,100 @@
-//! Which design has the least of the first measure.
+//! Choice of the design with the least value of the first measure.
 //!
-//! Every number of a sweep has an error bar: its spread, which is nothing where the motions repeat.
-//! All designs that the error bars leave possible as the best are measured again, each time four
-//! times as long, and between the values of the parameters over which they are taken together,
-//! until one is the best by its error bar, or nothing more would tell them apart, or a stated
-//! number of periods is spent. What was found then stands in place of the rows of the sweep, for
-//! all that speaks of it.
+//! Every number of a sweep has an error bar: its spread, which is zero where the motions repeat.
+//! All designs that may be the best within their error bars are measured again, each time four
+//! times as long, and between the values of the parameters over which they are summarized, until
+//! one is the best beyond its error bar, or no longer measurement would tell them apart, or a given
+//! number of periods is spent. The rows of the choice then replace those of the sweep everywhere.
 
-use super::between::{Looked, MOST, look_between};
-use super::{Again, Machine, Request, Row, Summary, design, motions, part, summary};
+use super::between::{BandMotions, MOST, search_between};
+use super::{Again, DesignMachine, DesignRow, Summary, SweepRequest, design, motions, part, summary};
 use crate::error::{Error, Result};
 use crate::parts::{Shard, Task};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How many times as long a design is measured as the time before.
+/// Factor by which each measurement is longer than the one before.
 const LONGER: u32 = 4;
-/// How often at most.
+/// Most repeated measurements of a design.
 const ROUNDS: u32 = 3;
-/// Designs that are measured again together.
+/// Number of designs that are measured again in parallel.
 const TOGETHER: usize = 16;
-/// Two values are told apart that differ by as many times their spread.
+/// Difference of distinct values in spreads.
 const APART: f64 = 2.0;
-/// Values that differ by less than this part are the same but for rounding.
+/// Relative difference of values that is rounding.
 const SAME: f64 = 1e-9;
 
-/// What was measured again, and which design is the best.
+/// Result of measuring again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Choice {
-    /// The first measure that is a number, by its place: the one that counts.
+    /// Index of the measure that is compared: the first that is a number.
     pub measure: usize,
-    /// The rows of designs that were measured again, by the design's number.
-    pub rows: BTreeMap<usize, Row>,
-    /// The designs that may have the least value, the least first: one where it is the best by its
+    /// Rows of designs that were measured again, by design index.
+    pub rows: BTreeMap<usize, DesignRow>,
+    /// Designs that may have the least value, the least first; a single one is the best beyond its
     /// error bar.
     pub possible: Vec<usize>,
-    /// Designs that may have the least value and could still be measured again, for which there
-    /// were no periods left.
+    /// Number of designs that may have the least value and could be measured again, but for which
+    /// no periods were left.
     pub left: usize,
-    /// Periods of motion that were spent.
+    /// Periods of motion spent.
     pub spent: u64,
 }
 
-/// What is known of a design.
+/// Estimate of a design's value.
 #[derive(Clone, Copy, Debug)]
 struct Estimate {
     value: f64,
     spread: f64,
     is_exact: bool,
-    /// Whether nothing is left to look at between values.
-    is_looked: bool,
-    /// How often it was measured again.
+    /// Whether the search between values is complete.
+    is_searched: bool,
+    /// Number of repeated measurements.
     rounds: u32,
 }
 
 impl Estimate {
-    fn of(found: Summary, rounds: u32, is_looked: bool) -> Self {
-        Self { value: found.largest, spread: found.spread, is_exact: found.is_exact(), is_looked, rounds }
+    fn of(found: Summary, rounds: u32, is_searched: bool) -> Self {
+        Self { value: found.largest, spread: found.spread, is_exact: found.is_exact(), is_searched, rounds }
     }
 
-    /// What no other may pass by more than twice its spread and still be less than this.
+    /// Upper end of the error bar.
     fn most(&self) -> f64 {
         self.value + APART * self.spread
     }
 
-    /// Whether it may be less than another.
+    /// Whether the value may be less than that of another design.
     fn may_be_less(&self, other: &Self) -> bool {
         let bar = if self.is_exact && other.is_exact { 0.0 } else { APART * self.spread.hypot(other.spread) };
         self.value - other.value <= bar.max(SAME * other.value.abs())
     }
 }
 
-/// A race between the designs of a sweep.
-struct Race<'a, M: Machine> {
+/// Race between the designs of a sweep.
+struct Race<'a, M: DesignMachine> {
     set: &'a M,
-    request: &'a Request<M>,
+    request: &'a SweepRequest<M>,
     task: &'a Task<'a>,
     measure: usize,
     estimates: Vec<Option<Estimate>>,
     found: Choice,
 }
 
-impl<M: Machine> Race<'_, M> {
+impl<M: DesignMachine> Race<'_, M> {
     /// Whether a design can be measured again.
     fn is_open(&self, index: usize) -> bool {
         let Some(own) = self.estimates[index] else { return false };
-        (!own.is_exact && own.rounds < ROUNDS) || !own.is_looked
+        (!own.is_exact && own.rounds < ROUNDS) || !own.is_searched
     }
 
-    /// What has the least value for certain: nothing has a lower upper end of its error bar.
+    /// The estimate whose error bar has the lowest upper end.
     fn surest(&self) -> Option<Estimate> {
         let known = self.estimates.iter().flatten().copied();
         known.reduce(|a, b| if b.most() < a.most() { b } else { a })
     }
 
-    /// The designs that may have the least value, the least first.
+    /// Designs that may have the least value, the least first.
     fn possible(&self) -> Vec<usize> {
         let Some(surest) = self.surest() else { return Vec::new() };
         let known = |i: usize| Some((i, self.estimates[i]?));
@@ -105,21 +104,21 @@ impl<M: Machine> Race<'_, M> {
         found.into_iter().map(|(i, _)| i).collect()
     }
 
-    /// Periods over which a design is measured next: as before where its motions repeat.
+    /// Periods of the next measurement of a design; unchanged where its motions repeat.
     fn periods(&self, index: usize) -> u32 {
         let rounds = self.estimates[index].filter(|own| !own.is_exact).map_or(0, |own| own.rounds + 1);
         self.request.periods.saturating_mul(LONGER.pow(rounds))
     }
 
-    /// Most periods of motion that this takes.
+    /// Most periods of motion that the next measurement may take.
     fn cost(&self, index: usize) -> u64 {
-        let further = if looks_between(self.request) { MOST * self.request.between.len() } else { 0 };
+        let further = if has_intervals(self.request) { MOST * self.request.between.len() } else { 0 };
         let motions = self.request.motions() + further * self.request.starts.len();
         motions as u64 * (u64::from(self.request.discard) + u64::from(self.periods(index)))
     }
 
-    /// A row of the sweep.
-    fn row(&self, index: usize) -> Result<Row> {
+    /// Row of the sweep.
+    fn row(&self, index: usize) -> Result<DesignRow> {
         let size = self.request.part_size();
         let quiet = Task { shard: Shard::ALL, done: &|_| (), ..*self.task };
         let rows = quiet.part(index / size, |i| Ok(part(self.set, self.request, i)))?;
@@ -127,25 +126,25 @@ impl<M: Machine> Race<'_, M> {
         found.ok_or_else(|| Error::Form { text: index.to_string(), expected: "a design of the sweep" })
     }
 
-    /// Measures a design again as long as it may be less than `enough`; returns its row, whether
-    /// all was looked at, and the periods of motion that it took.
-    fn measured(&self, index: usize, enough: f64) -> Result<(Row, bool, u64)> {
+    /// Measures a design again while it may be less than `enough`; returns its row, whether the
+    /// search between values is complete, and the periods of motion spent.
+    fn measured(&self, index: usize, enough: f64) -> Result<(DesignRow, bool, u64)> {
         let mut row = self.row(index)?;
         let periods = self.periods(index);
         let own = design(self.set, self.request, &row.values)?;
         let places_of_windows: Vec<usize> =
             (0..row.outputs.len()).filter(|&m| M::is_of_window(&self.request.measures[m])).collect();
         let measures = places_of_windows.iter().map(|&m| self.request.measures[m].clone()).collect();
-        let request = Request { periods, measures, ..self.request.clone() };
+        let request = SweepRequest { periods, measures, ..self.request.clone() };
         let measure = places_of_windows.iter().position(|&m| m == self.measure).unwrap_or(0);
         let asked = self.request.places();
-        let mut looked = Looked { outcomes: motions(&own, &request, &asked), places: asked };
+        let mut looked = BandMotions { outcomes: motions(&own, &request, &asked), places: asked };
         let before = looked.places.len();
         if let Some(again) = self.found.rows.get(&index).and_then(|row| row.again.as_ref()) {
             looked.outcomes.extend(motions(&own, &request, &again.between));
             looked.places.extend(again.between.iter().cloned());
         }
-        let is_looked = look_between(&own, &request, (measure, enough), &mut looked);
+        let is_searched = search_between(&own, &request, (measure, enough), &mut looked);
         let cost = looked.outcomes.len() as u64 * (u64::from(request.discard) + u64::from(periods));
         let again = Again { periods, between: looked.places.split_off(before) };
         let mut found = summary(self.set, row.values.clone(), &request, &looked.outcomes, Some(again));
@@ -154,10 +153,10 @@ impl<M: Machine> Race<'_, M> {
         }
         row.reason = row.reason.or(found.reason.take());
         row.again = found.again;
-        Ok((row, is_looked, cost))
+        Ok((row, is_searched, cost))
     }
 
-    /// Measures again, a few at a time, until nothing is open or nothing more may be spent.
+    /// Measures again, a few designs at a time, until none is open or no more periods may be spent.
     fn run(mut self) -> Result<Choice> {
         loop {
             let possible = self.possible();
@@ -176,9 +175,10 @@ impl<M: Machine> Race<'_, M> {
             self.task.store.go_on()?;
             let enough = self.surest().map_or(f64::INFINITY, |surest| surest.most());
             let found: Vec<_> = next.par_iter().map(|&i| self.measured(i, enough)).collect::<Result<_>>()?;
-            for (index, (row, is_looked, cost)) in next.into_iter().zip(found) {
+            for (index, (row, is_searched, cost)) in next.into_iter().zip(found) {
                 let rounds = self.estimates[index].map_or(0, |own| own.rounds + 1);
-                self.estimates[index] = row.outputs[self.measure].map(|s| Estimate::of(s, rounds, is_looked));
+                self.estimates[index] =
+                    row.outputs[self.measure].map(|s| Estimate::of(s, rounds, is_searched));
                 self.found.rows.insert(index, row);
                 self.found.spent += cost;
             }
@@ -186,28 +186,28 @@ impl<M: Machine> Race<'_, M> {
     }
 }
 
-/// Whether anything between values is to be looked at.
-fn looks_between<M: Machine>(request: &Request<M>) -> bool {
+/// Whether a request has values to search between.
+fn has_intervals<M: DesignMachine>(request: &SweepRequest<M>) -> bool {
     request.over.iter().any(|axis| axis.values.len() > 1 && request.between.contains(&axis.name))
 }
 
-/// The best design of a sweep whose parts are all in the task's store, where the choice is then
-/// kept too; `None` where there is nothing to choose: one design, no measure of a window. It
-/// depends neither on threads nor on shards.
+/// The best design of a sweep whose parts are all in the task's store, where the choice is stored
+/// too; `None` where there is nothing to choose: a single design, or no measure of a window. The
+/// choice depends neither on threads nor on shards.
 ///
 /// # Errors
 /// What the store refuses.
-pub fn choice<M: Machine>(set: &M, request: &Request<M>, task: &Task) -> Result<Option<Choice>> {
+pub fn choice<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task) -> Result<Option<Choice>> {
     let Some(measure) = request.measures.iter().position(M::is_of_window) else { return Ok(None) };
     if request.designs.count() < 2 || request.again == 0 {
         return Ok(None);
     }
     let quiet = Task { shard: Shard::ALL, done: &|_| (), ..*task };
     quiet.part(request.count(), |_| {
-        let is_looked = !looks_between(request);
+        let is_searched = !has_intervals(request);
         let mut estimates = Vec::with_capacity(request.designs.count());
         super::each_row(set, request, &quiet, |row| -> Result<()> {
-            estimates.push(row.outputs[measure].map(|found| Estimate::of(found, 0, is_looked)));
+            estimates.push(row.outputs[measure].map(|found| Estimate::of(found, 0, is_searched)));
             Ok(())
         })?;
         let found = Choice { measure, ..Choice::default() };
@@ -215,15 +215,15 @@ pub fn choice<M: Machine>(set: &M, request: &Request<M>, task: &Task) -> Result<
     })
 }
 
-/// Calls `visit` with each row in order, that of the choice where a design was measured again.
+/// Calls `visit` with each row in order, replaced by that of the choice where there is one.
 ///
 /// # Errors
 /// What `visit` returns; what the store refuses.
-pub fn each_final_row<M: Machine, E: From<Error>>(
+pub fn each_final_row<M: DesignMachine, E: From<Error>>(
     set: &M,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     (task, choice): (&Task, Option<&Choice>),
-    mut visit: impl FnMut(Row) -> std::result::Result<(), E>,
+    mut visit: impl FnMut(DesignRow) -> std::result::Result<(), E>,
 ) -> std::result::Result<(), E> {
     let mut index = 0;
     super::each_row(set, request, task, |row| {

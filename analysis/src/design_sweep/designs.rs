@@ -1,27 +1,27 @@
-//! Which designs a sweep has.
+//! Sets of designs of a sweep.
 
 use crate::parameter_set::Name;
 use crate::sobol::coordinate;
 use crate::start::StartRule;
 use serde::{Deserialize, Serialize};
 
-/// A parameter and the values that it takes, SI.
+/// Parameter with the values that it takes, SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SampledAxis<N = Name> {
     /// The parameter.
     pub name: N,
-    /// Its values, at least one.
+    /// Values, at least one.
     pub values: Vec<f64>,
 }
 
-/// A parameter and the interval that it lies in, SI.
+/// Parameter with an interval, SI.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterInterval<N = Name> {
     /// The parameter.
     pub name: N,
-    /// Lower end, which is taken.
+    /// Lower end, included.
     pub from: f64,
-    /// Upper end, which is not.
+    /// Upper end, excluded.
     pub to: f64,
 }
 
@@ -30,11 +30,11 @@ pub struct ParameterInterval<N = Name> {
 pub enum Designs<N = Name> {
     /// All combinations of the values, the last axis varying fastest.
     Grid(Vec<SampledAxis<N>>),
-    /// Listed ones.
+    /// A list.
     Rows {
-        /// The parameters.
+        /// Parameters.
         names: Vec<N>,
-        /// Their values, design by design.
+        /// Values, design by design.
         rows: Vec<Vec<f64>>,
     },
     /// The first points of the [Sobol sequence](crate::sobol) in the intervals, of which there are
@@ -48,7 +48,7 @@ pub enum Designs<N = Name> {
 }
 
 impl<N: Clone> Designs<N> {
-    /// The parameters that vary.
+    /// Parameters that vary.
     pub fn names(&self) -> Vec<N> {
         match self {
             Self::Grid(axes) => axes.iter().map(|a| a.name.clone()).collect(),
@@ -57,7 +57,7 @@ impl<N: Clone> Designs<N> {
         }
     }
 
-    /// Number of designs; the largest `usize` where it is larger.
+    /// Number of designs; saturates at the largest `usize`.
     pub fn count(&self) -> usize {
         match self {
             Self::Grid(axes) => axes.iter().map(|a| a.values.len()).fold(1, usize::saturating_mul),
@@ -100,8 +100,8 @@ pub(super) fn combination<N>(axes: &[SampledAxis<N>], index: usize) -> Vec<f64> 
 }
 
 /// Starts spread evenly: |x1| and |x3| up to 2 L, |w| up to L, the velocities up to 2 L ω10. They
-/// are points of the Sobol sequence, the same ones in every sweep, without the first two, of which
-/// the second is the machine at rest.
+/// are points of the Sobol sequence, the same in every sweep, without its first two; the second is
+/// the machine at rest.
 pub fn spread_starts(count: u32) -> Vec<StartRule> {
     const REACH: f64 = 2.0;
     let start = |index: u32| {

@@ -21,16 +21,16 @@ fn measures(names: &[&str]) -> Vec<Measure> {
     names.iter().map(|n| n.parse().unwrap()).collect()
 }
 
-/// A grid of 6 designs, with 6 motions each.
-fn request() -> Request {
-    Request {
+/// A grid of 6 designs with 6 motions each.
+fn request() -> SweepRequest {
+    SweepRequest {
         designs: Designs::Grid(vec![axis("stop.gap", &[0.8, 1.0]), axis("kappa", &[0.3, 0.5, 0.7])]),
         over: vec![axis("drive.frequency", &[0.95, 1.0, 1.04])],
         starts: vec![StartRule::default(), "x1=0.5,v3=-1".parse().unwrap()],
         discard: 40,
         periods: 12,
         measures: measures(&["amplitude.x1", "class", "power.impact"]),
-        ..Request::default()
+        ..SweepRequest::default()
     }
 }
 
@@ -101,7 +101,7 @@ fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
     ];
     let designs = Designs::Rows { names, rows };
     let measures = measures(&["amplitude.x1", "amplitude.without_block", "class"]);
-    let all = Request { designs, measures, discard: 200, periods: 5, ..Request::default() };
+    let all = SweepRequest { designs, measures, discard: 200, periods: 5, ..SweepRequest::default() };
     let reasons: Vec<Option<String>> = (0..5).map(|i| row(&set, &all, i).reason).collect();
     assert_eq!((&reasons[0], &reasons[4]), (&None, &None));
     for (index, word) in
@@ -111,15 +111,15 @@ fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
         assert!(found.reason.as_ref().is_some_and(|r| r.contains(word)), "{found:?}");
         assert!(found.outputs[0].is_none() && found.classes.is_empty());
     }
-    // Outside the stops there is no start, but the box alone has an amplitude.
+    // There is no motion outside the stops, but the amplitude of the box without block is defined.
     let starts = vec!["x2=0.5".parse().unwrap(), "x2=1.5".parse().unwrap()];
-    let outside = row(&set, &Request { starts, ..all.clone() }, 0);
+    let outside = row(&set, &SweepRequest { starts, ..all.clone() }, 0);
     let reason = outside.reason.unwrap();
     assert!(reason.starts_with("1 of 2 motions, the first at start x2=1.5: "), "{reason}");
     assert!(outside.outputs[0].is_none() && outside.outputs[1].is_some() && outside.classes.is_empty());
-    // Of two parameters each may be allowed, and both together not.
+    // Each value is allowed alone, but not both together.
     let pair = Designs::Grid(vec![axis("epsilon", &[0.1, 0.9]), axis("sigma1", &[-2.0])]);
-    let found = row(&set, &Request { designs: pair, ..all }, 1);
+    let found = row(&set, &SweepRequest { designs: pair, ..all }, 1);
     assert!(found.reason.is_some_and(|r| r.contains("sigma1 = -2")));
 }
 
@@ -127,7 +127,7 @@ fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
 fn what_every_row_depends_on_is_checked_first() {
     let good = request();
     assert!(good.check().is_ok());
-    let refused = |change: &dyn Fn(&mut Request)| {
+    let refused = |change: &dyn Fn(&mut SweepRequest)| {
         let mut request = good.clone();
         change(&mut request);
         request.check().unwrap_err().to_string()
@@ -159,9 +159,10 @@ impl PartStore for MemoryStore {
 
 #[test]
 fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
-    // With so many motions in each design there are several parts.
+    // Designs of that many motions fill several parts.
     let set = ParameterSet::basic();
-    let mut request = Request { discard: 3, periods: 1, measures: measures(&["amplitude.x2"]), ..request() };
+    let mut request =
+        SweepRequest { discard: 3, periods: 1, measures: measures(&["amplitude.x2"]), ..request() };
     request.starts.extend(spread_starts(126));
     assert_eq!((request.motions(), request.count()), (3 * 128, 3));
     let of_threads = |threads: usize| {
@@ -189,11 +190,11 @@ fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
     assert_eq!(rows, (0..6).map(|i| request.designs.values(i)).collect::<Vec<_>>());
 }
 
-/// An amplitude of a linear oscillator that has settled.
+/// Error of an amplitude of a settled linear oscillator.
 const SETTLED: f64 = 1e-6;
 
-/// A box on a spring with a damping ratio of a percent whose own frequency is near 9.25 Hz: none of
-/// 9, 10, 11 Hz meets it.
+/// A box on a spring with a damping ratio of one percent and a natural frequency near 9.25 Hz,
+/// which none of 9, 10, 11 Hz meets.
 const RESONATOR: &str = "name = \"R\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 3377.6\n\
     damping = 1.16\n[load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"9 Hz\"\n";
 
@@ -209,15 +210,15 @@ fn described_axis(name: &str, values: &[f64]) -> SampledAxis<String> {
 
 #[test]
 fn closed_form_a_resonance_between_the_values_of_a_band_is_met() {
-    // Two designs: the first resonates within the band, the second above it. At the three values
-    // the first looks like the better one.
+    // Of the two designs the first resonates within the band, the second above it. At the three
+    // values the first looks better.
     let machine = described(RESONATOR);
-    let request = Request::<crate::assembly::Machine> {
+    let request = SweepRequest::<crate::assembly::Machine> {
         designs: Designs::Grid(vec![described_axis("spring.k.stiffness", &[3377.6, 2600.0])]),
         over: vec![described_axis("load.f.frequency", &[9.0, 10.0, 11.0])],
         between: vec!["load.f.frequency".into()],
         measures: vec!["amplitude.a.s".parse().unwrap()],
-        ..Request::default()
+        ..SweepRequest::default()
     };
     let amplitude = |k: f64, f: f64| {
         let w = std::f64::consts::TAU * f;
@@ -226,17 +227,17 @@ fn closed_form_a_resonance_between_the_values_of_a_band_is_met() {
     let peak = |k: f64| (0..=2000).map(|i| amplitude(k, 9.0 + 1e-3 * f64::from(i))).fold(0.0, f64::max);
     let sampled = |k: f64| [9.0, 10.0, 11.0].map(|f| amplitude(k, f)).into_iter().fold(0.0, f64::max);
     assert!(peak(3377.6) > 2.0 * sampled(3377.6));
-    let rows: Vec<Row> = (0..2).map(|i| row(&machine, &request, i)).collect();
-    let largest = |row: &Row| row.outputs[0].unwrap().largest;
+    let rows: Vec<DesignRow> = (0..2).map(|i| row(&machine, &request, i)).collect();
+    let largest = |row: &DesignRow| row.outputs[0].unwrap().largest;
     assert!((largest(&rows[0]) - sampled(3377.6)).abs() < SETTLED, "{rows:?}");
     let task = Task { ..Task::ALL };
     let found = choice(&machine, &request, &task).unwrap().unwrap();
     assert_eq!((&found.possible[..], found.left), (&[1][..], 0), "{found:?}");
-    // The best has been looked at between its values, and its number is that of the band.
+    // The best design was searched between its values, and its number is that of the band.
     let best = &found.rows[&1];
     assert!(!best.again.as_ref().unwrap().between.is_empty());
     assert!((largest(best) - peak(2600.0)).abs() < 0.01 * peak(2600.0), "{best:?}");
-    let alone = Request {
+    let alone = SweepRequest {
         designs: Designs::Grid(vec![described_axis("spring.k.stiffness", &[3377.6, 3377.7])]),
         ..request
     };
@@ -249,15 +250,15 @@ fn closed_form_a_resonance_between_the_values_of_a_band_is_met() {
 
 #[test]
 fn invariant_the_best_is_the_best_when_all_are_measured_as_long_and_depends_on_no_threads() {
-    // In chaos; the maximum of six periods says little.
+    // The motions are chaotic: the maximum over six periods is a rough estimate.
     let set = ParameterSet::basic();
-    let request = Request {
+    let request = SweepRequest {
         designs: Designs::Grid(vec![axis("f10", &[3.56, 3.57, 3.58, 3.59, 3.6, 3.61, 3.62, 3.63])]),
         discard: 200,
         periods: 6,
         measures: measures(&["maximum.x1"]),
         again: u64::MAX,
-        ..Request::default()
+        ..SweepRequest::default()
     };
     let of_threads = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -265,12 +266,12 @@ fn invariant_the_best_is_the_best_when_all_are_measured_as_long_and_depends_on_n
     };
     let found = of_threads(1);
     assert_eq!(found, of_threads(3));
-    let long = Request { periods: 3000, ..request.clone() };
+    let long = SweepRequest { periods: 3000, ..request.clone() };
     let all: Vec<Summary> = (0..8).map(|i| row(&set, &long, i).outputs[0].unwrap()).collect();
     let least = (0..8).min_by(|a, b| all[*a].largest.total_cmp(&all[*b].largest)).unwrap();
     assert!(found.possible.contains(&least), "{found:?} {all:?}");
     assert_eq!(found.left, 0);
-    // What was said is what a table has: the row of the choice.
+    // The final rows are those of the choice.
     let mut rows = Vec::new();
     each_final_row(&set, &request, (&Task::ALL, Some(&found)), |row| -> Result<()> {
         rows.push(row);
@@ -278,7 +279,7 @@ fn invariant_the_best_is_the_best_when_all_are_measured_as_long_and_depends_on_n
     })
     .unwrap();
     assert!(found.rows.iter().all(|(i, row)| rows[*i] == *row) && !found.rows.is_empty());
-    let spent = Request { again: 1, ..request.clone() };
+    let spent = SweepRequest { again: 1, ..request.clone() };
     let none = choice(&set, &spent, &Task::ALL).unwrap().unwrap();
     assert!(none.rows.is_empty() && none.left == none.possible.len() && none.left > 0, "{none:?}");
 }

@@ -1,6 +1,6 @@
-//! The 3-DOF machine as one of which designs are measured.
+//! The 3-DOF machine as a [`DesignMachine`].
 
-use super::{Machine, Outcome, Request, spread_starts};
+use super::{DesignMachine, MotionMeasures, SweepRequest, spread_starts};
 use crate::error::{Error, Result};
 use crate::measures::{
     Measure, Measured, amplitude_without_block, is_of_window, measure, unsettled_in_words,
@@ -10,7 +10,7 @@ use crate::start::StartRule;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Simulator;
 
-impl Machine for ParameterSet {
+impl DesignMachine for ParameterSet {
     type Name = Name;
     type Start = StartRule;
     type Measure = Measure;
@@ -35,7 +35,7 @@ impl Machine for ParameterSet {
         Ok(own)
     }
 
-    fn outcomes(&self, request: &Request) -> Vec<Outcome> {
+    fn outcomes(&self, request: &SweepRequest) -> Vec<MotionMeasures> {
         from_all_starts(self.parameters(), request)
     }
 
@@ -54,10 +54,10 @@ impl Machine for ParameterSet {
     }
 }
 
-/// The motions of one machine, which share the simulator's tables.
-fn from_all_starts(p: &Parameters, request: &Request) -> Vec<Outcome> {
+/// Measures of the motions of one machine, which share the simulator's tables.
+fn from_all_starts(p: &Parameters, request: &SweepRequest) -> Vec<MotionMeasures> {
     let mut shared: Option<Simulator> = None;
-    // What a closed form has no value for is said even where there is a motion.
+    // A closed form that has no value is reported even where there is a motion.
     let asked = request.measures.contains(&Measure::AmplitudeWithoutBlock);
     let gap = asked.then(|| amplitude_without_block(p).err().map(|e| e.to_string())).flatten();
     let outcome = |start: &StartRule| {
@@ -71,7 +71,7 @@ fn from_all_starts(p: &Parameters, request: &Request) -> Vec<Outcome> {
     request.starts.iter().map(outcome).collect()
 }
 
-/// What can be said of a machine without its motion: closed forms.
+/// Measures of a machine that need no motion: closed forms.
 fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
     let number = |m: &Measure| match m {
         Measure::AmplitudeWithoutBlock => amplitude_without_block(p).ok(),
@@ -81,11 +81,11 @@ fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
     Measured { numbers: measures.iter().map(number).collect(), spreads, ..Measured::default() }
 }
 
-/// One motion: settled, then measured.
+/// Measures of one motion after it has settled.
 fn one(
     p: &Parameters,
     start: StartRule,
-    request: &Request,
+    request: &SweepRequest,
     shared: &mut Option<Simulator>,
 ) -> Result<Measured> {
     let state = start.state(p)?;

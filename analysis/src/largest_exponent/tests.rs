@@ -12,8 +12,8 @@ fn system(f10: f64, kappa: f64) -> Parameters {
     Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
 }
 
-/// The growth of a variation over some periods of a motion, as a logarithm: by this module and with
-/// the full matrices of `variation`; and how often the block came to rest.
+/// Logarithms of a variation's growth over some periods of a motion by this module and by the full
+/// matrices of `variation`; and how often the block came to rest.
 fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
     let mut simulator = Simulator::new(p, &moving_block(p), 0.0).unwrap().without_energy_accounts();
     simulator.advance_to(f64::from(skipped) * p.period()).unwrap();
@@ -50,15 +50,15 @@ fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
         logarithm += length.ln();
         frame[0] = frame[0].map(|x| x / length);
     }
-    // Less than a block, so that nothing has been scaled.
+    // Less than a block, so that nothing is rescaled.
     tangent.carry(simulator.time(), None);
     ([0.5 * tangent.square().ln() - begin, logarithm - begin], rested)
 }
 
 #[test]
 fn second_method_growth_is_that_of_full_matrices() {
-    /// The series for one variation are cut at under 9e-6 of it, at most points by far less, some
-    /// twenty times.
+    /// Truncation error of some twenty series for one variation: each is under 9e-6, and mostly far
+    /// less.
     const CUT: f64 = 2e-5;
     for (f10, kappa, rests) in [(1.5, 0.75, false), (3.6, 0.75, false), (3.0, 0.0, true), (2.0, 0.3, false)] {
         let p = system(f10, kappa);
@@ -68,8 +68,8 @@ fn second_method_growth_is_that_of_full_matrices() {
     }
 }
 
-/// The largest exponent of the motion from the common start, 1/s, over at least `most` periods
-/// where its sign is decided before.
+/// Largest exponent of the motion from the common start, 1/s, counted until its sign is decided or
+/// `most` periods are over.
 fn exponent(p: &Parameters, discard: u32, most: u32) -> LargestExponent {
     let program = Program { discard, observed: true, exponent: Some(most), ..Program::default() };
     let mut found = None;
@@ -100,8 +100,8 @@ fn closed_form_of_the_exact_orbit() {
     let p = system(1.5, 0.75);
     let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
     let expected = p.drive_frequency / std::f64::consts::PI * orbit.spectral_radius().ln();
-    // Of a pair of complex multipliers the variation's length swings about its mean, by the same in
-    // a long and in a short time.
+    // Range in which the logarithm of the length swings about its mean, in short and in long times,
+    // where multipliers are a complex pair.
     const SWING: f64 = 2.0;
     const PERIODS: u32 = 400;
     let mut simulator = Simulator::new(&p, &moving_block(&p), 0.0).unwrap().without_energy_accounts();
@@ -129,7 +129,7 @@ fn closed_form_of_the_exact_orbit() {
 
 #[test]
 fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
-    /// The length of a variation that turns swings by some units of its logarithm, which is over
+    /// Swing of the logarithm of the length of a variation that turns, some units, relative to over
     /// 5000 in each block.
     const SWING: f64 = 1e-3;
     // A variation shrinks by e⁻⁵⁰⁰ or more in each drive period.
@@ -142,12 +142,12 @@ fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
     };
     let mut simulator = Simulator::new(&p, &State { x: [0.0; 3], v: [0.0; 3] }, 0.0).unwrap();
     let options = SpectrumOptions { align: 1, periods: 2, ..SpectrumOptions::default() };
-    // Beside that of the drive's phase.
+    // The largest besides that of the drive's phase.
     let expected = spectrum(&mut simulator, &options).unwrap().exponents[1];
     let mut tangent = Tangent::default();
     tangent.begin(&p, SmoothMode::Flight, (0.0, 0.0));
     for block in 1..=ALIGN + LEAST_BLOCKS {
-        // Not past its end by rounding.
+        // Rounding must not put it past the end.
         tangent.end_block(f64::from(block * BLOCK) * p.period() * (1.0 - f64::EPSILON));
     }
     let found = tangent.exponent();
@@ -158,7 +158,7 @@ fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
 fn closed_form_rule_of_decision() {
     let p = system(1.5, 0.75);
     let rate = p.box_frequency();
-    // Blocks with a mean growth and a scatter to either side of it.
+    // Blocks with a mean growth and an alternating deviation from it.
     let tangent = |blocks: u32, mean: f64, scatter: f64| Tangent {
         parameters: p,
         block: f64::from(BLOCK) * p.period(),
@@ -172,7 +172,7 @@ fn closed_form_rule_of_decision() {
     let error = tangent(17, 2.0, 1.0).exponent().error * f64::from(BLOCK) * p.period();
     assert!((error - 0.25).abs() < 1e-12, "{error}");
     assert!(tangent(17, 2.0, 1.0).is_decided(400) && tangent(17, -2.0, 1.0).is_decided(400));
-    // Too much scatter, too little growth; nothing left; enough periods.
+    // Too much scatter; too little growth; nothing left; enough periods.
     assert!(!tangent(17, 2.0, 1.5).is_decided(400));
     assert!(!tangent(17, 1.0, 0.1).is_decided(400));
     assert!(tangent(1, f64::NEG_INFINITY, 0.0).is_decided(400));
@@ -182,7 +182,7 @@ fn closed_form_rule_of_decision() {
 
 #[test]
 fn second_method_motions_whose_chaos_has_ended_have_no_more_impacts() {
-    // Where the drive is weak chaos is a transient, which ends without impacts.
+    // Under a weak drive chaos is a transient, which ends without impacts.
     let mut starts = (0..120).map(|k| {
         let groups = Groups { f10: 0.28, sigma1: -1.2 + 0.02 * f64::from(k), ..Groups::basic() };
         let parameters = groups.to_parameters(Scales::default()).unwrap();

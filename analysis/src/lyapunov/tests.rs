@@ -1,5 +1,5 @@
-//! Oracles: closed form of the linear system, the identity of the sum, the exact orbit's
-//! multipliers, two trajectories.
+//! The spectrum against the closed form of the linear system, the identity of the sum, the exact
+//! orbit's multipliers, and pairs of trajectories.
 
 use super::super::motion::settled_simulator;
 use super::super::stroboscopic::moving_block;
@@ -9,10 +9,10 @@ use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::simulator::State;
 use vibro_impact::steady::exact_orbit;
 
-/// An average over n periods differs from the limit by O(1/n) where a pair turns; sums over the
-/// pair do not.
+/// Difference of a sum over a turning pair from its limit; a single member differs by O(1/n) over n
+/// periods.
 const PAIR: f64 = 1e-6;
-/// The identity holds period by period, to the rounding of some thousand products.
+/// Rounding of the identity, which holds period by period, over some thousand products.
 const IDENTITY: f64 = 1e-8;
 
 fn groups(f10: f64, kappa: f64) -> Parameters {
@@ -21,9 +21,9 @@ fn groups(f10: f64, kappa: f64) -> Parameters {
 
 #[test]
 fn closed_form_of_the_linear_damped_system() {
-    // Block free of springs and never at a stop: the box's exponents are the real parts of r² + c1
-    // r + k1, twice overdamped here, the secondary's likewise underdamped; block and phase have
-    // zero.
+    // The block has no spring and never reaches a stop. The box's exponents are the real parts of
+    // the roots of r² + c1 r + k1 (here overdamped), the secondary oscillator's likewise
+    // (underdamped); block and phase have zero.
     let mut p = groups(0.0, 0.75);
     p.coupling_stiffness = 0.0;
     p.box_damping = 2.5;
@@ -34,14 +34,14 @@ fn closed_form_of_the_linear_damped_system() {
     assert_eq!(found.impacts, 0);
     let root = (2.5f64 * 2.5 - 4.0).sqrt();
     let expected = [0.0, 0.0, 0.0, -0.15, -0.15, 0.5 * (-2.5 + root), 0.5 * (-2.5 - root)];
-    // A displacement of the block grows out of its speed like t, whose exponent comes as ln t/t and
-    // with the opposite sign.
+    // A displacement of the block grows with its speed like t: one exponent tends to zero as ln
+    // t/t, the other as its negative.
     let time = 1550.0 * p.period();
     let slow = time.ln() / (1500.0 * p.period());
     for (i, (got, want)) in found.exponents.iter().zip(expected).enumerate() {
         let near = match i {
             0..3 => slow,
-            // The turning pair's members differ by O(1/n), their sum does not.
+            // The members of the turning pair differ by O(1/n), their sum does not.
             3 | 4 => 1e-3,
             _ => PAIR,
         };
@@ -51,7 +51,7 @@ fn closed_form_of_the_linear_damped_system() {
     assert!((found.exponents[0] + found.exponents[1] + found.exponents[2]).abs() < PAIR);
 }
 
-/// The real parts of the roots of r² + c r + k, the larger one first.
+/// Real parts of the roots of r² + c r + k, the larger one first.
 fn roots(c: f64, k: f64) -> [f64; 2] {
     let root = (0.25 * c * c - k).max(0.0).sqrt();
     [-0.5 * c + root, -0.5 * c - root]
@@ -59,7 +59,7 @@ fn roots(c: f64, k: f64) -> [f64; 2] {
 
 #[test]
 fn closed_form_of_exponents_far_apart() {
-    // No impacts. In a period of the drive one variation shrinks by more digits than a double has
+    // No impacts. In a period of the drive one variation shrinks by more digits than a double holds
     // beside another: where the drive is slow, and where a damper is strong.
     let slow = Parameters {
         drive_frequency: 0.013,
@@ -75,7 +75,7 @@ fn closed_form_of_exponents_far_apart() {
         let found = spectrum(&mut simulator, &options).unwrap();
         assert_eq!(found.impacts, 0);
         let of_box = roots(p.box_damping / p.box_mass, p.box_stiffness / p.box_mass);
-        // The block's two pairs share what their damper takes.
+        // The block's two pairs share the loss of their damper.
         let of_block = -p.secondary_damping / p.secondary_mass;
         let sum = found.exponents.iter().sum::<f64>();
         assert!((sum - of_box[0] - of_box[1] - of_block).abs() < PAIR, "{found:?}");
@@ -88,9 +88,9 @@ fn closed_form_of_exponents_far_apart() {
 
 #[test]
 fn invariant_the_sum_of_the_exponents_where_slow_impacts_stretch() {
-    // Hundreds of impacts in a long period of the drive, slow ones among them: each of these makes
-    // one variation long and another short. An impact takes the square of the restitution
-    // coefficient of phase space, and the dampers their rates.
+    // In a long period of the drive there are hundreds of impacts, some of them slow: each of these
+    // makes one variation long and another short. An impact contracts phase space by the square of
+    // the restitution coefficient, the dampers by their rates.
     let p = Parameters {
         box_mass: 0.557_724_769_778_829,
         box_stiffness: 8.491_729_122_830_904,
@@ -118,8 +118,8 @@ fn invariant_the_sum_of_the_exponents_where_slow_impacts_stretch() {
 
 #[test]
 fn closed_form_of_directions_that_nothing_mixes() {
-    // No impacts, so that box and block do not act on each other, and nothing holds the secondary
-    // oscillator: its place has the exponent zero, as has the phase, and both are there when the
+    // Without impacts box and block do not act on each other, and nothing holds the secondary
+    // oscillator: its position has exponent zero, as has the phase. Both are found once the
     // alignment is over.
     let p = Parameters {
         secondary_stiffness: 0.0,
@@ -199,12 +199,11 @@ fn second_method_multipliers_of_the_exact_orbit() {
 fn second_method_two_trajectories_in_chaos() {
     const APART: f64 = 1e-8;
     const PERIODS: u32 = 6000;
-    /// Both estimates fluctuate as chaos does; by how much, the growths over blocks of periods
-    /// tell. Of two estimates that differ by chance one pair in 10⁴ lies further apart than this
-    /// many of their standard errors.
+    /// Standard errors by which the estimates may differ. Both fluctuate as chaos does, and blocks
+    /// of periods give their errors; one pair in 10⁴ is farther apart by chance.
     const ERRORS: f64 = 4.0;
     const BLOCK: u32 = 100;
-    /// So that the comparison says something at all.
+    /// Largest relative error for which the comparison is meaningful.
     const WIDEST: f64 = 0.2;
     for f10 in [3.6, 4.5] {
         let p = groups(f10, 0.75);
@@ -215,7 +214,7 @@ fn second_method_two_trajectories_in_chaos() {
         let (mut blocks, mut other) = ([0.0; (PERIODS / BLOCK) as usize], one.state());
         other.x[2] += APART;
         for i in 1..=PERIODS {
-            // Whole periods: both may start anew at time 0.
+            // Over whole periods, so that both may start anew at time 0.
             let mut neighbour = Simulator::new(&p, &other, 0.0).unwrap().without_energy_accounts();
             one = Simulator::new(&p, &one.state(), 0.0).unwrap().without_energy_accounts();
             one.advance_to(p.period()).unwrap();
@@ -247,7 +246,7 @@ fn second_method_two_trajectories_in_chaos() {
 
 #[test]
 fn closed_form_rest_and_dead_impacts_lose_directions() {
-    // κ = 0 with rest: two directions are lost; the rest of the spectrum stays finite and holds the
+    // κ = 0 with rest: two directions are lost. The other exponents are finite and contain the
     // phase's zero.
     let p = groups(3.0, 0.0);
     let found =
@@ -262,19 +261,18 @@ fn closed_form_rest_and_dead_impacts_lose_directions() {
 
 #[test]
 fn closed_form_variations_through_rest() {
-    // Through chatter into rest and out of it: the frame's image against differences of whole
-    // motions. Two widths, so that the differences' own error of second order drops out
-    // (Richardson).
+    // The frame carried through chatter into rest and out of it, against differences of whole
+    // motions. Two widths cancel the second-order error of the differences (Richardson).
     const NARROW: f64 = 1e-6;
     const WIDE: f64 = 3e-6;
-    /// A chatter run is closed at bounces some 1e-8 fast, one bounce earlier or later for
-    /// neighbours; of NARROW, that is this at most.
+    /// Error relative to NARROW: a chatter run is closed at bounces about 1e-8 fast, for neighbours
+    /// one bounce earlier or later.
     const DIFFERENCE: f64 = 1e-3;
     for (f10, kappa, periods) in [(3.0, 0.0, 60), (2.0, 0.0, 60), (0.3, 0.3, 20), (0.3, 0.5, 20)] {
         let p = groups(f10, kappa);
         let mut simulator = settled_simulator(&p, &moving_block(&p), f64::from(periods)).unwrap();
         let model = Model::new(&p).unwrap();
-        // Go on until a rest has been passed through.
+        // Continues until a rest is over.
         let start = simulator.snapshot();
         let from = simulator.time();
         let (mut now, mut passed) = (from, None);
@@ -293,7 +291,7 @@ fn closed_form_variations_through_rest() {
             variation.propagate(&mut frame, piece);
         })
         .unwrap();
-        // The third coordinate's displacement and rate, in units of L and of the model's rate.
+        // Displacement and rate of the third coordinate, in units of L and of the model's rate.
         for (direction, unit) in [(2, p.stop_gap), (5, p.stop_gap * model.rate)] {
             let share = model.block_share;
             let end_of = |change: f64| {

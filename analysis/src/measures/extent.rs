@@ -1,15 +1,17 @@
-//! Extrema and mean square of one coordinate along the series of the flow.
+//! Extrema and mean square of a coordinate along the series of the flow.
 
 use super::Coordinate;
 use vibro_impact::events::turns;
 use vibro_impact::flow::{PIECE, Series, weighted_sum};
 use vibro_impact::numerics::simd::value;
 
-/// Gauss–Legendre nodes and weights on [0, 1]. Along a series, whose time times the model's rate r
-/// is at most 1.2, derivatives of order k of a displacement are at most rᵏ max(3 + k/2, k + 1) of
-/// the motion's size S (docs/numerics.md, section 1), of a rate r times as much, so that the
-/// sixteenth of the square is at most 78 (2r)¹⁶ S², and the rule's error under 78 (8!)⁴ 2.4¹⁶/(17
-/// (16!)³) < 2e-15 of S² times the length.
+/// Gauss–Legendre nodes and weights on [0, 1].
+///
+/// Along a series, whose time times the model's rate r is at most 1.2, the derivative of order k of
+/// a displacement is at most rᵏ max(3 + k/2, k + 1) times the motion's size S (docs/numerics.md,
+/// section 1), and that of a rate r times as much. The sixteenth derivative of the square is
+/// therefore at most 78 (2r)¹⁶ S², and the rule's error under 78 (8!)⁴ 2.4¹⁶/(17 (16!)³) < 2e-15 of
+/// S² times the length.
 const NODES: [(f64, f64); 8] = [
     (0.019_855_071_751_231_912, 0.050_614_268_145_188_53),
     (0.101_666_761_293_186_64, 0.111_190_517_226_687_23),
@@ -38,13 +40,12 @@ impl Extent {
         Self { coordinate, least: f64::INFINITY, largest: f64::NEG_INFINITY, squares, square: 0.0 }
     }
 
-    /// Least and largest value, both within ± a bound that the coordinate is known to keep but for
-    /// rounding.
+    /// Least and largest value, clipped to ± a bound that the coordinate keeps except for rounding.
     pub fn within(&self, bound: f64) -> (f64, f64) {
         (self.least.max(-bound), self.largest.min(bound))
     }
 
-    /// Takes up what another stretch of the motion has shown.
+    /// Joins the extent of another stretch of the motion.
     pub fn join(&mut self, other: &Self) {
         self.least = self.least.min(other.least);
         self.largest = self.largest.max(other.largest);
@@ -57,7 +58,7 @@ impl Extent {
         self.largest = self.largest.max(value);
     }
 
-    /// Takes up a series of the flow, whose variable runs over [0, 1], over `radius` s.
+    /// Includes a series of the flow, whose variable runs over [0, 1], over `radius` s.
     #[inline(always)]
     pub fn take(&mut self, series: &Series<PIECE>, radius: f64) {
         let (weights, first) = self.coordinate.weights();
@@ -69,7 +70,7 @@ impl Extent {
         self.meet(q[0]);
         self.meet(value(&q, 1.0));
         let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
-        // Between the ends it cannot pass the extrema met so far.
+        // Between the ends it cannot pass the extrema found so far.
         if q[0] + spread <= self.largest && q[0] - spread >= self.least {
             return;
         }

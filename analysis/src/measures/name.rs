@@ -1,4 +1,4 @@
-//! The measures by name.
+//! Measures by name.
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -25,27 +25,27 @@ pub enum Coordinate {
 }
 
 impl Coordinate {
-    /// All of them, displacements first.
+    /// All coordinates, displacements first.
     pub const ALL: [Self; 8] =
         [Self::X1, Self::X2, Self::X3, Self::W, Self::V1, Self::V2, Self::V3, Self::Dw];
 
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         ["x1", "x2", "x3", "w", "v1", "v2", "v3", "dw"][self as usize]
     }
 
-    /// Its symbol in pictures.
+    /// Symbol in pictures.
     pub fn symbol(self) -> &'static str {
         ["x₁", "x₂", "x₃", "w", "x₁′", "x₂′", "x₃′", "w′"][self as usize]
     }
 
-    /// Its unit.
+    /// SI unit.
     pub fn unit(self) -> &'static str {
         if self as usize >= Self::V1 as usize { "m/s" } else { "m" }
     }
 
-    /// Its weights at three neighbouring places of the augmented state, and the first of these: x2
-    /// = x1 + w, docs/theory.md (5).
+    /// Weights of the coordinate at three neighbouring places of the augmented state, and the first
+    /// of these places: x2 = x1 + w, docs/theory.md (5).
     #[inline(always)]
     pub(super) fn weights(self) -> ([f64; 3], usize) {
         const WEIGHTS: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]];
@@ -54,7 +54,7 @@ impl Coordinate {
     }
 }
 
-/// One quantity of a settled motion, by name: `"amplitude.x1".parse()`. Written down by its name.
+/// Measure of a settled motion, by name: `"amplitude.x1".parse()`. Serialized as its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Measure {
@@ -86,18 +86,17 @@ pub enum Measure {
     PowerSecondaryDamper,
     /// The [class](crate::attractor::MotionClass), a text.
     Class,
-    /// The largest Lyapunov exponent beside the drive phase's zero, 1/s.
+    /// Largest Lyapunov exponent besides the drive phase's zero, 1/s.
     Exponent,
-    /// The amplitude of the box alone, m:
-    /// [`amplitude_without_block`](super::amplitude_without_block).
+    /// Amplitude of the box alone, m: [`amplitude_without_block`](super::amplitude_without_block).
     AmplitudeWithoutBlock,
 }
 
-/// Kinds of measures of a coordinate.
+/// Measures that exist for each coordinate.
 const OF_COORDINATES: [fn(Coordinate) -> Measure; 4] =
     [Measure::Amplitude, Measure::Rms, Measure::PeakToPeak, Measure::Maximum];
 
-/// The measures that are of no coordinate.
+/// Measures of no coordinate.
 const OTHERS: [Measure; 12] = [
     Measure::ImpactSpeed,
     Measure::ImpactImpulse,
@@ -121,7 +120,7 @@ impl Measure {
         of_coordinates.chain(OTHERS)
     }
 
-    /// Its name in tables and on the command line.
+    /// Name in tables and on the command line.
     pub fn name(self) -> String {
         let of = |kind: &str, c: Coordinate| format!("{kind}.{}", c.name());
         match self {
@@ -144,7 +143,7 @@ impl Measure {
         }
     }
 
-    /// Its SI unit; `1` where it has none.
+    /// SI unit; `1` where there is none.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Amplitude(c) | Self::Rms(c) | Self::PeakToPeak(c) | Self::Maximum(c) => c.unit(),
@@ -157,7 +156,7 @@ impl Measure {
         }
     }
 
-    /// What it is.
+    /// Description in a few words.
     pub fn description(self) -> String {
         let of = |what: &str, c: Coordinate| what.replace('q', c.name());
         match self {
@@ -180,7 +179,7 @@ impl Measure {
         }
     }
 
-    /// The coordinate that it is read off, if there is one.
+    /// Coordinate that the measure is read off, if there is one.
     pub(super) fn coordinate(self) -> Option<Coordinate> {
         match self {
             Self::Amplitude(c) | Self::Rms(c) | Self::PeakToPeak(c) | Self::Maximum(c) => Some(c),
@@ -190,7 +189,7 @@ impl Measure {
         }
     }
 
-    /// Whether it is made of the mean square of its coordinate.
+    /// Whether the measure needs the mean square of its coordinate.
     pub(super) fn needs_square(self) -> bool {
         matches!(self, Self::Rms(_) | Self::PowerBoxDamper | Self::PowerSecondaryDamper)
     }

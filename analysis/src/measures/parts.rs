@@ -1,48 +1,48 @@
-//! A window in parts of equal length, by which the spread of its numbers is found.
+//! Division of a window into parts of equal length, by which the spread of its values is found.
 //!
-//! Of a motion that repeats after n returns every part is a whole number of n returns, so that its
-//! numbers have no spread but rounding. n is found from what the first returns show, each by
-//! itself.
+//! Of a motion that repeats after n returns every part has a multiple of n returns, so that its
+//! values have no spread but rounding. n is found from the first returns, which are kept one by
+//! one.
 
 use super::PARTS;
 use crate::attractor::{LONGEST, least_period};
 
 /// Returns that are kept one by one.
 const LOOKED: usize = 4 * LONGEST as usize;
-/// Most blocks that are kept after them; then two and two are joined.
+/// Most blocks kept after them; then blocks are joined in pairs.
 const BLOCKS: usize = 3 * LOOKED;
-/// What two returns show is the same to this part: the numbers repeat.
+/// Relative difference up to which the values of two returns are the same.
 const NEAR: f64 = 1e-6;
-/// It is so to the end of the transient, so that nothing more comes.
+/// Relative difference up to which the transient has ended too, so that nothing new comes.
 const STEADY: f64 = 1e-9;
-/// What is this part of the largest and less is rounding.
+/// Values up to this part of the largest of their kind are rounding.
 const NOTHING: f64 = 1e-12;
 
-/// What was seen over some returns.
-pub(crate) trait Seen: Clone {
-    /// What tells one return from another: numbers of several kinds, those of a kind comparable.
+/// Observation over some returns.
+pub(crate) trait Observation: Clone {
+    /// Values that distinguish returns: several kinds, comparable within a kind.
     fn numbers(&self) -> [Vec<f64>; 3];
-    /// Takes in what was seen after it.
+    /// Joins a later observation.
     fn join(&mut self, later: &Self);
 }
 
-/// A window while it grows.
+/// Parts of a window that grows.
 #[derive(Debug)]
 pub(crate) struct Parts<W> {
     blocks: Vec<W>,
-    /// Returns in a block, and in the one that is not full.
+    /// Returns in a block, and the incomplete block with its number of returns.
     size: usize,
     begun: Option<(W, usize)>,
-    /// After how many returns the numbers repeat; nothing before that is known.
+    /// Number of returns after which the values repeat; `None` until it is known.
     period: Option<usize>,
 }
 
-impl<W: Seen> Parts<W> {
+impl<W: Observation> Parts<W> {
     pub fn new() -> Self {
         Self { blocks: Vec::new(), size: 1, begun: None, period: None }
     }
 
-    /// Takes in the next return; says whether it is certain that the motion repeats.
+    /// Adds the next return; returns whether the motion certainly repeats.
     pub fn push(&mut self, seen: W) -> bool {
         if self.period.is_some() {
             self.put(seen);
@@ -56,7 +56,7 @@ impl<W: Seen> Parts<W> {
         }
     }
 
-    /// Finds the period and joins what there is to blocks of it, the last returns first.
+    /// Finds the period and joins the returns to blocks of it, which end with the last return.
     fn divide(&mut self) {
         let period = period(&self.blocks, NEAR).unwrap_or(1);
         let all = std::mem::take(&mut self.blocks);
@@ -84,7 +84,7 @@ impl<W: Seen> Parts<W> {
         }
     }
 
-    /// Up to six parts. What is over of a motion that repeats is left out.
+    /// Up to six parts. An incomplete period of a motion that repeats is left out.
     pub fn finish(mut self) -> Vec<W> {
         if self.period.is_none() {
             self.divide();
@@ -99,8 +99,8 @@ impl<W: Seen> Parts<W> {
     }
 }
 
-/// Parts joined to some longer ones, of as nearly equal length as may be.
-fn joined<W: Seen>(parts: &[W], count: usize) -> Vec<W> {
+/// Joins parts to `count` longer ones of nearly equal length.
+fn joined<W: Observation>(parts: &[W], count: usize) -> Vec<W> {
     let group = |k: usize| {
         let (from, to) = (parts.len() * k / count, parts.len() * (k + 1) / count);
         let mut whole = parts[from].clone();
@@ -110,16 +110,16 @@ fn joined<W: Seen>(parts: &[W], count: usize) -> Vec<W> {
     (0..count).map(group).collect()
 }
 
-/// The parts of a window as one; there is one at least.
-pub(crate) fn whole<W: Seen>(parts: &[W]) -> W {
+/// Joins all parts of a window, at least one.
+pub(crate) fn whole<W: Observation>(parts: &[W]) -> W {
     let mut whole = parts[0].clone();
     parts[1..].iter().for_each(|part| whole.join(part));
     whole
 }
 
-/// After how many returns all numbers repeat to a part of their sizes.
-fn period<W: Seen>(returns: &[W], near: f64) -> Option<usize> {
-    let all: Vec<[Vec<f64>; 3]> = returns.iter().map(Seen::numbers).collect();
+/// Number of returns after which all values repeat, relative to their sizes.
+fn period<W: Observation>(returns: &[W], near: f64) -> Option<usize> {
+    let all: Vec<[Vec<f64>; 3]> = returns.iter().map(Observation::numbers).collect();
     let mut sizes = all.first()?.clone();
     for numbers in &all {
         for (size, x) in sizes.iter_mut().flatten().zip(numbers.iter().flatten()) {
@@ -141,11 +141,11 @@ fn period<W: Seen>(returns: &[W], near: f64) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// A largest value and the number of returns.
+    /// A largest value, and the number of returns.
     #[derive(Clone)]
     struct Largest(f64, usize);
 
-    impl Seen for Largest {
+    impl Observation for Largest {
         fn numbers(&self) -> [Vec<f64>; 3] {
             [vec![self.0], Vec::new(), Vec::new()]
         }
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn invariant_every_return_of_a_motion_without_a_period_is_in_a_part() {
         for returns in [1, 5, 6, 59, 60, 128, 129, 384, 385, 1000, 4001] {
-            // Multiples of the golden ratio never come back.
+            // Multiples of the golden ratio never repeat modulo 1.
             let (parts, is_steady) = of(returns, &|i| (i as f64 * 0.618_033_988_749_895).fract());
             assert!(!is_steady);
             assert_eq!(parts.iter().map(|part| part.1).sum::<usize>(), returns);

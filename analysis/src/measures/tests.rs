@@ -7,11 +7,12 @@ use vibro_impact::State;
 use vibro_impact::parameters::{Groups, Scales};
 use vibro_impact::steady::exact_orbit;
 
-/// The transient has died out to this part of L.
+/// Remainder of the transient in parts of L.
 const SETTLED: f64 = 1e-9;
-/// Cubic interpolation between 128 samples a period (see `motion`).
+/// Error of cubic interpolation between 128 samples a period (see `motion`).
 const INTERPOLATION: f64 = 1e-7;
-/// A sum over equal phases of a function with corners is off by the square of their distance.
+/// Number of phases of a sum, and its error: the square of their distance, since the function has
+/// corners.
 const PHASES: u32 = 20_000;
 const SUM: f64 = 1e-7;
 
@@ -19,13 +20,13 @@ fn at(f10: f64, kappa: f64) -> Parameters {
     Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
 }
 
-/// Numbers of measures by their names.
+/// Values of measures by name.
 fn found(simulator: &mut Simulator, names: &[String], periods: u32) -> Vec<f64> {
     let measures: Vec<Measure> = names.iter().map(|n| n.parse().unwrap()).collect();
     measure(simulator, &measures, periods).unwrap().numbers.into_iter().map(Option::unwrap).collect()
 }
 
-/// One number of the motion with energy accounts that a settled start goes on with.
+/// Values of measures of a settled motion with energy accounts.
 fn numbers(p: &Parameters, names: &[&str], discard: f64, periods: u32) -> Vec<f64> {
     let mut simulator = Simulator::new(p, &moving_block(p), 0.0).unwrap();
     simulator.advance_to(discard * p.period()).unwrap();
@@ -54,15 +55,14 @@ fn second_method_amplitudes_and_mean_squares_of_the_exact_orbit() {
         {
             assert!((amplitude - orbit.amplitude_of(*weights)).abs() < SETTLED, "{names:?}");
         } else {
-            // Before or after an impact, or where the phases come near to: never more than what is
-            // exact.
+            // Samples miss impacts and extrema by half a phase, and never exceed the exact value.
             let most = values.iter().fold(0.0f64, |a, v| a.max(v.abs()));
             assert!(amplitude > most - SETTLED && amplitude - most < 1e-3, "{names:?}: {amplitude} {most}");
         }
         // The orbit is its own mirror image.
         assert!((maximum - amplitude).abs() < SETTLED && (peak_to_peak - 2.0 * amplitude).abs() < SETTLED);
         let square = values.iter().map(|v| v * v).sum::<f64>() / f64::from(PHASES);
-        // The sum is off by the jumps of velocities at impacts, half a phase each.
+        // The jumps of velocities at impacts give the sum an error of half a phase each.
         let off = if c.unit() == "m" { SUM } else { 4.0 / f64::from(PHASES) };
         assert!((rms - square.sqrt()).abs() < off, "{names:?}: {rms} {}", square.sqrt());
     }
@@ -70,7 +70,7 @@ fn second_method_amplitudes_and_mean_squares_of_the_exact_orbit() {
 
 #[test]
 fn second_method_extrema_by_samples_in_chaos_and_with_rest() {
-    // Few periods, since chaos multiplies the rounding of the samples' steps.
+    // Only few periods, since chaos amplifies the rounding of the samples' steps.
     const PERIODS: u32 = 6;
     for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (4.5, 0.9), (3.0, 0.0), (2.0, 0.3)] {
         let p = at(f10, kappa);
@@ -111,8 +111,8 @@ fn invariant_the_drive_pays_for_all_losses_of_a_periodic_motion() {
 
 #[test]
 fn closed_form_of_the_box_alone() {
-    // Uncoupled, and with room for the block: the box is a driven oscillator, and settles as its
-    // damping has it.
+    // Uncoupled, and with room for the block, the box is a driven oscillator that settles by its
+    // damping.
     let p = Parameters { coupling_stiffness: 0.0, stop_gap: 10.0, ..Parameters::default() };
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
     simulator.advance_to(200.0 * p.period()).unwrap();
@@ -193,16 +193,16 @@ fn names_come_back_and_misspelt_ones_suggest_the_nearest() {
     assert!(error("temperature").contains("valid are amplitude.x1, amplitude.x2"));
 }
 
-/// Chaos, whose windows scatter by as much as one of them says of itself: an extreme by (N4), a
-/// mean square by (N5).
+/// In chaos the spread of one window predicts the scatter of many: of an extreme by (N4), of a mean
+/// square by (N5).
 #[test]
 fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
     const WINDOWS: usize = 60;
     const PERIODS: u32 = 60;
-    /// Sixty windows know their scatter to a tenth. Parts of ten drive periods are not quite
-    /// independent, so that a mean may be told too sharp; the limit law of extremes is one for long
-    /// parts, and where the motion comes to the edge of its attractor in most windows, an extreme
-    /// scatters less than (N4) says.
+    /// Sixty windows give their scatter to a tenth. Parts of ten drive periods are not quite
+    /// independent, so that the spread of a mean may be too small. The limit law of extremes holds
+    /// for long parts: where the motion reaches the edge of its attractor in most windows, an
+    /// extreme scatters less than (N4) says.
     const LEAST: f64 = 0.65;
     const MOST: f64 = 5.0;
     let names = ["amplitude.x1", "amplitude.x2", "impact.speed", "rms.x1"];
@@ -224,10 +224,10 @@ fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
     }
 }
 
-/// Without a spring between box and ground ω10 is zero and no unit of an exponent.
+/// Without a spring between box and ground ω10 is zero, and no unit of an exponent.
 #[test]
 fn second_method_the_exponent_of_a_machine_without_the_boxs_spring_is_that_of_its_description() {
-    /// A length swings by the ratio of its axes; its logarithm counts over the time of the
+    /// A length oscillates by the ratio of its axes, whose logarithm is divided by the time of the
     /// spectrum, 1/s.
     const TURNED: f64 = 1e-4;
     let p = Parameters { box_stiffness: 0.0, drive_amplitude: 1.0, ..Parameters::default() };
@@ -248,7 +248,7 @@ fn second_method_the_exponent_of_a_machine_without_the_boxs_spring_is_that_of_it
 
 #[test]
 fn second_method_the_power_of_the_drive_is_without_that_of_constant_loads() {
-    // A box on next to no spring, which its load pushes away, and one in chaos: F10 sin θ x1' by
+    // A box on a very soft spring that its load pushes away, and a box in chaos: F10 sin θ x1' by
     // the midpoint rule.
     const STEPS: u32 = 4000;
     let soft = Parameters { box_stiffness: 1e-4, constant_loads: [0.5, 0.0, 0.0], ..Parameters::default() };

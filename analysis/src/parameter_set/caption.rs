@@ -1,10 +1,10 @@
-//! What a caption says about a parameter set.
+//! Captions of a parameter set.
 
 use super::name::significant;
 use super::{Base, Given, Name, ParameterSet, Unit};
 use vibro_impact::parameters::{FIELDS, GROUPS, Group, LOADS};
 
-/// Two values of a quantity are the same up to the rounding of a conversion there and back.
+/// Relative difference of two values that is the rounding of a conversion there and back.
 const ROUNDING: f64 = 1e-12;
 
 impl Base {
@@ -17,8 +17,8 @@ impl Base {
 }
 
 impl ParameterSet {
-    /// Where these numbers come from, in the words of a caption. Of a machine in SI it lists what
-    /// was not given, with the values that were taken.
+    /// Source of the numbers, for a caption. For a machine in SI it lists what was not given, with
+    /// the values taken.
     pub fn origin(&self) -> String {
         let base = self.base.name();
         let taken = self.not_given_values();
@@ -30,21 +30,21 @@ impl ParameterSet {
         }
     }
 
-    /// The physical parameters that were [not given](Self::not_given) with the values taken, in one
-    /// line.
+    /// The physical parameters that were [not given](Self::not_given), with the values taken, in
+    /// one line.
     pub fn not_given_values(&self) -> String {
         let told = |name: Name| format!("{} = {}", name.name(), name.with_unit(name.value(self)));
         self.not_given().into_iter().map(told).collect::<Vec<_>>().join(", ")
     }
 
-    /// The parameters in one line, with the origin: in SI where the machine was given in SI, else
-    /// the groups.
+    /// The parameters in one line, with their source: in SI where the machine was given in SI, else
+    /// as groups.
     pub fn caption(&self) -> String {
         self.caption_but(&[])
     }
 
-    /// The [caption](Self::caption) without what changes when these parameters vary, so that it is
-    /// true of every curve.
+    /// The [caption](Self::caption) without what changes when these parameters vary, so that it
+    /// holds for every curve.
     pub fn caption_but(&self, varied: &[Name]) -> String {
         let others: Vec<Self> = varied.iter().filter_map(|name| self.other(*name)).collect();
         let same = |name: &Name| {
@@ -57,7 +57,7 @@ impl ParameterSet {
         } else {
             GROUPS.iter().filter(|g| self.is_held(g)).map(Name::Group).collect()
         };
-        // Loads are told where there are any.
+        // Loads are listed where there are any.
         names.extend(LOADS.iter().map(Name::Si).filter(|load| load.value(self) != 0.0));
         let told = |name: Name| self.told(name, name.value(self));
         let values: Vec<String> = names.into_iter().filter(same).map(told).collect();
@@ -107,8 +107,8 @@ impl ParameterSet {
         format!("{} = {}", self.symbol(name), self.with_unit(name, value))
     }
 
-    /// Whether a group is told: of the two names for the coupling the one that is held, and μ13
-    /// where it is no consequence of ε.
+    /// Whether a caption lists a group: of the two names of the coupling the one that is held, and
+    /// μ13 where it is not 1/ε.
     fn is_held(&self, group: &Group) -> bool {
         match group.name {
             "alpha23" => !self.holds_beta2,
@@ -118,7 +118,7 @@ impl ParameterSet {
         }
     }
 
-    /// The set with another value of one parameter, to see what changes with it.
+    /// The set with another value of one parameter, to find what changes with it.
     fn other(&self, name: Name) -> Option<Self> {
         let own = name.value(self);
         let near = [1.01 * own + 0.01, 0.99 * own - 0.01, 0.99 * own];

@@ -1,11 +1,11 @@
-//! Names of parameters: structured names, names of groups, and the symbols of the paper for both.
+//! Names of parameters: structured names, names of groups, and the paper's symbols of both.
 
 use super::{DEFINITIONS, ParameterSet};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{FIELDS, Field, GROUPS, Group, LOADS};
 
-/// A parameter of either form. Written down by its name.
+/// A parameter of either form. Serialized as its name.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Name {
@@ -48,8 +48,8 @@ impl From<Name> for String {
     }
 }
 
-/// What else a parameter may be called: the symbol and the name. Upper and lower case differ: `F10`
-/// is the force in N, `f10` its group.
+/// Other spellings of parameters: the symbol and the name. Case matters: `F10` is the force in N,
+/// `f10` its group.
 #[rustfmt::skip]
 const ALIASES: [(&str, &str); 41] = [
     ("m1", "box.m"), ("k1", "box.k"), ("c1", "box.c"), ("m2", "block.m"), ("m3", "secondary.m"),
@@ -62,7 +62,7 @@ const ALIASES: [(&str, &str); 41] = [
     ("σ₃₀", "sigma30"), ("γ3", "gamma3"), ("γ₃", "gamma3"), ("μ13", "mu13"), ("μ₁₃", "mu13"), ("f₁₀", "f10"),
 ];
 
-/// The symbols of the physical parameters, in the order of [`physical_parameters`].
+/// Symbols of the physical parameters, in the order of [`physical_parameters`].
 const SYMBOLS: [&str; FIELDS.len() + LOADS.len()] = [
     "m₁",
     "k₁",
@@ -97,7 +97,7 @@ impl Name {
         exact(name).ok_or_else(|| unknown(name, &all_names()))
     }
 
-    /// The name itself.
+    /// The name as text.
     pub fn name(self) -> &'static str {
         match self {
             Self::Si(f) => f.name,
@@ -117,7 +117,7 @@ impl Name {
         }
     }
 
-    /// Whether it is a constant load, under which the machine has no symmetry.
+    /// Whether the parameter is a constant load, under which the machine has no symmetry.
     pub fn is_load(self) -> bool {
         LOADS.iter().any(|load| load.name == self.name())
     }
@@ -147,7 +147,7 @@ impl Name {
         }
     }
 
-    /// Its value in a parameter set.
+    /// The value in a parameter set.
     pub fn value(self, set: &ParameterSet) -> f64 {
         match self {
             Self::Si(f) => (f.get)(set.parameters()),
@@ -155,8 +155,8 @@ impl Name {
         }
     }
 
-    /// The range that pictures show unless told otherwise: a group's own; half to three halves of a
-    /// physical parameter's value, or what its kind suggests where it is zero.
+    /// The default range of pictures: a group's own; half to three halves of a physical parameter's
+    /// value, or a range by its kind where that is zero.
     pub fn shown(self, set: &ParameterSet) -> (f64, f64) {
         match self {
             Self::Group(g) => g.shown,
@@ -170,7 +170,8 @@ impl Name {
         }
     }
 
-    /// Whether the other is this quantity in another form, so that they cannot vary independently.
+    /// Whether another name is this quantity in another form, so that the two cannot vary
+    /// independently.
     pub fn is_same_quantity(self, other: Self) -> bool {
         let field = |name: Self| match name {
             Self::Si(field) => field.name,
@@ -191,7 +192,7 @@ impl Name {
         }
     }
 
-    /// What it is.
+    /// Description in a few words.
     pub fn description(self) -> &'static str {
         match self {
             Self::Si(f) => f.description,
@@ -199,7 +200,7 @@ impl Name {
         }
     }
 
-    /// Its range in words.
+    /// The range in words.
     pub fn allowed(self) -> &'static str {
         match self {
             Self::Si(f) => f.range.allowed,

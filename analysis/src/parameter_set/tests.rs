@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A group through SI and back: a few roundings.
+/// Rounding of a group converted to SI and back.
 const ROUNDING: f64 = 1e-14;
 
 fn with(assignments: &[&str]) -> ParameterSet {
@@ -55,7 +55,7 @@ fn tied_groups_follow_in_any_order() {
     for order in [["mu13=1", "epsilon=0.05"], ["epsilon=0.05", "mu13=1"]] {
         assert_eq!(with(&order).groups().mu13, 1.0);
     }
-    // What is valid together may be given in any order: 1 + ε σ̂1 > 0.
+    // Values that are valid together may be given in any order: 1 + ε σ̂1 > 0.
     assert_eq!(with(&["sigma1=-12", "epsilon=0.05"]).groups().sigma1, -12.0);
     assert_eq!(error(&["sigma1=-12"]), "sigma1 = -12: allowed is a finite number > -1/epsilon");
 }
@@ -107,7 +107,7 @@ fn symbols_of_the_paper_are_names() {
     ] {
         assert_eq!(Name::find(symbol).unwrap().name(), name, "{symbol}");
     }
-    // Each symbol of a label can be typed.
+    // The symbol of each label can be typed.
     for name in GROUPS.iter().map(Name::Group).chain(FIELDS.iter().map(Name::Si)) {
         let found = Name::find(name.symbol());
         assert!(found.is_ok_and(|n| n.is_same_quantity(name)) || name.symbol() == "drive phase", "{name:?}");
@@ -152,9 +152,9 @@ fn units_are_those_of_the_dimension() {
 
 #[test]
 fn a_group_is_set_by_what_it_is_made_of() {
-    // A second method: a group depends on a physical parameter if it changes with it.
+    // Oracle: a group depends on a physical parameter if it changes with it.
     for field in &FIELDS {
-        // Detuned, for at σ̂30 = 0 its scale does not show.
+        // Detuned, since at σ̂30 = 0 its scale does not show.
         let one = ParameterSet { given: Given::default(), ..with(&["sigma30=0.3"]) };
         let set = one.with(field, 0.7 * (field.get)(one.parameters()) + 0.01).unwrap();
         for group in &GROUPS {
@@ -184,7 +184,7 @@ fn a_caption_leaves_out_what_varies() {
     let name = |n| Name::find(n).unwrap();
     let caption = ParameterSet::basic().caption_but(&[name("f10")]);
     assert!(!caption.contains("f̂₁₀") && caption.contains("κ = 0.75"), "{caption}");
-    // β² = ε α̂23 is not told here, and ε with all that the box's mass changes is not either.
+    // β² = ε α̂23 is not listed here, nor ε, nor anything that changes with the box's mass.
     let caption = ParameterSet::basic().caption_but(&[name("box.m")]);
     assert!(!caption.contains("ε =") && !caption.contains("σ̂₁ =") && caption.contains("κ"), "{caption}");
 }

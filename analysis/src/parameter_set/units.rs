@@ -1,5 +1,5 @@
-//! Numbers of a parameter, with or without a unit of its dimension, and the units in which labels
-//! show parameters. What a unit is stands in [`vibro_impact::quantities`].
+//! Numbers of a parameter with or without a unit of its dimension, and the units in which labels
+//! show parameters. Units are those of [`vibro_impact::quantities`].
 
 use super::{Name, name::physical_parameters};
 use crate::error::{Error, Result};
@@ -9,8 +9,8 @@ use vibro_impact::parameters::{FIELDS, LOADS};
 pub use vibro_impact::quantities::{Quantity, Unit, quantity_in};
 use vibro_impact::quantities::{UNITS, in_si, split, symbols};
 
-/// The unit in which each physical parameter was written: its place in [`UNITS`] and 1, or 0 where
-/// it had none. A file has the units' symbols by the parameters' names.
+/// Unit in which each physical parameter was written: its index in [`UNITS`] plus 1, or 0 where it
+/// had none. Serialized as the units' symbols by the parameters' names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "BTreeMap<String, String>", into = "BTreeMap<String, String>")]
 pub(super) struct Units([u8; FIELDS.len() + LOADS.len()]);
@@ -27,8 +27,8 @@ impl Units {
         UNITS.get(usize::from(self.0[place]).checked_sub(1)?)
     }
 
-    /// Notes the unit of a physical parameter; a unit of another dimension, or another name,
-    /// changes nothing.
+    /// Sets the unit of a physical parameter; a unit of another dimension and an unknown name
+    /// change nothing.
     pub fn set(&mut self, name: &str, symbol: &str) {
         let Some((place, field)) = physical_parameters().enumerate().find(|(_, f)| f.name == name) else {
             return;
@@ -54,7 +54,7 @@ impl From<Units> for BTreeMap<String, String> {
     }
 }
 
-/// Reads a number of a parameter, with or without a unit such as `48 kN/m`; without one it is in
+/// Parses a number of a parameter, with or without a unit, such as `48 kN/m`; without one it is in
 /// the parameter's SI unit.
 ///
 /// # Errors
@@ -84,15 +84,16 @@ pub fn number(name: Name, text: &str) -> Result<f64> {
     Ok(quantity(name, text)?.value)
 }
 
-/// The unit that stands beside a number; `None` where there is none, and for what is no number of
-/// the parameter.
+/// The unit that stands beside a number; `None` where there is none, and for a text that is no
+/// number of the parameter.
 pub fn typed_unit(name: Name, text: &str) -> Option<&'static Unit> {
     quantity(name, text).ok()?.unit
 }
 
 /// The values of several numbers of one parameter, and the unit in which they were written. Either
-/// all have a unit or none, so that `9:11Hz` is no mixture. Ranges are not checked: what a number
-/// without a unit means may depend on [how the parameter was written](super::ParameterSet::unit).
+/// all have a unit or none, so that `9:11Hz` is no mixture. Ranges are not checked: the meaning of
+/// a number without a unit may depend on
+/// [how the parameter was written](super::ParameterSet::unit).
 ///
 /// # Errors
 /// As [`number`], and [`Error::Form`] for a mixture.

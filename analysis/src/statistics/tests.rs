@@ -1,6 +1,6 @@
 use super::*;
 
-/// Numbers in [-1, 1] that are the same everywhere.
+/// Pseudorandom numbers in [-1, 1], bit-identical on all machines.
 fn noise(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -8,7 +8,7 @@ fn noise(mut seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// A window of x = shift + y with y' = memory y + noise, the same in all coordinates.
+/// A window of x = shift + y with y' = memory y + noise, equal in all coordinates.
 fn window(seed: u64, periods: u32, memory: f64, shift: f64) -> Blocks {
     let (mut next, mut blocks, mut y) = (noise(seed), Blocks::default(), 0.0);
     for _ in 0..periods {
@@ -20,11 +20,11 @@ fn window(seed: u64, periods: u32, memory: f64, shift: f64) -> Blocks {
 
 #[test]
 fn closed_form_standard_error_of_correlated_numbers() {
-    // The mean of an autoregressive process: variance of the noise 1/3, error 1/(1 - memory)
-    // √(1/3N).
+    // The mean of an autoregressive process: the noise has variance 1/3, the mean an error of
+    // 1/(1 - memory) √(1/3N).
     const PERIODS: u32 = 16_384;
-    /// Blocks of an eighth of the window know their scatter to a quarter, and the largest of some
-    /// is taken.
+    /// Ratio of estimated and true error: blocks of an eighth of the window give their scatter to a
+    /// quarter, and the largest of several is taken.
     const LEAST: f64 = 0.8;
     const MOST: f64 = 2.0;
     for memory in [0.0, 0.9, 0.98] {
@@ -43,15 +43,15 @@ fn closed_form_windows_of_one_process_are_alike_and_of_two_are_not() {
     let found = |seed, periods, shift| window(seed, periods, 0.8, shift).statistics();
     let long = found(1, 32_768, 0.5);
     for seed in 2..40 {
-        // Never two for one, however short the window; one for certain when it is long.
+        // Never different, however short the window; certainly the same when it is long.
         assert_ne!(found(seed, 128, 0.5).likeness(&long), Likeness::Different, "{seed}");
         assert_eq!(found(seed, 16_384, 0.5).likeness(&long), Likeness::Same, "{seed}");
-        // The mirror image has the shift of the other sign.
+        // The mirror image has the opposite shift.
         assert_ne!(found(seed, 128, -0.5).likeness(&long), Likeness::Same, "{seed}");
         assert_eq!(found(seed, 4096, -0.5).likeness(&long), Likeness::Different, "{seed}");
         assert_eq!(found(seed, 16_384, -0.5).likeness(&long.mirrored()), Likeness::Same, "{seed}");
     }
-    // Too few blocks to know a scatter.
+    // Too few blocks for a scatter.
     assert_eq!(found(1, 48, 0.5).likeness(&long), Likeness::Undecided);
 }
 

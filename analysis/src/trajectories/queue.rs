@@ -1,6 +1,6 @@
-//! What a thread does with the motions in its lanes, from stage to stage.
+//! Stages of the motions in a thread's lanes.
 
-use super::{LargestExponent, Outcome, Program, Start};
+use super::{LargestExponent, MotionEnd, Program, Start};
 use crate::attractor::{Attractor, OBSERVED, StroboscopicRecord};
 use crate::error::Result;
 use crate::free_limit::is_damped;
@@ -13,20 +13,20 @@ use vibro_impact::Parameters;
 use vibro_impact::model::{Augmented, SmoothMode};
 use vibro_impact::simulator::{Event, Maximum, MotionQueue, Plan, Reports, Simulator, State};
 
-/// Drive periods between two looks at whether an exponent is decided: half of what is observed.
+/// Drive periods between two checks whether an exponent is decided: half of an observation.
 const LOOK: u32 = 8 * BLOCK;
 
-/// Drive periods without an impact after which it is looked at whether there will be any more.
+/// Drive periods without an impact after which it is checked whether any will follow.
 const QUIET: u32 = 8;
 
-/// What a lane is at, and what it has recorded of its motion.
+/// State of a lane, with the record of its motion.
 #[derive(Debug, Default)]
 pub(super) struct LaneRecord {
-    /// The motion's number.
+    /// Index of the motion.
     number: usize,
     parameters: Parameters,
     units: Units,
-    /// The drive's period, s, and its reciprocal.
+    /// Period of the drive, s, and its reciprocal.
     period: f64,
     frequency: f64,
     /// 1/(L ω10), s/m.
@@ -35,16 +35,16 @@ pub(super) struct LaneRecord {
     stroboscopic: StroboscopicRecord,
     impacts: ImpactRepetition,
     confirmation: Option<Confirmation>,
-    /// The drive period after which it is looked at whether there will be more impacts; put off by
-    /// those that come before.
+    /// Drive period after which it is checked whether impacts will follow; each impact postpones
+    /// it.
     watched: u32,
     tangent: Tangent,
-    /// When the tangent begins, s, and whether it has begun.
+    /// Time at which the tangent begins, s, and whether it has begun.
     tangent_from: f64,
     tangent_begun: bool,
-    /// Whether there have been events since the exponent was last looked at.
+    /// Whether there were events since the last check of the exponent.
     moved_on: bool,
-    /// When the observation has begun, s.
+    /// Time at which the observation began, s.
     observed_from: f64,
     attractor: Option<Attractor>,
     exponent: Option<LargestExponent>,
@@ -55,7 +55,7 @@ pub(super) struct LaneRecord {
 enum Stage {
     #[default]
     Discarding,
-    /// Found to have settled while discarding, in a state at a whole drive period.
+    /// Found settled while discarding, in a state at a whole drive period.
     Settled(State),
     Maxima,
     Observing,
@@ -72,8 +72,8 @@ impl LaneRecord {
         self.parameters = start.parameters;
         (self.units, self.period) = (Units::of(&start.parameters), start.parameters.period());
         (self.frequency, self.per_speed) = (1.0 / self.period, 1.0 / self.units.speed());
-        // It is aligned when the observation begins, or begins with that where nothing but events
-        // could be reported before.
+        // The tangent is aligned when the observation begins; where only events could be reported
+        // before, it begins with the observation.
         let align = program.ends_early().then_some(ALIGN * BLOCK);
         let from = align.and_then(|align| program.discard.checked_sub(align)).map(f64::from);
         self.tangent_from = match (program.exponent, from) {
@@ -83,7 +83,7 @@ impl LaneRecord {
         self.tangent_begun = false;
     }
 
-    /// Carries the tangent to an event, with which it begins where it is time to.
+    /// Carries the tangent to an event, or begins it there when it is due.
     fn carry_tangent(&mut self, event: &Event, after: &Augmented) {
         if self.tangent_begun {
             self.tangent.event(event, after);
@@ -99,14 +99,14 @@ impl LaneRecord {
         }
     }
 
-    /// Whether the motion is chaotic for certain, `now` at the end of a block.
+    /// Whether the motion is certainly chaotic; `now` is at the end of a block.
     fn is_chaotic(&mut self, now: f64) -> bool {
         self.tangent.end_block(now);
         self.tangent.is_positive()
     }
 
-    /// Takes note of an event of a motion that may have settled; returns the number of the sample
-    /// that is then asked for.
+    /// Records an event of a motion that may have settled; returns the index of the sample that is
+    /// needed next.
     fn look_for_repetition(&mut self, event: &Event) -> Option<u32> {
         self.stroboscopic.event(event);
         let Event::Impact { time, side, speed, .. } = *event else { return None };
@@ -124,7 +124,7 @@ impl LaneRecord {
         (now + 1 >= self.watched).then(|| self.watch(now))
     }
 
-    /// Puts off the look at whether there will be more impacts; returns the number of its sample.
+    /// Postpones the check whether impacts will follow; returns the index of its sample.
     fn watch(&mut self, now: u32) -> u32 {
         self.watched = now + QUIET;
         2 * self.watched
@@ -145,7 +145,7 @@ impl LaneRecord {
         ControlFlow::Continue(self.watch(now))
     }
 
-    /// Takes a sample of a motion that may have settled, or may have no more impacts; `discard`
+    /// Takes a sample of a motion that may have settled or may have no more impacts; `discard`
     /// drive periods are discarded.
     fn confirm(&mut self, number: u32, state: &State, discard: u32) -> ControlFlow<(), u32> {
         let Some(confirmation) = &mut self.confirmation else {
@@ -161,7 +161,7 @@ impl LaneRecord {
         if number < confirmation.last() {
             return ControlFlow::Continue(number + 1);
         }
-        // Left out are what is still to be discarded and the observation.
+        // Skipped are the rest of the discarded periods and the observation.
         let left = (discard - number / 2).saturating_add(OBSERVED);
         if confirmation.holds(&self.stroboscopic, left, self.parameters.is_symmetric()) {
             self.stage = Stage::Settled(*state);
@@ -172,11 +172,11 @@ impl LaneRecord {
     }
 }
 
-/// The motions that a thread works on.
+/// Motions that a thread works on.
 pub(super) struct Motions<'a> {
     starts: &'a mut dyn Iterator<Item = (usize, Start)>,
     program: &'a Program,
-    finished: &'a mut dyn FnMut(usize, Result<Outcome<'_>>),
+    finished: &'a mut dyn FnMut(usize, Result<MotionEnd<'_>>),
     lanes: &'a mut [LaneRecord],
 }
 
@@ -184,13 +184,13 @@ impl<'a> Motions<'a> {
     pub(super) fn new(
         starts: &'a mut dyn Iterator<Item = (usize, Start)>,
         program: &'a Program,
-        finished: &'a mut dyn FnMut(usize, Result<Outcome<'_>>),
+        finished: &'a mut dyn FnMut(usize, Result<MotionEnd<'_>>),
         lanes: &'a mut [LaneRecord],
     ) -> Self {
         Self { starts, program, finished, lanes }
     }
 
-    /// What comes next for the motion in a lane, if it has not come to the end of the program.
+    /// The next plan for the motion in a lane, unless its program is over.
     fn next_stage(&mut self, lane: usize, simulator: &Simulator) -> Option<Plan> {
         let (record, program) = (&mut self.lanes[lane], self.program);
         let (now, period) = (simulator.time(), record.period);
@@ -215,7 +215,7 @@ impl<'a> Motions<'a> {
                 let periods = if program.exponent.is_some() { LOOK } else { OBSERVED };
                 plan(now, periods, Reports { first: 1, ..events })
             }
-            // What is chaotic for certain need not be observed further.
+            // A motion that is certainly chaotic need not be observed further.
             (Stage::Observing, _) if !record.stroboscopic.is_complete() && !record.is_chaotic(now) => {
                 let from = record.observed_from;
                 plan(from, OBSERVED, Reports { origin: from, first: 1, ..events })
@@ -239,9 +239,10 @@ impl<'a> Motions<'a> {
                     && is_damped(&record.parameters)
                     && free_motion::keeps_clear(&record.parameters, &simulator.state())
                 {
-                    // Chaos has ended in the motion without impacts, to which all is damped but the
-                    // drive's phase: negative for certain. Without that proof impacts may come
-                    // back: those of a box with little damping come in bursts.
+                    // Chaos has ended in a motion without impacts in which everything except the
+                    // drive's phase is damped: the exponent is certainly negative. Without that
+                    // proof impacts may come back, since those of a box with little damping come in
+                    // bursts.
                     attractor.approaching = true;
                     let value = f64::NEG_INFINITY;
                     record.exponent = Some(LargestExponent { value, error: 0.0, ..exponent });
@@ -252,7 +253,7 @@ impl<'a> Motions<'a> {
                     return None;
                 }
                 (record.stage, record.moved_on) = (Stage::Exponent, false);
-                // In whole blocks, which it has been up to now.
+                // In whole blocks, as before.
                 let left = (most - exponent.periods).next_multiple_of(BLOCK);
                 plan(now, left.min(LOOK), events)
             }
@@ -267,7 +268,7 @@ impl<'a> Motions<'a> {
             _ => simulator.state(),
         };
         let (attractor, exponent) = (record.attractor.take(), record.exponent);
-        let outcome = ended.map(|()| Outcome {
+        let outcome = ended.map(|()| MotionEnd {
             state,
             maxima: &record.maxima,
             attractor,
@@ -302,7 +303,7 @@ impl MotionQueue for Motions<'_> {
             let record = &mut self.lanes[lane];
             record.begin(number, &start, program);
             record.stroboscopic.begin(simulator.contact());
-            // Samples at half drive periods, none of them before impacts repeat or stay away.
+            // Samples at half drive periods, but none before impacts repeat or stay away.
             let (step, first) = (0.5 * record.period, 2 * record.watched);
             let reports = Reports { origin: 0.0, step, first, maxima_of: None };
             let end = f64::from(program.discard) * record.period;

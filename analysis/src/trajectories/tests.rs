@@ -3,7 +3,7 @@ use vibro_impact::parameters::{Groups, Scales};
 
 #[test]
 fn second_method_together_as_one_by_one() {
-    // Several systems, one of another drive period, and starts that are refused among them.
+    // Several machines, one with another drive period, and among the starts some that are refused.
     let mut starts = Vec::new();
     for (i, (f10, sigma1)) in [(0.6, 0.4), (2.48, 0.4), (3.6, 0.4), (1.5, 0.2)].into_iter().enumerate() {
         let groups = Groups { f10, sigma1, ..Groups::basic() };
@@ -14,13 +14,14 @@ fn second_method_together_as_one_by_one() {
             starts.push(Start { parameters, state });
         }
     }
-    /// The two ways differ in round-off, which the impacts of ten periods amplify, in chaos too.
+    /// Difference of the two ways in round-off, amplified by the impacts of ten periods, in chaos
+    /// too.
     const ROUNDING: f64 = 1e-9;
     const PERIODS: u32 = 10;
     let ends = propagate(&starts, PERIODS, &|| ());
     assert_eq!(ends.len(), starts.len());
     for (start, end) in starts.iter().zip(ends) {
-        // With other neighbours the bits are the same.
+        // With other neighbours the result is bit-identical.
         let single = propagate(std::slice::from_ref(start), PERIODS, &|| ()).remove(0);
         assert_eq!(end.as_ref().ok(), single.as_ref().ok());
         let one = Simulator::new(&start.parameters, &start.state, 0.0).and_then(|s| {
@@ -40,11 +41,10 @@ fn second_method_together_as_one_by_one() {
     }
 }
 
-/// A motion's attractor and maxima.
+/// Attractor and maxima of a motion.
 type Settled = (Attractor, Vec<f64>);
 
-/// Outcomes of a program on motions of one system that start with different speeds: attractors and
-/// maxima.
+/// Attractors and maxima of motions of one machine that start with different speeds.
 fn settled(f10: f64, one_by_one: bool) -> Vec<Settled> {
     const MOTIONS: u32 = 40;
     let parameters = Groups { f10, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
@@ -67,7 +67,7 @@ fn settled(f10: f64, one_by_one: bool) -> Vec<Settled> {
 
 #[test]
 fn second_method_a_stable_motion_is_settled_on_either_way() {
-    /// What is left of the transient.
+    /// Remainder of the transient.
     const SETTLED: f64 = 1e-9;
     for ((together, tops), (alone, others)) in settled(1.5, false).iter().zip(&settled(1.5, true)) {
         assert_eq!((together.period, together.impacts, together.rests), (Some(1), [1.0; 2], false));
@@ -77,9 +77,9 @@ fn second_method_a_stable_motion_is_settled_on_either_way() {
     }
 }
 
-/// Of eight motions of a plane some come to their end sooner than others. Counts tell that together
-/// they are still no slower than one by one: a round in which half of the lanes are empty has the
-/// work of three to five sub-steps of a single motion.
+/// Eight motions of a plane, some of which end sooner. Together they must be no slower than one by
+/// one, which counts tell: a round with half of the lanes empty costs three to five sub-steps of a
+/// single motion.
 #[test]
 fn invariant_eight_motions_keep_enough_lanes_at_work() {
     const ROUND: f64 = 5.0;
@@ -93,14 +93,14 @@ fn invariant_eight_motions_keep_enough_lanes_at_work() {
     workspace.run(&mut starts, &program, &mut |_, outcome| assert!(outcome.is_ok()));
     let used = workspace.used;
     assert!(used.rounds == 0 || used.substeps as f64 > ROUND * used.rounds as f64, "{used:?}");
-    // Little is left to the code for a single motion.
+    // Few sub-steps are left to the code for a single motion.
     assert!(used.handed_over < used.substeps / 50, "{used:?}");
 }
 
 #[test]
 fn second_method_in_chaos_the_statistics_agree() {
-    /// Of the mean over 40 motions of 60 and 128 periods, whose impacts and maxima are correlated
-    /// over some periods.
+    /// Scatter of a mean over 40 motions of 60 and 128 periods, whose impacts and maxima are
+    /// correlated over some periods.
     const STATISTICS: f64 = 0.03;
     for f10 in [3.6, 4.5] {
         let [together, alone] = [false, true].map(|one_by_one| {
@@ -174,7 +174,7 @@ fn second_method_verdicts_are_those_of_whole_motions() {
     assert!(free > starts.len() / 10, "{free} without impacts");
 }
 
-/// A machine under constant loads: gravity on the block and a coupling that is off its centre.
+/// A machine under constant loads: gravity on the block, and a coupling off its centre.
 fn loaded(kappa: f64) -> Parameters {
     let p = Groups { f10: 2.2, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     Parameters { constant_loads: [0.002, -0.004, 0.001], ..p }
@@ -182,7 +182,7 @@ fn loaded(kappa: f64) -> Parameters {
 
 #[test]
 fn second_method_maxima_under_constant_loads_by_interpolated_samples() {
-    /// Cubic interpolation between 128 samples a period.
+    /// Error of cubic interpolation between 128 samples a period.
     const INTERPOLATION: f64 = 1e-7;
     const PERIODS: u32 = 6;
     let mut rests = false;
@@ -210,8 +210,8 @@ fn second_method_maxima_under_constant_loads_by_interpolated_samples() {
 
 #[test]
 fn second_method_observed_side_by_side_under_constant_loads_as_one_alone() {
-    // The queue reports states, events and the tangent of loaded motions from its code for single
-    // ones.
+    // For loaded motions the queue reports states, events and the tangent from its code for single
+    // motions.
     let p = loaded(0.75);
     let state = crate::stroboscopic::moving_block(&p);
     let program = Program {
@@ -232,7 +232,7 @@ fn second_method_observed_side_by_side_under_constant_loads_as_one_alone() {
     assert_eq!(found.period, alone.period);
     assert!(found.period.is_some() && found.impacts == alone.impacts);
     assert!(alone.passes(&found.states[0]), "{:?} {:?}", found.states, alone.states);
-    // There are no mirror images: the motion has none, and is not its own.
+    // Under loads there are no mirror images.
     assert!(found.mirror_states.is_empty() && !found.is_symmetric());
     let image = crate::attractor::Attractor {
         states: alone.states.iter().map(|s| s.map(|x| -x)).collect(),

@@ -1,8 +1,7 @@
-//! One variation that leaves the drive's phase alone, from event to event.
+//! A single variation without a component in the drive's phase, from event to event.
 //!
-//! Its growth is counted to some digits only, so that less goes into it than into the frames of
-//! `variation`: six columns, shorter series, fewer nodes. The memory serves one system after
-//! another.
+//! Its growth is needed to some digits only, so that it is cheaper than the frames of `variation`:
+//! six columns, shorter series, fewer nodes. The memory serves one machine after another.
 
 use super::{GRID_TIMES_RATE, physical, saltation, varied};
 use vibro_impact::flow::{Series, remainder};
@@ -10,13 +9,13 @@ use vibro_impact::model::{Augmented, COORDINATES, Model, Saltation, SmoothMode};
 
 /// Coordinates without those of the drive.
 const COLUMNS: usize = 6;
-/// Terms of the series from one node to the next: the remainder is under 3.1e-14 of the variation's
+/// Terms of the series from one node to the next. The remainder is under 3.1e-14 of the variation's
 /// size (docs/numerics.md, section 1).
 const STEP: usize = 10;
 const _: () = assert!(remainder(STEP, GRID_TIMES_RATE) < 3.1e-14);
 /// Terms of the series about a node. Without the drive's phase a coefficient of order k is at most
-/// (3 + k/2) (rT)ᵏ/k! of the variation's size, by the same section: the remainder is under 5 ·
-/// 0.08⁴/4! (1 + 0.02) < 9e-6, nothing beside the growth from event to event.
+/// (3 + k/2) (rT)ᵏ/k! of the variation's size, by the same section: the remainder is under
+/// 5 · 0.08⁴/4! (1 + 0.02) < 9e-6, negligible beside the growth from event to event.
 const TERMS: usize = 4;
 /// Number of nodes: flights of up to 5/rate need one product.
 const NODES: usize = 32;
@@ -24,7 +23,7 @@ const NODES: usize = 32;
 /// A matrix by columns.
 type Columns = [Augmented; COLUMNS];
 
-/// The product of a matrix with a variation. The sums of even and odd columns do not wait for each
+/// Product of a matrix with a variation. Even and odd columns are summed independently of each
 /// other.
 #[inline(always)]
 fn transit(a: &Columns, v: &Augmented) -> Augmented {
@@ -41,18 +40,18 @@ fn transit(a: &Columns, v: &Augmented) -> Augmented {
     even
 }
 
-/// The transition matrices of one mode over any time.
+/// Transition matrices of one mode over any time.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))] // so that a column is one cache line
-struct Transition {
+struct SingleTransition {
     /// Powers of the generator over their factorials, times the same power of the node distance.
     terms: [Columns; TERMS],
     nodes: [Columns; NODES + 1],
-    /// The reciprocal of the node distance, 1/s.
+    /// Reciprocal of the node distance, 1/s.
     per_spacing: f64,
 }
 
-impl Transition {
+impl SingleTransition {
     const ZERO: Self = Self {
         terms: [[[0.0; COORDINATES]; COLUMNS]; TERMS],
         nodes: [[[0.0; COORDINATES]; COLUMNS]; NODES + 1],
@@ -90,8 +89,8 @@ impl Transition {
         }
     }
 
-    /// The matrices commute. The products of the series with the variation wait neither for each
-    /// other nor for the node.
+    /// Propagates a variation over `span` s. The matrices commute, so that the products of the
+    /// series with the variation depend neither on each other nor on the node.
     #[inline(always)]
     fn propagate(&self, v: &mut Augmented, span: f64) {
         let steps = span * self.per_spacing;
@@ -112,14 +111,14 @@ impl Transition {
     }
 }
 
-/// What a [`SingleVariation`] does, to be compiled once for each instruction set. No operation is
-/// fused, so that all give the same bits.
-enum Work<'a> {
-    Fill(&'a mut Transition, &'a Model, SmoothMode),
-    Propagate(&'a Transition, &'a mut Augmented, f64),
+/// Operation of a [`SingleVariation`], compiled once for each instruction set. None is fused, so
+/// that all sets give the same bits.
+enum VariationOperation<'a> {
+    Fill(&'a mut SingleTransition, &'a Model, SmoothMode),
+    Propagate(&'a SingleTransition, &'a mut Augmented, f64),
 }
 
-impl pulp::WithSimd for Work<'_> {
+impl pulp::WithSimd for VariationOperation<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -135,29 +134,29 @@ impl pulp::WithSimd for Work<'_> {
 #[derive(Clone, Debug)]
 pub(crate) struct SingleVariation {
     model: Model,
-    /// Of flight and of rest, and whether they are those of the model.
-    transitions: [Box<Transition>; 2],
+    /// Those of flight and of rest, and whether they belong to the model.
+    transitions: [Box<SingleTransition>; 2],
     ready: [bool; 2],
 }
 
 impl SingleVariation {
     pub(crate) fn new(model: &Model) -> Self {
-        let transitions = [Box::new(Transition::ZERO), Box::new(Transition::ZERO)];
+        let transitions = [Box::new(SingleTransition::ZERO), Box::new(SingleTransition::ZERO)];
         Self { model: *model, transitions, ready: [false; 2] }
     }
 
-    /// Changes to another system.
+    /// Changes to another machine.
     pub(crate) fn renew(&mut self, model: &Model) {
         (self.model, self.ready) = (*model, [false; 2]);
     }
 
-    /// The fastest rate of the system, 1/s.
+    /// Fastest rate of the machine, 1/s.
     pub(crate) fn rate(&self) -> f64 {
         self.model.rate
     }
 
-    /// Propagates a variation for `span` s in one mode, and where that ends with an impact, through
-    /// its jump: the impact is given by w' before it and the state after it.
+    /// Propagates a variation for `span` s in one mode and, where that ends with an impact, through
+    /// its jump. The impact is given by w' before it and the state after it.
     pub(crate) fn propagate(
         &mut self,
         v: &mut Augmented,
@@ -167,16 +166,16 @@ impl SingleVariation {
         let index = usize::from(mode == SmoothMode::Rest);
         let transition = &mut *self.transitions[index];
         if !self.ready[index] {
-            pulp::Arch::new().dispatch(Work::Fill(transition, &self.model, mode));
+            pulp::Arch::new().dispatch(VariationOperation::Fill(transition, &self.model, mode));
             self.ready[index] = true;
         }
-        pulp::Arch::new().dispatch(Work::Propagate(transition, v, span));
+        pulp::Arch::new().dispatch(VariationOperation::Propagate(transition, v, span));
         if let Some((rate, after)) = impact {
             saltation(&self.model, rate, after).apply(v);
         }
     }
 
-    /// A variation through the merge into rest that follows an impact.
+    /// Carries a variation through the merge into rest that follows an impact.
     pub(crate) fn merge(&self, v: &mut Augmented) {
         Saltation::merge(&self.model, v, self.model.rate);
     }

@@ -1,11 +1,13 @@
 use super::*;
 use crate::ParameterSet;
 use crate::attractor::{Relation, distance};
-use crate::basin::{Basin, InitialValueRange, Request, basin};
+use crate::basin::{Basin, BasinRequest, InitialValueRange, basin};
 use crate::motion::settled_simulator;
 use crate::parts::Task;
 use crate::stroboscopic::{dimensional, dimensionless, moving_block};
 use vibro_impact::{Parameters, State};
+
+mod tori;
 
 fn set(assignments: &[&str]) -> ParameterSet {
     let mut set = ParameterSet::basic();
@@ -13,7 +15,7 @@ fn set(assignments: &[&str]) -> ParameterSet {
     set
 }
 
-/// A box of 12 kg with a heavy block that nothing but the stops couples to it: flights over tens of
+/// A box of 12 kg with a heavy block that is coupled to it only by the stops: flights over tens of
 /// drive periods.
 fn damper() -> ParameterSet {
     let parts =
@@ -31,13 +33,16 @@ fn damper() -> ParameterSet {
 
 fn found(set: &ParameterSet, side: usize, discard: u32) -> Basin {
     let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(side);
-    let request =
-        Request { x: axis("x1=-1:1"), y: axis("v2=-2:2"), discard, start: crate::basin::in_the_middle() };
+    let request = BasinRequest {
+        x: axis("x1=-1:1"),
+        y: axis("v2=-2:2"),
+        discard,
+        start: crate::basin::in_the_middle(),
+    };
     basin(set.parameters(), &request, &Task::ALL).unwrap().unwrap()
 }
 
-/// Long flights cut a short window into what looks like many attractors. It is one, whatever is
-/// discarded.
+/// A short window of long flights looks like many attractors. There is one, whatever is discarded.
 #[test]
 fn second_method_chaos_from_many_starts_is_one_attractor_whatever_is_discarded() {
     let one = |basin: &Basin, most_open: f64| {
@@ -46,15 +51,15 @@ fn second_method_chaos_from_many_starts_is_one_attractor_whatever_is_discarded()
         let share: f64 = basin.shares(0).iter().sum();
         assert!(share >= 1.0 - most_open, "{share}");
     };
-    // 64 starts each, none of them with the block at rest; one of them may be left open.
+    // 64 starts each, none with the block at rest; one of them may be left open.
     for discard in [30, 300, 2000] {
         one(&found(&damper(), 8, discard), 0.03);
     }
     one(&found(&set(&["f10=3.6"]), 8, 300), 0.0);
 }
 
-/// A spring between box and ground that is next to none moves nothing, nor does it change the
-/// verdict, though its ω10 makes speeds of 10⁷ to 10¹⁵ units of L ω10 of those that the motion has.
+/// A very soft spring between box and ground changes neither the motion nor the verdict, although
+/// its ω10 turns the speeds of the motion into 10⁷ to 10¹⁵ units of L ω10.
 #[test]
 fn invariant_a_spring_of_next_to_no_stiffness_leaves_the_class() {
     for (amplitude, restitution, periods) in [(0.5, 0.75, 1), (2.0, 0.75, 2), (0.2, 0.2, 3)] {
@@ -72,10 +77,9 @@ fn invariant_a_spring_of_next_to_no_stiffness_leaves_the_class() {
     }
 }
 
-/// Next to a period doubling a motion settles on its orbit by turns from either side, and nearly
-/// returns in two periods: these are the motions of two stable orbits of one drive period, with
-/// multipliers of -0.9973 and -0.9963 (`second_method_orbits_next_to_a_doubling` in the orbits'
-/// tests).
+/// Next to a period doubling a motion approaches its orbit from either side in turn, and nearly
+/// returns in two periods. The two stable orbits of one drive period here have multipliers -0.9973
+/// and -0.9963 (`second_method_orbits_next_to_a_doubling` in the tests of `vibro-orbits`).
 #[test]
 fn second_method_the_way_to_an_orbit_next_to_a_doubling_is_not_its_double() {
     for amplitude in [0.28, 1.078] {
@@ -86,10 +90,10 @@ fn second_method_the_way_to_an_orbit_next_to_a_doubling_is_not_its_double() {
     }
 }
 
-/// So slowly that it takes 20,000 drive periods: the multiplier is -0.99973. Until then its period
-/// is not known.
+/// An approach that takes 20,000 drive periods (multiplier -0.99973): until then the period is not
+/// decided.
 #[test]
-fn second_method_a_way_by_turns_has_no_period_before_it_has_arrived() {
+fn second_method_an_alternating_approach_has_no_period_before_it_arrives() {
     let parameters = Parameters {
         box_stiffness: 1.8064991404472441,
         box_damping: 0.20396372155855474,
@@ -112,10 +116,10 @@ fn second_method_a_way_by_turns_has_no_period_before_it_has_arrived() {
 }
 
 /// Next to its breaking at f10 = 2.039588865238 the symmetric orbit of the closed form is stable.
-/// Half a period with the mirror image has multipliers of -0.99991 and -0.99997, and a motion
-/// differs from its mirror image by 10,000 returns after a period and more on its way there.
+/// Its multipliers over half a period with the mirror image are -0.99991 and -0.99997: on its way
+/// there a motion differs from its mirror image by 10,000 returns and more.
 #[test]
-fn second_method_a_way_by_turns_to_a_symmetric_orbit_is_not_asymmetric() {
+fn second_method_an_alternating_approach_to_a_symmetric_orbit_is_not_asymmetric() {
     for (f10, class) in [(2.039558865238, MotionClass::Periodic(1)), (2.039578865238, MotionClass::Settling)]
     {
         let p = *ParameterSet::basic().with(crate::find_group("f10").unwrap(), f10).unwrap().parameters();
@@ -131,9 +135,9 @@ fn second_method_a_way_by_turns_to_a_symmetric_orbit_is_not_asymmetric() {
     }
 }
 
-/// The fold of the orbit of two drive periods with four impacts at the upper stop and two at the
-/// lower is at f10 = 2.914356570079 (the orbits' branches): below it there is no such orbit, and
-/// motions take thousands of returns to pass its place, none of them as exact as 1e-7.
+/// The orbit of two drive periods with four impacts at the upper stop and two at the lower has its
+/// fold at f10 = 2.914356570079 (`vibro-orbits`). Below it there is no such orbit, and motions pass
+/// its place in thousands of returns, none of them as exact as 1e-7.
 #[test]
 fn second_method_the_place_of_an_orbit_that_has_vanished_is_no_period() {
     for below in [1e-6, 4e-6, 1e-5] {
@@ -144,8 +148,8 @@ fn second_method_the_place_of_an_orbit_that_has_vanished_is_no_period() {
     }
 }
 
-/// Such a spring does not make a box that a load drives away ever farther, by two gaps a period, a
-/// periodic motion.
+/// A very soft spring does not make a box that a load drives away by two gaps a period a periodic
+/// motion.
 #[test]
 fn invariant_a_box_that_drifts_is_not_periodic() {
     for stiffness in [1e-20, 1e-30] {
@@ -163,12 +167,12 @@ fn invariant_a_box_that_drifts_is_not_periodic() {
 }
 
 /// The default machine at f10 = 2.9 has a chaotic attractor with two impacts at one stop and one at
-/// the other; its mirror image is another.
+/// the other; its mirror image is another attractor.
 #[test]
 fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
     let p = *set(&["f10=2.9"]).parameters();
-    // One motion and its mirror image -x(t + T/2): with the same drive, from the reversed state
-    // half a period on.
+    // A motion and its mirror image -x(t + T/2): from the negative state half a period later, with
+    // the same drive.
     let state = dimensional(&p, &[0.1, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let mut ahead = Simulator::new(&p, &state, 0.0).unwrap();
     ahead.advance_to(0.5 * p.period()).unwrap();
@@ -193,8 +197,7 @@ fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
     let (own, of) = (a.statistics.unwrap(), b.statistics.unwrap());
     assert_eq!(own.likeness(&own.mirrored()), Likeness::Different);
     assert_eq!(own.likeness(&own), Likeness::Same);
-    // Whichever of the two the motions end on, they are one or mirror images, and never something
-    // else.
+    // On whichever of the two the motions end, they are equal or mirror images.
     let relation = a.relation(b);
     assert!([Relation::Same, Relation::Mirror].contains(&relation), "{relation:?}");
     assert_eq!(relation == Relation::Same, (a.impacts[0] > a.impacts[1]) == (b.impacts[0] > b.impacts[1]));
@@ -203,8 +206,8 @@ fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
 
 #[test]
 fn closed_form_a_motion_without_impacts_comes_to_its_one_limit() {
-    // The slow swing of block and secondary oscillator loses about a thousandth a period: it nearly
-    // returns long before it is gone.
+    // The slow oscillation of block and secondary oscillator loses about a thousandth a period: it
+    // nearly returns long before it is gone.
     for f10 in ["f10=0.1", "f10=0.3"] {
         let basin = found(&set(&[f10]), 5, 100);
         let free: Vec<_> = basin.attractors.iter().filter(|a| a.attractor.is_free()).collect();
@@ -220,15 +223,15 @@ fn second_method_verdicts_of_single_motions() {
         assert_eq!(found.class, class, "{f10}");
         assert_eq!(found.exponent.is_some(), class == MotionClass::Chaotic);
     }
-    // What is refused is said.
+    // A refusal is reported.
     let p = *set(&[]).parameters();
     let outside = vibro_impact::State { x: [0.0, 2.0 * p.stop_gap, 0.0], v: [0.0; 3] };
     assert!(verdict(&Start { parameters: p, state: outside }, 0).is_err());
 }
 
-/// Box and drive in resonance, with so little damping that the box takes hundreds of periods to
-/// come back to the block after each burst of impacts. Alone it would swing farther than the gap:
-/// no time without impacts is the end of them.
+/// Box and drive are in resonance with so little damping that the box comes back to the block only
+/// hundreds of periods after each burst of impacts. Alone it would swing farther than the gap, so
+/// that no time without impacts ends them.
 #[test]
 fn second_method_impacts_that_come_in_bursts_have_not_ended() {
     let machine = |mass: f64, force: f64, damping: f64, kappa: f64, ratio: f64| Parameters {
@@ -247,7 +250,7 @@ fn second_method_impacts_that_come_in_bursts_have_not_ended() {
         (machine(1.0, 1.05e-3, 1e-3, 0.75, 0.06), 64.0, MotionClass::Chaotic),
         (machine(0.3, 1.2e-3, 1e-3, 0.0, 0.6), 400.0, MotionClass::NotSettled),
         (machine(3.0, 1.2e-3, 1e-3, 0.5, 3.0), 400.0, MotionClass::NotSettled),
-        // Its states return to 1e-5 a period from the start on.
+        // States return to 1e-5 a period from the start.
         (machine(0.3, 2e-6, 1e-6, 0.75, 0.6), 0.0, MotionClass::NotSettled),
     ] {
         let start = Start { parameters: p, state: vibro_impact::State::default() };
@@ -270,7 +273,7 @@ fn second_method_impacts_that_come_in_bursts_have_not_ended() {
     }
 }
 
-/// A box whose mass, stiffness and gap are one.
+/// A box with mass, stiffness and gap one.
 fn unit_box() -> Parameters {
     Parameters {
         box_mass: 1.0,
@@ -281,11 +284,11 @@ fn unit_box() -> Parameters {
     }
 }
 
-/// Machines under constant loads whose impacts end. What seemed chaotic, or on a torus, has been a
+/// Machines under constant loads whose impacts end: seeming chaos, or a seeming torus, was a
 /// transient.
 #[test]
 fn second_method_under_constant_loads_too_impacts_have_ended_where_none_will_come() {
-    /// What is left of a way after 40,000 periods.
+    /// Remainder of the way after 40,000 periods.
     const ARRIVED: f64 = 1e-9;
     let chaotic_first = Parameters {
         box_damping: 0.214_642_047_578_846_86,
@@ -334,8 +337,8 @@ fn second_method_under_constant_loads_too_impacts_have_ended_where_none_will_com
     }
 }
 
-/// A box on a spring so stiff that it follows the drive: its frequency is 300 times the drive's,
-/// and chaos of the block in it has exponents under a thousandth of that.
+/// A box on a stiff spring follows the drive. Its frequency is 300 times the drive's, and chaos of
+/// the block in it has exponents under a thousandth of that.
 #[test]
 fn invariant_chaos_is_chaos_in_a_box_far_faster_than_the_drive() {
     let basic = Parameters::default();
@@ -351,91 +354,4 @@ fn invariant_chaos_is_chaos_in_a_box_far_faster_than_the_drive() {
     assert_eq!(found.class, MotionClass::Chaotic);
     let exponent = found.exponent.unwrap();
     assert!(exponent.value < 1e-3 * fast && exponent.value > 6.0 * exponent.error, "{exponent:?}");
-}
-
-/// A torus whose states nearly return after twelve periods for thousands of them: its returns fall
-/// a little in most windows.
-#[test]
-fn second_method_a_torus_beside_a_resonance_is_no_approach() {
-    let parameters = Parameters {
-        stop_gap: 0.020_028_981_056_857_395,
-        stop_restitution: 0.793_933_792_856_921,
-        drive_amplitude: 0.018_960_562_957_478_48,
-        drive_frequency: 0.398_639_298_115_319_95,
-        ..Parameters::default()
-    };
-    let state = State {
-        x: [0.0, -0.013_295_214_062_370_985, 0.009_342_199_018_438_838],
-        v: [-0.003_355_224_913_181_934_6, -0.017_867_093_660_175_828, 0.017_261_310_442_916_976],
-    };
-    assert_eq!(verdict(&Start { parameters, state }, 300).unwrap().class, MotionClass::QuasiPeriodic);
-    // Far beyond the limit it is no nearer to a return, and neither of two exponents is one.
-    let mut simulator = settled_simulator(&parameters, &state, 40_000.0).unwrap();
-    let period = parameters.period();
-    let states: Vec<_> = (0..64)
-        .map(|k| {
-            simulator.advance_to((40_000.0 + f64::from(k)) * period).unwrap();
-            dimensionless(&parameters, &simulator.state())
-        })
-        .collect();
-    let nearest = |lag: usize| {
-        let returns = states.iter().zip(&states[lag..]).map(|(a, b)| crate::attractor::distance(a, b));
-        returns.fold(0.0, f64::max)
-    };
-    assert!((1..=32).all(|lag| nearest(lag) > 1e-3), "{:?}", nearest(12));
-}
-
-/// Next to a bifurcation into a torus a motion spirals onto a stable orbit by 10⁻³ a period, and
-/// its returns go round many times before it is there. Of the second machine they do so while the
-/// exponent is counted.
-#[test]
-fn second_method_a_slow_spiral_is_no_torus() {
-    /// What is left of the way after 40,000 periods.
-    const ARRIVED: f64 = 1e-9;
-    let first = Parameters {
-        box_damping: 0.073_269_385_037_753_2,
-        block_mass: 0.082_893_284_223_003_61,
-        secondary_mass: 0.148_459_377_188_506_96,
-        secondary_stiffness: 0.055_484_201_039_766_42,
-        secondary_damping: 0.002_515_114_937_993_421,
-        coupling_stiffness: 0.004_725_931_564_775_593_5,
-        stop_gap: 1.571_008_771_647_759_6,
-        stop_restitution: 0.661_791_176_153_598_3,
-        drive_amplitude: 0.162_685_183_738_439_07,
-        drive_frequency: 0.680_169_251_653_422_9,
-        ..Parameters::default()
-    };
-    let second = Parameters {
-        box_damping: 0.011_341_052_352_740_025,
-        block_mass: 0.079_059_065_511_920_39,
-        secondary_mass: 0.070_180_666_871_059_85,
-        secondary_stiffness: 0.009_212_760_028_100_859,
-        secondary_damping: 2.833_213_718_773_845e-5,
-        coupling_stiffness: 0.000_390_157_233_607_211_56,
-        stop_gap: 0.137_503_053_010_446,
-        stop_restitution: 0.810_367_605_942_132_3,
-        drive_amplitude: 0.049_581_083_946_975_79,
-        drive_frequency: 1.240_269_725_315_924,
-        ..Parameters::default()
-    };
-    for (parameters, x, v) in [
-        (
-            first,
-            [-0.110_689_371_231_082_19, -1.272_300_242_259_898_1, 0.619_905_234_674_09],
-            [0.221_080_710_893_789_58, 0.774_040_050_130_937, -0.336_812_260_925_643_76],
-        ),
-        (
-            second,
-            [0.0, -0.058_379_594_109_733_09, -0.096_393_177_689_752_2],
-            [-0.014_871_538_060_728_13, -0.007_448_875_723_662_182, 0.045_890_032_190_456_6],
-        ),
-    ] {
-        let start = Start { parameters, state: State { x, v } };
-        assert_eq!(verdict(&start, 300).unwrap().class, MotionClass::Periodic(1));
-        let mut simulator = settled_simulator(&parameters, &start.state, 40_000.0).unwrap();
-        let before = dimensionless(&parameters, &simulator.state());
-        simulator.advance_to(40_001.0 * parameters.period()).unwrap();
-        let way = distance(&before, &dimensionless(&parameters, &simulator.state()));
-        assert!(way < ARRIVED, "{way}");
-    }
 }

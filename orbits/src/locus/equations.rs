@@ -1,9 +1,9 @@
-//! The equations of a curve in two parameters: those of contact, and one that says which
-//! bifurcation or touch the orbit has.
+//! Equations of a curve in two parameters: those of contact, and a condition for the bifurcation or
+//! the touch.
 
 use crate::curve::{Equations, Linearization, least_vectors, slope};
 use crate::cycle::{Cycle, Functional};
-use crate::family::{Contacts, Family};
+use crate::family::{ContactEquations, Family};
 use crate::grazing::Touching;
 use crate::obstacle::Obstacle;
 use crate::orbit::is_clear;
@@ -11,13 +11,12 @@ use crate::system::Anchor;
 use crate::word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
-/// Step of the differences of the condition that defines the curve: it sets the speed of
-/// convergence and never the result.
+/// Step of the differences of the condition. It sets the speed of convergence and never the result.
 const DIFFERENCE: f64 = 1e-6;
 
-/// A matrix's smallness in one direction, bordered by two vectors: zero where it is singular, and
-/// of the size of the least singular value (W. Govaerts, Numerical Methods for Bifurcations of
-/// Dynamical Equilibria, 2000).
+/// Bordered measure of singularity of a matrix: zero where the matrix is singular, and of the size
+/// of its least singular value (W. Govaerts, Numerical Methods for Bifurcations of Dynamical
+/// Equilibria, 2000).
 fn smallness<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, border: &Border<T>) -> Option<T> {
     let n = matrix.nrows();
     let mut whole = matrix.clone().resize(n + 1, n + 1, T::zero());
@@ -42,7 +41,7 @@ impl<T: ComplexField<RealField = f64>> Border<T> {
     }
 }
 
-/// What holds along a curve.
+/// Condition that holds along a curve.
 #[derive(Clone, Debug)]
 pub(crate) enum Condition {
     /// A multiplier ±1: the factor with which variations close, and the borders.
@@ -53,7 +52,7 @@ pub(crate) enum Condition {
     Touch(usize),
 }
 
-/// The equations of a curve. A point holds the phases, the angle of the multipliers where it is an
+/// Equations of a curve. A point holds the phases, the angle of the multipliers where it is an
 /// unknown, and the two parameters.
 pub(crate) struct Locus<'a> {
     pub family: &'a Family,
@@ -66,7 +65,7 @@ impl Locus<'_> {
         self.word.len()
     }
 
-    /// The values of a bifurcation's condition at a point, by equations of this form.
+    /// Values of a bifurcation's condition at a point, in a machine anchored as given.
     fn tests(&self, u: &DVector<f64>, anchor: Option<Anchor>) -> Result<Vec<f64>, Obstacle> {
         let system = self.family.system_at(u)?.anchored(anchor);
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
@@ -84,7 +83,7 @@ impl Locus<'_> {
         found.filter(|f| f.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)
     }
 
-    /// The borders adapted to a point, where the condition has some.
+    /// The condition with its borders adapted to a point.
     pub fn adapted(&self, u: &DVector<f64>) -> Result<Condition, Obstacle> {
         let system = self.family.system_at(u)?;
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
@@ -102,7 +101,7 @@ impl Locus<'_> {
         adapted.ok_or(Obstacle::NoConvergence)
     }
 
-    /// Whether a point is an orbit of the machine, but for the touch that defines the curve.
+    /// Whether a point is an orbit of the machine, except for the touch that defines the curve.
     pub fn is_orbit(&self, u: &DVector<f64>) -> Result<bool, Obstacle> {
         let system = self.family.system_at(u)?;
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
@@ -115,7 +114,7 @@ impl Equations for Locus<'_> {
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
         let (n, columns) = (self.n(), u.len());
         if let Condition::Touch(index) = self.condition {
-            let contacts = Contacts { family: self.family, word: self.word };
+            let contacts = ContactEquations { family: self.family, word: self.word };
             return Touching { contacts, index }.linearize(u, known);
         }
         let system = self.family.system_at(u)?;

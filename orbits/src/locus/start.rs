@@ -1,5 +1,5 @@
-//! Where a curve in two parameters begins: the special point in the shortest word of its orbit, on
-//! the curve itself.
+//! Start of a curve in two parameters: the special point in the shortest word of its orbit, moved
+//! onto the curve.
 
 use super::equations::{Border, Condition, Locus};
 use crate::branch::Label;
@@ -11,31 +11,31 @@ use crate::free;
 use crate::grazing::Touch;
 use crate::obstacle::Obstacle;
 use crate::orbit::{canonical, eigenvalues, newton, same_phases};
-use crate::switching::Contact;
+use crate::switching::FlightTouch;
 use crate::word::OrbitWord;
 use crate::word::REPETITION;
 use nalgebra::{Complex, DVector};
 use vibro_analysis::{Error, Result as Outcome};
 
-/// Approach speeds under this, units of ω1 L, are those of a touch. At a touch that was located
-/// they are zero but for rounding.
+/// Approach speed, units of ω1 L, below which an impact is a touch. At a located touch it is zero
+/// except for rounding.
 const NO_SPEED: f64 = 1e-6;
-/// An extremum so near to its stop, units of L, touches it.
+/// Distance from a stop, units of L, below which an extremum touches it.
 const NO_DISTANCE: f64 = 1e-6;
-/// Two starts with phases (rad) and parameters (relative to their ranges) so near are one.
+/// Differences of phases (rad) and parameters (in ranges) up to which two starts are one.
 const SAME: f64 = 1e-6;
 /// Largest change of a phase, rad, from a start to its point of the curve.
 const NEAR: f64 = 0.2;
-/// Largest miss of contact, units of L, of a point that is of the machine.
+/// Largest miss of contact, units of L, of a start that belongs to the machine.
 const MISS: f64 = 0.05;
 
 /// A point from which a curve in two parameters is followed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LocusStart {
-    /// What holds along the curve: LP, BP, PD, NS, GR or CH.
+    /// Type of all points of the curve: LP, BP, PD, NS, GR or CH.
     pub label: Label,
-    /// The word of the orbit, or one that passes the orbit several times, as that of a branch at
-    /// its birth. At a touch the word with or without it.
+    /// The word of the orbit, or one that passes it several times, such as that of a branch at its
+    /// birth. At a touch the word with or without it.
     pub word: OrbitWord,
     /// Phases of the impacts near the point.
     pub phases: Vec<f64>,
@@ -44,25 +44,24 @@ pub struct LocusStart {
 }
 
 impl LocusStart {
-    /// The same special point in the shortest word of its orbit, in which its curve is followed; at
-    /// a touch the shortest that lists it.
+    /// This special point in the shortest word of its orbit, in which its curve is followed; at a
+    /// touch in the shortest word that lists it.
     ///
     /// # Errors
     /// As [`locus`](super::locus).
     pub fn shortest(&self, family: &Family) -> Outcome<Self> {
         let Normal { word, phases, values, kind } = Normal::of(family, self)?;
         let label = match kind {
-            Kind::Real(factor) if factor > 0.0 => Label::Fold,
-            Kind::Real(_) if word.closing() < 0 => Label::BranchPoint,
-            Kind::Real(_) => Label::PeriodDoubling,
-            Kind::Pair => Label::NeimarkSacker,
-            Kind::Touch(_) => self.label,
+            LocusCondition::Real(factor) if factor > 0.0 => Label::Fold,
+            LocusCondition::Real(_) if word.closing() < 0 => Label::BranchPoint,
+            LocusCondition::Real(_) => Label::PeriodDoubling,
+            LocusCondition::Pair => Label::NeimarkSacker,
+            LocusCondition::Touch(_) => self.label,
         };
         Ok(Self { label, word, phases, values })
     }
 
-    /// Whether another start is the same special point: of two branches that meet at one, each has
-    /// it.
+    /// Whether another start is the same special point. Where two branches meet, both have it.
     ///
     /// # Errors
     /// As [`locus`](super::locus) for the starts themselves.
@@ -76,9 +75,9 @@ impl LocusStart {
     }
 }
 
-/// What holds along a curve.
+/// Condition that holds along a curve, by its type.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum LocusCondition {
     /// A multiplier ±1.
     Real(f64),
     /// A pair of multipliers on the unit circle.
@@ -87,17 +86,17 @@ pub(crate) enum Kind {
     Touch(usize),
 }
 
-/// A start in the shortest word of its orbit, at a touch in that which lists it once.
+/// A start in the shortest word of its orbit; at a touch in the shortest word that lists it once.
 ///
-/// A branch that is born by a doubling begins with a word passed twice: there its own multiplier is
-/// 1 and not -1. At a touch the words of several branches meet, of which one alone, the shortest
-/// with the touch, has regular equations whatever the symmetry of the orbit is.
+/// A branch born by a doubling begins with a word passed twice, where its multiplier is 1 and not
+/// -1. At a touch the words of several branches meet; only the shortest one with the touch has
+/// equations that are regular whatever the symmetry of the orbit.
 #[derive(Debug)]
 pub(crate) struct Normal {
     pub word: OrbitWord,
     pub phases: Vec<f64>,
     pub values: [f64; 2],
-    pub kind: Kind,
+    pub kind: LocusCondition,
 }
 
 impl Normal {
@@ -125,10 +124,10 @@ impl Normal {
         }
         let (word, phases) = word.reduced(phases, family.is_symmetric(), REPETITION);
         let kind = match label {
-            Label::Fold => Kind::Real(1.0),
-            Label::BranchPoint if word.closing() < 0 => Kind::Real(-1.0),
-            Label::PeriodDoubling if word.closing() > 0 => Kind::Real(-1.0),
-            Label::NeimarkSacker => Kind::Pair,
+            Label::Fold => LocusCondition::Real(1.0),
+            Label::BranchPoint if word.closing() < 0 => LocusCondition::Real(-1.0),
+            Label::PeriodDoubling if word.closing() > 0 => LocusCondition::Real(-1.0),
+            Label::NeimarkSacker => LocusCondition::Pair,
             _ => return Err(form()),
         };
         Ok(Self { word, phases, values: *values, kind })
@@ -139,11 +138,11 @@ impl Normal {
         let contact = if word.is_empty() {
             free::contact(family, values)?
         } else {
-            Contact::of(family, &touch(family, word, phases, values)?)
+            FlightTouch::of(family, &touch(family, word, phases, values)?)
         };
         let touch = contact.longer(family, 1).into_iter().next().ok_or(Obstacle::Order)?;
         let phases = touch.u.as_slice()[..touch.longer.len()].to_vec();
-        Ok(Self { word: touch.longer, phases, values: *values, kind: Kind::Touch(touch.index) })
+        Ok(Self { word: touch.longer, phases, values: *values, kind: LocusCondition::Touch(touch.index) })
     }
 }
 
@@ -177,23 +176,22 @@ fn touch(family: &Family, word: &OrbitWord, phases: &[f64], values: &[f64]) -> R
             let (longer, u) = (word.inserted(index, side), u.insert_row(index, phase));
             Touch { longer, index, u, also: Vec::new(), from_longer: false }
         }
-        // A guess: the slowest impact is meant.
+        // Neither is near: a guess whose slowest impact is meant.
         None => listed(),
     })
 }
 
-/// The point of the curve next to a start: the second parameter is held.
+/// The point of the curve next to a start, with the second parameter held.
 ///
-/// A special point that was located is its own guess. At a fold there is no orbit beyond it, so
-/// that Newton's method at the value of the parameter, which is off by its last digit, has nowhere
-/// to go; the equations of the curve itself are regular there. A guess that is farther off is first
-/// taken to the orbit at its parameters.
+/// A located special point is its own guess. At a fold there is no orbit beyond the point, so that
+/// Newton's method at its parameter, whose last digit is off, has nowhere to go; the equations of
+/// the curve are regular there. A rougher guess is first moved to the orbit at its parameters.
 pub(crate) fn first_point<'a>(
     family: &'a Family,
     normal: &'a Normal,
 ) -> Result<(Locus<'a>, DVector<f64>), Obstacle> {
     let own = near(family, normal, &normal.phases).and_then(|(locus, u)| {
-        // What is found far off is another point, from phases that are none of the machine.
+        // A point far off is another one, reached from phases of another machine.
         let moved = normal.phases.iter().zip(u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         if moved < NEAR { Ok((locus, u)) } else { Err(Obstacle::NoConvergence) }
     });
@@ -208,7 +206,7 @@ pub(crate) fn first_point<'a>(
     })
 }
 
-/// The same by phases that are near the curve's.
+/// The point of the curve from phases that are near it.
 fn near<'a>(
     family: &'a Family,
     normal: &'a Normal,
@@ -219,8 +217,8 @@ fn near<'a>(
     let cycle = Cycle::new(&system, word, phases)?;
     let mut u = family.point(phases, &normal.values);
     let condition = match normal.kind {
-        Kind::Touch(index) => Condition::Touch(index),
-        Kind::Pair => {
+        LocusCondition::Touch(index) => Condition::Touch(index),
+        LocusCondition::Pair => {
             let multipliers = eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
             let pairs = multipliers.into_iter().filter(|m| m.im > 0.0);
             let nearest = pairs.min_by(|a, b| (a.norm() - 1.0).abs().total_cmp(&(b.norm() - 1.0).abs()));
@@ -229,7 +227,7 @@ fn near<'a>(
             let matrix = cycle.complex_derivative(Complex::cis(angle)).ok_or(Obstacle::Singular)?;
             Condition::Complex(Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
         }
-        Kind::Real(factor) => {
+        LocusCondition::Real(factor) => {
             let matrix = cycle.derivative(Functional::Gap, factor).ok_or(Obstacle::Singular)?;
             Condition::Real(factor, Border::of(matrix).ok_or(Obstacle::NoConvergence)?)
         }

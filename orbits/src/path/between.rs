@@ -1,7 +1,7 @@
-//! The special points between two points of a branch.
+//! Special points between two points of a branch.
 
 use super::{Follower, Position};
-use crate::branch::{Label, Point, Special};
+use crate::branch::{Label, OrbitPoint, Special};
 use crate::curve::{CurvePoint, correct};
 use crate::cycle::Cycle;
 use crate::obstacle::Obstacle;
@@ -10,20 +10,19 @@ use crate::special;
 use crate::test_functions::{DOUBLING, PAIR, SignedLog, TESTS, UNIT, test};
 use nalgebra::Complex;
 
-/// Accuracy of a special point in the arc: rounding of the points themselves is of this size.
+/// Accuracy of a special point in the arc: the rounding of points.
 const LOCATION: f64 = 1e-14;
-/// Differences of the parameter, in its unit of the curve, that may be rounding.
+/// Differences of the parameter, in its curve unit, that may be rounding.
 const ROUNDING: f64 = 1e-12;
-/// Accuracy, in parts of a step, with which a change of sign is located that may be none of
-/// interest, and the distance from the unit circle of a pair of multipliers that may cross it so
-/// near.
+/// Accuracy, in parts of a step, with which a change of sign is located first, and distance from
+/// the unit circle beyond which the pair of multipliers there cannot have crossed it.
 const ROUGHLY: f64 = 1e-4;
 const NEAR_CIRCLE: f64 = 0.1;
 /// Largest multiplier beside which those on the unit circle keep ten digits.
 const RESOLVED: f64 = 1e6;
 
 /// A special point within a step.
-struct Found {
+struct LabelledPoint {
     arc: f64,
     at: CurvePoint,
     label: Label,
@@ -34,22 +33,22 @@ fn outside(multipliers: &[Complex<f64>; 6]) -> usize {
     multipliers.iter().filter(|m| m.norm() > 1.0).count()
 }
 
-/// By how much that number changes in a step.
+/// Change of the number of multipliers outside the unit circle in a step.
 fn crossings(last: &Position, next: &Position) -> usize {
     let [before, after] = [last, next].map(|p| outside(&p.multipliers));
     before.abs_diff(after)
 }
 
-/// Whether a test changes its sign in a step, where it is known at both ends.
+/// Whether a test function is known at both ends of a step and changes its sign in it.
 fn changes(last: &Position, next: &Position, index: usize) -> bool {
     let signs = [last, next].map(|p| p.tests[index].map_or(0.0, |t| t.sign));
     signs[0] * signs[1] < 0.0
 }
 
-/// What a change of the pair's test says in a step that has no pair on the unit circle: nothing, as
-/// the place is a neutral saddle's, unless two real multipliers cross the circle at 1 or at -1,
-/// which leaves the signs of the tests for these as they were. The step is too long then.
-/// Multipliers must be so small that none is rounding beside the largest.
+/// Verdict on a change of the pair's test function in a step without a pair on the unit circle. It
+/// is nothing if the zero is a neutral saddle; an error, since the step is too long, if two real
+/// multipliers cross the circle at 1 or -1, which leaves the signs of the test functions for these
+/// unchanged. It counts only while no multiplier is rounding beside the largest.
 fn neutral<T>(last: &Position, next: &Position) -> Result<Option<T>, Obstacle> {
     let resolved = |p: &Position| p.multipliers[0].norm() < RESOLVED;
     let single = [UNIT, DOUBLING].iter().any(|index| changes(last, next, *index));
@@ -58,9 +57,9 @@ fn neutral<T>(last: &Position, next: &Position) -> Result<Option<T>, Obstacle> {
 }
 
 impl Follower<'_> {
-    /// The special points between two points, in order, with the stability of the pieces that
-    /// follow them.
-    pub(super) fn between(&self, last: &Position, next: &Position) -> Result<Vec<Point>, Obstacle> {
+    /// The special points between two points, in order, each with the stability of the piece after
+    /// it.
+    pub(super) fn between(&self, last: &Position, next: &Position) -> Result<Vec<OrbitPoint>, Obstacle> {
         let changes = |index: usize| {
             let pair = last.tests[index].zip(next.tests[index]);
             pair.filter(|(a, b)| a.sign * b.sign < 0.0).map(|(a, _)| a)
@@ -76,11 +75,11 @@ impl Follower<'_> {
         let length = last.tangent.dot(&(&next.u - &last.u));
         let ends: Vec<f64> = found.iter().skip(1).map(|f| f.arc).chain([length]).collect();
         let mut points = Vec::new();
-        for (Found { arc, at, label }, end) in found.into_iter().zip(ends) {
+        for (LabelledPoint { arc, at, label }, end) in found.into_iter().zip(ends) {
             let middle = self.at_arc(last, next, 0.5 * (arc + end))?;
             let stable = self.look_certified(middle)?.stable;
             let position = self.look_certified(at)?;
-            points.push(Point { stable, ..self.point(&position, Some(Special::of(label))) });
+            points.push(OrbitPoint { stable, ..self.point(&position, Some(Special::of(label))) });
         }
         Ok(points)
     }
@@ -102,7 +101,7 @@ impl Follower<'_> {
         next: &Position,
         index: usize,
         unit: SignedLog,
-    ) -> Result<Option<Found>, Obstacle> {
+    ) -> Result<Option<LabelledPoint>, Obstacle> {
         let length = last.tangent.dot(&(&next.u - &last.u));
         let value = |arc: f64| -> Result<f64, Obstacle> {
             let at = self.at_arc(last, next, arc)?;
@@ -129,12 +128,12 @@ impl Follower<'_> {
         if index == PAIR && !special::is_torus(self.family, self.word, &at.u)? {
             return neutral(last, next);
         }
-        Ok(Some(Found { arc, at, label }))
+        Ok(Some(LabelledPoint { arc, at, label }))
     }
 
-    /// Whether the parameter turns round at a point within a step: by the tangents at the step's
-    /// ends, of which a touch and a birth have none of their own, or by the values there, which lie
-    /// on one side of the point's.
+    /// Whether the parameter turns round at a point within a step. The tangents at the step's ends
+    /// tell; a touch and a birth have none of their own, and there the values do, which lie on one
+    /// side of the point's.
     fn turns(&self, last: &Position, next: &Position, at: &CurvePoint) -> bool {
         let n = self.word.len();
         let sides = [last, next].map(|p| p.u[n] - at.u[n]);
@@ -143,9 +142,9 @@ impl Follower<'_> {
     }
 
     /// Whether a pair of multipliers may cross the unit circle in a step in which the pair's test
-    /// changes its sign; `zero` gives the place of the change to a tolerance. The test changes at
-    /// neutral saddles too, and by the rounding of multipliers next to very large ones, which would
-    /// be located with much work for nothing.
+    /// changes its sign; `zero` locates the change to a tolerance. The test changes at neutral
+    /// saddles too, and by rounding beside very large multipliers; to locate those is much work for
+    /// nothing.
     fn may_be_torus(
         &self,
         last: &Position,
@@ -153,7 +152,7 @@ impl Follower<'_> {
         zero: impl Fn(f64) -> Option<f64>,
     ) -> Result<bool, Obstacle> {
         // A pair changes the number of multipliers outside the circle by two; a real multiplier may
-        // do so in the same step.
+        // cross in the same step.
         if !changes(last, next, UNIT) && !changes(last, next, DOUBLING) && crossings(last, next) < 2 {
             return Ok(false);
         }
@@ -164,8 +163,8 @@ impl Follower<'_> {
         Ok(there.multipliers.iter().any(near))
     }
 
-    /// The point at a value of the parameter, where the step passes it.
-    fn mark(&self, last: &Position, next: &Position, mark: f64) -> Option<Found> {
+    /// The point at a marked value of the parameter, if the step passes it.
+    fn mark(&self, last: &Position, next: &Position, mark: f64) -> Option<LabelledPoint> {
         let n = self.word.len();
         let [from, to] = [&last.u, &next.u].map(|u| self.value(u));
         // A point that has the value is labelled itself.
@@ -179,6 +178,6 @@ impl Follower<'_> {
         let u = self.family.point(&phases, &[mark]);
         let arc = last.tangent.dot(&(&u - &last.u));
         let at = CurvePoint { u, tangent: last.tangent.clone(), steps: 3 };
-        Some(Found { arc, at, label: Label::UserValue })
+        Some(LabelledPoint { arc, at, label: Label::UserValue })
     }
 }

@@ -8,18 +8,18 @@ use crate::grazing::{self, ExaminedTouch, Touch};
 use crate::obstacle::Obstacle;
 use crate::orbit::{Orbit, eigenvalues, newton, unfolded_phases};
 use crate::special;
-use crate::switching::Contact;
+use crate::switching::FlightTouch;
 use crate::test_functions::{DOUBLING, UNIT, test};
 use crate::word::OrbitWord;
 use nalgebra::DVector;
 
-/// A step's correction is at most this part of it.
+/// Largest correction of a step in parts of the step.
 const CORRECTION: f64 = 0.3;
-/// How far ahead, in steps, a branch that cannot be followed is looked for its birth.
+/// Distance, in steps, up to which the birth of a branch is sought where it cannot be continued.
 const BEYOND: f64 = 2.0;
 
 impl Follower<'_> {
-    /// One step, to the next point or to the path's end before it.
+    /// One step: to the next point, or to the path's end before it.
     pub(super) fn advance(&self, last: &Position, step: f64) -> Result<Advance, Obstacle> {
         let predicted = &last.u + &last.tangent * step;
         if !self.span().contains(self.value(&predicted)) {
@@ -30,7 +30,7 @@ impl Follower<'_> {
             !turned && (&curve.u - &predicted).norm() <= CORRECTION * step
         };
         let Some(curve) = correct(&self.contacts(), &predicted, &last.tangent).ok().filter(follows) else {
-            // Next to the branch from which this one is born, the corrector may end on that one.
+            // The corrector may end on the branch from which this one is born.
             let beyond = &last.u + &last.tangent * (BEYOND * step);
             let primary = special::primary(self.family, self.word, &last.u, &beyond)?;
             return self.end_at_primary(last, primary.ok_or(Obstacle::NoConvergence)?);
@@ -41,8 +41,8 @@ impl Follower<'_> {
         self.arrive(last, curve, None)
     }
 
-    /// The step to the birth of a branch that cannot be followed there, since next to it the
-    /// equations are nearly singular.
+    /// A step right to the birth of a branch: next to it the equations are nearly singular, so that
+    /// continuation fails there.
     pub(super) fn advance_to_birth(&self, last: &Position) -> Result<Advance, Obstacle> {
         let within = self.options.longest_step;
         let beyond = special::beyond_birth(self.word, &last.u, &last.tangent, within)
@@ -51,7 +51,7 @@ impl Follower<'_> {
         self.end_at_primary(last, primary.ok_or(Obstacle::NoConvergence)?)
     }
 
-    /// The step to the end of the parameter's range that lies before `beyond`.
+    /// A step to the end of the parameter's range, which lies before `beyond`.
     fn advance_to_end(&self, last: &Position, beyond: f64) -> Result<Advance, Obstacle> {
         let n = self.word.len();
         let end = if beyond < self.span().from { self.span().from } else { self.span().to };
@@ -101,7 +101,7 @@ impl Follower<'_> {
         };
         let located = touches.iter().filter_map(|touch| grazing::locate(self.family, touch).ok());
         let placed = located.filter_map(|touch| Some((arc(&touch)?, touch)));
-        // Of two at one point, as where a repeated orbit touches in each round, the impact that the
+        // Of two touches at one point (a repeated orbit touches in each round) the impact that the
         // word lists is taken out.
         let order = |a: &(f64, Touch), b: &(f64, Touch)| {
             if (a.0 - b.0).abs() < LEAST_STEP {
@@ -119,7 +119,7 @@ impl Follower<'_> {
         let system = self.family.system_at(&u)?;
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.word.len()])?;
         let tests = [test(&cycle, UNIT), test(&cycle, DOUBLING), None];
-        let without = Contact::of(self.family, &touch);
+        let without = FlightTouch::of(self.family, &touch);
         let phases = &without.u.as_slice()[..without.shorter.len()];
         let multipliers = Orbit::at(&system, &without.shorter, phases)?.multipliers();
         let tangent = last.tangent.clone();
@@ -144,8 +144,8 @@ impl Follower<'_> {
         let system = self.family.system(&values)?;
         let cycle = Cycle::new(&system, self.word, &phases)?;
         let multipliers = eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
-        // The test for doubling changes its sign on the way if it does; that for a multiplier 1
-        // touches zero at the end.
+        // On the way to the birth the test function for doubling may change its sign; that for a
+        // multiplier 1 touches zero at the end.
         let tests = [None, test(&cycle, DOUBLING), None];
         let tangent = last.tangent.clone();
         let next = Position { u: doubled, tangent, steps: 3, multipliers, stable: false, tests };

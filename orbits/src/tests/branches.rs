@@ -1,27 +1,25 @@
-//! Branches and their special points: the closed form, both sides of a point, halved steps, and the
-//! simulator.
+//! Branches and their special points against the closed form, the other side of a point, half
+//! steps, and the simulator.
 
 use crate::{
-    Branch, Family, Label, LocusEnd, LocusStart, Orbit, OrbitWord, PathOptions, Point, Span, Tree,
-    TreeOptions, branch, locus, orbit_of, settle, tree,
+    Branch, Family, Label, Orbit, OrbitPoint, OrbitWord, PathOptions, Span, Tree, TreeOptions, branch,
+    orbit_of, settle, tree,
 };
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{ParameterSet, find_field, find_group};
 use vibro_impact::parameters::{Groups, Parameters, Scales};
-use vibro_impact::steady::Sheet;
 use vibro_impact::steady::continuation::{self, Special};
-use vibro_impact::steady::exact_orbit::OrbitFamily;
 use vibro_impact::{Simulator, State};
 
-/// The same point by two methods: both locate to about 1e-13.
+/// Difference of a point located in two ways, each to about 1e-13.
 const LOCATION: f64 = 1e-11;
 
-fn family(from: f64, to: f64) -> Family {
+pub(super) fn family(from: f64, to: f64) -> Family {
     let span = Span::new(find_group("f10").unwrap(), from, to).unwrap();
     Family::new(&ParameterSet::basic(), span).unwrap()
 }
 
-fn symmetric() -> OrbitWord {
+pub(super) fn symmetric() -> OrbitWord {
     OrbitWord::new("U", -1, 1).unwrap()
 }
 
@@ -29,11 +27,11 @@ fn grow(family: &Family, options: TreeOptions) -> Tree {
     tree(family, &options, &|_, _| ()).unwrap()
 }
 
-fn labelled(branch: &Branch, label: Label) -> impl Iterator<Item = &Point> {
+pub(super) fn labelled(branch: &Branch, label: Label) -> impl Iterator<Item = &OrbitPoint> {
     branch.points.iter().filter(move |p| p.label() == Some(label))
 }
 
-/// The same orbit by its whole word: its branch goes on where the symmetry breaks.
+/// The whole word UL of a symmetric orbit: its branch continues where the symmetry breaks.
 #[test]
 fn invariant_a_whole_word_of_a_symmetric_orbit_gives_its_branch() {
     let family = family(0.5, 3.0);
@@ -71,7 +69,7 @@ fn closed_form_of_the_branch_of_symmetric_orbits() {
             "{label}: {closed:?} {own:?}"
         );
     }
-    // It comes from the touch of the motion without impacts, where |H| = 1.
+    // The branch begins at the touch of the motion without impacts, where |H| = 1.
     let touch = labelled(&found, Label::Grazing).next().unwrap();
     assert!((family.system(&[touch.value]).unwrap().amplitude() - 1.0).abs() < LOCATION);
     assert_eq!(labelled(&found, Label::UserValue).next().unwrap().value, 1.7);
@@ -85,7 +83,7 @@ fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points
     assert!(found.branches.len() > 5, "{}", found.branches.len());
     for branch in &found.branches {
         for pair in branch.points.windows(2) {
-            let stable = |p: &Point| p.multipliers[0].norm() < 1.0;
+            let stable = |p: &OrbitPoint| p.multipliers[0].norm() < 1.0;
             let plain = pair.iter().all(|p| p.special.is_none());
             assert!(
                 !plain || stable(&pair[0]) == stable(&pair[1]),
@@ -103,7 +101,7 @@ fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points
     }
 }
 
-/// Special points of a tree that are no ends of its range, by word and label.
+/// Special points of a tree except for the ends of its range, by word and label.
 fn special_points(tree: &Tree) -> Vec<(String, u32, &'static str, f64)> {
     let mut found: Vec<_> = tree
         .branches
@@ -179,7 +177,7 @@ fn invariant_a_doubled_branch_leaves_as_a_parabola() {
     let born = |b: &&Branch| b.points[0].label() == Some(Label::PeriodDoubling);
     let doubled = found.branches.iter().find(born).unwrap();
     let h = doubled.word.len() / 2;
-    let ratio = |point: &Point| {
+    let ratio = |point: &OrbitPoint| {
         let amplitude = (0..h).map(|i| {
             let half = 0.5 * doubled.word.span();
             (point.phases[h + i] - point.phases[i] - half).powi(2)
@@ -201,7 +199,7 @@ fn second_method_the_simulator_on_both_sides_of_a_period_doubling() {
         let orbit = orbit_of(&system, &settle(&system, &moving_block(&p), 20_000).unwrap()).unwrap();
         assert_eq!(orbit.word().period(), period, "{value}");
         assert!(orbit.is_stable());
-        // It goes on returning after thousands of periods.
+        // The motion still returns after thousands of periods.
         let start = orbit.start_state();
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         simulator.advance_to(6000.0 * p.period()).unwrap();
@@ -214,8 +212,8 @@ fn second_method_the_simulator_on_both_sides_of_a_period_doubling() {
 fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     let chaos = Groups { f10: 3.6, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     let system = crate::System::new(&chaos).unwrap();
-    // Chaos may pass near an unstable orbit, so that either is right; what is found must be
-    // certified.
+    // Chaos may pass near an unstable orbit, so that an orbit or an error is right; an orbit must
+    // be certified.
     match orbit_of(&system, &settle(&system, &moving_block(&chaos), 600).unwrap()) {
         Ok(orbit) => assert!(orbit.is_certified() && !orbit.is_stable()),
         Err(error) => assert!(error.to_string().contains("does not return"), "{error}"),
@@ -224,7 +222,7 @@ fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     let system = crate::System::new(&resting).unwrap();
     let error = orbit_of(&system, &settle(&system, &moving_block(&resting), 600).unwrap()).unwrap_err();
     assert!(error.to_string().contains("rests at a stop"), "{error}");
-    // A block that its load holds at a stop from the start on meets no event.
+    // A block that its load holds at a stop from the start meets no event.
     let held = Parameters { drive_amplitude: 0.01, constant_loads: [0.0, -100.0, 0.0], ..chaos };
     let system = crate::System::new(&held).unwrap();
     let at_stop = State { x: [0.0, -held.stop_gap, 0.0], v: [0.0; 3] };
@@ -232,112 +230,8 @@ fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     assert!(error.to_string().contains("rests at a stop"), "{error}");
 }
 
-/// The curve of a special point of the symmetric branch over force and restitution coefficient,
-/// from a value of the latter on.
-fn curve(label: Label, kappa: f64, [from, to]: [f64; 2]) -> Vec<crate::LocusPoint> {
-    let [f10, second] = ["f10", "kappa"].map(|name| find_group(name).unwrap());
-    let set = ParameterSet::basic().with(second, kappa).unwrap();
-    let one = Family::new(&set, Span::new(f10, 0.3, 3.0).unwrap()).unwrap();
-    let found = branch(&one, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[]).unwrap();
-    let point = labelled(&found, label).next().unwrap();
-    let [first, second] =
-        [(f10, 0.3, 3.0), (second, from, to)].map(|(n, from, to)| Span::new(n, from, to).unwrap());
-    let two = Family::over_two(&set, first, second).unwrap();
-    let start =
-        LocusStart { label, word: symmetric(), phases: point.phases.clone(), values: [point.value, kappa] };
-    locus(&two, &start).unwrap()
-}
-
-/// The closed form at a point of a curve.
-fn exact(values: [f64; 2]) -> OrbitFamily {
-    let groups = Groups { f10: values[0], kappa: values[1], ..Groups::basic() };
-    OrbitFamily::new(&groups.to_parameters(Scales::default()).unwrap()).unwrap()
-}
-
-#[test]
-fn closed_form_of_curves_in_two_parameters() {
-    /// The discriminant is of order one over the curve.
-    const ROUNDING: f64 = 1e-11;
-    /// A multiplier at a simple crossing.
-    const MULTIPLIER: f64 = 1e-9;
-    for label in [Label::Fold, Label::BranchPoint, Label::NeimarkSacker, Label::Grazing] {
-        let points = curve(label, 0.75, [0.6, 0.9]);
-        assert!(points.len() > 10, "{label}: {}", points.len());
-        let reached = |end: f64| points.iter().any(|p| (p.values[1] - end).abs() < 1e-9);
-        assert!(reached(0.6) && reached(0.9), "{label}: {:?}", points.first().zip(points.last()));
-        for point in &points {
-            let exact = exact(point.values);
-            match label {
-                Label::Fold => assert!(exact.discriminant().abs() < ROUNDING, "{:e}", exact.discriminant()),
-                Label::Grazing => {
-                    let groups = Groups { f10: point.values[0], kappa: point.values[1], ..Groups::basic() };
-                    let p = groups.to_parameters(Scales::default()).unwrap();
-                    let amplitude = crate::System::new(&p).unwrap().amplitude();
-                    assert!((amplitude - 1.0).abs() < ROUNDING);
-                }
-                _ => {
-                    let orbit = exact.orbit(Sheet::Upper).unwrap().unwrap();
-                    let crossing = |m: &nalgebra::Complex<f64>| match label {
-                        Label::BranchPoint => (m + 1.0).norm(),
-                        _ => {
-                            if m.im == 0.0 {
-                                1.0
-                            } else {
-                                (m.norm() - 1.0).abs()
-                            }
-                        }
-                    };
-                    let nearest = orbit.multipliers().iter().map(crossing).fold(1.0, f64::min);
-                    assert!(nearest < MULTIPLIER, "{label} at {:?}: {nearest:e}", point.values);
-                }
-            }
-        }
-        assert!(points.iter().all(|p| p.end != Some(LocusEnd::NoConvergence)));
-    }
-}
-
-/// Beyond the bounds of a parameter there is no machine, and differences are taken to one side: a
-/// curve runs to them, and may begin there.
-#[test]
-fn closed_form_curves_run_to_the_bounds_of_a_parameter_and_begin_there() {
-    /// The discriminant is of order one over the curve.
-    const ROUNDING: f64 = 1e-11;
-    for kappa in [0.75, 1.0] {
-        for label in [Label::Fold, Label::NeimarkSacker] {
-            let points = curve(label, kappa, [0.5, 1.0]);
-            let ends = [&points[0], &points[points.len() - 1]];
-            assert!(ends.iter().all(|end| end.end == Some(LocusEnd::Range)), "{label} {kappa} {ends:?}");
-            assert!(
-                points.len() > 10 && ends.iter().any(|end| end.values[1] == 1.0),
-                "{label} {kappa} {ends:?}"
-            );
-            let off = |p: &crate::LocusPoint| exact(p.values).discriminant().abs();
-            assert!(label != Label::Fold || points.iter().all(|p| off(p) < ROUNDING), "{kappa}");
-        }
-    }
-}
-
-#[test]
-fn starts_of_curves_that_cannot_be_are_refused() {
-    let one = family(0.5, 3.0);
-    let [first, second] = [("f10", 0.5, 3.0), ("kappa", 0.6, 0.9)]
-        .map(|(name, from, to)| Span::new(find_group(name).unwrap(), from, to).unwrap());
-    let two = Family::over_two(&ParameterSet::basic(), first, second).unwrap();
-    let start = |label, values| LocusStart { label, word: symmetric(), phases: vec![5.5], values };
-    for (family, start) in [
-        (&two, start(Label::EndPoint, [1.5, 0.75])),
-        (&two, start(Label::PeriodDoubling, [1.5, 0.75])),
-        (&two, start(Label::Fold, [4.0, 0.75])),
-        (&one, start(Label::Fold, [1.5, 0.75])),
-    ] {
-        assert!(matches!(locus(family, &start), Err(vibro_analysis::Error::Form { .. })), "{start:?}");
-    }
-    assert!(Family::over_two(&ParameterSet::basic(), first, first).is_err());
-    assert!(Span::new(find_group("kappa").unwrap(), 0.5, 1.5).is_err());
-}
-
 /// The branch of the motion from the standard start, along a parameter of the machine.
-fn settled_branch(set: &ParameterSet, name: &str, (from, to): (f64, f64), value: f64) -> Branch {
+pub(super) fn settled_branch(set: &ParameterSet, name: &str, (from, to): (f64, f64), value: f64) -> Branch {
     let field = find_field(name).unwrap();
     let family = Family::new(set, Span::new(field, from, to).unwrap()).unwrap();
     let system = family.system(&[value]).unwrap();
@@ -346,13 +240,13 @@ fn settled_branch(set: &ParameterSet, name: &str, (from, to): (f64, f64), value:
     branch(&family, orbit.word(), orbit.phases(), value, &PathOptions::default(), &[]).unwrap()
 }
 
-fn machine(values: &[(&str, f64)]) -> ParameterSet {
+pub(super) fn machine(values: &[(&str, f64)]) -> ParameterSet {
     values.iter().fold(ParameterSet::basic(), |set, (name, value)| {
         set.with(find_field(name).unwrap(), *value).unwrap()
     })
 }
 
-/// A fold right before a touch is one: the parameter turns there.
+/// A fold right before a touch is labelled: the parameter turns there.
 #[test]
 fn invariant_where_the_parameter_turns_before_a_touch_is_a_fold() {
     let set = machine(&[
@@ -362,14 +256,14 @@ fn invariant_where_the_parameter_turns_before_a_touch_is_a_fold() {
         ("box.c", 0.1),
     ]);
     let branch = settled_branch(&set, "box.c", (0.01, 0.4), 0.1);
-    let turns = |w: &[Point]| (w[1].value - w[0].value) * (w[2].value - w[1].value) < 0.0;
+    let turns = |w: &[OrbitPoint]| (w[1].value - w[0].value) * (w[2].value - w[1].value) < 0.0;
     let turning: Vec<_> = branch.points.windows(3).filter(|w| turns(w)).map(|w| w[1].label()).collect();
     assert!(turning.contains(&Some(Label::Fold)), "{turning:?}");
     assert!(!turning.contains(&Some(Label::BranchPoint)), "{turning:?}");
 }
 
-/// Between two points of a branch without a special point as many multipliers are outside the unit
-/// circle, also where two doublings lie within one of the longest steps.
+/// Between neighbouring points without a special point the number of multipliers outside the unit
+/// circle is constant, even where two doublings lie within one longest step.
 #[test]
 fn invariant_stability_changes_at_special_points_alone() {
     let set = machine(&[
@@ -386,8 +280,8 @@ fn invariant_stability_changes_at_special_points_alone() {
     }
 }
 
-/// A step past the birth of a branch may end on the branch from which it is born, where both halves
-/// of the orbit are the same but for rounding, whatever the sign of that is.
+/// A step past the birth of a branch may end on the branch from which it is born. Both halves of
+/// the orbit are then equal up to rounding of any sign.
 #[test]
 fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
     const BREAKING: f64 = 2.039_588_865_238;
@@ -407,8 +301,8 @@ fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
     }
 }
 
-/// Next to the birth of a branch its equations are nearly singular, so that no step may lead over
-/// it. It ends there nevertheless.
+/// A branch ends at its birth although its equations are nearly singular there, so that no step
+/// leads across.
 #[test]
 fn invariant_branches_end_at_their_births() {
     for (damping, restitution, amplitude, frequency, name, range, value, births) in [
@@ -448,41 +342,8 @@ fn invariant_branches_end_at_their_births() {
     }
 }
 
-/// The multipliers of a Neimark-Sacker point meet at 1 where one of the equations of its curve says
-/// nothing: the curve ends there, and not for want of convergence.
-#[test]
-fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
-    const BOX: f64 = 0.1;
-    let set = machine(&[
-        ("stop.restitution", 0.325_289_286_605_822_74),
-        ("drive.amplitude", 0.509_177_306_066_417_9),
-    ]);
-    let spans = [("drive.amplitude", 0.2825, 0.7411), ("box.c", 0.083_86, 0.171_425)]
-        .map(|(name, from, to)| Span::new(find_field(name).unwrap(), from, to).unwrap());
-    let one = settled_branch(&set, "drive.amplitude", (spans[0].from, spans[0].to), 0.509_177_306_066_417_9);
-    let two = Family::over_two(&set, spans[0], spans[1]).unwrap();
-    let points: Vec<&Point> = labelled(&one, Label::NeimarkSacker).collect();
-    assert!(!points.is_empty());
-    for point in points {
-        let start = LocusStart {
-            label: Label::NeimarkSacker,
-            word: one.word.clone(),
-            phases: point.phases.clone(),
-            values: [point.value, BOX],
-        };
-        let curve = locus(&two, &start).unwrap();
-        let ends = [&curve[0], &curve[curve.len() - 1]];
-        let resonant: Vec<_> = ends.iter().filter(|p| p.end == Some(LocusEnd::Resonance(1))).collect();
-        assert!(
-            !resonant.is_empty() && ends.iter().all(|p| p.end != Some(LocusEnd::NoConvergence)),
-            "{ends:?}"
-        );
-        assert!(resonant.iter().all(|p| p.angle.is_some_and(|angle| angle < 1e-2)), "{ends:?}");
-    }
-}
-
-/// A soft spring holds its load far away, so that phases have fewer digits: a branch turns round at
-/// its fold all the same.
+/// A soft spring holds its load far away, which leaves phases fewer digits. A branch still turns
+/// round at its fold.
 #[test]
 fn invariant_a_branch_under_a_softly_held_load_passes_its_fold() {
     let set = machine(&[

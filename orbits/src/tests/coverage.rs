@@ -1,4 +1,4 @@
-//! The stable branches against the rows of a simulated diagram.
+//! Stable branches against the rows of a simulated diagram.
 
 use crate::{Family, Span, Tree, TreeOptions, tree};
 use vibro_analysis::bifurcation::{Sweep, SweepPoint, diagram};
@@ -8,8 +8,7 @@ use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, find_group};
 
-/// Periods of the diagram, after which what is left of a transient is under what counts as a
-/// return.
+/// Discarded periods of the diagram, which leave less of a transient than counts as a return.
 const DISCARD: u32 = 1500;
 
 fn family(from: f64, to: f64) -> Family {
@@ -17,7 +16,7 @@ fn family(from: f64, to: f64) -> Family {
     Family::new(&ParameterSet::basic(), span).unwrap()
 }
 
-/// The periodic rows without rest of both directions of a simulated diagram.
+/// Periodic rows without rest of a simulated diagram, in both directions.
 fn rows(from: f64, to: f64, count: usize) -> Vec<SweepPoint> {
     let axis = ParameterAxis::new(find_group("f10").unwrap(), (from, to), count).unwrap();
     let sweep = Sweep {
@@ -33,7 +32,7 @@ fn rows(from: f64, to: f64, count: usize) -> Vec<SweepPoint> {
     rows.filter(|row| row.attractor.period.is_some() && !row.attractor.rests).collect()
 }
 
-/// The rows that lie on no stable branch.
+/// Rows that lie on no stable branch.
 fn uncovered(tree: &Tree, family: &Family, rows: &[SweepPoint]) -> Vec<(f64, Option<u32>)> {
     let covered = |row: &&SweepPoint| tree.covering(family, row.value, &row.attractor).unwrap().is_none();
     rows.iter().filter(covered).map(|row| (row.value, row.attractor.period)).collect()
@@ -48,7 +47,7 @@ fn second_method_periodic_rows_of_a_diagram_lie_on_stable_branches() {
     let rows = rows(2.013, 2.79, 25);
     assert!(rows.len() > 25, "{}", rows.len());
     assert_eq!(uncovered(&found, &family, &rows), []);
-    // The mirror image is covered by the same branch, a motion some way off is not.
+    // The branch covers the mirror image too, and no motion some way off.
     for row in &rows {
         let here = found.covering(&family, row.value, &row.attractor).unwrap().unwrap();
         let mut image = row.attractor.clone();

@@ -1,18 +1,17 @@
-//! Special points of all types in thirty digits (`orbits/tests/data/make_orbits.py`).
+//! Special points of all types against thirty digits (`orbits/tests/data/make_orbits.py`).
 
 use crate::orbit::{canonical, same_phases};
 use crate::{Family, Orbit, OrbitWord, PathOptions, Span, branch};
 use vibro_analysis::{ParameterSet, find_group};
 
-/// The parameter of a located point: rounding of the residual over the sensitivity of the
-/// condition.
+/// Error of a located parameter: rounding of the residual over the sensitivity of the condition.
 const LOCATION: f64 = 2e-13;
-/// Its phases, which at a fold move with the square root of the parameter.
+/// Error of its phases, which at a fold move with the square root of the parameter.
 const PHASES: f64 = 2e-11;
-/// How far from the point its branch is entered, and how far it is followed, in f10.
+/// Distance from the point at which its branch is entered, and up to which it is followed, in f10.
 const ENTRY: f64 = 1e-3;
 const REACH: f64 = 0.02;
-/// How far its phases are from those of the orbit at which it is entered, rad.
+/// Difference of its phases from those of the orbit at which the branch is entered, rad.
 const NEAR: f64 = 0.3;
 
 #[test]
@@ -27,8 +26,8 @@ fn golden_orbits_in_thirty_digits() {
         let phases: Vec<f64> = phases.split(' ').map(|x| x.parse().unwrap()).collect();
         let span = Span::new(find_group("f10").unwrap(), value - REACH, value + REACH).unwrap();
         let family = Family::new(&ParameterSet::basic(), span).unwrap();
-        // On one side of a fold or of a touch there is nothing, and at a fold Newton's method needs
-        // a push.
+        // On one side of a fold or a touch there is no orbit, and at a fold Newton's method needs a
+        // push.
         let pushed = |k: usize, by: f64| -> Vec<f64> {
             phases.iter().enumerate().map(|(i, p)| if i == k { p + by } else { *p }).collect()
         };

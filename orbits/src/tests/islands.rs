@@ -1,16 +1,15 @@
-//! What lies beside the motions that are followed along the range: stable windows that other starts
-//! reach.
+//! Stable windows beside the motions that are followed along the range, which other starts reach.
 
 use crate::{Branch, Family, Orbit, Span, TreeOptions, tree};
 use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::Simulator;
 
-/// Values in the two windows of period three of the default set that wide random starts found.
+/// Values in the two windows of period three of the default set that random starts found.
 const WINDOWS: [f64; 2] = [3.33, 3.84];
 
 #[test]
 fn second_method_both_windows_of_period_three_beside_chaos_are_found_and_stand_in_the_simulator() {
-    /// What is left after thousands of periods of a motion whose deviations decay.
+    /// Remainder after thousands of periods of a motion whose deviations decay.
     const RETURN: f64 = 1e-9;
     let span = Span::new(find_group("f10").unwrap(), 3.2, 3.95).unwrap();
     let family = Family::new(&ParameterSet::basic(), span).unwrap();
@@ -41,7 +40,7 @@ fn second_method_both_windows_of_period_three_beside_chaos_are_found_and_stand_i
         let apart = start.x.iter().zip(&end.x).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
         assert!(apart < RETURN, "{} at {value}: {apart:e}", orbit.word());
     }
-    // What was searched is told.
+    // The search reports its starts and islands.
     assert_eq!(found.searched.values.iter().map(|v| v.starts).sum::<u32>(), 192);
     assert!(found.searched.islands > 0 && found.searched.islands <= found.searched.followed);
     let without = tree(&family, &TreeOptions { starts: 0, ..options }, &|_, _| ()).unwrap();

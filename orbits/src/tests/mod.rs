@@ -1,7 +1,8 @@
-//! Tests of the orbits, by what they are held against.
+//! Tests of the orbits, by subject.
 
 mod branches;
 mod coverage;
+mod curves;
 mod exponents;
 mod free_block;
 mod golden;

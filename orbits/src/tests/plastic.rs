@@ -1,16 +1,16 @@
-//! Orbits of a machine without restitution, whose block leaves its stop without a speed.
+//! Orbits without restitution, whose block leaves its stop with speed zero.
 
 use crate::{Family, Label, OrbitWord, PathOptions, Span, branch};
 use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Simulator};
 
-/// Accelerations after an impact that are none but for rounding, units of ω1² L.
+/// Acceleration after an impact, units of ω1² L, that is rounding.
 const NONE: f64 = 1e-9;
 
 /// The branch of symmetric orbits ends where the acceleration after the impact comes to point at
-/// the stop, since beyond the block would stay there. It passed the stop by less than the proof
-/// that it keeps within the stops allows, and where by more that was taken for a touch.
+/// the stop: beyond, the block would stay. There the block passes the stop by little, which is
+/// neither certified as clear nor taken for a touch.
 #[test]
 fn invariant_a_block_that_would_stay_on_its_stop_has_no_orbit_and_no_touch() {
     let machine = [
@@ -47,7 +47,7 @@ fn invariant_a_block_that_would_stay_on_its_stop_has_no_orbit_and_no_touch() {
             "{} {acceleration}",
             point.value
         );
-        // The simulator, which meets the other stop half a period after the impact, is off it
+        // In the simulator the block, which meets the other stop half a period later, is off it
         // again.
         let start = theta + 1.0;
         let mut simulator =

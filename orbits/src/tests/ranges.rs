@@ -1,10 +1,10 @@
-//! Ranges of stability and sequences of doublings against the multipliers of the orbits in them.
+//! Stable ranges and sequences of doublings against the multipliers of the orbits in them.
 
 use crate::{Branch, Family, Label, Span, TreeOptions, doubling_ratios, doubling_sequences, tree};
 use vibro_analysis::{ParameterSet, find_group};
 
-/// A multiplier is on the unit circle to the square root of the rounding of its parameter, as two
-/// meet at a fold.
+/// Distance of a multiplier from the unit circle at an end of a range: the square root of the
+/// rounding of the parameter, since two multipliers meet at a fold.
 const ON_CIRCLE: f64 = 1e-5;
 
 fn found() -> (Family, Vec<Branch>) {
@@ -53,7 +53,7 @@ fn second_method_multipliers_are_inside_the_circle_in_a_stable_range_and_on_it_a
 fn doublings_follow_one_another_over_folds_and_births_are_none() {
     let (_, branches) = found();
     let sequences = doubling_sequences(&branches);
-    // In this range the motion that has lost its symmetry, and that with three impacts, whose
+    // The range holds the motion that has lost its symmetry, and the one with three impacts, whose
     // doubled branch has two folds.
     for (first, expected) in [
         (2.373_075_370_806, vec![(1, 2.373_075_370_806), (2, 2.493_021_660_408), (4, 2.511_747_833_602)]),

@@ -1,8 +1,8 @@
-//! Every special point of a tree starts its curve in two parameters.
+//! Curves in two parameters from all special points of a tree.
 
 use crate::locus::start::{Normal, first_point};
 use crate::orbit::newton;
-use crate::{Branch, Family, Label, LocusStart, Point, Span, Tree, TreeOptions, locus, tree};
+use crate::{Branch, Family, Label, LocusStart, OrbitPoint, Span, Tree, TreeOptions, locus, tree};
 use std::collections::BTreeMap;
 use vibro_analysis::{Name, ParameterSet, find_group};
 
@@ -10,19 +10,20 @@ fn span(name: &str, from: f64, to: f64) -> Span {
     Span::new(Name::find(name).unwrap(), from, to).unwrap()
 }
 
-/// The rows of a tree from which curves start.
+/// Special points of a tree from which curves start.
 fn starts(tree: &Tree, held: f64) -> Vec<LocusStart> {
-    let row = |b: &Branch, p: &Point| {
+    let row = |b: &Branch, p: &OrbitPoint| {
         let label = p.label().filter(|label| Label::STARTS.contains(label))?;
         Some(LocusStart { label, word: b.word.clone(), phases: p.phases.clone(), values: [p.value, held] })
     };
     tree.branches.iter().flat_map(|b| b.points.iter().filter_map(move |p| row(b, p))).collect()
 }
 
-/// A located point is on its curve but for rounding.
+/// A located point is on its curve up to rounding.
 #[test]
 fn invariant_every_special_point_of_a_tree_starts_its_curve() {
-    /// Fifteen digits of a parameter, and phases that at a fold follow its square root.
+    /// Change of fifteen digits of a parameter, and of phases, which at a fold follow its square
+    /// root.
     const MOVED: f64 = 1e-6;
     let set = ParameterSet::basic();
     let pulled = set.with(Name::find("load.block").unwrap(), -0.0005).unwrap();
@@ -67,7 +68,7 @@ fn invariant_every_special_point_of_a_tree_starts_its_curve() {
                     start.phases
                 )),
             }
-            // Newton's method at the parameter itself finds no fold, which is why the curve's own
+            // Newton's method at the parameter itself finds no fold: this is why the curve's own
             // equations are solved.
             let system = two.system(&start.values).unwrap();
             let direct = newton(&system, &start.word, &start.phases).is_ok();
@@ -108,6 +109,6 @@ fn invariant_curves_start_from_folds_doublings_and_touches_of_either_branch() {
         assert!(points.iter().any(|p| (p.values[1] - 0.75).abs() < 0.02), "{start:?}");
         curves.push(start);
     }
-    // The point where a branch is born lies on two branches.
+    // The point at which a branch is born lies on two branches.
     assert!(same >= 2 && curves.len() >= 4, "{same} {}", curves.len());
 }

@@ -1,4 +1,5 @@
-//! One orbit: the closed form, differences, the identity of the determinants, and the simulator.
+//! One orbit against the closed form, differences, the identity of the determinants, and the
+//! simulator.
 
 use crate::cycle::{Cycle, Functional};
 use crate::orbit::unfolded_phases;
@@ -10,7 +11,7 @@ use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit::{self, Vector6};
 use vibro_impact::{Simulator, State};
 
-/// The closed form and Newton's method agree to the rounding of a flight, amplified by the orbit's
+/// Difference of Newton's method from the closed form: the rounding of a flight times the orbit's
 /// sensitivity.
 const CLOSED_FORM: f64 = 1e-13;
 
@@ -69,17 +70,17 @@ fn closed_form_of_the_motion_without_impacts() {
     let mut simulator = Simulator::new(p, &orbit.start_state(), 0.0).unwrap();
     simulator.advance_to(100.0 * p.period()).unwrap();
     assert!(apart(&simulator.state(), &orbit.start_state()) < CLOSED_FORM);
-    // The multipliers' product is the determinant of exp(π A): minus the trace of the damping.
+    // The product of the multipliers is the determinant of exp(π A): the trace of A is minus the
+    // damping.
     let product: nalgebra::Complex<f64> = orbit.multipliers().iter().product();
     let divergence = (p.box_damping / p.box_mass + p.secondary_damping / p.secondary_mass) / w;
     assert!((product.re - (-std::f64::consts::PI * divergence).exp()).abs() < CLOSED_FORM);
 }
 
-/// Whole turns of the drive's phase at time 0 are none: the settled orbit is found beside many of
-/// them too.
+/// Whole turns of the drive's phase at time 0 change nothing, even many of them.
 #[test]
 fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
-    /// A phase of 1e9 is known to so many rad.
+    /// Accuracy, rad, to which a phase of 1e9 is known.
     const KNOWN: f64 = 1e-6;
     const MANY: f64 = 1e9;
     let settled = |drive_phase: f64| {
@@ -90,13 +91,13 @@ fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
     };
     let (turned, same) = (settled(MANY), settled(MANY.sin().atan2(MANY.cos())));
     assert!(turned.is_same(&same, KNOWN), "{:?} {:?}", turned.phases(), same.phases());
-    // And its start is where the simulator begins.
+    // The orbit's start is where the simulator begins.
     let (start, begin) = (turned.start_state(), turned.state(MANY.sin().atan2(MANY.cos())));
     assert!((start.x[1] - begin.x[1]).abs() < CLOSED_FORM, "{start:?} {begin:?}");
 }
 
-/// Where nothing holds two bodies, contact says of one where it is: the error names the other
-/// spring that is missing.
+/// Of two bodies that nothing holds, contact determines the place of one; the error names the
+/// other's spring.
 #[test]
 fn a_body_that_no_spring_holds_is_named() {
     for (field, stiffness) in [("box.k", 1e-18), ("secondary.k", 0.0)] {
@@ -114,7 +115,7 @@ pub(super) fn under(p: &Parameters, constant_loads: [f64; 3]) -> vibro_analysis:
 
 #[test]
 fn second_method_jacobian_by_differences() {
-    /// Central differences with this step are good to its square.
+    /// Step of central differences, whose error is its square.
     const STEP: f64 = 1e-5;
     const TOLERANCE: f64 = 1e-8;
     let free = Parameters { coupling_stiffness: 0.0, ..parameters(2.2) };
@@ -129,7 +130,7 @@ fn second_method_jacobian_by_differences() {
     ];
     let falling = under(&free, [0.01, -0.02, 0.003]).unwrap();
     let all = words.iter().flat_map(|case| systems.iter().map(move |system| (*system, case)));
-    // With a fall.
+    // One case with a block that falls.
     let more = words[1..2].iter().map(|case| (falling, case));
     for (system, (word, phases)) in all.chain(more) {
         let cycle = Cycle::new(&system, word, phases).unwrap();
@@ -154,7 +155,7 @@ fn second_method_jacobian_by_differences() {
     }
 }
 
-/// An orbit that is not symmetric, by the symmetric one of another force.
+/// An orbit that is not symmetric, from the symmetric one at another force.
 fn unequal() -> Orbit {
     // Between the symmetry breaking at 2.0396 and its end.
     let (orbit, _) = symmetric(2.1);
@@ -167,7 +168,7 @@ fn unequal() -> Orbit {
 
 #[test]
 fn invariant_determinants_of_the_monodromy_and_of_the_residual() {
-    /// The determinants of a handful of factors of order one, relatively.
+    /// Relative rounding of determinants of a handful of factors of order one.
     const TOLERANCE: f64 = 1e-11;
     let with_spring = [symmetric(1.5).0, symmetric(3.0).0, unequal(), unequal().unfolded().unwrap()];
     let anchored = [Anchor::Box, Anchor::Block, Anchor::Pair].into_iter().flat_map(|anchor| {
@@ -200,7 +201,7 @@ fn invariant_determinants_of_the_monodromy_and_of_the_residual() {
                 orbit.word()
             );
         }
-        // And the complex closing is the real one where it is real.
+        // For a real factor the complex derivative is the real one.
         let real: DMatrix<f64> = cycle.derivative(Functional::Gap, -1.0).unwrap();
         let complex = cycle.complex_derivative(nalgebra::Complex::new(-1.0, 0.0)).unwrap();
         assert!(complex.iter().zip(real.iter()).all(|(a, b)| (a - b).norm() < TOLERANCE));
@@ -221,7 +222,7 @@ fn invariant_an_unfolded_orbit_is_the_same_orbit() {
     }
 }
 
-/// The simulator's map of one orbit's period from mid-flight, by central differences.
+/// The simulator's map over an orbit's period from mid-flight, by central differences.
 pub(super) fn simulated_map(orbit: &Orbit, theta: f64) -> Matrix6<f64> {
     const STEP: f64 = 1e-5;
     let p = orbit.system().parameters();
@@ -250,10 +251,10 @@ pub(super) fn simulated_map(orbit: &Orbit, theta: f64) -> Matrix6<f64> {
 
 #[test]
 fn second_method_multipliers_by_differences_of_the_simulator() {
-    /// Central differences of 1e-5 of a map with second derivatives of order ten.
+    /// Error of central differences of 1e-5 of a map with second derivatives of order ten.
     const TOLERANCE: f64 = 1e-8;
     for orbit in [symmetric(1.5).0.unfolded().unwrap(), unequal()] {
-        // From mid-flight, where no neighbour is past an impact.
+        // From mid-flight, where no neighbour has passed an impact.
         let phases = orbit.phases();
         let map = simulated_map(&orbit, 0.5 * (phases[0] + phases[1]));
         let mut found: Vec<f64> = map.complex_eigenvalues().iter().map(|m| m.norm()).collect();
@@ -266,7 +267,7 @@ fn second_method_multipliers_by_differences_of_the_simulator() {
 
 #[test]
 fn second_method_orbits_return_in_the_simulator() {
-    /// One period's rounding, amplified by multipliers of a few units.
+    /// Rounding of one period times multipliers of a few units.
     const ROUNDING: f64 = 1e-12;
     for orbit in [symmetric(1.5).0, symmetric(3.0).0, unequal()] {
         let p = orbit.system().parameters();
@@ -279,7 +280,7 @@ fn second_method_orbits_return_in_the_simulator() {
 
 #[test]
 fn second_method_orbit_under_constant_loads() {
-    /// After hundreds of periods only rounding is left of the distance to a stable orbit.
+    /// Remainder after hundreds of periods: rounding, since the orbit is stable.
     const ROUNDING: f64 = 1e-11;
     let forces = [0.004, -0.0005, 0.0003];
     let p = parameters(1.5);
@@ -305,8 +306,8 @@ fn second_method_orbit_under_constant_loads() {
 
 #[test]
 fn closed_form_of_a_gap_off_its_centre() {
-    // The machine whose gap is shifted by δ, under the pair of loads, against the same stops moved
-    // in the simulator's frame.
+    // A machine with its gap shifted by δ, as a pair of loads, against the stops moved in the
+    // simulator's frame.
     let (p, delta) = (parameters(1.5), 0.03);
     let pair = delta * p.coupling_stiffness;
     let system = under(&p, [0.0, -pair, pair]).unwrap();
@@ -324,33 +325,8 @@ fn singular_machines_are_refused_with_the_parameter() {
     assert!(error.to_string().contains("word UL, closing +, period 1T"), "{error}");
 }
 
-/// The multipliers are found whatever the order of the coordinates does to the sweeps of the QR
-/// algorithm. Their product is that of what an impact takes of phase space, κ², and of what the
-/// dampers take over a period.
-#[test]
-fn closed_form_product_of_the_multipliers_where_sweeps_turn_in_circles() {
-    for i in 0..=20 {
-        let p = Parameters {
-            box_stiffness: 0.193 + 5e-5 * f64::from(i),
-            box_damping: 0.010_756_525_040_185_866,
-            secondary_damping: 0.058_812_892_475_845_27,
-            stop_restitution: 0.618_880_186_012_838_5,
-            drive_amplitude: 0.265_022_273_670_722_6,
-            constant_loads: [0.0, -0.000_971_238_660_101_535_2, 0.0],
-            ..Parameters::default()
-        };
-        let system = System::new(&p).unwrap();
-        let orbit = Orbit::find(&system, &OrbitWord::new("UL", 1, 2).unwrap(), &[5.367, 8.484]).unwrap();
-        assert!(orbit.is_certified() && orbit.is_stable());
-        let product: f64 = orbit.multipliers().iter().map(|m| m.norm()).product();
-        let damped = p.box_damping / p.box_mass + p.secondary_damping / p.secondary_mass;
-        let exact = p.stop_restitution.powi(4) * (-damped * p.period()).exp();
-        assert!((product / exact - 1.0).abs() < 1e-10, "{} {product} {exact}", p.box_stiffness);
-    }
-}
-
-/// At the phase of an impact the state is the one just after it, with a load on a block without a
-/// spring too.
+/// The state at the phase of an impact is the one just after it, also of a loaded block without a
+/// spring.
 #[test]
 fn invariant_states_at_impacts_are_those_after_them() {
     let (orbit, exact) = symmetric(1.5);
@@ -371,11 +347,11 @@ fn invariant_states_at_impacts_are_those_after_them() {
     assert_eq!(system.fly(0.0, &z), z);
 }
 
-/// With a strong damper or a stiff spring half a period is thousands of Taylor pieces, whose
-/// rounding must not pass for a stop that is met earlier: orbits are certified that are the closed
+/// With a strong damper or a stiff spring half a period has thousands of Taylor pieces, whose
+/// rounding must not pass for an earlier contact. The orbits are certified and equal the closed
 /// form's and the simulator's.
 #[test]
-fn second_method_orbits_of_more_rounding_are_certified() {
+fn second_method_orbits_of_thousands_of_taylor_pieces_are_certified() {
     let p = Parameters {
         box_mass: 1.62,
         box_stiffness: 1.02,
@@ -401,8 +377,8 @@ fn second_method_orbits_of_more_rounding_are_certified() {
         let orbit =
             Orbit::find(&System::new(&p).unwrap(), &word("U", -1, 1), &[exact.drive_phase()]).unwrap();
         assert!(orbit.is_certified(), "{p:?}");
-        // The simulator starts a while after the impact and meets the other stop half a period
-        // after it.
+        // The simulator starts a tenth of half a period after the impact and meets the other stop
+        // half a period after the impact.
         let start = orbit.phases()[0] + 0.1 * PI;
         let q = Parameters { drive_phase: start, ..p };
         let mut simulator = Simulator::new(&q, &orbit.state(start), 0.0).unwrap();

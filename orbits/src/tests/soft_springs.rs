@@ -1,5 +1,5 @@
-//! Springs of no or next to no stiffness (docs/theory.md (112)): the closed form of the symmetric
-//! motion, the simulator and its verdict.
+//! Springs of no or almost no stiffness (docs/theory.md (112)) against the closed form of the
+//! symmetric motion, the simulator and its verdict.
 
 use crate::{Orbit, OrbitWord, System, orbit_of, settle};
 use vibro_analysis::attractor::MotionClass;
@@ -9,13 +9,13 @@ use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
 
-/// Two ways to the same phases: the rounding of a flight, amplified by the sensitivity of the
+/// Difference of phases found in two ways: the rounding of a flight times the sensitivity of the
 /// orbit.
 const CLOSED_FORM: f64 = 1e-12;
 
 const START: State = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
 
-/// Drive periods in which a transient dies out, all multipliers being under 0.95.
+/// Drive periods in which a transient dies out; all multipliers are below 0.95.
 const SETTLED: u32 = 2000;
 
 fn soft(body: &str, stiffness: f64, amplitude: f64) -> Parameters {
@@ -46,7 +46,7 @@ fn closed_form_of_the_symmetric_orbit_beside_a_missing_spring() {
         let system = System::new(&p).unwrap();
         let first = exact.drive_phase();
         let half = Orbit::find(&system, &word("U", -1, 1), &[first + 0.02]).unwrap();
-        // Closed with the same sign, the equations are those whose plain matrix is singular.
+        // Closed with +, the equations are those whose matrix without an anchor is singular.
         let guess = [first + 0.02, first + 0.01 + std::f64::consts::PI];
         let whole = Orbit::find(&system, &word("UL", 1, 2), &guess).unwrap();
         for orbit in [&half, &whole] {
@@ -66,9 +66,8 @@ fn closed_form_of_the_symmetric_orbit_beside_a_missing_spring() {
     }
 }
 
-/// A damped body without a spring may stand anywhere, so that nothing brings it back: its
-/// multiplier is 1, and what is computed of it is more or less by rounding. The same holds of a
-/// body that nothing damps.
+/// A damped body without a spring may stand anywhere, and a body that nothing damps swings on:
+/// either has a multiplier of modulus 1, which is computed as more or less by rounding.
 #[test]
 fn closed_form_without_impacts_a_neutral_body_makes_no_stable_orbit() {
     let held = Parameters { drive_amplitude: 0.05, ..Parameters::default() };
@@ -92,11 +91,11 @@ fn closed_form_without_impacts_a_neutral_body_makes_no_stable_orbit() {
     }
 }
 
-/// What a diagram calls a motion and what the orbit is that it has settled on are one, however
-/// little holds a body.
+/// The period of the settled orbit is that of the simulator's verdict, however soft the spring of a
+/// body is.
 #[test]
 fn second_method_settled_orbits_have_the_period_of_the_verdict() {
-    /// What is left of a transient, and the rounding of times after so many periods.
+    /// Remainder of a transient, and rounding of times after thousands of periods.
     const RETURN: f64 = 1e-9;
     for (body, amplitude, periods) in
         [("box", 0.5, 1), ("box", 1.2, 1), ("box", 2.0, 2), ("block", 0.6, 1), ("secondary", 0.3, 1)]
@@ -141,8 +140,8 @@ fn second_springs_too_soft_to_hold_a_body_are_named() {
     }
 }
 
-/// Such a spring would hold a load so far away that places are no numbers: it is named, with the
-/// largest distance.
+/// A spring that would hold a load so far away that places overflow is named, with the largest
+/// distance.
 #[test]
 fn loads_that_are_held_beyond_all_numbers_name_the_spring() {
     let basic = Parameters::default();
@@ -166,14 +165,14 @@ fn words_that_push_a_box_without_a_spring_one_way_are_refused() {
     }
 }
 
-/// A spring of next to no stiffness would hold a load millions of gaps away: the motion is the one
-/// that impacts make of it, and that of a missing spring where the machine without one can bear the
+/// A spring of almost no stiffness would hold a load millions of gaps away. The motion is the one
+/// that impacts make of it: that of a missing spring, where the machine without one can bear the
 /// load.
 #[test]
 fn second_method_settled_orbits_under_loads_that_a_soft_spring_bears() {
-    /// What is left of a transient, and the rounding of times after so many periods.
+    /// Remainder of a transient, and rounding of times after thousands of periods.
     const RETURN: f64 = 1e-9;
-    /// What springs of up to 1e-10 N/m do to the bodies within the stops, times the sensitivity of
+    /// Effect of springs of up to 1e-10 N/m on bodies within the stops, times the sensitivity of
     /// the orbit.
     const TAKEN_UP: f64 = 1e-8;
     for (body, amplitude, load) in [
@@ -205,7 +204,7 @@ fn second_method_settled_orbits_under_loads_that_a_soft_spring_bears() {
     }
 }
 
-/// The load on a block that a spring of next to no stiffness holds is that on a block without one.
+/// A block on a spring of almost no stiffness bears its load as a block without a spring does.
 #[test]
 fn second_method_a_loaded_block_on_a_soft_spring_is_one_without_a_spring() {
     let loaded =

@@ -1,5 +1,5 @@
-//! Trees as a whole: certificates, interruption, repeated words, marks, a cascade of doublings, the
-//! mirror image under loads.
+//! Whole trees: certificates, interruption, repeated words, marks, a cascade of doublings, mirror
+//! images under loads.
 
 use crate::{
     Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, Tree, TreeOptions, branch, orbit_of, settle,
@@ -14,7 +14,7 @@ use vibro_analysis::{Name, ParameterSet, find_group};
 use vibro_impact::Simulator;
 use vibro_impact::parameters::Parameters;
 
-/// Under a constant load.
+/// A family under a constant load.
 fn loaded(from: f64, to: f64, load: &str, force: f64) -> Family {
     let span = Span::new(find_group("f10").unwrap(), from, to).unwrap();
     let set = ParameterSet::basic().with(Name::find(load).unwrap(), force).unwrap();
@@ -25,7 +25,7 @@ fn family(from: f64, to: f64) -> Family {
     loaded(from, to, "load.block", 0.0)
 }
 
-/// A tree of a few dozen branches.
+/// Options of a tree of a few dozen branches.
 fn options() -> TreeOptions {
     TreeOptions { seeds: 5, depth: 2, settle: 600, starts: 0, ..TreeOptions::default() }
 }
@@ -44,7 +44,7 @@ fn invariant_every_point_of_a_tree_is_certified() {
     let found = grow(&family, &options());
     let mut specials = 0;
     for branch in &found.branches {
-        // At a touch an impact has no speed, or the block just reaches a stop.
+        // At a touch an impact has speed zero, or the block just reaches a stop.
         let touch = |l| matches!(l, Some(Label::Grazing | Label::Chatter));
         for point in branch.points.iter().filter(|p| !touch(p.label())) {
             let orbit = branch.orbit(&family, point).unwrap();
@@ -59,7 +59,8 @@ fn invariant_every_point_of_a_tree_is_certified() {
 fn second_method_stable_orbits_of_a_tree_return_in_the_simulator_after_thousands_of_periods() {
     /// Rounding in 6,000 periods of an orbit whose deviations decay.
     const RETURN: f64 = 1e-11;
-    /// Multipliers at which deviations decay within the time, and rounding is not collected.
+    /// Modulus of multipliers below which deviations decay within that time and rounding does not
+    /// accumulate.
     const DECAYING: f64 = 0.98;
     let family = family(2.0, 3.0);
     let found = grow(&family, &options());
@@ -114,14 +115,14 @@ fn invariant_an_interrupted_tree_goes_on_to_the_same_bits() {
     let whole = grow(&family, &options);
     let resumed = resumed.unwrap();
     assert_eq!((&resumed.branches, resumed.failures), (&whole.branches, whole.failures));
-    // What is told grows, and nothing waits in the end.
+    // The number of traced starts grows, and in the end none waits.
     let told = told.into_inner().unwrap();
     assert!(told.windows(2).all(|pair| pair[0].0 <= pair[1].0) && told.last().unwrap().1 == 0, "{told:?}");
 }
 
 #[test]
 fn invariant_marked_values_are_points_of_every_branch_that_passes_them() {
-    // Beside the values at which motions were settled.
+    // Between the values at which motions are settled.
     let marks = vec![2.2, 2.41, 2.51];
     let with = TreeOptions { marks: marks.clone(), ..options() };
     let family = family(2.0, 3.0);
@@ -150,7 +151,7 @@ fn invariant_marked_values_are_points_of_every_branch_that_passes_them() {
 fn invariant_the_value_at_which_a_branch_is_entered_can_be_marked() {
     let family = family(0.5, 5.0);
     let word = OrbitWord::new("U", -1, 1).unwrap();
-    // Times and over the unit of the curve 1.7 is not the same number.
+    // 1.7 divided by the curve unit and multiplied again is another number.
     for value in [1.5, 1.7, 1.9] {
         let found = branch(&family, &word, &[5.5], value, &PathOptions::default(), &[value]).unwrap();
         let upper = found.points.iter().filter(|p| p.label() == Some(Label::UserValue));
@@ -175,7 +176,7 @@ fn invariant_repeated_words_with_one_touch_leave_the_touch_too() {
         if parent.points[point].label() != Some(Label::Grazing) {
             continue;
         }
-        // They begin at the parameter of the touch.
+        // The repeated branches begin at the parameter of the touch.
         assert!((branch.points[0].value - parent.points[point].value).abs() < 1e-11);
         assert!(branch.word.len() > parent.word.len());
     }
@@ -184,8 +185,8 @@ fn invariant_repeated_words_with_one_touch_leave_the_touch_too() {
 #[test]
 fn closed_form_ratios_of_a_cascade_of_doublings_alternate_about_feigenbaums_constant() {
     const FEIGENBAUM: f64 = 4.669_201_609;
-    // In the middle of the ranges in which the motions of 1, 2, 4, ... drive periods are stable,
-    // each entered from the one before, since there are other stable motions.
+    // Middles of the ranges in which the motions of 1, 2, 4, … drive periods are stable. Each range
+    // is entered from the one before, since there are other stable motions.
     let cascade = [2.3, 2.44, 2.504, 2.515, 2.5179];
     let mut last = None;
     let doubling = |(i, value): (usize, f64)| {
@@ -218,7 +219,7 @@ fn closed_form_ratios_of_a_cascade_of_doublings_alternate_about_feigenbaums_cons
     assert!(apart[2].abs() < 0.7, "{ratios:?}");
 }
 
-/// The special points of a tree with labels, words mirrored where that is asked for.
+/// Special points of a tree with their labels; `mirrored` mirrors the words.
 fn specials(tree: &Tree, mirrored: bool) -> Vec<(String, u32, &'static str, f64)> {
     let word = |b: &Branch| {
         let sign = if mirrored { -1 } else { 1 };
@@ -237,18 +238,19 @@ fn specials(tree: &Tree, mirrored: bool) -> Vec<(String, u32, &'static str, f64)
 
 #[test]
 fn invariant_opposite_loads_have_mirrored_branches() {
-    /// The same point by two paths.
+    /// Difference of a point reached on two paths.
     const LOCATION: f64 = 1e-10;
     let of = |force: f64| {
         let family = loaded(1.4, 2.6, "load.block", force);
-        // Settled motions, whose transients are no mirror images.
+        // Settled motions only: their transients are no mirror images.
         grow(&family, &TreeOptions { seeds: 7, depth: 1, settle: 1000, starts: 0, ..TreeOptions::default() })
     };
     let p = *ParameterSet::basic().parameters();
     let force = 0.05 * p.coupling_stiffness * p.stop_gap;
     let (one, other) = (specials(&of(force), false), specials(&of(-force), true));
     assert!(one.len() > 5, "{one:?}");
-    // What is found on both sides agrees; at least the branches of two impacts a period are.
+    // Points found under both loads agree; at least those of the branches with two impacts a period
+    // are.
     let mut common = 0;
     for a in &one {
         let near = other.iter().filter(|b| (&a.0, a.1, a.2) == (&b.0, b.1, b.2));
@@ -286,8 +288,8 @@ fn branches_of_settled_and_passed_orbits_keep_the_limits_of_a_tree_too() {
     assert!(periods.max() <= Some(2));
 }
 
-/// A motion that settles without a load is on a symmetric orbit, of which a word holds half. Along
-/// a load it goes on with its whole word.
+/// A motion that settles without a load is on a symmetric orbit with a half word. Along a load its
+/// branch continues with the whole word.
 #[test]
 fn second_method_branches_along_a_load_from_a_symmetric_orbit_return_in_the_simulator() {
     /// Rounding of a period of flights and of the phases that were followed.
@@ -345,7 +347,7 @@ fn what_cannot_be_followed_is_refused_before_work_begins() {
         let nothing = Tree::default();
         assert_eq!(nothing.passing(&family, &word, phases, 1.5), None);
     }
-    // A span with its ends exchanged, past its constructor.
+    // A span with its ends exchanged, made without its constructor.
     let span = Span { from: 2.0, to: 1.0, ..*family.span() };
     assert!(Family::new(&ParameterSet::basic(), span).is_err());
     assert!(OrbitWord::new("U", -1, u32::MAX).is_err() && OrbitWord::new(&"U".repeat(2000), 1, 2).is_err());
@@ -362,7 +364,7 @@ fn closed_form_a_load_that_varies_takes_the_place_of_the_sets_own() {
 
 #[test]
 fn symmetric_orbits_of_a_machine_under_loads_are_refused() {
-    // The load shifts the box alone: whatever w_s is, the mirror image is no motion of the machine.
+    // The load shifts only the box. Whatever w_s is, the mirror image is no motion of the machine.
     let family = loaded(1.0, 2.0, "load.box", 0.01);
     let system = family.system(&[1.5]).unwrap();
     for letters in ["U", ""] {
@@ -376,7 +378,7 @@ fn symmetric_orbits_of_a_machine_under_loads_are_refused() {
     assert_eq!(orbit_of(&system, &settled).unwrap().word().closing(), 1);
 }
 
-/// What a tree costs: twice as many orbits tell that steps are cut where nothing asks for it.
+/// Number of orbits computed for a tree: twice as many show that steps are shortened needlessly.
 #[test]
 fn invariant_a_tree_takes_no_more_steps_than_it_needs() {
     const ORBITS: usize = 3000;

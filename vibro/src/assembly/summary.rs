@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use vibro_analysis::assembly::Contact;
+use vibro_analysis::assembly::StopContact;
 use vibro_assembly::description::{BodyKind, Description, Dimension, Stop};
 use vibro_assembly::elements::Action;
 use vibro_assembly::mode::{FrictionState, StopState};
@@ -173,7 +173,7 @@ fn contacts(record: &Record) -> Vec<String> {
         let own: Vec<_> = all.iter().filter(|contact| contact.stop == i).collect();
         let [_, speed_unit, force] = units(stop.arms.dimension);
         let largest =
-            |of: &dyn Fn(&Contact) -> Option<f64>| own.iter().filter_map(|c| of(c)).reduce(f64::max);
+            |of: &dyn Fn(&StopContact) -> Option<f64>| own.iter().filter_map(|c| of(c)).reduce(f64::max);
         let speed = largest(&|c| Some(c.speed))?;
         let blow = largest(&|c| c.impulse.filter(|_| c.peak.is_none()));
         let peak = largest(&|c| c.peak);

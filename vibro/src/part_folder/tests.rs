@@ -2,14 +2,18 @@ use super::*;
 use crate::long_study::{LongStudy, StudyKind};
 use crate::manifest::Invocation;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::basin::{InitialValueRange, Request, in_the_middle};
+use vibro_analysis::basin::{BasinRequest, InitialValueRange, in_the_middle};
 use vibro_analysis::parts::{Shard, Task};
 
 /// The manifest of a study over so many discarded periods.
 fn manifest(discard: u32) -> Manifest {
     let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(32);
-    let kind =
-        StudyKind::Basin(Request { x: axis("x1=-1:1"), y: axis("v2=-1:1"), discard, start: in_the_middle() });
+    let kind = StudyKind::Basin(BasinRequest {
+        x: axis("x1=-1:1"),
+        y: axis("v2=-1:1"),
+        discard,
+        start: in_the_middle(),
+    });
     let options = [("discard".to_owned(), discard.to_string())].into();
     let command_line = format!("vibro basin --discard {discard}");
     let invocation = Invocation { command: "basin".into(), command_line, options };

@@ -9,7 +9,7 @@ use super::diagram::{
 use super::sweep::letters;
 use crate::Result;
 use crate::table::{Table, exact};
-use vibro_analysis::assembly::diagram::{Point, Request};
+use vibro_analysis::assembly::diagram::{AssemblyPoint, DiagramRequest};
 use vibro_analysis::assembly::{Machine, Start, runs_on, settle, settled};
 use vibro_analysis::bifurcation::Diagram;
 use vibro_analysis::significant;
@@ -25,8 +25,8 @@ const SMALL: f64 = 0.1;
 /// [`Error::Output`](crate::Error::Output); quantities that the machine does not have.
 pub fn assembly_diagram(
     machine: &Machine,
-    request: &Request,
-    diagram: &Diagram<Point>,
+    request: &DiagramRequest,
+    diagram: &Diagram<AssemblyPoint>,
     name: &str,
 ) -> Result<Study> {
     let apart = diagram.apart();
@@ -49,7 +49,7 @@ pub fn assembly_diagram(
     }];
     if request.exponents.is_some() {
         let zero = Layer::line("", GREY, Dash::Dotted, vec![(axis.edges().0, 0.0), (axis.edges().1, 0.0)]);
-        let exponent = |p: &Point| Some((p.value, p.settled.exponent?.value));
+        let exponent = |p: &AssemblyPoint| Some((p.value, p.settled.exponent?.value));
         let points = diagram.up.iter().flatten().filter_map(exponent).filter(|p| p.1.is_finite());
         let curve: Path = points.collect();
         panels.push(Panel {
@@ -158,13 +158,13 @@ pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &s
     })
 }
 
-fn point_table(parameter: &str, diagram: &Diagram<Point>, apart: &[Option<bool>]) -> Table {
+fn point_table(parameter: &str, diagram: &Diagram<AssemblyPoint>, apart: &[Option<bool>]) -> Table {
     let header =
         ["direction", "class", "period", "interval", "contacts", "rests", "hysteresis", "exponent", "error"];
     let mut table = Table::new(&[&[parameter][..], &header].concat());
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for (point, apart) in points.iter().zip(apart) {
-            let Some(Point { value, settled, .. }) = point else { continue };
+            let Some(AssemblyPoint { value, settled, .. }) = point else { continue };
             let number = |x: Option<f64>| x.map_or(String::new(), exact);
             table.rows.push(vec![
                 exact(*value),

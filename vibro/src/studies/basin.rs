@@ -6,7 +6,7 @@ use crate::Result;
 use crate::table::{Table, csv_in_groups, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::Attractor;
-use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
+use vibro_analysis::basin::{Basin, BasinRequest, Destination, InitialValueAxis};
 use vibro_analysis::plane::check_cells;
 use vibro_analysis::stroboscopic::COORDINATES;
 use vibro_analysis::verdict::PROLONGED;
@@ -45,7 +45,7 @@ const ROW: usize = 64;
 ///
 /// # Errors
 /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
-pub fn check_basins(request: &Request) -> Result<()> {
+pub fn check_basins(request: &BasinRequest) -> Result<()> {
     let held = size_of::<Destination>() + ROW;
     Ok(check_cells("points of the plane", (request.x.count, request.y.count), held)?)
 }
@@ -54,7 +54,7 @@ pub fn check_basins(request: &Request) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn basins(set: &ParameterSet, request: &Request, basin: &Basin, name: &str) -> Result<Study> {
+pub fn basins(set: &ParameterSet, request: &BasinRequest, basin: &Basin, name: &str) -> Result<Study> {
     let count = basin.attractors.len();
     let attractors = if count == 1 { "attractor" } else { "attractors" };
     let what = format!("basins of {count} {attractors}, mirror images counted once");
@@ -96,7 +96,7 @@ fn attractor_table(basin: &Basin) -> Table {
 }
 
 /// Each start with the number of its attractor.
-fn cell_table(request: &Request, basin: &Basin) -> Result<Vec<u8>> {
+fn cell_table(request: &BasinRequest, basin: &Basin) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
     let header = [COORDINATES[x.coordinate], COORDINATES[y.coordinate], "attractor", "mirror_image", "class"];
     let classes: Vec<String> = basin.attractors.iter().map(|a| a.class.name()).collect();
@@ -175,7 +175,7 @@ fn code(destination: &Destination) -> u8 {
 }
 
 /// The cells of the plane.
-fn cells(request: &Request, basin: &Basin) -> Shape {
+fn cells(request: &BasinRequest, basin: &Basin) -> Shape {
     Shape::Cells {
         x: (request.x.from, request.x.to),
         y: (request.y.from, request.y.to),
@@ -231,7 +231,7 @@ fn axis(lengths: &Lengths, axis: &InitialValueAxis) -> Axis {
     Axis { label: format!("at the start: {}", shown.label), range: Some((axis.from, axis.to)), ..shown }
 }
 
-fn figure(set: &ParameterSet, request: &Request, basin: &Basin) -> Figure {
+fn figure(set: &ParameterSet, request: &BasinRequest, basin: &Basin) -> Figure {
     let mut layers = vec![Layer::new("", GREY, cells(request, basin))];
     layers.extend(legend(basin));
     let method = format!(

@@ -13,7 +13,9 @@ use super::Study;
 use crate::Result;
 use collected::Collected;
 pub(in crate::studies) use map::{limits, map};
-use vibro_analysis::design_sweep::{Choice, Designs, Request, Row, SampledAxis, choice, each_final_row};
+use vibro_analysis::design_sweep::{
+    Choice, DesignRow, Designs, SampledAxis, SweepRequest, choice, each_final_row,
+};
 use vibro_analysis::parts::Task;
 pub use words::Told;
 
@@ -22,12 +24,12 @@ pub use words::Told;
 ///
 /// # Errors
 /// What the store refuses.
-pub fn design_sweep<M: Told>(set: &M, request: &Request<M>, task: &Task, name: &str) -> Result<Study> {
+pub fn design_sweep<M: Told>(set: &M, request: &SweepRequest<M>, task: &Task, name: &str) -> Result<Study> {
     let mut found = Collected::new(set, request);
     let quiet = Task { done: &|_| (), ..*task };
     let choice = choice(set, request, &quiet)?;
     let told = choice.as_ref().map_or(&[][..], best::told);
-    let mut best: Vec<(usize, Row)> = Vec::new();
+    let mut best: Vec<(usize, DesignRow)> = Vec::new();
     let mut index = 0;
     each_final_row(set, request, (&quiet, choice.as_ref()), |row| -> Result<()> {
         found.take(&row);
@@ -50,14 +52,14 @@ pub fn design_sweep<M: Told>(set: &M, request: &Request<M>, task: &Task, name: &
     })
 }
 
-fn outputs_in_words<M: Told>(request: &Request<M>) -> String {
+fn outputs_in_words<M: Told>(request: &SweepRequest<M>) -> String {
     match &request.measures[..] {
         [one] => one.to_string(),
         several => format!("{} outputs", several.len()),
     }
 }
 
-fn designs_in_words<M: Told>(request: &Request<M>) -> String {
+fn designs_in_words<M: Told>(request: &SweepRequest<M>) -> String {
     let count = request.designs.count();
     let names: Vec<_> = request.designs.names().iter().map(M::name).collect();
     let over = if names.is_empty() { String::new() } else { format!(" over {}", names.join(", ")) };
@@ -68,7 +70,7 @@ fn designs_in_words<M: Told>(request: &Request<M>) -> String {
 }
 
 /// How the numbers came about, for captions.
-fn method<M: Told>(set: &M, request: &Request<M>, choice: Option<&Choice>) -> String {
+fn method<M: Told>(set: &M, request: &SweepRequest<M>, choice: Option<&Choice>) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",
         Designs::Rows { .. } => "as listed",
@@ -114,6 +116,6 @@ fn axis_in_words<M: Told>(set: &M, axis: &SampledAxis<M::Name>) -> String {
 }
 
 /// The parameters that a caption leaves out, since they vary.
-fn varied<M: Told>(request: &Request<M>) -> Vec<M::Name> {
+fn varied<M: Told>(request: &SweepRequest<M>) -> Vec<M::Name> {
     request.designs.names().into_iter().chain(request.over.iter().map(|a| a.name.clone())).collect()
 }

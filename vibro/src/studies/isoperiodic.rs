@@ -12,7 +12,7 @@ use crate::Result;
 use crate::table::{csv_in_groups, exact};
 use std::borrow::Cow;
 use vibro_analysis::attractor::MotionClass;
-use vibro_analysis::isoperiodic::{Isoperiodic, PlaneMachine, Request};
+use vibro_analysis::isoperiodic::{Isoperiodic, IsoperiodicRequest, PlaneMachine};
 use vibro_analysis::plane::{ParameterAxis, check_cells};
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
@@ -49,9 +49,9 @@ pub trait ShownPlane: PlaneMachine + Told {
     /// How exponents were computed, for captions.
     fn exponents_in_words(periods: u32) -> String;
     /// What is drawn over the colours, and the machine itself.
-    fn over(&self, request: &Request<Self>, plane: &Isoperiodic<Self::Point>) -> Vec<Layer>;
+    fn over(&self, request: &IsoperiodicRequest<Self>, plane: &Isoperiodic<Self::Point>) -> Vec<Layer>;
     /// Further panels.
-    fn more(&self, request: &Request<Self>, plane: &Isoperiodic<Self::Point>) -> Vec<Panel>;
+    fn more(&self, request: &IsoperiodicRequest<Self>, plane: &Isoperiodic<Self::Point>) -> Vec<Panel>;
     /// What more there is to say.
     fn remarks(plane: &Isoperiodic<Self::Point>) -> Vec<String>;
 }
@@ -96,7 +96,7 @@ const TOLD: usize = 8;
 ///
 /// # Errors
 /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
-pub fn check_isoperiodic<M: ShownPlane>(request: &Request<M>) -> Result<()> {
+pub fn check_isoperiodic<M: ShownPlane>(request: &IsoperiodicRequest<M>) -> Result<()> {
     let held = size_of::<M::Point>() + POINT_IN_TABLE;
     Ok(check_cells("points of the plane", (request.x.count, request.y.count), held)?)
 }
@@ -107,7 +107,7 @@ pub fn check_isoperiodic<M: ShownPlane>(request: &Request<M>) -> Result<()> {
 /// [`Error::Output`](crate::Error::Output).
 pub fn isoperiodic<M: ShownPlane>(
     machine: &M,
-    request: &Request<M>,
+    request: &IsoperiodicRequest<M>,
     plane: &Isoperiodic<M::Point>,
     name: &str,
 ) -> Result<Study> {
@@ -131,7 +131,7 @@ pub fn isoperiodic<M: ShownPlane>(
 }
 
 /// How the motions were computed, for the caption.
-fn method<M: ShownPlane>(request: &Request<M>) -> String {
+fn method<M: ShownPlane>(request: &IsoperiodicRequest<M>) -> String {
     let mut method = format!(
         "{} × {} motions, start {}; {} periods discarded.",
         request.x.count, request.y.count, request.start, request.discard
@@ -143,7 +143,11 @@ fn method<M: ShownPlane>(request: &Request<M>) -> String {
 }
 
 /// The classes, the impacts per period, and what the machine adds.
-fn panels<M: ShownPlane>(machine: &M, request: &Request<M>, plane: &Isoperiodic<M::Point>) -> Vec<Panel> {
+fn panels<M: ShownPlane>(
+    machine: &M,
+    request: &IsoperiodicRequest<M>,
+    plane: &Isoperiodic<M::Point>,
+) -> Vec<Panel> {
     let over = machine.over(request, plane);
     // The last entry of either list takes every motion, so that a code is always found.
     let kind = |m: Shown| KINDS.iter().take_while(|k| !k.2(m)).count();
@@ -167,7 +171,7 @@ fn plane_axis<M: Told>(machine: &M, axis: &ParameterAxis<M::Name>) -> Axis {
 /// A panel whose cells have the colour of the entry that `code` gives, with the panel's letter
 /// before the entries' names; points without a motion are left white.
 fn coloured<M: ShownPlane>(
-    (machine, request, plane): (&M, &Request<M>, &Isoperiodic<M::Point>),
+    (machine, request, plane): (&M, &IsoperiodicRequest<M>, &Isoperiodic<M::Point>),
     title: &str,
     entries: Vec<(&str, Colour)>,
     code: &dyn Fn(Shown) -> usize,
@@ -188,7 +192,7 @@ fn coloured<M: ShownPlane>(
     Panel { title: title.into(), x: plane_axis(machine, x), y: plane_axis(machine, y), layers }
 }
 
-fn csv<M: ShownPlane>(request: &Request<M>, plane: &Isoperiodic<M::Point>) -> Result<Vec<u8>> {
+fn csv<M: ShownPlane>(request: &IsoperiodicRequest<M>, plane: &Isoperiodic<M::Point>) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
     let names = [M::name(&x.name), M::name(&y.name)];
     let header: Vec<&str> = names.iter().map(String::as_str).chain(M::COLUMNS.iter().copied()).collect();

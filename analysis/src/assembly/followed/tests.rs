@@ -1,14 +1,14 @@
 use super::*;
-use crate::assembly::Contact;
+use crate::assembly::StopContact;
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
 use vibro_assembly::{Assembly, Quantity, What, file};
 
-/// Roundings of a motion of a few dozen events.
+/// Rounding of a motion of a few dozen events.
 const ROUNDING: f64 = 1e-11;
-/// Bounces that are cut off are under 1e-9 of the first; what they would have carried is of that
-/// size.
+/// Error by the bounces that are cut off: they are under 1e-9 of the first, and so is what they
+/// would have added.
 const CUT: f64 = 1e-8;
 
 fn text(text: &str) -> Motion {
@@ -21,11 +21,11 @@ fn example(name: &str) -> Motion {
     Motion::new(Arc::new(Assembly::new(file::read(&path).unwrap()).unwrap())).unwrap()
 }
 
-/// Follows a motion in equal steps; looks at the coordinate of each body.
+/// Follows a motion in equal steps, with the extremes of each body's coordinate.
 fn followed(motion: &mut Motion, end: f64, steps: u32) -> Followed {
     let d = motion.assembly().description.clone();
     let places: Vec<_> = (0..d.bodies.len()).map(|i| Quantity::of_body(i, What::S)).collect();
-    let contacts = Contacts::new(motion, &[]);
+    let contacts = ContactRecorder::new(motion, &[]);
     let mut followed = Followed::new(contacts, Extremes::new(&places, (0.0, end)));
     for k in 1..=steps {
         let time = end * f64::from(k) / f64::from(steps);
@@ -34,7 +34,7 @@ fn followed(motion: &mut Motion, end: f64, steps: u32) -> Followed {
     followed
 }
 
-fn sum(contacts: &[Contact], stop: usize, of: fn(&Contact) -> Option<f64>) -> f64 {
+fn sum(contacts: &[StopContact], stop: usize, of: fn(&StopContact) -> Option<f64>) -> f64 {
     contacts.iter().filter(|c| c.stop == stop).filter_map(of).sum()
 }
 
@@ -60,7 +60,7 @@ fn closed_form_of_a_contact_with_a_spring() {
     near(one.impulse.unwrap(), 2.0 * 2.0 * 0.6, 2.4, ROUNDING);
     near(one.speed, 0.6, 0.6, ROUNDING);
     near(one.lost.unwrap(), 0.0, 0.36, ROUNDING);
-    // Critical damping, c = 2 m ω: the force is largest at first touch, and it is zero from 2/ω on.
+    // Critical damping, c = 2 m ω: the force is largest at first touch, and zero from 2/ω on.
     let mut motion = text(&text_of("damping = 120.0"));
     let contacts = followed(&mut motion, 1.0, 7).contacts.all();
     let [one] = contacts[..] else { panic!("{contacts:?}") };
@@ -68,11 +68,11 @@ fn closed_form_of_a_contact_with_a_spring() {
     near(one.end.unwrap(), 0.1 + 2.0 / 30.0, 0.1, ROUNDING);
     let after = motion.body(0)[1];
     near(one.impulse.unwrap(), 2.0 * (0.6 - after), 2.4, ROUNDING);
-    // The spring loses without force what it still holds.
+    // The spring loses the rest of its energy without force.
     near(one.lost.unwrap(), 0.36 - after * after, 0.36, ROUNDING);
 }
 
-/// A ball that bounces, comes to rest and is lifted off again at 2 s by a load.
+/// A ball that bounces, comes to rest and is lifted off at 2 s by a load.
 #[test]
 fn invariants_momentum_and_energy_of_bounces_and_rest() {
     let mut motion = text(
@@ -92,7 +92,7 @@ fn invariants_momentum_and_energy_of_bounces_and_rest() {
     near(rest.begin, 0.6, 0.6, CUT);
     assert!(contacts.len() > 10 && contacts[..contacts.len() - 1].iter().all(|c| c.peak.is_none()));
     assert!(contacts.iter().all(|c| c.end.is_some_and(|end| end >= c.begin)));
-    // While it rests, the contact has no end.
+    // While the ball rests, the contact has no end.
     let mut resting = text(
         "name = \"Ball\"\ngravity = 10.0\n[body.ball]\nmass = 0.5\ngravity = 1.0\n[stop.floor]\n\
          between = [\"ground\", \"ball\"]\ngap = 0.0\nrestitution = 0.5\n",
@@ -153,7 +153,7 @@ fn second_method_the_motion_is_the_engines_and_samples_change_nothing() {
     }
 }
 
-/// A spring swings by 3 mm from the start; it is looked at after whole periods.
+/// A spring swings by 3 mm from the start; samples are taken at whole periods.
 #[test]
 fn closed_form_extremes_lie_between_samples() {
     let mut motion = text(
@@ -163,7 +163,7 @@ fn closed_form_extremes_lie_between_samples() {
     assert!(motion.body(0)[0].abs() < 1e-9);
     near(found.extremes.all[0].largest, 3e-3, 3e-3, ROUNDING);
     assert_eq!(found.left_out, 0.0);
-    // It begins where it is, and not at zero.
+    // The extreme begins at the coordinate's start, not at zero.
     let mut motion = text(
         "name = \"O\"\n[body.a]\nmass = 1.0\nstart = { s = 0.02 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n",
     );

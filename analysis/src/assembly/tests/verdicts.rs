@@ -3,7 +3,7 @@
 use super::*;
 use std::f64::consts::TAU;
 
-/// An exponent by multipliers: what the distance 1e-9 that is left to the orbit makes of it.
+/// Error of an exponent by multipliers at the distance 1e-9 from the orbit.
 const EXACT: f64 = 1e-7;
 
 fn verdict(machine: &Machine, first: u32) -> Settled {
@@ -41,14 +41,14 @@ fn closed_form_a_shaft_that_always_slips_has_the_exponent_zero_and_what_turns_wi
     for beside in ["", relative] {
         let found = verdict(&of(2.0, beside), 0);
         assert_eq!((found.class, exponent_of(&found)), (MotionClass::Periodic(1), 0.0), "{beside}");
-        // It speeds up for ever.
+        // It accelerates for ever.
         let found = verdict(&of(2.02, beside), 0);
         assert!(!found.class.is_decided() && found.exponent.is_none(), "{beside}: {found:?}");
     }
 }
 
-/// A car that friction brakes beside an oscillator: it has a period when it stands, and none
-/// before.
+/// A car that friction brakes beside an oscillator: the motion has a period only once the car
+/// stands.
 #[test]
 fn closed_form_what_friction_brakes_has_no_period_before_it_stands() {
     let of = |drag: f64| {
@@ -59,12 +59,12 @@ fn closed_form_what_friction_brakes_has_no_period_before_it_stands() {
         ))
     };
     assert!(!verdict(&of(1e-3), 0).class.is_decided());
-    // What is measured beside it says that it has not settled.
+    // A measure of the oscillator reports that the motion has not settled.
     let (mut motion, section) = of(1e-3).motion(&Start::default()).unwrap();
     discard(&mut motion, &section, 40).unwrap();
     let amplitude = ["amplitude.m.s".parse().unwrap()];
     assert_eq!(measure(&mut motion, &section, &amplitude, 60).unwrap().unsettled, Some(1));
-    // It stands after 5 s, wherever that is; δ'' + 20 δ' + 1e5 δ = 0 beside it.
+    // The car stands after 5 s, at any place; the oscillator beside it has δ'' + 20 δ' + 1e5 δ = 0.
     let found = verdict(&of(10.0), 400);
     assert_eq!(found.class, MotionClass::Periodic(1), "{found:?}");
     assert!((exponent_of(&found) + 10.0).abs() < EXACT, "{found:?}");
@@ -85,15 +85,15 @@ fn closed_form_what_rests_on_a_table_for_ever_has_the_tables_period_and_no_expon
             assert_eq!(exponent_of(&found), f64::NEG_INFINITY, "{frequency} Hz, {mass} kg");
         }
     }
-    // What oscillates beside it: δ'' + δ' + 50 δ = 0.
+    // The oscillator beside it: δ'' + δ' + 50 δ = 0.
     let beside = "[body.other]\nmass = 2.0\nstart = { s = 0.01 }\n[spring.other]\nbetween = [\"ground\", \"other\"]\nstiffness = 100.0\ndamping = 2.0\n";
     let found = verdict(&text(&format!("{REST_ON_TABLE}{beside}")), 0);
     assert_eq!(found.class, MotionClass::Periodic(1));
     assert!((exponent_of(&found) + 0.5).abs() < EXACT, "{found:?}");
 }
 
-/// Where the ball's 1T motion, which hits the table once a period, meets it: the table's place, and
-/// sine and cosine of its phase. The speed at which it leaves is g T/2, and as much it comes with.
+/// Position of the table at the impact of the ball's 1T motion, which hits it once a period: sine
+/// and cosine of its phase. The ball leaves and arrives with speed g T/2.
 fn ball_phase(amplitude: f64) -> [f64; 2] {
     // g T/2 = (1 + e) p' + e g T/2.
     let cosine = G * PERIOD / 2.0 * (1.0 - E) / (1.0 + E) / (amplitude * TAU / PERIOD);
@@ -104,7 +104,7 @@ const E: f64 = 0.5;
 const G: f64 = 9.81;
 const PERIOD: f64 = 0.04;
 
-/// A ball on a table, which starts on its 1T motion but for a hundredth of its speed.
+/// A ball on a table, which starts on its 1T motion with a speed one hundredth off.
 fn ball(amplitude: f64) -> Machine {
     let [sine, cosine] = ball_phase(amplitude);
     let since = PERIOD - sine.atan2(cosine) / TAU * PERIOD;
@@ -118,14 +118,14 @@ fn ball(amplitude: f64) -> Machine {
     ))
 }
 
-/// The largest modulus of the multipliers of the ball's 1T motion.
+/// Largest modulus of the multipliers of the ball's 1T motion.
 fn ball_multiplier(amplitude: f64) -> f64 {
     let [sine, cosine] = ball_phase(amplitude);
     let w = TAU / PERIOD;
     let (speed, acceleration) = (amplitude * w * cosine, -amplitude * w * w * sine);
     let after = G * PERIOD / 2.0;
-    // From an impact at t with v after it to the next at t': p(t) + v s - g s²/2 = p(t') with s =
-    // t' - t, of which the derivatives are p' δt + s δv + (v - g s)(δt' - δt) = p' δt'.
+    // From an impact at t, with speed v after it, to the next at t': p(t) + v s - g s²/2 = p(t')
+    // with s = t' - t, whose variation is p' δt + s δv + (v - g s)(δt' - δt) = p' δt'.
     let closing = after - G * PERIOD - speed;
     let [dt_t, dt_v] = [(after - G * PERIOD - speed) / closing, -PERIOD / closing];
     let [v_t, v_v] = [-G * (dt_t - 1.0), 1.0 - G * dt_v];
@@ -163,7 +163,7 @@ fn closed_form_two_frequencies_without_a_common_period_are_quasi_periodic() {
     machine.section = SectionRule::Period(0.2);
     let found = verdict(&machine, 0);
     assert_eq!(found.class, MotionClass::QuasiPeriodic);
-    // δ'' + 4 δ' + 400 δ = 0: within two of its standard errors.
+    // δ'' + 4 δ' + 400 δ = 0: within two standard errors.
     let exponent = found.exponent.unwrap();
     assert!((exponent.value + 2.0).abs() <= 2.0 * exponent.error, "{exponent:?}");
 }
@@ -197,8 +197,8 @@ fn closed_form_exponents_of_oscillators_that_turn_against_the_section() {
     }
 }
 
-/// The ball's 1T motion by a table whose phase lets it hit the table at whole periods: rounding
-/// says on which side of the section an impact comes.
+/// The ball's 1T motion by a table whose phase makes impacts fall on whole periods: rounding
+/// decides on which side of the section each comes.
 #[test]
 fn closed_form_a_ball_that_hits_the_table_at_the_section_has_its_period_and_multiplier() {
     for amplitude in [0.55e-3, 0.58e-3] {
@@ -232,8 +232,8 @@ fn invariant_what_is_not_decided_is_no_hysteresis() {
 }
 
 /// Three bodies whose returns are within 1e-5 of their sizes, by chatter that ends one bounce
-/// earlier or later: from states that are 1e-6 apart the motion parts by 1.57 a return up to there
-/// (computed by runs from changed starts).
+/// earlier or later. From states 1e-6 apart motions part by a factor 1.57 a return up to there
+/// (computed from changed starts).
 const SMALL_CHAOS: &str = r#"
 name = "M565"
 [body.a]
@@ -281,8 +281,8 @@ fn second_method_returns_to_the_size_of_a_small_chaos_are_no_period() {
     assert!((0.3..1.2).contains(&exponent_of(&found)), "{found:?}");
 }
 
-/// Without damping what starts swings on beside the drive: two frequencies, and a zero exponent of
-/// either.
+/// Without damping the oscillator swings on beside the drive: two frequencies, each with a zero
+/// exponent.
 #[test]
 fn closed_form_an_undamped_oscillator_beside_its_drive_is_quasi_periodic() {
     let file = OSCILLATOR
@@ -294,7 +294,7 @@ fn closed_form_an_undamped_oscillator_beside_its_drive_is_quasi_periodic() {
     assert!(exponent.value.abs() <= exponent.error, "{exponent:?}");
 }
 
-/// Rods that meet and shafts that meet have one law.
+/// Contacts of rods and of shafts have one law.
 #[test]
 fn invariant_a_machine_about_an_axis_has_the_verdict_of_one_along_a_line() {
     let along = "name = \"P\"\n[body.a]\nmass = 2.0\nstart = { v = 0.3 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 300.0\n\
@@ -308,19 +308,19 @@ fn invariant_a_machine_about_an_axis_has_the_verdict_of_one_along_a_line() {
 
 #[test]
 fn a_sweep_takes_each_parameter_once() {
-    use crate::design_sweep::{Designs, Request, SampledAxis};
+    use crate::design_sweep::{Designs, SampledAxis, SweepRequest};
     let axis = |name: &str| SampledAxis { name: name.to_owned(), values: vec![1.0, 2.0] };
-    let request = |names: &[&str]| Request::<Machine> {
+    let request = |names: &[&str]| SweepRequest::<Machine> {
         designs: Designs::Grid(names.iter().map(|name| axis(name)).collect()),
         measures: vec![Measure::Class],
-        ..Request::default()
+        ..SweepRequest::default()
     };
     request(&["body.a.mass", "spring.k.stiffness"]).check().unwrap();
     let refused = request(&["body.a.mass", "body.a.mass"]).check().unwrap_err().to_string();
     assert!(refused.contains("body.a.mass"), "{refused}");
 }
 
-/// The engine turns the gears evenly on, so that their angles do not return.
+/// The engine turns the gears uniformly, so that their angles do not return.
 #[test]
 fn invariant_gears_that_turn_on_have_the_period_of_their_play() {
     let machine =

@@ -107,13 +107,18 @@ fn invocation(common: &Common, command: &str, options: &[(&str, String)]) -> Inv
     found
 }
 
-fn request(machine: &mut Machine, vary: &str, a: &Drawn, exponents: Option<u32>) -> Result<diagram::Request> {
+fn request(
+    machine: &mut Machine,
+    vary: &str,
+    a: &Drawn,
+    exponents: Option<u32>,
+) -> Result<diagram::DiagramRequest> {
     let of = match &a.of {
         Some(of) => of.clone(),
         None => default_quantity(machine)?,
     };
     let axis = axis(machine, vary, a.resolution.unwrap_or(VALUES).into(), diagram::MOST_VALUES)?;
-    let request = diagram::Request {
+    let request = diagram::DiagramRequest {
         axis,
         of,
         at_section: a.at_section,
@@ -198,8 +203,13 @@ fn draw_planes(
         ];
         let invocation = invocation(common, command, &options);
         let name = format!("{}-{}-{}", invocation.command, x.name, y.name);
-        let request =
-            isoperiodic::Request::<Machine> { x, y, start: FileStart::File, discard: a.discard, exponents };
+        let request = isoperiodic::IsoperiodicRequest::<Machine> {
+            x,
+            y,
+            start: FileStart::File,
+            discard: a.discard,
+            exponents,
+        };
         let work = Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
         let study = LongStudy::of(&name, work);
         // All are refused before the first begins.
@@ -271,7 +281,7 @@ pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
             measures.push(measure);
         }
     }
-    let request = Request::<Machine> {
+    let request = SweepRequest::<Machine> {
         designs,
         over,
         discard: a.discard,
@@ -279,7 +289,7 @@ pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
         measures,
         between,
         again: a.again,
-        ..Request::default()
+        ..SweepRequest::default()
     };
     request.check()?;
     // What no design could do without.

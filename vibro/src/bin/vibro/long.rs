@@ -90,7 +90,8 @@ pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {
     let p = set.parameters();
     let cells = |range: InitialValueRange| Ok::<_, Error>(range.scaled(p)?.cells(a.resolution.into()));
     let start = a.start.unwrap_or_else(basin::in_the_middle);
-    let kind = StudyKind::Basin(basin::Request { x: cells(a.x)?, y: cells(a.y)?, discard: a.discard, start });
+    let kind =
+        StudyKind::Basin(basin::BasinRequest { x: cells(a.x)?, y: cells(a.y)?, discard: a.discard, start });
     perform(&LongStudy::new("basin", kind, set), common, a.share.shard)
 }
 
@@ -102,7 +103,7 @@ pub fn isoperiodic(
 ) -> Result<()> {
     let exponents = (a.periods > 0).then_some(a.periods);
     for &(x, y) in planes {
-        let request = isoperiodic::Request { x, y, start: a.start, discard: a.discard, exponents };
+        let request = isoperiodic::IsoperiodicRequest { x, y, start: a.start, discard: a.discard, exponents };
         let name = format!("isoperiodic-{}-{}", x.name.name(), y.name.name());
         perform(&LongStudy::new(&name, StudyKind::Isoperiodic(request), set), common, a.share.shard)?;
     }

@@ -7,7 +7,7 @@ use vibro::design_file;
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::{Error, Result};
 use vibro_analysis::ParameterSet;
-use vibro_analysis::design_sweep::{Designs, Request, spread_starts};
+use vibro_analysis::design_sweep::{Designs, SweepRequest, spread_starts};
 use vibro_analysis::measures::Measure;
 use vibro_analysis::sobol::DIMENSIONS;
 use vibro_analysis::start::StartRule;
@@ -35,7 +35,7 @@ fn designs(set: &ParameterSet, a: &Sweep) -> Result<Designs> {
     }
 }
 
-fn request(set: &ParameterSet, a: &Sweep) -> Result<Request> {
+fn request(set: &ParameterSet, a: &Sweep) -> Result<SweepRequest> {
     let over = a.over.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<Vec<_>>>()?;
     let mut starts = if a.start.is_empty() { vec![StartRule::default()] } else { a.start.clone() };
     starts.extend(spread_starts(a.starts));
@@ -47,7 +47,7 @@ fn request(set: &ParameterSet, a: &Sweep) -> Result<Request> {
     }
     let ranges = a.over.iter().zip(&over).filter(|(axis, _)| axis.is_range());
     let between = ranges.map(|(_, axis)| axis.name).collect();
-    let request = Request {
+    let request = SweepRequest {
         designs: designs(set, a)?,
         over,
         starts,

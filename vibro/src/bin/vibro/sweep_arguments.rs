@@ -7,7 +7,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use vibro::{Error, Result};
-use vibro_analysis::design_sweep::{Machine, ParameterInterval, SampledAxis};
+use vibro_analysis::design_sweep::{DesignMachine, ParameterInterval, SampledAxis};
 use vibro_analysis::measures::Measure;
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, ParameterSet, Unit};

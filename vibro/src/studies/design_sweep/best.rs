@@ -2,7 +2,7 @@
 
 use super::collected::value_in_words;
 use super::words::Told;
-use vibro_analysis::design_sweep::{Choice, Request, Row, row};
+use vibro_analysis::design_sweep::{Choice, DesignRow, SweepRequest, row};
 
 /// Most designs that are told one by one.
 const TOLD: usize = 8;
@@ -10,13 +10,13 @@ const TOLD: usize = 8;
 /// The best design, or those that are not told apart; and what was done to find it.
 pub(super) fn best_in_words<M: Told>(
     set: &M,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     choice: &Choice,
-    all: &[(usize, Row)],
+    all: &[(usize, DesignRow)],
 ) -> Vec<String> {
     let measure = &request.measures[choice.measure];
     let names = request.designs.names();
-    let told = |(_, row): &(usize, Row)| {
+    let told = |(_, row): &(usize, DesignRow)| {
         let found = row.outputs[choice.measure]?;
         let place = request.place_in_words(set, row.motion(request, found.at));
         let place = if place.is_empty() { place } else { format!(", largest at {place}") };
@@ -51,7 +51,7 @@ pub(super) fn told(choice: &Choice) -> &[usize] {
 }
 
 /// How many designs were measured again, and how.
-fn what_was_done<M: Told>(request: &Request<M>, choice: &Choice) -> Vec<String> {
+fn what_was_done<M: Told>(request: &SweepRequest<M>, choice: &Choice) -> Vec<String> {
     let again = || choice.rows.values().filter_map(|row| row.again.as_ref());
     let mut lines = Vec::new();
     if let Some(periods) = again().map(|again| again.periods).max() {
@@ -79,7 +79,12 @@ fn what_was_done<M: Told>(request: &Request<M>, choice: &Choice) -> Vec<String> 
 }
 
 /// What the best design does from other starts, where that is more.
-fn from_more_starts<M: Told>(set: &M, request: &Request<M>, choice: &Choice, best: &Row) -> Option<String> {
+fn from_more_starts<M: Told>(
+    set: &M,
+    request: &SweepRequest<M>,
+    choice: &Choice,
+    best: &DesignRow,
+) -> Option<String> {
     let measure = &request.measures[choice.measure];
     let more = request.from_more_starts(best.values.clone(), measure.clone())?;
     let (found, own) = (row(set, &more, 0), best.outputs[choice.measure]?);

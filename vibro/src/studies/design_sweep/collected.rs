@@ -2,7 +2,7 @@
 //! saying.
 
 use super::words::Told;
-use vibro_analysis::design_sweep::{Request, Row, Summary};
+use vibro_analysis::design_sweep::{DesignRow, Summary, SweepRequest};
 use vibro_analysis::significant;
 
 /// Most designs of a picture.
@@ -65,7 +65,7 @@ pub(super) struct Collected<M: Told> {
 }
 
 impl<M: Told> Collected<M> {
-    pub fn new(set: &M, request: &Request<M>) -> Self {
+    pub fn new(set: &M, request: &SweepRequest<M>) -> Self {
         let numbers = request.measures.iter().enumerate().filter(|(_, m)| !M::is_class(m));
         let record = |(index, measure): (usize, &M::Measure)| MeasureRecord {
             measure: measure.clone(),
@@ -96,7 +96,7 @@ impl<M: Told> Collected<M> {
     }
 
     /// Takes up the next row.
-    pub fn take(&mut self, row: &Row) {
+    pub fn take(&mut self, row: &DesignRow) {
         self.count += 1;
         let has_class = !row.classes.is_empty();
         let numbers =
@@ -190,7 +190,7 @@ pub(super) fn value_in_words<M: Told>(
     set: &M,
     measure: &M::Measure,
     found: Summary,
-    row: &Row,
+    row: &DesignRow,
     names: &[M::Name],
 ) -> String {
     let unit = unit_of(set.measure_unit(measure));

@@ -5,7 +5,7 @@ use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{LEAST, limits, map};
 use super::words::Told;
 use super::{method, varied};
-use vibro_analysis::design_sweep::{Choice, Designs, Request, SampledAxis};
+use vibro_analysis::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 use vibro_figures::canvas::palette::BLACK;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 
@@ -17,7 +17,7 @@ const SAME: f64 = 1e-9;
 /// The picture; `None` for a single design and for too many.
 pub(super) fn figure<M: Told>(
     set: &M,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     found: &Collected<M>,
     choice: Option<&Choice>,
 ) -> Option<Figure> {
@@ -64,7 +64,7 @@ pub(super) fn figure<M: Told>(
 }
 
 /// What a panel shows of a measure.
-fn title<M: Told>(measure: &M::Measure, request: &Request<M>) -> String {
+fn title<M: Told>(measure: &M::Measure, request: &SweepRequest<M>) -> String {
     match request.motions() {
         1 => M::words(measure),
         motions => format!("{}, largest of {motions} motions", M::words(measure)),
@@ -108,7 +108,7 @@ fn unbounded_axis<M: Told>(set: &M, name: &M::Name) -> Axis {
 fn lines<M: Told>(
     set: &M,
     axis: &SampledAxis<M::Name>,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     records: &[&MeasureRecord<M>],
 ) -> Vec<Panel> {
     let mut order: Vec<usize> = (0..axis.values.len()).collect();
@@ -203,7 +203,7 @@ fn with_least(mut panel: Panel, least: Option<String>, unit: &str) -> Panel {
 fn maps<M: Told>(
     set: &M,
     axes: [&SampledAxis<M::Name>; 2],
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     records: &[&MeasureRecord<M>],
 ) -> Vec<Panel> {
     let panel = |record: &&MeasureRecord<M>| {
@@ -223,7 +223,7 @@ fn maps<M: Told>(
 fn projections<M: Told>(
     set: &M,
     axes: &[&SampledAxis<M::Name>],
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     record: &MeasureRecord<M>,
 ) -> Vec<Panel> {
     let unit = set.measure_shown(&record.measure);
@@ -265,7 +265,7 @@ fn best_over_others<N>(axes: &[&SampledAxis<N>], [i, j]: [usize; 2], reaches: &[
 fn clouds<M: Told>(
     set: &M,
     names: &[M::Name],
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     (found, record): (&Collected<M>, &MeasureRecord<M>),
 ) -> Vec<Panel> {
     let panel = |(index, name): (usize, &M::Name)| {

@@ -15,7 +15,7 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use vibro_analysis::Unit;
-use vibro_analysis::design_sweep::{Again, Choice, Request, Row, choice, each_final_row};
+use vibro_analysis::design_sweep::{Again, Choice, DesignRow, SweepRequest, choice, each_final_row};
 use vibro_analysis::parts::Task;
 
 /// Rows that are kept in memory to be written to Parquet together.
@@ -49,7 +49,7 @@ impl Cell {
 /// The columns: parameters, outputs, reason; the spreads of outputs, the periods over which they
 /// were measured and how many values between those asked for were looked at. Of several motions an
 /// output has its least, mean and largest value and says where the largest is.
-fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<Column> {
+fn columns<M: Told>(set: &M, request: &SweepRequest<M>) -> Vec<Column> {
     let number = |name: String, unit: &str| Column { name, unit: Some(unit.into()) };
     let text = |name: String| Column { name, unit: None };
     let names = request.designs.names();
@@ -91,7 +91,11 @@ fn written(set: &dyn Subject, columns: &[Column]) -> Vec<(usize, &'static Unit, 
 }
 
 /// The cells of a row, in the order of the [`columns`].
-fn cells<M: Told>(request: &Request<M>, written: &[(usize, &'static Unit, String)], row: Row) -> Vec<Cell> {
+fn cells<M: Told>(
+    request: &SweepRequest<M>,
+    written: &[(usize, &'static Unit, String)],
+    row: DesignRow,
+) -> Vec<Cell> {
     let mut all: Vec<Cell> = row.values.iter().map(|v| Cell::number(Some(*v))).collect();
     for (measure, output) in request.measures.iter().zip(&row.outputs) {
         match (M::is_class(measure), request.motions()) {
@@ -133,7 +137,7 @@ fn cells<M: Told>(request: &Request<M>, written: &[(usize, &'static Unit, String
 ///
 /// # Errors
 /// [`Error::File`], [`Error::Output`].
-pub fn write_tables<M: Told>(set: &M, request: &Request<M>, task: &Task, stem: &Path) -> Result<()> {
+pub fn write_tables<M: Told>(set: &M, request: &SweepRequest<M>, task: &Task, stem: &Path) -> Result<()> {
     // Endings are appended, since a stem may hold a point.
     let path = |ending: &str| {
         let name = stem.file_name().unwrap_or_default().to_string_lossy();
@@ -148,7 +152,12 @@ pub fn write_tables<M: Told>(set: &M, request: &Request<M>, task: &Task, stem: &
 /// The parts of the rows, and what was measured again.
 type Rows<'a> = (&'a Task<'a>, Option<&'a Choice>);
 
-fn write_csv<M: Told>(set: &M, request: &Request<M>, rows: Rows<'_>, file: &mut impl Write) -> Result<()> {
+fn write_csv<M: Told>(
+    set: &M,
+    request: &SweepRequest<M>,
+    rows: Rows<'_>,
+    file: &mut impl Write,
+) -> Result<()> {
     let mut csv = csv::Writer::from_writer(file);
     let problem = Error::output("a table");
     let columns = columns(set, request);
@@ -231,7 +240,7 @@ fn schema(columns: &[Column]) -> parquet::errors::Result<Type> {
 
 fn write_parquet<M: Told>(
     set: &M,
-    request: &Request<M>,
+    request: &SweepRequest<M>,
     rows: Rows<'_>,
     file: &mut (impl Write + Send),
 ) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use crate::studies::lengths::LengthUnit;
 use crate::subject::Subject;
-use vibro_analysis::design_sweep::Machine;
+use vibro_analysis::design_sweep::DesignMachine;
 use vibro_analysis::measures::{Coordinate, Measure};
 use vibro_analysis::{Name, ParameterSet, assembly, significant};
 use vibro_figures::canvas::palette::{
@@ -11,7 +11,7 @@ use vibro_figures::canvas::palette::{
 use vibro_figures::chart::{Axis, Colour};
 
 /// How tables and pictures of a sweep speak of a machine's parameters and measures.
-pub trait Told: Machine + Subject {
+pub trait Told: DesignMachine + Subject {
     /// A parameter's symbol in pictures.
     fn symbol(&self, name: &Self::Name) -> String;
     /// A parameter's axis, over the range of the data.

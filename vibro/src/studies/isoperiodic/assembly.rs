@@ -5,7 +5,7 @@ use crate::studies::design_sweep::{limits, map};
 use std::borrow::Cow;
 use vibro_analysis::assembly::{Machine, PlanePoint};
 use vibro_analysis::design_sweep::SampledAxis;
-use vibro_analysis::isoperiodic::{Isoperiodic, Request};
+use vibro_analysis::isoperiodic::{Isoperiodic, IsoperiodicRequest};
 use vibro_analysis::plane::ParameterAxis;
 use vibro_figures::canvas::palette::{HERE, WHITE};
 use vibro_figures::chart::{Layer, MARK, Mark, Panel};
@@ -32,7 +32,7 @@ impl ShownPlane for Machine {
     }
 
     /// The machine as its file has it, where that lies in the plane.
-    fn over(&self, request: &Request<Self>, _: &Isoperiodic<Option<PlanePoint>>) -> Vec<Layer> {
+    fn over(&self, request: &IsoperiodicRequest<Self>, _: &Isoperiodic<Option<PlanePoint>>) -> Vec<Layer> {
         let own = |axis: &ParameterAxis<String>| {
             let value = self.description.parameter(&axis.name).ok()?.value;
             (axis.edges().0..=axis.edges().1).contains(&value).then_some(value)
@@ -43,7 +43,11 @@ impl ShownPlane for Machine {
     }
 
     /// The exponents, where those of all motions were asked for.
-    fn more(&self, request: &Request<Self>, plane: &Isoperiodic<Option<PlanePoint>>) -> Vec<Panel> {
+    fn more(
+        &self,
+        request: &IsoperiodicRequest<Self>,
+        plane: &Isoperiodic<Option<PlanePoint>>,
+    ) -> Vec<Panel> {
         if request.exponents.is_none() {
             return Vec::new();
         }

@@ -4,7 +4,7 @@ use super::{Shown, ShownPlane, number, percent, word};
 use crate::studies::here;
 use std::borrow::Cow;
 use vibro_analysis::ParameterSet;
-use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, PlanePoint, Request};
+use vibro_analysis::isoperiodic::{Agreement, Isoperiodic, IsoperiodicRequest, PlanePoint};
 use vibro_analysis::plane::SteadyStateClass;
 use vibro_figures::canvas::palette::HERE;
 use vibro_figures::chart::{Colour, Dash, LINE, Layer, Panel, Path, THIN};
@@ -54,7 +54,7 @@ impl ShownPlane for ParameterSet {
         format!(" Exponents where there are impacts and no period, over at most {periods} periods.")
     }
 
-    fn over(&self, request: &Request, plane: &Isoperiodic) -> Vec<Layer> {
+    fn over(&self, request: &IsoperiodicRequest, plane: &Isoperiodic) -> Vec<Layer> {
         let border = border(request, plane);
         let edge = |name, colour| Layer::lines(name, colour, Dash::Solid, border.clone());
         let mut layers = vec![
@@ -65,7 +65,7 @@ impl ShownPlane for ParameterSet {
         layers
     }
 
-    fn more(&self, _: &Request, _: &Isoperiodic) -> Vec<Panel> {
+    fn more(&self, _: &IsoperiodicRequest, _: &Isoperiodic) -> Vec<Panel> {
         Vec::new()
     }
 
@@ -90,7 +90,7 @@ impl ShownPlane for ParameterSet {
 }
 
 /// The limit of the points where the exact orbit is stable, along the edges of their cells.
-fn border(request: &Request, plane: &Isoperiodic) -> Vec<Path> {
+fn border(request: &IsoperiodicRequest, plane: &Isoperiodic) -> Vec<Path> {
     let (columns, rows) = (request.x.count, request.y.count);
     let stable = |i: usize, j: usize| plane.points[j * columns + i].theory == SteadyStateClass::Stable;
     let part = |(from, to): (f64, f64), i: usize, count: usize| from + (to - from) * i as f64 / count as f64;
