@@ -1,5 +1,5 @@
-//! Runs the real `vibro assembly bifurcation|lyapunov|sweep`: against the library, in shards, and
-//! what it refuses.
+//! Runs the real `vibro bifurcation|lyapunov|sweep FILE`: against the library, in shards, and what
+//! it refuses.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -8,8 +8,7 @@ use command::{DAMPER, command, drawn, folder, refused, table};
 use std::path::Path;
 use vibro_analysis::assembly::{Machine, Start, discard, measure};
 
-const SWEEP: [&str; 14] = [
-    "assembly",
+const SWEEP: [&str; 13] = [
     "sweep",
     DAMPER,
     "--vary",
@@ -38,7 +37,7 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
     assert!(said.contains("amplitude.box.s: least"), "{said}");
     let rows = table(&out, "assembly-sweep.csv");
     assert_eq!(rows.len(), 4);
-    let measures: Vec<_> = SWEEP[8].split(',').map(|name| name.parse().unwrap()).collect();
+    let measures: Vec<_> = SWEEP[7].split(',').map(|name| name.parse().unwrap()).collect();
     let machine = Machine::new(vibro_assembly::file::read(DAMPER.as_ref()).unwrap());
     for row in rows.iter().take(1) {
         let value = |name: &str| row[name].parse::<f64>().unwrap();
@@ -63,7 +62,7 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
 #[test]
 fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
     let out = folder("assembly-best");
-    let line = ["assembly", "sweep", DAMPER, "--vary", "stop.steel.gap=60mm,90mm,92mm"];
+    let line = ["sweep", DAMPER, "--vary", "stop.steel.gap=60mm,90mm,92mm"];
     let over = ["--vary", "stop.buffer.gap=75mm,90mm", "--over", "load.shaker.frequency=9Hz:11Hz:2"];
     let rest =
         ["--output", "amplitude.box.s,power.buffer", "--discard", "20", "--periods", "6", "--again", "20000"];
@@ -102,7 +101,7 @@ fn a_sweep_of_which_every_design_fails_says_so_by_its_exit() {
     let path = path.display().to_string();
     for output in ["class", "amplitude.a.s"] {
         // The start at 0 lies beyond the stop.
-        let line = ["assembly", "sweep", &path, "--vary", "stop.s.gap=-20mm,-30mm", "--output", output];
+        let line = ["sweep", &path, "--vary", "stop.s.gap=-20mm,-30mm", "--output", output];
         let found = command(&folder(&format!("assembly-failed-{output}")), &line).output().unwrap();
         let error = String::from_utf8_lossy(&found.stderr).into_owned();
         assert_eq!(found.status.code(), Some(1), "{error}");
@@ -113,7 +112,6 @@ fn a_sweep_of_which_every_design_fails_says_so_by_its_exit() {
 #[test]
 fn invariant_a_diagram_in_shards_is_the_diagram() {
     let arguments = [
-        "assembly",
         "bifurcation",
         DAMPER,
         "--vary",
@@ -153,7 +151,7 @@ fn closed_form_exponent_of_an_oscillator() {
         [load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"5 Hz\"\n";
     std::fs::write(&path, text).unwrap();
     let out = folder("assembly-exponent");
-    drawn(&out, &["assembly", "lyapunov", &path.display().to_string(), "--periods", "160"]);
+    drawn(&out, &["lyapunov", &path.display().to_string(), "--periods", "160"]);
     let row = &table(&out, "assembly-lyapunov.csv")[0];
     // δ'' + 4 δ' + 400 δ = 0 shrinks with e^-2t; its length swings by some percent of one e-fold in
     // 25 s.
@@ -163,8 +161,8 @@ fn closed_form_exponent_of_an_oscillator() {
 
 #[test]
 fn bad_ranges_names_and_sections_are_refused_before_work() {
-    let sweep = |rest: &[&str]| refused(&[&["assembly", "sweep", DAMPER][..], rest].concat());
-    let diagram = |rest: &[&str]| refused(&[&["assembly", "bifurcation", DAMPER][..], rest].concat());
+    let sweep = |rest: &[&str]| refused(&[&["sweep", DAMPER][..], rest].concat());
+    let diagram = |rest: &[&str]| refused(&[&["bifurcation", DAMPER][..], rest].concat());
     let plane = |rest: &[&str]| {
         let ranges = ["--vary", "stop.steel.gap=4mm:6mm", "--vary", "stop.buffer.gap=5mm:8mm"];
         diagram(&[&ranges[..], rest].concat())
@@ -204,12 +202,11 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
     ] {
         assert!(code == 2 && error.contains(words), "{words}: {error}");
     }
-    let said = drawn(&folder("assembly-list"), &["assembly", "sweep", DAMPER, "--list"]);
+    let said = drawn(&folder("assembly-list"), &["sweep", DAMPER, "--list"]);
     assert!(said.contains("impact.speed.steel") && said.contains("power.guide"), "{said}");
 }
 
-const PLANE: [&str; 13] = [
-    "assembly",
+const PLANE: [&str; 12] = [
     "bifurcation",
     DAMPER,
     "--vary",
@@ -275,7 +272,6 @@ fn second_method_exponents_over_a_plane_are_those_of_a_diagram() {
     drawn(
         &out,
         &[
-            "assembly",
             "lyapunov",
             &file,
             "--periods",
@@ -302,7 +298,7 @@ fn second_method_exponents_over_a_plane_are_those_of_a_diagram() {
 fn a_study_of_a_frequency_names_no_period_as_its_own() {
     let vary = ["--vary", "load.shaker.frequency=9:10:2", "--discard", "2", "--keep", "2"];
     let out = folder("assembly-frequency");
-    let run = command(&out, &[&["assembly", "bifurcation", DAMPER][..], &vary].concat()).output().unwrap();
+    let run = command(&out, &[&["bifurcation", DAMPER][..], &vary].concat()).output().unwrap();
     let told = String::from_utf8(run.stdout).unwrap();
     assert!(run.status.success() && !told.contains("periods of 0.1 s"), "{told}");
     assert!(told.contains("after each common period of its harmonics, which varies"), "{told}");

@@ -36,11 +36,11 @@ fn numbers(svg: &str) -> Vec<f64> {
         .collect()
 }
 
-/// What `vibro assembly draw` draws of an example.
+/// What `vibro draw` draws of an example.
 fn sketched(name: &str) -> String {
     let (out, file) = (folder(&format!("gallery-sketch-{name}")), format!("examples/assembly/{name}.toml"));
     let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    let vibro = vibro.args(["assembly", "draw", &file, "--out"]).arg(&out).current_dir(root());
+    let vibro = vibro.args(["draw", &file, "--out"]).arg(&out).current_dir(root());
     let output = vibro.output().expect("vibro runs");
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     let mut drawn = std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().path());

@@ -276,7 +276,7 @@ fn defaults_of_the_python_package_are_those_of_the_command_line() {
         let help = drawn(&folder("grammar-defaults"), &[command, "--help"]);
         let own =
             help.split(&format!("--{option} <")).nth(1).unwrap_or_else(|| panic!("{command} --{option}"));
-        own.split("[default: ").nth(1).unwrap().split(']').next().unwrap().into()
+        own.split("[default: ").nth(1).unwrap().split([']', ';']).next().unwrap().into()
     };
     let package = concat!(env!("CARGO_MANIFEST_DIR"), "/../python/package/vibro_impact");
     let signature = |file: &str, function: &str| -> String {

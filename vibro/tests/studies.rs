@@ -227,9 +227,8 @@ const ORBITS: [&str; 10] = [
     "--keep",
     "50",
 ];
-// The same studies of a machine of a text file.
-const ASSEMBLY_EXPONENTS: [&str; 13] = [
-    "assembly",
+// Studies of a machine's file.
+const ASSEMBLY_EXPONENTS: [&str; 12] = [
     "lyapunov",
     DAMPER,
     "--vary",
@@ -243,8 +242,7 @@ const ASSEMBLY_EXPONENTS: [&str; 13] = [
     "--periods",
     "16",
 ];
-const ASSEMBLY_SWEEP: [&str; 13] = [
-    "assembly",
+const ASSEMBLY_SWEEP: [&str; 12] = [
     "sweep",
     DAMPER,
     "--vary",
@@ -258,8 +256,7 @@ const ASSEMBLY_SWEEP: [&str; 13] = [
     "--periods",
     "2",
 ];
-const ASSEMBLY_PLANE: [&str; 13] = [
-    "assembly",
+const ASSEMBLY_PLANE: [&str; 12] = [
     "bifurcation",
     DAMPER,
     "--vary",

@@ -1,11 +1,12 @@
-//! `vibro assembly`: machines of the user's own, from their files.
+//! Commands with a machine's file: its check, its sketch, its motion.
 
-use crate::assembly_arguments::{AssemblyCommand, Motion};
+use crate::arguments::Command;
 use crate::assembly_studies;
 use crate::common_arguments::{Common, DEFAULT_OUT};
 use crate::destination;
 use crate::output;
 use crate::progress::{Progress, TIME};
+use crate::run::Run;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,28 +22,22 @@ use vibro_sketch::Sketch;
 /// Stem of the manifest of a motion.
 const RESULT: &str = "assembly-run";
 
-/// Carries out the command. `false` where a motion was interrupted, and all that was computed is
-/// written.
+/// Carries out a command for the machine of a file. `false` where a motion was interrupted, and all
+/// that was computed is written.
 ///
 /// # Errors
 /// What is wrong with the file, its parameters or its motion; [`Error::File`].
-pub fn run(command: &AssemblyCommand, common: &Common) -> Result<bool> {
-    if let Some(config) = &common.config {
-        return Err(Error::Refused {
-            what: format!("--config {}", config.display()),
-            problem: "is of the 3-DOF machine; an assembly's file stands without a name, and --set changes its numbers".into(),
-        });
-    }
+pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
     match command {
-        AssemblyCommand::Check { file } => {
-            output::say(&assembly::summary(read(file, common)?)?).map(|()| true)
-        }
-        AssemblyCommand::Draw { file } => sketch(file, common).map(|()| true),
-        AssemblyCommand::Run(a) => follow(a, common),
-        AssemblyCommand::Bifurcation(a) => assembly_studies::bifurcation(a, common).map(|()| true),
-        AssemblyCommand::Lyapunov(a) => assembly_studies::lyapunov(a, common).map(|()| true),
-        AssemblyCommand::Sweep(a) => assembly_studies::sweep(a, common).map(|()| true),
+        Command::Draw { .. } => sketch(file, common)?,
+        Command::Run(a) => return follow(file, a, common),
+        Command::Bifurcation(a) => assembly_studies::bifurcation(file, common, a)?,
+        Command::Lyapunov(a) => assembly_studies::lyapunov(file, common, a)?,
+        Command::Sweep(a) => assembly_studies::sweep(file, common, a)?,
+        // `vibro check`; no other command takes a file.
+        _ => output::say(&assembly::summary(read(file, common)?)?)?,
     }
+    Ok(true)
 }
 
 /// The machine, with what `--set` changes.
@@ -61,12 +56,16 @@ fn sketch(file: &Path, common: &Common) -> Result<()> {
     output::say(&format!("drawn in {}.svg and .png", stem.display()))
 }
 
-fn follow(a: &Motion, common: &Common) -> Result<bool> {
-    let machine = read(&a.file, common)?;
+fn follow(file: &Path, Run { samples, of_file: a, .. }: &Run, common: &Common) -> Result<bool> {
     let times = match (&a.times, a.until) {
         (Some(path), _) => assembly::times_of(path)?,
-        (None, until) => assembly::even_times(until.unwrap_or_default(), a.samples as usize)?,
+        (None, Some(until)) => assembly::even_times(until, *samples as usize)?,
+        (None, None) => {
+            let problem = "needs the end of the motion, --until TIME, or --times FILE".into();
+            return Err(Error::Refused { what: format!("run {}", file.display()), problem });
+        }
     };
+    let machine = read(file, common)?;
     let mut manifest = manifest(&machine, &times, common);
     manifest.invocation.options.insert("knots".into(), a.knots.to_string());
     // Refused before work begins.

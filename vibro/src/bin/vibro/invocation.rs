@@ -26,6 +26,11 @@ pub fn invocation(matches: &ArgMatches) -> Invocation {
     let given: Vec<String> = std::env::args().skip(1).collect();
     let mut found = Invocation { command_line: command_line(&given), ..Invocation::default() };
     let Some((name, matches)) = matches.subcommand() else { return found };
+    if matches.try_contains_id("file").is_ok_and(|is_file| is_file) {
+        // The studies of a machine's file add their options as they have read them.
+        found.command = format!("assembly-{name}");
+        return found;
+    }
     found.command = name.into();
     let all = Arguments::command();
     let Some(command) = all.find_subcommand(name) else { return found };

@@ -13,12 +13,12 @@ use vibro_analysis::{Name, ParameterSet};
 /// For a load from a file.
 pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
     let ConstantLoads { load } = match command {
-        Command::Run(a) => return Ok(a.load.clone()),
-        Command::Bifurcation(a) => &a.loads,
-        Command::Lyapunov(a) => &a.sweep.loads,
+        Command::Run(a) => return Ok(a.of_paper.load.clone()),
+        Command::Bifurcation(a) => &a.of_paper.loads,
+        Command::Lyapunov(a) => &a.sweep.of_paper.loads,
         Command::Basin(a) => &a.loads,
         Command::Isoperiodic(a) => &a.loads,
-        Command::Sweep(a) => &a.loads,
+        Command::Sweep(a) => &a.of_paper.loads,
         Command::Orbits(a) => &a.which.loads,
         Command::Orbit(a) => &a.which.loads,
         Command::Locus(a) => &a.loads,

@@ -31,12 +31,22 @@ const PARTS: &str = "parts";
 /// The axis of a sweep: f10 unless told otherwise.
 fn axis(set: &ParameterSet, a: &Bifurcation) -> Result<ParameterAxis> {
     let default = || Ok::<_, Error>(ranges::shown(set, find_group("f10")?.into(), (0.5, 5.0)));
-    a.range.map_or_else(default, Ok)?.axis(a.resolution.into(), 2..=20_000)
+    a.of_paper.range.map_or_else(default, Ok)?.axis(a.resolution.into(), 2..=20_000)
 }
 
-fn kind(axis: ParameterAxis, a: &Bifurcation, exponents: Option<SpectrumOptions>, at: Vec<f64>) -> StudyKind {
-    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of: a.of, start: a.start };
-    StudyKind::Sweep { sweep, at, orbits: a.orbits.then(TreeOptions::default) }
+fn kind(
+    axis: ParameterAxis,
+    a: &Bifurcation,
+    exponents: Option<SpectrumOptions>,
+    at: Vec<f64>,
+) -> Result<StudyKind> {
+    let of = displacement(a)?;
+    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of, start: a.of_paper.start };
+    Ok(StudyKind::Sweep { sweep, at, orbits: a.of_paper.orbits.then(TreeOptions::default) })
+}
+
+fn displacement(a: &Bifurcation) -> Result<Displacement> {
+    a.of.as_ref().map_or(Ok(Displacement::X2), |of| of.parse().map_err(in_option("--of")))
 }
 
 /// The values at which spectra are listed: those given; else the one that was set; else what suits
@@ -72,18 +82,22 @@ fn check_orbits(set: &ParameterSet, kind: &StudyKind) -> Result<()> {
 }
 
 pub fn bifurcation(set: &ParameterSet, common: &Common, a: &Bifurcation) -> Result<()> {
-    let kind = kind(axis(set, a)?, a, None, Vec::new());
+    let kind = kind(axis(set, a)?, a, None, Vec::new())?;
     check_orbits(set, &kind)?;
-    perform(&LongStudy::new(&name("bifurcation", a.of), kind, set), common, a.share.shard)
+    perform(&LongStudy::new(&name("bifurcation", displacement(a)?), kind, set), common, a.share.shard)
 }
 
 pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()> {
     let options =
         SpectrumOptions { periods: a.periods, threshold: a.threshold, ..SpectrumOptions::default() };
     let axis = axis(set, &a.sweep)?;
-    let kind = kind(axis, &a.sweep, Some(options), listed(set, &axis, &a.at)?);
+    let kind = kind(axis, &a.sweep, Some(options), listed(set, &axis, &a.at)?)?;
     check_orbits(set, &kind)?;
-    perform(&LongStudy::new(&name("lyapunov", a.sweep.of), kind, set), common, a.sweep.share.shard)
+    perform(
+        &LongStudy::new(&name("lyapunov", displacement(&a.sweep)?), kind, set),
+        common,
+        a.sweep.share.shard,
+    )
 }
 
 pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {

@@ -2,7 +2,6 @@
 
 mod arguments;
 mod assembly;
-mod assembly_arguments;
 mod assembly_studies;
 mod common_arguments;
 mod destination;
@@ -34,10 +33,10 @@ use vibro_analysis::{Name, ParameterSet, number, typed_unit};
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    let matches = arguments::command().get_matches();
+    let matches = arguments::without_alias(arguments::command().get_matches());
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     arguments.common.invocation = invocation::invocation(&matches);
-    match run(&mut arguments) {
+    match arguments::check_subject(&matches).and_then(|()| run(&mut arguments)) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(interruption::INTERRUPTED as u8),
         Err(error) => {
@@ -53,9 +52,10 @@ fn run(arguments: &mut Arguments) -> Result<bool> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global().map_err(Error::output("threads"))?;
     }
-    if let Command::Assembly(a) = &arguments.command {
-        return assembly::run(a, &arguments.common);
+    if let Some(file) = arguments.command.file() {
+        return assembly::run(file, &arguments.command, &arguments.common);
     }
+    arguments.command.read_axes()?;
     study(arguments).map(|()| true)
 }
 
@@ -114,7 +114,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         Command::Orbit(a) => vec![orbits::orbit(&set, a)?],
         Command::Locus(a) => vec![orbits::loci(&set, a)?],
         Command::Merge(a) => return long::merge(common, a),
-        Command::Assembly(_) | Command::Template(_) => return Ok(()),
+        Command::Check { .. } | Command::Draw { .. } | Command::Template(_) => return Ok(()),
         Command::Reproduce(a) => {
             let instead = "figures 6, 9, 10, 11 and 17 have the paper's values; leave the value out, or draw your \
                            machine by the other commands";

@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub use vibro::assembly::read_in;
 use vibro::{Error, Result};
 use vibro_analysis::parts::Shard;
-use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::plane::{AxisName, ParameterAxis};
 use vibro_analysis::{Name, ParameterSet, Unit, numbers};
 
 /// A share of a long study.
@@ -22,9 +22,9 @@ pub struct Share {
 
 /// A parameter of either form and a range of it, as `name=from:to` or `name=from:to:count`.
 #[derive(Clone, Copy, Debug)]
-pub struct ParameterRange {
+pub struct ParameterRange<N = Name> {
     /// The parameter.
-    pub name: Name,
+    pub name: N,
     /// Its ends in its SI unit, the lower one first; both are allowed values. Ends without a unit
     /// are as typed until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit).
     pub ends: (f64, f64),
@@ -36,9 +36,9 @@ pub struct ParameterRange {
 
 /// A parameter of either form and some of its values, as `name=value,value,…`.
 #[derive(Clone, Debug)]
-pub struct ParameterValues {
+pub struct ParameterValues<N = Name> {
     /// The parameter.
-    pub name: Name,
+    pub name: N,
     /// The values in its SI unit, as given; all are allowed. Those without a unit are as typed, as
     /// in a range.
     pub values: Vec<f64>,
@@ -73,6 +73,14 @@ where
 /// option that it was given for.
 pub fn in_option<E: fmt::Display>(option: &'static str) -> impl FnOnce(E) -> Error {
     move |error| Error::Refused { what: option.into(), problem: error.to_string() }
+}
+
+/// Reads what an option of several texts was given, in the form that the machine has for it.
+///
+/// # Errors
+/// What is wrong with a text, with the option.
+pub fn texts<T: FromStr<Err: fmt::Display>>(option: &'static str, given: &[String]) -> Result<Vec<T>> {
+    given.iter().map(|text| text.parse().map_err(in_option(option))).collect()
 }
 
 /// Reads a finite number in a range, which `words` tell. What is none is refused with them too.
@@ -135,17 +143,17 @@ impl FromStr for ParameterPair {
 
 // In SI and by the parameter's own name, so that the same range has the same words however it was
 // typed.
-impl fmt::Display for ParameterRange {
+impl<N: AxisName> fmt::Display for ParameterRange<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}={}:{}", self.name.name(), self.ends.0, self.ends.1)?;
+        write!(f, "{}={}:{}", self.name.text(), self.ends.0, self.ends.1)?;
         self.count.map_or(Ok(()), |count| write!(f, ":{count}"))
     }
 }
 
-impl fmt::Display for ParameterValues {
+impl<N: AxisName> fmt::Display for ParameterValues<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let values: Vec<String> = self.values.iter().map(f64::to_string).collect();
-        write!(f, "{}={}", self.name.name(), values.join(","))
+        write!(f, "{}={}", self.name.text(), values.join(","))
     }
 }
 
@@ -228,19 +236,19 @@ fn check_if_certain(name: Name, unit: Option<&Unit>, values: &[f64]) -> Result<(
     if certain { values.iter().try_for_each(check) } else { Ok(()) }
 }
 
-impl ParameterRange {
+impl<N: AxisName> ParameterRange<N> {
     /// The axis over this range, of the given resolution unless the range has its own count.
     ///
     /// # Errors
     /// A count outside `allowed`.
-    pub fn axis(&self, resolution: usize, allowed: RangeInclusive<usize>) -> Result<ParameterAxis> {
+    pub fn axis(&self, resolution: usize, allowed: RangeInclusive<usize>) -> Result<ParameterAxis<N>> {
         let count = self.count.unwrap_or(resolution);
         if !allowed.contains(&count) {
-            let text = format!("{}: {count} values", self.name.name());
+            let text = format!("{}: {count} values", self.name.text());
             let problem = format!("allowed are {} to {}", allowed.start(), allowed.end());
             return Err(Error::Refused { what: text, problem });
         }
-        Ok(ParameterAxis::new(self.name, self.ends, count)?)
+        Ok(ParameterAxis::of(self.name.clone(), self.ends, count)?)
     }
 }
 

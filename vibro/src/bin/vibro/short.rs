@@ -109,9 +109,11 @@ pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
         Command::Plane(a) => (&a.planes.range, &[]),
         Command::Isoperiodic(a) => (&a.planes.range, &[]),
         Command::Compare(a) => (a.range.as_slice(), a.values.as_slice()),
-        Command::Bifurcation(a) => (a.range.as_slice(), &[]),
-        Command::Lyapunov(a) => (a.sweep.range.as_slice(), &[]),
-        Command::Sweep(a) => return a.vary.iter().chain(&a.over).map(AxisArgument::written).collect(),
+        Command::Bifurcation(a) => (a.of_paper.range.as_slice(), &[]),
+        Command::Lyapunov(a) => (a.sweep.of_paper.range.as_slice(), &[]),
+        Command::Sweep(a) => {
+            return a.of_paper.vary.iter().chain(&a.of_paper.over).map(AxisArgument::written).collect();
+        }
         _ => (&[], &[]),
     };
     values.iter().map(|v| (v.name, v.unit)).chain(ranges.iter().map(|r| (r.name, r.unit))).collect()

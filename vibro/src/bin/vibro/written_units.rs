@@ -29,9 +29,11 @@ pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> 
         Command::Plane(a) => vec![("range", dynamic(&mut a.planes.range))],
         Command::Isoperiodic(a) => vec![("range", dynamic(&mut a.planes.range))],
         Command::Compare(a) => vec![("range", dynamic(&mut a.range)), ("values", dynamic(&mut a.values))],
-        Command::Bifurcation(a) => vec![("range", dynamic(&mut a.range))],
-        Command::Lyapunov(a) => vec![("range", dynamic(&mut a.sweep.range))],
-        Command::Sweep(a) => vec![("vary", dynamic(&mut a.vary)), ("over", dynamic(&mut a.over))],
+        Command::Bifurcation(a) => vec![("range", dynamic(&mut a.of_paper.range))],
+        Command::Lyapunov(a) => vec![("range", dynamic(&mut a.sweep.of_paper.range))],
+        Command::Sweep(a) => {
+            vec![("vary", dynamic(&mut a.of_paper.vary)), ("over", dynamic(&mut a.of_paper.over))]
+        }
         Command::Orbits(a) => vec![("vary", dynamic(&mut a.vary))],
         Command::Locus(a) => vec![("vary", dynamic(&mut a.vary))],
         _ => Vec::new(),
@@ -50,7 +52,7 @@ pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> 
         }
     }
     let (option, range, texts) = match command {
-        Command::Lyapunov(a) => ("at", a.sweep.range, &mut a.at),
+        Command::Lyapunov(a) => ("at", a.sweep.of_paper.range, &mut a.at),
         Command::Orbits(a) => ("mark", a.vary, &mut a.mark),
         _ => return Ok(found),
     };

@@ -5,6 +5,8 @@ const NONE: [&str; 8] = ["abc", "1.5.2", "-", "1e", "0x1", "½", "1 000", "nan"]
 /// Options that are read once the machine and its axis are known, or a file: the tests of the whole
 /// program have their errors.
 const READ_LATER: [&str; 4] = ["at", "mark", "set", "from"];
+/// Axes that the machine of the command decides on.
+const AXES: [&str; 2] = ["vary", "over"];
 /// How help names what options take that are read with the command line, besides numbers.
 const FORMS: [&str; 11] = [
     "TIME",
@@ -41,8 +43,8 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
     each_option(&command(), &[], &mut |path, arg| {
         let (Some(option), Some([form])) = (arg.get_long(), arg.get_value_names()) else { return };
         let number = ["N", "X"].contains(&form.as_str());
-        // The axes of a described machine are named in its file.
-        let later = READ_LATER.contains(&option) || path.iter().any(|word| word == "assembly");
+        let takes_file = |word: &String| ["sweep", "bifurcation", "lyapunov"].contains(&word.as_str());
+        let later = READ_LATER.contains(&option) || AXES.contains(&option) && path.iter().any(takes_file);
         if !number && (later || !FORMS.contains(&form.as_str())) {
             return;
         }
@@ -56,4 +58,17 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
         }
     });
     assert!(numbers > 30 && others > 20, "{numbers} {others}");
+}
+
+/// The defaults of `sweep --again`, which are words for the command line.
+#[test]
+fn second_method_defaults_of_either_machine_are_the_librarys() {
+    use vibro_analysis::design_sweep::Machine as _;
+    let again = |line: &str| {
+        let found = Arguments::try_parse_from(line.split(' ')).unwrap();
+        let Command::Sweep(sweep) = found.command else { panic!("{line}") };
+        sweep.again
+    };
+    assert_eq!(again("vibro sweep"), vibro_analysis::ParameterSet::AGAIN);
+    assert_eq!(again("vibro sweep machine.toml"), vibro_analysis::assembly::Machine::AGAIN);
 }
