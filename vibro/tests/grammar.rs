@@ -293,8 +293,8 @@ fn defaults_of_the_python_package_are_those_of_the_command_line() {
         is_default(file, function, format!("settle: int = {}", default_of("sweep", "discard")));
     }
     let (discard, keep) = (default_of("bifurcation", "discard"), default_of("bifurcation", "keep"));
-    is_default("_studies.py", "bifurcation", format!("periods: tuple[int, int] = ({discard}, {keep})"));
-    is_default("_studies.py", "basins", format!("periods: int = {}", default_of("basin", "discard")));
+    is_default("_machine.py", "bifurcation", format!("periods: tuple[int, int] = ({discard}, {keep})"));
+    is_default("_machine.py", "basins", format!("periods: int = {}", default_of("basin", "discard")));
     is_default("_machine.py", "lyapunov", format!("periods: int = {}", default_of("lyapunov", "periods")));
     is_default("_machine.py", "lyapunov", format!("settle: int = {}", default_of("lyapunov", "discard")));
 }
