@@ -314,12 +314,12 @@ fn help_names_what_a_command_takes_with_a_file_and_without() {
 fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
     let cradle = machine("cradle.toml");
     for (line, words) in [
-        ("check FILE --config x.toml", "--config x.toml: is an option of the paper's machine, and "),
-        ("run FILE --until 2s --start x1=1", "--start x1=1: is an option of the paper's machine, and "),
+        ("check FILE --config x.toml", "--config: is an option of the paper's machine, and "),
+        ("run FILE --until 2s --start x1=1", "--start: is an option of the paper's machine, and "),
         ("run FILE --start x1=1", "allowed here: --until, --times, --knots"),
         ("bifurcation FILE --orbits --vary body.a.mass=1:2", "--orbits: is an option of the paper's machine"),
-        ("sweep FILE --design rows.csv", "--design rows.csv: is an option of the paper's machine"),
-        ("run --until 2s", "--until 2s: is an option of a machine's file: `vibro run FILE --until …`"),
+        ("sweep FILE --design rows.csv", "--design: is an option of the paper's machine"),
+        ("run --until 2s", "--until: is an option of a machine's file: `vibro run FILE --until …`"),
         (
             "run --knots",
             "allowed here: --periods, --duration, --discard, --start, --load, --interpolation, --config",

@@ -78,28 +78,17 @@ NUMBERS
 pub fn command() -> clap::Command {
     let all = with_negative_numbers(with_notes(Arguments::command(), &[LIMITS]));
     let shared: Vec<Arg> = all.get_arguments().cloned().collect();
-    let all = all.mut_subcommands(|command| match command.get_name() {
-        "check" => with_notes(
-            without(command, &shared, &["config", "out", "replace", "discard_unfinished", "threads"]),
-            &[NUMBERS],
-        ),
-        "draw" => with_notes(
-            without(command, &shared, &["config", "replace", "discard_unfinished", "threads"]),
-            &[NUMBERS],
-        ),
-        "run" | "sweep" | "bifurcation" | "lyapunov" => {
-            let config = shared.iter().filter(|arg| arg.get_id() == "config");
-            let config = config.map(|arg| arg.clone().help_heading(WITHOUT_FILE));
-            let examples: &[&str] =
-                if command.get_name() == "sweep" { &[sweep_arguments::EXAMPLES] } else { &[] };
-            with_notes(config.fold(command, clap::Command::arg), &[examples, &[NUMBERS, LIMITS]].concat())
-        }
-        "template" => {
-            let unused = ["config", "set", "out", "replace", "discard_unfinished", "threads"];
-            with_notes(without(command, &shared, &unused), &[LIMITS])
-        }
-        "merge" => with_notes(without(command, &shared, &["config", "set"]), &[LIMITS]),
-        _ => with_notes(command, &[LIMITS]),
+    let all = all.mut_subcommands(|command| {
+        let (unused, notes): (&[&str], &[&str]) = match command.get_name() {
+            "check" => (&["config", "out", "replace", "discard_unfinished", "threads"], &[NUMBERS]),
+            "draw" => (&["config", "replace", "discard_unfinished", "threads"], &[NUMBERS]),
+            "sweep" => (&[], &[sweep_arguments::EXAMPLES, NUMBERS, LIMITS]),
+            "run" | "bifurcation" | "lyapunov" => (&[], &[NUMBERS, LIMITS]),
+            "template" => (&["config", "set", "out", "replace", "discard_unfinished", "threads"], &[LIMITS]),
+            "merge" => (&["config", "set"], &[LIMITS]),
+            _ => (&[], &[LIMITS]),
+        };
+        with_notes(with_shared(command, &shared, unused), notes)
     });
     let alias = alias(&all);
     all.subcommand(alias)
@@ -112,13 +101,15 @@ fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
     command.after_help(notes.join("\n\n"))
 }
 
-/// A command whose help does not name some of the shared options. It refuses or ignores them.
-fn without(command: clap::Command, shared: &[Arg], names: &[&str]) -> clap::Command {
-    let hidden = shared.iter().filter(|arg| names.contains(&arg.get_id().as_str()));
-    hidden.fold(command, |command, arg| {
-        let hidden = arg.clone().hide(true);
-        command.arg(if arg.get_id() == "config" { hidden.help_heading(WITHOUT_FILE) } else { hidden })
-    })
+/// A command whose help does not name some of the shared options, which it refuses or ignores, and
+/// names a file of parameters as an option of the paper's machine if it takes two machines.
+fn with_shared(command: clap::Command, shared: &[Arg], unused: &[&str]) -> clap::Command {
+    let heading = if has_file(&command) { Some(WITHOUT_FILE) } else { None };
+    let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
+        "config" => Some(arg.clone().help_heading(heading).hide(unused.contains(&"config"))),
+        id => unused.contains(&id).then(|| arg.clone().hide(true)),
+    });
+    own.fold(command, clap::Command::arg)
 }
 
 /// `vibro assembly COMMAND FILE`, as versions up to 0.2 have it.
@@ -156,35 +147,32 @@ fn has_file(command: &clap::Command) -> bool {
     command.get_arguments().any(|arg| arg.get_id() == FILE)
 }
 
+/// The machine's file that was named.
+pub fn file(matches: &ArgMatches) -> Option<&Path> {
+    matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
+}
+
 /// Refuses an option of the paper's machine where a FILE is named, and one of a FILE where none is.
 ///
 /// # Errors
 /// [`Error::Refused`] with the option and those that are allowed.
 pub fn check_subject(matches: &ArgMatches) -> Result<()> {
+    let (all, file) = (command(), file(matches));
     let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
-    let all = command();
     let Some(command) = all.find_subcommand(name).filter(|command| has_file(command)) else { return Ok(()) };
-    let file: Option<&PathBuf> = matches.get_one(FILE);
     let (refused, allowed) =
         if file.is_some() { (WITHOUT_FILE, WITH_FILE) } else { (WITH_FILE, WITHOUT_FILE) };
-    let under = |heading: &'static str| {
-        command.get_arguments().filter(move |a| a.get_help_heading() == Some(heading))
-    };
+    let under = |heading| command.get_arguments().filter(move |a| a.get_help_heading() == Some(heading));
     let is_given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
     let Some(given) = under(refused).find(is_given) else { return Ok(()) };
     let option = |arg: &Arg| format!("--{}", arg.get_long().unwrap_or_default());
-    let value = matches.get_raw(given.get_id().as_str()).into_iter().flatten().next_back();
-    let value =
-        value.filter(|_| given.get_action().takes_values()).map(|v| format!(" {}", v.to_string_lossy()));
-    let mut names: Vec<String> = under(allowed).map(option).collect();
-    names.dedup();
-    let problem = match file {
-        Some(file) => format!("is an option of the paper's machine, and {} is named", file.display()),
-        None => format!("is an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
+    let whose = match file {
+        Some(file) => format!("an option of the paper's machine, and {} is named", file.display()),
+        None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
     };
-    let allowed =
-        if names.is_empty() { String::new() } else { format!("; allowed here: {}", names.join(", ")) };
-    Err(Error::Refused { what: option(given) + &value.unwrap_or_default(), problem: problem + &allowed })
+    let names: Vec<String> = under(allowed).map(option).chain(["--set".into()]).collect();
+    let problem = format!("is {whose}; allowed here: {}", names.join(", "));
+    Err(Error::Refused { what: option(given), problem })
 }
 
 /// Takes numbers below zero for values, so that an option which allows none says what it allows.
@@ -291,18 +279,6 @@ pub enum Command {
 }
 
 impl Command {
-    /// The machine's file, where one is named.
-    pub fn file(&self) -> Option<&Path> {
-        match self {
-            Self::Check { file } | Self::Draw { file } => Some(file),
-            Self::Run(a) => a.file.as_deref(),
-            Self::Sweep(a) => a.file.as_deref(),
-            Self::Bifurcation(a) => a.file.as_deref(),
-            Self::Lyapunov(a) => a.sweep.file.as_deref(),
-            _ => None,
-        }
-    }
-
     /// Reads the axes of a command without a file, as those of the paper's machine.
     ///
     /// # Errors

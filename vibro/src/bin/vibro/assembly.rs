@@ -2,20 +2,19 @@
 
 use crate::arguments::Command;
 use crate::assembly_studies;
-use crate::common_arguments::{Common, DEFAULT_OUT};
-use crate::destination;
+use crate::common_arguments::Common;
+use crate::destination::{self, Destination};
 use crate::output;
 use crate::progress::{Progress, TIME};
 use crate::run::Run;
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro::assembly::{self, Ended, Record};
-use vibro::manifest::{Invocation, Manifest};
+use vibro::manifest::Manifest;
 use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
-use vibro_assembly::Description;
+use vibro_analysis::assembly::Machine;
 use vibro_figures::canvas;
 use vibro_sketch::Sketch;
 
@@ -35,19 +34,19 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Lyapunov(a) => assembly_studies::lyapunov(file, common, a)?,
         Command::Sweep(a) => assembly_studies::sweep(file, common, a)?,
         // `vibro check`; no other command takes a file.
-        _ => output::say(&assembly::summary(read(file, common)?)?)?,
+        _ => output::say(&assembly::summary(read(file, common)?.description)?)?,
     }
     Ok(true)
 }
 
 /// The machine, with what `--set` changes.
-fn read(file: &Path, common: &Common) -> Result<Description> {
-    Ok(assembly::read(file, &common.set, &mut |words| crate::note(&words))?.description)
+fn read(file: &Path, common: &Common) -> Result<Machine> {
+    assembly::read(file, &common.set, &mut |words| crate::note(&words))
 }
 
 /// Writes NAME.svg and NAME.png, without whatever else the folder holds.
 fn sketch(file: &Path, common: &Common) -> Result<()> {
-    let machine = read(file, common)?;
+    let machine = read(file, common)?.description;
     let (svg, png) = canvas::svg_and_png(&Sketch::new(&machine))?;
     std::fs::create_dir_all(&common.out).map_err(Error::file("making folder", &common.out))?;
     let stem = common.out.join(&machine.name);
@@ -66,19 +65,23 @@ fn follow(file: &Path, Run { samples, of_file: a, .. }: &Run, common: &Common) -
         }
     };
     let machine = read(file, common)?;
-    let mut manifest = manifest(&machine, &times, common);
-    manifest.invocation.options.insert("knots".into(), a.knots.to_string());
+    let mut invocation = common.invocation.clone();
+    let ends = (times.len(), times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
+    invocation.options.insert("times".into(), format!("{} from {:?} to {:?} s", ends.0, ends.1, ends.2));
+    invocation.options.insert("knots".into(), a.knots.to_string());
+    let destination = Destination::new(common, &invocation, &machine);
     // Refused before work begins.
-    let out = place(common, &manifest)?;
+    let out = destination.place(&[destination.result(RESULT)])?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program as well, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
     let progress = Progress::new(0, TIME).ticking();
-    let record = assembly::record(machine, &times, &stop, &mut |part| progress.part(part))?;
+    let record =
+        assembly::record(machine.description.clone(), &times, &stop, &mut |part| progress.part(part))?;
     drop(progress);
     let held = destination::hold(&out);
-    let account = write(&record, &out, &manifest, a.knots)?;
+    let account = write(&record, &out, &Manifest::of_result(RESULT, &invocation, &machine), a.knots)?;
     drop(held);
     let stem = out.join("motion");
     output::say(&format!(
@@ -93,40 +96,6 @@ fn follow(file: &Path, Run { samples, of_file: a, .. }: &Run, common: &Common) -
         Some(Ended::Error(error)) => Err(error.into()),
         Some(Ended::Stopped) => Ok(false),
         None => Ok(true),
-    }
-}
-
-/// What the motion is computed from: the machine's numbers by their names, and the file of the
-/// whole machine.
-fn manifest(machine: &Description, times: &[f64], common: &Common) -> Manifest {
-    let si = machine.parameters().into_iter().map(|p| (p.name, p.value)).collect();
-    let mut invocation: Invocation = common.invocation.clone();
-    invocation.options.insert("machine".into(), machine.to_toml());
-    let ends = (times.len(), times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
-    invocation.options.insert("times".into(), format!("{} from {:?} to {:?} s", ends.0, ends.1, ends.2));
-    Manifest {
-        program: "vibro".into(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        study: RESULT.into(),
-        invocation,
-        si,
-        groups: BTreeMap::new(),
-        long_study: None,
-    }
-}
-
-/// The folder where the result can be written: the named one, or one of its own beside another
-/// result of the default folder.
-fn place(common: &Common, manifest: &Manifest) -> Result<PathBuf> {
-    let refusal =
-        |out: &Path| if common.replace { Ok(None) } else { destination::other_result(out, manifest) };
-    match refusal(&common.out)? {
-        None => Ok(common.out.clone()),
-        Some(_) if common.out == Path::new(DEFAULT_OUT) => {
-            let apart = common.out.join(format!("{RESULT}-{}", manifest.digest()));
-            refusal(&apart)?.map_or(Ok(apart), Err)
-        }
-        Some(error) => Err(error),
     }
 }
 

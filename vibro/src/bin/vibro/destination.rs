@@ -175,7 +175,7 @@ pub fn write_manifest(out: &Path, manifest: &Manifest) -> Result<()> {
 }
 
 /// The refusal to overwrite the result of another run, where there is one.
-pub fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
+fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
     let (name, path) = (&here.study, manifest_path(out, &here.study));
     let allowed = "allowed: another --out, or --replace, which overwrites it";
     let problem = if path.exists() {

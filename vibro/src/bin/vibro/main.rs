@@ -25,6 +25,7 @@ use arguments::{Arguments, Command};
 use clap::FromArgMatches;
 use common_arguments::Common;
 use destination::Destination;
+use std::path::Path;
 use std::process::ExitCode;
 use vibro::{Error, Result, load_file, parameter_file, studies};
 use vibro_analysis::{Name, ParameterSet, number, typed_unit};
@@ -36,7 +37,8 @@ fn main() -> ExitCode {
     let matches = arguments::without_alias(arguments::command().get_matches());
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     arguments.common.invocation = invocation::invocation(&matches);
-    match arguments::check_subject(&matches).and_then(|()| run(&mut arguments)) {
+    let file = arguments::file(&matches);
+    match arguments::check_subject(&matches).and_then(|()| run(&mut arguments, file)) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(interruption::INTERRUPTED as u8),
         Err(error) => {
@@ -47,12 +49,12 @@ fn main() -> ExitCode {
 }
 
 /// `false` where the work was interrupted and said so.
-fn run(arguments: &mut Arguments) -> Result<bool> {
+fn run(arguments: &mut Arguments, file: Option<&Path>) -> Result<bool> {
     if let Some(threads) = arguments.common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global().map_err(Error::output("threads"))?;
     }
-    if let Some(file) = arguments.command.file() {
+    if let Some(file) = file {
         return assembly::run(file, &arguments.command, &arguments.common);
     }
     arguments.command.read_axes()?;

@@ -26,14 +26,8 @@ pub struct Run {
     pub file: Option<PathBuf>,
     /// Rows of the table: in each drive period, at most 10000; with FILE in all, after that of time
     /// 0 [default: 100; with FILE 1000]
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "100",
-        default_value_if("file", IsPresent, "1000"),
-        hide_default_value = true,
-        value_parser = whole(1..=u32::MAX)
-    )]
+    #[arg(long, value_name = "N", default_value = "100", default_value_if("file", IsPresent, "1000"))]
+    #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub samples: u32,
     /// Options of a machine's file.
     #[command(flatten, next_help_heading = WITH_FILE)]

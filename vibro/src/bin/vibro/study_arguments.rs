@@ -20,55 +20,28 @@ pub struct Bifurcation {
     pub file: Option<PathBuf>,
     /// Parameter and range, such as f10=0.5:5 or, with FILE, stop.upper.gap=1mm:8mm:200. Repeated
     /// for planes [default without FILE: f10=0.5:5]
-    #[arg(
-        id = "range",
-        long = "vary",
-        visible_alias = "range",
-        value_name = "NAME=FROM:TO[:COUNT]",
-        allow_hyphen_values = true
-    )]
+    #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO[:COUNT]")]
+    #[arg(allow_hyphen_values = true)]
     pub vary: Vec<String>,
     /// Values in a range without a count [default: 451; with FILE 200, of a plane 60]
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "451",
-        default_value_ifs = [("pair", IsPresent, "60"), ("file", IsPresent, "200")],
-        hide_default_value = true,
-        value_parser = whole::<u16>(2..=20_000)
-    )]
+    #[arg(long, value_name = "N", default_value = "451")]
+    #[arg(default_value_ifs = [("pair", IsPresent, "60"), ("file", IsPresent, "200")])]
+    #[arg(hide_default_value = true, value_parser = whole::<u16>(2..=20_000))]
     pub resolution: u16,
     /// Periods discarded at each value; with FILE, unless the motion has settled before
     /// [default: 400; with FILE 300]
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "400",
-        default_value_if("file", IsPresent, "300"),
-        hide_default_value = true,
-        value_parser = whole(0..=u32::MAX)
-    )]
+    #[arg(long, value_name = "N", default_value = "400", default_value_if("file", IsPresent, "300"))]
+    #[arg(hide_default_value = true, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
     /// Periods kept at each value [default: 800; with FILE 100]
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "800",
-        default_value_if("file", IsPresent, "100"),
-        hide_default_value = true,
-        value_parser = whole(1..=u32::MAX)
-    )]
+    #[arg(long, value_name = "N", default_value = "800", default_value_if("file", IsPresent, "100"))]
+    #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub keep: u32,
     /// Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity: box.s,
     /// box.v, box.a, upper.e, upper.rate, upper.f
     /// [default: x2; with FILE the first free body's coordinate]
-    #[arg(
-        long,
-        value_name = "NAME",
-        default_value = "x2",
-        default_value_if("file", IsPresent, None::<&str>),
-        hide_default_value = true
-    )]
+    #[arg(long, value_name = "NAME", default_value = "x2")]
+    #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub of: Option<String>,
     /// For many machines.
     #[command(flatten)]
@@ -127,37 +100,21 @@ pub struct DiagramOfPaper {
 pub struct Lyapunov {
     /// Most periods over which exponents are computed; with FILE 8 to 1000000, after 32 in which
     /// the variation turns into its direction [default: 1500; with FILE 400]
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "1500",
-        default_value_if("file", IsPresent, "400"),
-        hide_default_value = true,
-        value_parser = whole(1..=u32::MAX)
-    )]
+    #[arg(long, value_name = "N", default_value = "1500", default_value_if("file", IsPresent, "400"))]
+    #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub periods: u32,
     /// The diagram.
     #[command(flatten)]
     pub sweep: Bifurcation,
     /// End a spectrum once the standard deviation of the running exponents over 200 periods is
     /// below this, per unit of tau
-    #[arg(
-        long,
-        value_name = "X",
-        default_value_t = 0.0,
-        value_parser = real(0.0..=f64::MAX, "a finite number >= 0"),
-        help_heading = WITHOUT_FILE
-    )]
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(value_parser = real(0.0..=f64::MAX, "a finite number >= 0"), help_heading = WITHOUT_FILE)]
     pub threshold: f64,
     /// Values at which spectra are listed and running exponents shown
     /// [default: of f10 0.6,1.5,2.45,3.6 or the value that was set; of other parameters the quarters of the range]
-    #[arg(
-        long,
-        value_name = "V,V,…",
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        help_heading = WITHOUT_FILE
-    )]
+    #[arg(long, value_name = "V,V,…", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(help_heading = WITHOUT_FILE)]
     pub at: Vec<String>,
 }
 

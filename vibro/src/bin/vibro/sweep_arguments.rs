@@ -63,25 +63,13 @@ pub struct Sweep {
     pub over: Vec<String>,
     /// What is measured: names from --list, separated by commas. May be repeated
     /// [default: amplitudes, impacts, their speed, power lost, class]
-    #[arg(
-        long,
-        value_name = "NAME,…",
-        value_delimiter = ',',
-        default_value = DEFAULT,
-        default_value_if("file", IsPresent, None::<&str>),
-        hide_default_value = true
-    )]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = DEFAULT)]
+    #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub output: Vec<String>,
     /// Periods discarded before a motion is measured; with FILE, unless it has settled before
     /// [default: 400; with FILE 300]
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "400",
-        default_value_if("file", IsPresent, "300"),
-        hide_default_value = true,
-        value_parser = whole(0..=u32::MAX)
-    )]
+    #[arg(long, value_name = "N", default_value = "400", default_value_if("file", IsPresent, "300"))]
+    #[arg(hide_default_value = true, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
     /// Periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T
     /// motions
@@ -90,14 +78,9 @@ pub struct Sweep {
     /// Periods of motion that may be spent on measuring again, longer and between the values of
     /// --over, the designs that may have the least of the first output, until one is the best by
     /// its error bar; 0 for none [default: 5000000; with FILE 300000]
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "5000000",
-        default_value_if("file", IsPresent, "300000"),
-        hide_default_value = true,
-        value_parser = whole::<u64>(0..=u64::MAX)
-    )]
+    #[arg(long, value_name = "N", default_value = "5000000")]
+    #[arg(default_value_if("file", IsPresent, "300000"), hide_default_value = true)]
+    #[arg(value_parser = whole::<u64>(0..=u64::MAX))]
     pub again: u64,
     /// List the names of all outputs of the machine, with unit and meaning
     #[arg(long)]
