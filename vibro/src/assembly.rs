@@ -108,7 +108,7 @@ pub fn times_of(path: &Path) -> Result<Vec<f64>> {
 }
 
 /// A motion at instants, and its events.
-pub struct Record {
+pub struct MotionRecord {
     /// The machine.
     pub assembly: Arc<Assembly>,
     /// Names of the columns of `rows`, after `time`: of each body `.s`, `.v`, `.a`, of each element
@@ -148,7 +148,7 @@ pub fn record(
     times: &[f64],
     asked: &Arc<AtomicBool>,
     done: &mut dyn FnMut(f64),
-) -> Result<Record> {
+) -> Result<MotionRecord> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let mut events = Vec::new();
     let motion = Motion::new_observed(assembly.clone(), &mut |event| events.push(event.clone()))?;
@@ -161,7 +161,7 @@ pub fn record(
         Extremes::new(&watched(&assembly.description)?, (times.first().copied().unwrap_or(0.0), end));
     let followed = Followed::new(Contacts::new(&motion, &events)?, extremes);
     let mut record =
-        Record { assembly, columns, rows: Vec::new(), events, followed, motion, start, ended: None };
+        MotionRecord { assembly, columns, rows: Vec::new(), events, followed, motion, start, ended: None };
     for &time in times {
         record.ended = record.advance(time, &mut |now| done(now / end));
         if record.ended.is_some() {
@@ -196,7 +196,7 @@ pub fn event_in_words(d: &Description, kind: &EventKind) -> [String; 4] {
     [kind.into(), element, value.map_or(String::new(), exact), stops.map_or(String::new(), |n| n.to_string())]
 }
 
-impl Record {
+impl MotionRecord {
     /// To an instant; why it ended before, if it did.
     fn advance(&mut self, time: f64, met: &mut dyn FnMut(f64)) -> Option<Ended> {
         let (before, told) = (self.motion.save(), self.events.len());

@@ -31,12 +31,12 @@ pub struct LongStudy {
     #[serde(default = "unwritten_format")]
     pub format: u32,
     /// What is computed, and of which machine.
-    pub work: Work,
+    pub work: StudyOfMachine,
 }
 
 /// What is computed, of a machine of either kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Work {
+pub enum StudyOfMachine {
     /// Of the 3-DOF machine.
     ThreeDof {
         /// What.
@@ -64,7 +64,7 @@ pub enum AssemblyStudy {
     Isoperiodic(isoperiodic::Request<assembly::Machine>),
 }
 
-impl Work {
+impl StudyOfMachine {
     /// The machine.
     pub fn subject(&self) -> &dyn Subject {
         match self {
@@ -110,11 +110,11 @@ fn unwritten_format() -> u32 {
 impl LongStudy {
     /// A study by this version of the program.
     pub fn new(name: &str, kind: StudyKind, set: &ParameterSet) -> Self {
-        Self::of(name, Work::ThreeDof { kind, set: set.clone() })
+        Self::of(name, StudyOfMachine::ThreeDof { kind, set: set.clone() })
     }
 
     /// A study of any machine by this version of the program.
-    pub fn of(name: &str, work: Work) -> Self {
+    pub fn of(name: &str, work: StudyOfMachine) -> Self {
         let version = env!("CARGO_PKG_VERSION").into();
         Self { name: name.into(), version, format: FORMAT, work }
     }
@@ -122,7 +122,7 @@ impl LongStudy {
     /// Stems of the files of its results.
     pub fn results(&self) -> Vec<String> {
         let mut names = vec![self.name.clone()];
-        let Work::ThreeDof { kind, .. } = &self.work else { return names };
+        let StudyOfMachine::ThreeDof { kind, .. } = &self.work else { return names };
         if let StudyKind::Sweep { orbits: Some(_), .. } = kind {
             names.push(format!("{}-orbits", self.name));
         }
@@ -137,10 +137,12 @@ impl LongStudy {
     /// Number of parts; 0 where it shows in the course of the work alone.
     pub fn count(&self) -> usize {
         let kind = match &self.work {
-            Work::ThreeDof { kind, .. } => kind,
-            Work::Assembly { kind: AssemblyStudy::Diagram(request), .. } => return request.count(),
-            Work::Assembly { kind: AssemblyStudy::DesignSweep(request), .. } => return request.count(),
-            Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), .. } => {
+            StudyOfMachine::ThreeDof { kind, .. } => kind,
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Diagram(request), .. } => return request.count(),
+            StudyOfMachine::Assembly { kind: AssemblyStudy::DesignSweep(request), .. } => {
+                return request.count();
+            }
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), .. } => {
                 return isoperiodic::count(request);
             }
         };
@@ -160,11 +162,13 @@ impl LongStudy {
     /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
     pub fn check(&self) -> Result<()> {
         match &self.work {
-            Work::ThreeDof { kind: StudyKind::Basin(request), .. } => studies::check_basins(request),
-            Work::ThreeDof { kind: StudyKind::Isoperiodic(request), .. } => {
+            StudyOfMachine::ThreeDof { kind: StudyKind::Basin(request), .. } => {
+                studies::check_basins(request)
+            }
+            StudyOfMachine::ThreeDof { kind: StudyKind::Isoperiodic(request), .. } => {
                 studies::check_isoperiodic(request)
             }
-            Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine } => {
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine } => {
                 isoperiodic::check(machine, request)?;
                 studies::check_isoperiodic(request)
             }
@@ -177,7 +181,7 @@ impl LongStudy {
     /// # Errors
     /// As [`bifurcation::diagram`].
     pub fn diagram(&self, task: &Task) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
-        let Work::ThreeDof { kind: StudyKind::Sweep { sweep, .. }, set } = &self.work else {
+        let StudyOfMachine::ThreeDof { kind: StudyKind::Sweep { sweep, .. }, set } = &self.work else {
             return Ok(None);
         };
         Ok(bifurcation::diagram(set, sweep, task)?.map(|d| (*sweep, d)))
@@ -204,8 +208,8 @@ impl LongStudy {
     ) -> Result<Option<Vec<Study>>> {
         self.check()?;
         let (kind, set) = match &self.work {
-            Work::ThreeDof { kind, set } => (kind, set),
-            Work::Assembly { kind, machine } => return self.run_assembly(kind, machine, task),
+            StudyOfMachine::ThreeDof { kind, set } => (kind, set),
+            StudyOfMachine::Assembly { kind, machine } => return self.run_assembly(kind, machine, task),
         };
         match kind {
             StudyKind::Sweep { at, orbits, .. } => {
@@ -282,10 +286,10 @@ impl LongStudy {
     pub fn write_tables(&self, task: &Task, out: &Path) -> Result<()> {
         let stem = out.join(&self.name);
         match &self.work {
-            Work::ThreeDof { kind: StudyKind::DesignSweep(request), set } => {
+            StudyOfMachine::ThreeDof { kind: StudyKind::DesignSweep(request), set } => {
                 studies::write_design_tables(set, request, task, &stem)
             }
-            Work::Assembly { kind: AssemblyStudy::DesignSweep(request), machine } => {
+            StudyOfMachine::Assembly { kind: AssemblyStudy::DesignSweep(request), machine } => {
                 studies::write_design_tables(machine, request, task, &stem)
             }
             _ => Ok(()),

@@ -10,7 +10,7 @@ pub use statement::{Statement, Verdict};
 use super::long_study::{LongStudy, StudyKind};
 use super::studies::{self, DiagramOrbits, Study};
 use crate::part_folder::PartFolder;
-use crate::table::Table;
+use crate::table::TextTable;
 use crate::{Error, Result};
 use std::path::Path;
 use vibro_analysis::basin::{self, InitialValueRange};
@@ -172,7 +172,7 @@ impl Plan {
         all.push(studies::strong_case(&ParameterSet::strong()?)?);
         done(false);
         all.extend(self.basin.run(&Task { store: basin, done, ..Task::ALL })?.into_iter().flatten());
-        let statements = statements::all(&statement::Found {
+        let statements = statements::all(&statement::Findings {
             set,
             coarse: &coarse.1,
             fine: &fine.1,
@@ -220,7 +220,7 @@ impl Plan {
         (sweep, coarse): &(Sweep, Diagram),
         (fine_sweep, fine): &(Sweep, Diagram),
         orbits: &Result<DiagramOrbits>,
-    ) -> Result<(Table, Vec<Study>)> {
+    ) -> Result<(TextTable, Vec<Study>)> {
         let (set, force) = (&self.set, Name::Group(find_group("f10")?));
         let (table, spectra) = studies::spectra(set, sweep, coarse, &TABLE, orbits.as_ref().ok(), "table-2")?;
         let options = sweep.exponents.unwrap_or_default();

@@ -24,11 +24,11 @@ pub struct Selection {
     /// The table.
     pub path: PathBuf,
     /// Which rows.
-    rows: Rows,
+    rows: ChosenRows,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Rows {
+enum ChosenRows {
     All,
     Row(usize),
     Kind { label: Option<Label>, value: Option<String> },
@@ -49,7 +49,7 @@ impl FromStr for Selection {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let all = || Self { path: text.into(), rows: Rows::All };
+        let all = || Self { path: text.into(), rows: ChosenRows::All };
         let form =
             || Error::form(text, "FILE, FILE:ROW with a row counted from 1, FILE:LABEL or FILE:LABEL@VALUE");
         let (path, choice) = match text.rsplit_once(':') {
@@ -62,7 +62,7 @@ impl FromStr for Selection {
             if row == 0 {
                 return Err(form());
             }
-            Rows::Row(row)
+            ChosenRows::Row(row)
         } else {
             let (label, value) = choice.split_once('@').map_or((choice, None), |(l, v)| (l, Some(v)));
             let label = label.trim();
@@ -71,7 +71,7 @@ impl FromStr for Selection {
             if known.is_none() && !(label.is_empty() && value.is_some()) {
                 return if Path::new(text).exists() { Ok(all()) } else { Err(form()) };
             }
-            Rows::Kind { label: known, value: value.map(|v| v.trim().to_owned()) }
+            ChosenRows::Kind { label: known, value: value.map(|v| v.trim().to_owned()) }
         };
         Ok(Self { path: path.into(), rows })
     }
@@ -92,10 +92,10 @@ impl Selection {
         let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
         let records = reader.records().collect::<std::result::Result<Vec<_>, _>>();
         let records = records.map_err(|e| wrong(e.to_string()))?;
-        let rows: Vec<Row> = records
+        let rows: Vec<PointRow> = records
             .iter()
             .zip(1..)
-            .map(|(record, number)| Row { number, record, header: &header, path: &self.path })
+            .map(|(record, number)| PointRow { number, record, header: &header, path: &self.path })
             .collect();
         if let Some(other) = rows.first().map(|row| row.along()).transpose()?.filter(|own| *own != along) {
             let problem =
@@ -103,7 +103,7 @@ impl Selection {
             return Err(wrong(problem));
         }
         match &self.rows {
-            Rows::Row(number) => {
+            ChosenRows::Row(number) => {
                 let row = rows
                     .get(number - 1)
                     .ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
@@ -113,14 +113,14 @@ impl Selection {
                     wrong(format!("row {number} is {label}; curves start from LP, BP, PD, NS, GR and CH"))
                 })?])
             }
-            Rows::All => self.chosen(&rows, along, held, None, None),
-            Rows::Kind { label, value } => self.chosen(&rows, along, held, *label, value.as_deref()),
+            ChosenRows::All => self.chosen(&rows, along, held, None, None),
+            ChosenRows::Kind { label, value } => self.chosen(&rows, along, held, *label, value.as_deref()),
         }
     }
 
     fn chosen(
         &self,
-        rows: &[Row],
+        rows: &[PointRow],
         along: Name,
         held: f64,
         label: Option<Label>,
@@ -161,14 +161,14 @@ fn last_digit(along: Name, text: &str) -> Result<f64> {
 }
 
 /// A row of a table.
-struct Row<'a> {
+struct PointRow<'a> {
     number: usize,
     record: &'a csv::StringRecord,
     header: &'a csv::StringRecord,
     path: &'a Path,
 }
 
-impl Row<'_> {
+impl PointRow<'_> {
     fn wrong(&self, problem: String) -> Error {
         Error::Config { path: self.path.into(), problem }
     }
@@ -212,9 +212,9 @@ mod tests {
     #[test]
     fn selections_are_read_as_they_are_written() {
         let rows = |text: &str| text.parse::<Selection>().unwrap().rows;
-        let kind = |label, value: Option<&str>| Rows::Kind { label, value: value.map(str::to_owned) };
-        assert_eq!(rows("a.csv"), Rows::All);
-        assert_eq!(rows("a.csv:3"), Rows::Row(3));
+        let kind = |label, value: Option<&str>| ChosenRows::Kind { label, value: value.map(str::to_owned) };
+        assert_eq!(rows("a.csv"), ChosenRows::All);
+        assert_eq!(rows("a.csv:3"), ChosenRows::Row(3));
         assert_eq!(rows("C:/b/a.csv:lp"), kind(Some(Label::Fold), None));
         assert_eq!(rows("a.csv:PD@2.3041"), kind(Some(Label::PeriodDoubling), Some("2.3041")));
         assert_eq!(rows("a.csv:@10.65 Hz"), kind(None, Some("10.65 Hz")));

@@ -29,21 +29,21 @@ pub use design_sweep::{design_sweep, write_tables as write_design_tables};
 pub use diagram_orbits::{CoveredRow, Covering, DiagramOrbits, sweep_family};
 pub(crate) use diagram_orbits::{doublings_in_words, end_in_words};
 pub use isoperiodic::{POINT_IN_TABLE, check_isoperiodic, isoperiodic};
-pub use locus::{Curve, loci};
+pub use locus::{LocusCurve, loci};
 pub use manifold::{branches, families, shapes};
 pub use motions::{Modulation, histories_of, portraits, running};
 pub use orbit::orbit;
 pub use orbits::orbits;
 pub use plane::planes;
 pub use response::{along, force, frequency};
-pub use run::{Length as RunLength, Request as RunRequest, run};
+pub use run::{RunLength, RunRequest, run};
 pub use stability::{masri, regions};
 pub use steady::steady;
 pub use strong::strong_case;
 pub use sweep::{overlay, periodic_ranges, spectra, sweep};
 
 use crate::Result;
-use crate::table::Table;
+use crate::table::TextTable;
 use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::canvas::palette::{HERE, WHITE};
 use vibro_figures::chart::{Axis, Figure, Layer, MARK, Mark};
@@ -61,7 +61,7 @@ pub struct Study {
     /// [`LongStudy::write_tables`](crate::long_study::LongStudy::write_tables) writes.
     pub files: Vec<String>,
     /// The table that is worth reading on a screen.
-    pub shown: Option<Table>,
+    pub shown: Option<TextTable>,
     /// The picture; `None` where there is nothing to draw, which `what` explains.
     pub figure: Option<Figure>,
     /// What to say about it, line by line.
@@ -76,7 +76,7 @@ pub struct Study {
 
 impl Study {
     /// A study of one table and one figure, whose files have the study's name.
-    fn of(name: &str, what: impl Into<String>, table: &Table, figure: Figure) -> Result<Self> {
+    fn of(name: &str, what: impl Into<String>, table: &TextTable, figure: Figure) -> Result<Self> {
         let tables = vec![(name.into(), table.csv()?)];
         Ok(Self { tables, figure: Some(figure), ..Self::without_figure(name, what) })
     }

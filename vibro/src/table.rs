@@ -8,14 +8,14 @@ use vibro_analysis::Unit;
 
 /// A table with a header.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub struct TextTable {
     /// Names of the columns.
     pub header: Vec<String>,
     /// The rows, each as long as the header.
     pub rows: Vec<Vec<String>>,
 }
 
-impl Table {
+impl TextTable {
     /// An empty table.
     pub fn new(header: &[&str]) -> Self {
         Self { header: header.iter().map(|h| (*h).into()).collect(), rows: Vec::new() }

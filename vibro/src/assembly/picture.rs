@@ -1,7 +1,7 @@
 //! The picture of a motion: coordinates, forces of stops and friction, and the speeds of impacts
 //! over time.
 
-use super::Record;
+use super::MotionRecord;
 use vibro_analysis::assembly::{Extreme, What};
 use vibro_assembly::description::Dimension;
 use vibro_assembly::motion::EventKind;
@@ -22,7 +22,7 @@ const SHORT: f64 = 0.1;
 const SMALL: u32 = 8;
 
 /// The picture; `None` where there are fewer than two samples.
-pub fn figure(record: &Record, caption: Vec<String>) -> Option<Figure> {
+pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
     if record.rows.len() < 2 {
         return None;
     }
@@ -31,7 +31,7 @@ pub fn figure(record: &Record, caption: Vec<String>) -> Option<Figure> {
     for (dimension, label) in [(Dimension::Translation, "s (m)"), (Dimension::Rotation, "s (rad)")] {
         let bodies = d.bodies.iter().enumerate().filter(|(_, b)| b.dimension == dimension);
         let curves: Vec<_> = bodies
-            .map(|(i, b)| Curve { name: &b.name, column: 3 * i, extreme: record.body(i, What::S) })
+            .map(|(i, b)| MotionCurve { name: &b.name, column: 3 * i, extreme: record.body(i, What::S) })
             .collect();
         panels.extend(curves_over_time(record, "coordinates", label, &curves));
     }
@@ -43,7 +43,7 @@ pub fn figure(record: &Record, caption: Vec<String>) -> Option<Figure> {
         let these = contacts.iter().filter(|(_, contact)| contact.1 == dimension);
         let curves = these.map(|&(i, (name, _))| {
             let (column, extreme) = (first + 3 * i + 2, record.force(i));
-            Curve { name, column, extreme }
+            MotionCurve { name, column, extreme }
         });
         // A stop that is never closed or pressed has no force to show.
         let curves: Vec<_> = curves.filter(|curve| curve.extreme.largest != 0.0).collect();
@@ -61,22 +61,22 @@ pub fn figure(record: &Record, caption: Vec<String>) -> Option<Figure> {
     Some(Figure { title: d.name.clone(), caption, panels, columns: 1, panel: PANEL, shared_legend: false })
 }
 
-fn time_axis(record: &Record) -> Axis {
+fn time_axis(record: &MotionRecord) -> Axis {
     let time = |row: Option<&Vec<f64>>| row.map_or(0.0, |row| row[0]);
     Axis::over("time (s)", time(record.rows.first()), time(record.rows.last()))
 }
 
 /// A quantity that is drawn: its name, its column of the samples, its extremes between them.
-struct Curve<'a> {
+struct MotionCurve<'a> {
     name: &'a str,
     column: usize,
     extreme: &'a Extreme,
 }
 
-impl Curve<'_> {
+impl MotionCurve<'_> {
     /// Samples and extremes in order of time: no peak is lost between samples, however few there
     /// are.
-    fn points(&self, record: &Record) -> Path {
+    fn points(&self, record: &MotionRecord) -> Path {
         let stride = record.rows.len().div_ceil(POINTS);
         let samples = record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + self.column]));
         let mut points: Path = samples.chain(self.extreme.points()).collect();
@@ -89,7 +89,12 @@ impl Curve<'_> {
     }
 }
 
-fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[Curve]) -> Option<Panel> {
+fn curves_over_time(
+    record: &MotionRecord,
+    title: &str,
+    label: &str,
+    curves: &[MotionCurve],
+) -> Option<Panel> {
     if curves.is_empty() {
         return None;
     }
@@ -111,7 +116,7 @@ fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[Curve])
     Some(Panel { title, x: time_axis(record), y, layers })
 }
 
-fn impacts(record: &Record, dimension: Dimension, label: &str) -> Option<Panel> {
+fn impacts(record: &MotionRecord, dimension: Dimension, label: &str) -> Option<Panel> {
     let d = &record.assembly.description;
     let mut layers = Vec::new();
     for (i, stop) in d.stops.iter().enumerate().filter(|(_, stop)| stop.arms.dimension == dimension) {

@@ -1,6 +1,6 @@
 //! What a machine is and what a motion was, in words.
 
-use super::{Record, event_in_words};
+use super::{MotionRecord, event_in_words};
 use crate::Result;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -179,7 +179,7 @@ fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
 }
 
 /// How many contacts each stop has had, and the worst of each.
-fn contacts(record: &Record) -> Vec<String> {
+fn contacts(record: &MotionRecord) -> Vec<String> {
     let d = &record.assembly.description;
     let all = record.followed.contacts.all();
     let line = |(i, stop): (usize, &Stop)| {
@@ -206,7 +206,7 @@ fn contacts(record: &Record) -> Vec<String> {
 }
 
 /// How many events of each kind there were, and which are not in the file.
-fn events(record: &Record, knots: bool) -> String {
+fn events(record: &MotionRecord, knots: bool) -> String {
     let d = &record.assembly.description;
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for event in &record.events {
@@ -224,7 +224,7 @@ fn events(record: &Record, knots: bool) -> String {
 }
 
 /// Extents, events and energies of a motion.
-pub(super) fn account(record: &Record, knots: bool) -> Vec<String> {
+pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
     let d = &record.assembly.description;
     let mut lines = Vec::new();
     for (i, body) in d.bodies.iter().enumerate() {

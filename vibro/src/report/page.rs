@@ -3,7 +3,7 @@
 use super::statement::{Statement, Verdict};
 use crate::Result;
 use crate::studies::Study;
-use crate::table::Table;
+use crate::table::TextTable;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ pub(super) fn page(
     set: &ParameterSet,
     quick: bool,
     statements: &[Statement],
-    spectra: &Table,
+    spectra: &TextTable,
     studies: &[Study],
 ) -> Result<String> {
     let pictures = studies.par_iter().map(|s| s.figure.as_ref().map(canvas::png).transpose());
@@ -78,7 +78,7 @@ fn comparison(statements: &[Statement]) -> String {
 }
 
 /// The table of exponents: the value, the numbers, the class, the ends of the stable range.
-fn exponents(spectra: &Table) -> String {
+fn exponents(spectra: &TextTable) -> String {
     let name = |name: &String| match name.as_str() {
         "f10" => "<th>f̂₁₀</th>".to_owned(),
         other => format!("<th>{}</th>", other.replace("lambda", "λ")),

@@ -48,7 +48,7 @@ pub struct Statement {
 }
 
 /// What the statements are compared with.
-pub(super) struct Found<'a> {
+pub(super) struct Findings<'a> {
     pub(super) set: &'a ParameterSet,
     pub(super) coarse: &'a Diagram,
     pub(super) fine: &'a Diagram,

@@ -8,7 +8,7 @@ use super::diagram::{
 };
 use super::sweep::letters;
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use vibro_analysis::assembly::diagram::{Point, Request};
 use vibro_analysis::assembly::{Machine, Start, runs_on, settle, settled};
 use vibro_analysis::bifurcation::Diagram;
@@ -119,7 +119,8 @@ pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &s
         return Err(crate::Error::Refused { what: why, problem: problem.into() });
     }
     let found = settled(&mut motion, &section, Some(periods))?;
-    let mut table = Table::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
+    let mut table =
+        TextTable::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
     let exponent = found.exponent;
     let number = |x: Option<f64>| x.map_or(String::new(), exact);
     table.rows.push(vec![
@@ -158,10 +159,10 @@ pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &s
     })
 }
 
-fn point_table(parameter: &str, diagram: &Diagram<Point>, apart: &[Option<bool>]) -> Table {
+fn point_table(parameter: &str, diagram: &Diagram<Point>, apart: &[Option<bool>]) -> TextTable {
     let header =
         ["direction", "class", "period", "interval", "contacts", "rests", "hysteresis", "exponent", "error"];
-    let mut table = Table::new(&[&[parameter][..], &header].concat());
+    let mut table = TextTable::new(&[&[parameter][..], &header].concat());
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for (point, apart) in points.iter().zip(apart) {
             let Some(Point { value, settled, .. }) = point else { continue };

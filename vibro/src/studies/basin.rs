@@ -3,7 +3,7 @@
 use super::Study;
 use super::lengths::Lengths;
 use crate::Result;
-use crate::table::{Table, csv_in_groups, exact};
+use crate::table::{TextTable, csv_in_groups, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::Attractor;
 use vibro_analysis::basin::{Basin, Destination, InitialValueAxis, Request};
@@ -74,8 +74,8 @@ fn shown(basin: &Basin) -> impl Iterator<Item = (usize, &Attractor, String)> {
 }
 
 /// Each attractor with the shares of its basin and of its mirror image's.
-fn attractor_table(basin: &Basin) -> Table {
-    let mut table = Table::new(&[
+fn attractor_table(basin: &Basin) -> TextTable {
+    let mut table = TextTable::new(&[
         "attractor",
         "class",
         "impacts_upper",

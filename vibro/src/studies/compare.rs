@@ -6,7 +6,7 @@ use super::steady_motion::{MotionSample, SteadyMotion, simulated};
 use super::sweep::{maxima_table, overlay};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use rayon::prelude::*;
 use vibro_analysis::attractor::{Attractor, observe};
 use vibro_analysis::bifurcation::{Sweep, diagram};
@@ -101,8 +101,8 @@ pub(super) fn amplitude_table(
     analytical: [f64; 4],
     simulated: [f64; 4],
     not_compared: Option<&str>,
-) -> (Table, Vec<String>) {
-    let mut table = Table::new(&["amplitude", name, "simulation", "relative_error", "not_compared"]);
+) -> (TextTable, Vec<String>) {
+    let mut table = TextTable::new(&["amplitude", name, "simulation", "relative_error", "not_compared"]);
     let mut remarks: Vec<String> = not_compared.map(str::to_owned).into_iter().collect();
     for ((name, a), s) in NAMES.into_iter().zip(analytical).zip(simulated) {
         let error = a / s - 1.0;
@@ -174,7 +174,7 @@ pub fn force_overlay(
 }
 
 /// One ε of figure 17: both motions over a period, both sets of amplitudes.
-struct Run {
+struct EpsilonComparison {
     epsilon: f64,
     theory: Vec<MotionSample>,
     simulation: Vec<MotionSample>,
@@ -183,7 +183,7 @@ struct Run {
     not_compared: Option<String>,
 }
 
-impl Run {
+impl EpsilonComparison {
     /// `None` where multiple scales has no motion.
     fn new(set: &ParameterSet, epsilon: f64) -> Result<Option<Self>> {
         let p = set.parameters();
@@ -219,7 +219,7 @@ impl Run {
 /// Values of ε that are not allowed; what theory or simulator refuse.
 pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     let group = find_group("epsilon")?;
-    let run = |&epsilon: &f64| Run::new(&set.with(group, epsilon)?, epsilon);
+    let run = |&epsilon: &f64| EpsilonComparison::new(&set.with(group, epsilon)?, epsilon);
     let runs = epsilons.par_iter().map(run).collect::<Result<Vec<_>>>()?;
     let runs: Vec<_> = runs.into_iter().flatten().collect();
     if runs.is_empty() {
@@ -254,9 +254,9 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     Ok(Study::of("compare-17", what, &error_table(&runs), figure)?.with_remarks(slopes))
 }
 
-fn error_table(runs: &[Run]) -> Table {
+fn error_table(runs: &[EpsilonComparison]) -> TextTable {
     let columns = ["epsilon", "amplitude", "multiple_scales", "simulation", "relative_error", "not_compared"];
-    let mut table = Table::new(&columns);
+    let mut table = TextTable::new(&columns);
     for run in runs {
         let errors = run.errors();
         for (k, name) in NAMES.into_iter().enumerate() {
@@ -270,14 +270,15 @@ fn error_table(runs: &[Run]) -> Table {
 }
 
 /// The errors over ε in per cent, and in words their slopes.
-fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
+fn error_panel(letter: char, runs: &[EpsilonComparison]) -> (Panel, Vec<String>) {
     let percent = |k: usize| -> Path {
         runs.iter().filter_map(|r| Some((r.epsilon, 100.0 * r.errors()?[k].abs()))).collect()
     };
     let errors: [Path; 4] = std::array::from_fn(percent);
     let names = ["B, centre of mass", "A₁, box", "A₂, block", "A₃, secondary"];
     let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Ring];
-    let reason = |r: &Run| Some(format!("epsilon = {}: {}", short(r.epsilon), r.not_compared.as_ref()?));
+    let reason =
+        |r: &EpsilonComparison| Some(format!("epsilon = {}: {}", short(r.epsilon), r.not_compared.as_ref()?));
     let (mut layers, mut remarks) = (Vec::new(), runs.iter().filter_map(reason).collect::<Vec<_>>());
     for (k, path) in errors.iter().enumerate() {
         if path.is_empty() {

@@ -3,7 +3,7 @@
 
 use super::lengths::Lengths;
 use crate::Result;
-use crate::table::{CsvRows, Table, exact};
+use crate::table::{CsvRows, TextTable, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::bifurcation::{Diagram, DiagramPoint, Sweep, SweepPoint, Window};
 use vibro_analysis::plane::{AxisName, ParameterAxis};
@@ -149,8 +149,8 @@ pub(super) fn maxima_rows<P: DiagramPoint>(
 }
 
 /// Ranges of one class.
-pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) -> Table {
-    let mut table = Table::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
+pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) -> TextTable {
+    let mut table = TextTable::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for Window { from, to, class } in Diagram::windows(points) {
             table.rows.push(vec![direction.into(), exact(from), exact(to), class.name()]);

@@ -23,7 +23,7 @@ const MINT: Colour = Colour(150, 220, 190);
 
 /// A motion as pictures tell it.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown {
+pub struct ClassifiedMotion {
     class: MotionClass,
     /// Impacts, or impacts and first touches, a period.
     contacts: f64,
@@ -43,7 +43,7 @@ pub trait ShownPlane: PlaneMachine + Told {
     const COLUMNS: &[&str];
 
     /// The motion at a point; none where there is none.
-    fn motion(point: &Self::Point) -> Option<Shown>;
+    fn motion(point: &Self::Point) -> Option<ClassifiedMotion>;
     /// The cells of [`COLUMNS`](Self::COLUMNS); those of the motion are empty where there is none.
     fn cells(point: &Self::Point) -> Vec<Cow<'static, str>>;
     /// How exponents were computed, for captions.
@@ -63,7 +63,7 @@ type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 const ONE_PERIOD: &str = "1T";
 
 /// Kinds of motion as the first panel tells them apart; the last takes what no other does.
-const KINDS: [Entry<Shown>; 11] = [
+const KINDS: [Entry<ClassifiedMotion>; 11] = [
     ("without impacts", PALE, |m| m.contacts == 0.0 && !m.rests),
     ("1T, two symmetric impacts", BLUE, |m| m.is_two_impact),
     (ONE_PERIOD, SKY, |m| m.class == MotionClass::Periodic(1)),
@@ -146,8 +146,8 @@ fn method<M: ShownPlane>(request: &Request<M>) -> String {
 fn panels<M: ShownPlane>(machine: &M, request: &Request<M>, plane: &Isoperiodic<M::Point>) -> Vec<Panel> {
     let over = machine.over(request, plane);
     // The last entry of either list takes every motion, so that a code is always found.
-    let kind = |m: Shown| KINDS.iter().take_while(|k| !k.2(m)).count();
-    let impacts = |m: Shown| IMPACTS.iter().take_while(|k| !k.2(m.contacts)).count();
+    let kind = |m: ClassifiedMotion| KINDS.iter().take_while(|k| !k.2(m)).count();
+    let impacts = |m: ClassifiedMotion| IMPACTS.iter().take_while(|k| !k.2(m.contacts)).count();
     let kinds = KINDS.iter().map(|k| (if k.0 == ONE_PERIOD { M::ONE_PERIOD } else { k.0 }, k.1));
     let counts = IMPACTS.iter().map(|k| (k.0, k.1));
     let title = format!("(b) {}", M::CONTACTS);
@@ -170,7 +170,7 @@ fn coloured<M: ShownPlane>(
     (machine, request, plane): (&M, &Request<M>, &Isoperiodic<M::Point>),
     title: &str,
     entries: Vec<(&str, Colour)>,
-    code: &dyn Fn(Shown) -> usize,
+    code: &dyn Fn(ClassifiedMotion) -> usize,
     over: &[Layer],
 ) -> Panel {
     let (x, y) = (&request.x, &request.y);

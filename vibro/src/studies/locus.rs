@@ -10,7 +10,7 @@ use vibro_orbits::{Family, LocusEnd, LocusPoint, LocusStart, Span};
 
 /// A curve with where it was started.
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct LocusCurve {
     /// The file and row of its special point.
     pub from: String,
     /// The row.
@@ -23,7 +23,7 @@ pub struct Curve {
     pub also: Vec<usize>,
 }
 
-impl Curve {
+impl LocusCurve {
     /// What is special at its ends and on its way, but for the ends of the ranges, in words.
     fn ends(&self) -> String {
         let told = |point: &LocusPoint| {
@@ -75,7 +75,12 @@ const MARKS: [(LocusEnd, Mark); 5] = [
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[String]) -> Result<Study> {
+pub fn loci(
+    set: &ParameterSet,
+    family: &Family,
+    curves: &[LocusCurve],
+    problems: &[String],
+) -> Result<Study> {
     let [x, y] = [0, 1].map(|i| family.spans()[i]);
     let mut layers = Vec::new();
     for (i, curve) in curves.iter().enumerate() {
@@ -106,7 +111,7 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[S
         panel: (2000, 1500),
         shared_legend: false,
     };
-    let mut remarks: Vec<String> = curves.iter().map(Curve::in_words).collect();
+    let mut remarks: Vec<String> = curves.iter().map(LocusCurve::in_words).collect();
     remarks.extend(problems.iter().map(|problem| format!("no curve from {problem}")));
     Ok(Study {
         tables: vec![("locus".into(), table(x, y, curves)?)],
@@ -115,7 +120,7 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[S
     })
 }
 
-fn table(x: Span, y: Span, curves: &[Curve]) -> Result<Vec<u8>> {
+fn table(x: Span, y: Span, curves: &[LocusCurve]) -> Result<Vec<u8>> {
     let mut table = CsvRows::new([
         "curve",
         "label",
@@ -129,7 +134,7 @@ fn table(x: Span, y: Span, curves: &[Curve]) -> Result<Vec<u8>> {
         "phases",
         "row",
     ])?;
-    for (i, Curve { row, start, points, .. }) in curves.iter().enumerate() {
+    for (i, LocusCurve { row, start, points, .. }) in curves.iter().enumerate() {
         for point in points {
             let phases: Vec<String> = point.phases.iter().map(|p| exact(*p)).collect();
             table.push([

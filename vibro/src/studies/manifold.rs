@@ -4,7 +4,7 @@
 use super::Study;
 use super::lengths::Lengths;
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::{Name, ParameterSet, short};
 use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY, HERE};
@@ -69,7 +69,7 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
     let saw: Path = grid(0.0, 2.0 * TAU, POINTS).map(|s| (s / PI, sawtooth(s))).collect();
     let rho = |kappa| Manifold::new(kappa).map(|m| (kappa, m.rho()));
     let rhos = grid(0.0, 1.0, POINTS).map(rho).collect::<vibro_impact::Result<Path>>()?;
-    let mut table = Table::new(&["curve", "x", "y"]);
+    let mut table = TextTable::new(&["curve", "x", "y"]);
     for (name, path) in [("Z(s/pi)", &saw), ("B(C)", &curve(m, from, to)), ("rho(kappa)", &rhos)] {
         table.rows.extend(path.iter().map(|p| vec![name.into(), exact(p.0), exact(p.1)]));
     }
@@ -202,7 +202,11 @@ fn admissible(m: &Manifold, right: (f64, f64)) -> (f64, f64) {
 }
 
 /// The ranges of C that pass the tests, without numbers where there is none, and the fixed points.
-fn part_table(m: &Manifold, [left, right]: [(f64, f64); 2], roots: &[(&'static str, FixedPoint)]) -> Table {
+fn part_table(
+    m: &Manifold,
+    [left, right]: [(f64, f64); 2],
+    roots: &[(&'static str, FixedPoint)],
+) -> TextTable {
     let parts = [
         ("geometric", (0.0, m.c_gmax())),
         ("stable fixed point, left branch", left),
@@ -210,7 +214,7 @@ fn part_table(m: &Manifold, [left, right]: [(f64, f64); 2], roots: &[(&'static s
         ("stable periodic motion", (m.c_smin(), m.c_smax())),
         ("all three", admissible(m, right)),
     ];
-    let mut table = Table::new(&["part", "C_from", "C_to", "B_from", "B_to"]);
+    let mut table = TextTable::new(&["part", "C_from", "C_to", "B_from", "B_to"]);
     for (name, (c0, c1)) in parts {
         let number = |value: f64| if c0 < c1 { exact(value) } else { String::new() };
         let numbers = [c0, c1, m.b(c0), m.b(c1)].map(number);
@@ -234,7 +238,7 @@ fn ascii(name: &str) -> String {
 /// Values that are not allowed, and what multiple scales refuses.
 pub fn families(set: &ParameterSet, name: Name, values: &[f64]) -> Result<Study> {
     let mut table =
-        Table::new(&[name.name(), "root", "C", "B", "A3", "geometric", "fixed_point", "periodic_motion"]);
+        TextTable::new(&[name.name(), "root", "C", "B", "A3", "geometric", "fixed_point", "periodic_motion"]);
     let mut panels = Vec::new();
     for (index, &value) in values.iter().enumerate() {
         let set = set.with(name, value)?;
@@ -262,7 +266,7 @@ pub fn families(set: &ParameterSet, name: Name, values: &[f64]) -> Result<Study>
     )
 }
 
-fn member(set: &ParameterSet, name: Name, value: f64, index: usize, table: &mut Table) -> Result<Panel> {
+fn member(set: &ParameterSet, name: Name, value: f64, index: usize, table: &mut TextTable) -> Result<Panel> {
     let (system, lengths) = (MultipleScales::new(set.groups())?, Lengths::of(set));
     let m = system.manifold();
     let roots = both(system.fixed_points());

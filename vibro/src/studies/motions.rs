@@ -4,7 +4,7 @@ use super::lengths::Lengths;
 use super::steady_motion::{MotionSample, simulated};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use rayon::prelude::*;
 use vibro_analysis::bifurcation::{Diagram, SweepPoint};
 use vibro_analysis::lyapunov::{Convergence, SpectrumOptions, dimensionless};
@@ -27,7 +27,7 @@ const WANDERING: u32 = 60;
 const EXPONENTS: [&str; 7] = ["λ₁", "λ₂", "λ₃", "λ₄", "λ₅", "λ₆", "λ₇"];
 
 /// W, X1, X3 over time or their portraits: indices into [`MotionSample`]'s quantities.
-const SHOWN: [Quantity; 3] = [(1, "W", RELATIVE), (2, "X₁", BOX), (4, "X₃", SECONDARY)];
+const SHOWN: [DrawnQuantity; 3] = [(1, "W", RELATIVE), (2, "X₁", BOX), (4, "X₃", SECONDARY)];
 
 /// What is worth knowing of a motion with modulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +70,7 @@ fn modulation(points: &[MotionSample], flights: &[Flight], periods: u32) -> Modu
 /// # Errors
 /// What the simulator refuses.
 pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study, Modulation)> {
-    let mut table = Table::new(&[name.name(), "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
+    let mut table = TextTable::new(&[name.name(), "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
     let mut panels = Vec::new();
     let mut found = None;
     let (own, lengths) = (name.value(set), Lengths::of(set));
@@ -90,7 +90,7 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
         let mut title =
             |what: &str| format!("({}) {what}, {}", letters.next().unwrap_or(' '), set.told(name, value));
         let width = if periods > STEADY { 2 } else { THIN };
-        let shown = Shown { lengths: &lengths, points: &points, width };
+        let shown = DrawnMotion { lengths: &lengths, points: &points, width };
         panels.push(shown.history(&title(&lengths.displacement("W")), &SHOWN[..1]));
         panels.push(shown.history(&title(&lengths.displacements(&["X₁", "X₃"])), &SHOWN[1..]));
         panels.push(shown.portrait(&title("phase portraits"), &SHOWN));
@@ -116,18 +116,18 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
 }
 
 /// A quantity: its index in [`MotionSample`], its symbol and its colour.
-type Quantity = (usize, &'static str, Colour);
+type DrawnQuantity = (usize, &'static str, Colour);
 
 /// A motion as panels show it.
-struct Shown<'a> {
+struct DrawnMotion<'a> {
     lengths: &'a Lengths,
     points: &'a [MotionSample],
     width: u32,
 }
 
-impl Shown<'_> {
-    fn curves(&self, of: &[Quantity], point: impl Fn(&MotionSample, usize) -> (f64, f64)) -> Vec<Layer> {
-        let curve = |(q, symbol, colour): &Quantity| {
+impl DrawnMotion<'_> {
+    fn curves(&self, of: &[DrawnQuantity], point: impl Fn(&MotionSample, usize) -> (f64, f64)) -> Vec<Layer> {
+        let curve = |(q, symbol, colour): &DrawnQuantity| {
             let path: Path = self.points.iter().map(|p| point(p, *q)).collect();
             let line = Layer::line("", *colour, Dash::Solid, path).stroke(self.width);
             line.labelled(self.lengths.displacement(symbol))
@@ -135,11 +135,11 @@ impl Shown<'_> {
         of.iter().map(curve).collect()
     }
 
-    fn symbols(of: &[Quantity]) -> Vec<&'static str> {
+    fn symbols(of: &[DrawnQuantity]) -> Vec<&'static str> {
         of.iter().map(|q| q.1).collect()
     }
 
-    fn history(&self, title: &str, of: &[Quantity]) -> Panel {
+    fn history(&self, title: &str, of: &[DrawnQuantity]) -> Panel {
         let first = self.points.first().map_or(0.0, |p| p.time);
         let end = self.points.last().map_or(1.0, |p| p.time - first);
         Panel {
@@ -150,7 +150,7 @@ impl Shown<'_> {
         }
     }
 
-    fn portrait(&self, title: &str, of: &[Quantity]) -> Panel {
+    fn portrait(&self, title: &str, of: &[DrawnQuantity]) -> Panel {
         let symbols = Self::symbols(of);
         Panel {
             title: title.into(),
@@ -175,7 +175,7 @@ fn inside(p: &Parameters, s: &StroboscopicState) -> State {
 /// # Errors
 /// What the simulator refuses.
 pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f64]) -> Result<Study> {
-    let mut table = Table::new(&[name.name(), "class", "time", "X2", "dX2"]);
+    let mut table = TextTable::new(&[name.name(), "class", "time", "X2", "dX2"]);
     let (mut panels, lengths) = (Vec::new(), Lengths::of(set));
     for (letter, value) in ('a'..).zip(values) {
         let Some(point) = diagram.nearest(*value) else { continue };
@@ -186,7 +186,7 @@ pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f6
         }
         let title = format!("({letter}) {}: {}", set.told(name, point.value), point.class.name());
         let width = if point.attractor.period.is_some() { THIN } else { 2 };
-        let shown = Shown { lengths: &lengths, points: &samples, width };
+        let shown = DrawnMotion { lengths: &lengths, points: &samples, width };
         panels.push(shown.portrait(&title, &[(3, "X₂", BLOCK)]));
     }
     let figure = Figure {
@@ -248,10 +248,10 @@ pub fn running(
     Ok(Study::of(name, what, &running_table(along, &runs), figure)?.with_remarks(remarks))
 }
 
-fn running_table(name: Name, runs: &[(f64, Convergence)]) -> Table {
+fn running_table(name: Name, runs: &[(f64, Convergence)]) -> TextTable {
     let mut header = vec![name.name(), "period"];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
-    let mut table = Table::new(&header);
+    let mut table = TextTable::new(&header);
     for (value, found) in runs {
         for (n, exponents) in (1..).zip(&found.running) {
             let mut row = vec![exact(*value), n.to_string()];

@@ -229,10 +229,10 @@ pub(super) fn colour(period: u32) -> Colour {
 }
 
 /// Pieces of branches by period, and stable or not.
-type Pieces = BTreeMap<(u32, bool), Vec<Path>>;
+type PiecesByPeriod = BTreeMap<(u32, bool), Vec<Path>>;
 
-fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> Pieces {
-    let mut found = Pieces::new();
+fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> PiecesByPeriod {
+    let mut found = PiecesByPeriod::new();
     for (branch, tops) in branches.iter().zip(tops) {
         let mut state = None;
         for (pair, tops) in branch.points.windows(2).zip(tops.windows(2)) {

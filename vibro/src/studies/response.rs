@@ -4,7 +4,7 @@
 use super::lengths::Lengths;
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use rayon::prelude::*;
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::Method;
@@ -59,8 +59,8 @@ fn family(
     Ok(Family { name, members: values.par_iter().map(member).collect::<Result<_>>()? })
 }
 
-fn table(along: Name, families: &[Family]) -> Table {
-    let mut table = Table::new(&HEADER);
+fn table(along: Name, families: &[Family]) -> TextTable {
+    let mut table = TextTable::new(&HEADER);
     for family in families {
         for (value, responses) in &family.members {
             for response in responses {
@@ -118,14 +118,14 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> Option<f64>) -> [Ve
 
 /// The amplitude that a panel shows.
 #[derive(Clone, Copy)]
-enum Shown {
+enum ShownAmplitude {
     C,
     A3,
     /// That of a coordinate, asked for by name.
     Of(Displacement),
 }
 
-impl Shown {
+impl ShownAmplitude {
     /// What one figure shows of each family: the paper's C and A3, or the amplitude asked for.
     fn of(asked: Option<Displacement>) -> Vec<Self> {
         asked.map_or_else(|| vec![Self::C, Self::A3], |of| vec![Self::Of(of)])
@@ -164,7 +164,7 @@ impl Panels<'_> {
         (self.set.is_set(self.along) && (self.range.0..=self.range.1).contains(&own)).then_some(own)
     }
 
-    fn panel(&self, title: String, family: &Family, shown: Shown) -> Panel {
+    fn panel(&self, title: String, family: &Family, shown: ShownAmplitude) -> Panel {
         let mut layers = Vec::new();
         let mut highest = 0.0_f64;
         let mut over = Vec::new();
@@ -232,8 +232,9 @@ fn caption(set: &ParameterSet, varied: &[Name], of: Option<Displacement>) -> Vec
         }
         Some(_) => "Thin: exact orbit.",
     };
-    let text =
-        format!("Pale and wide: multiple scales. {exact} Shown for C > C_Smin, where motions can be stable.");
+    let text = format!(
+        "Pale and wide: multiple scales. {exact} ShownAmplitude for C > C_Smin, where motions can be stable."
+    );
     vec![text, set.caption_but(varied)]
 }
 
@@ -272,7 +273,7 @@ impl ResponseFigure<'_> {
             let others = shown.iter().map(|f| f.0).filter(|other| *other != name);
             others.map(|o| format!("; {}", set.told(o, o.value(set)))).collect::<String>()
         };
-        let amplitudes = Shown::of(self.of);
+        let amplitudes = ShownAmplitude::of(self.of);
         let pairs =
             families.iter().zip(&shown).flat_map(|(f, w)| amplitudes.iter().map(move |a| (f, *a, w.1)));
         let drawn = ('a'..).zip(pairs).map(|(letter, (family, amplitude, words))| {
@@ -401,8 +402,11 @@ mod tests {
             method: Method::ExactOrbit,
             curves: vec![vec![point, ResponsePoint { value: 1.5, ..point }]],
         };
-        let drawn = |shown: Shown| pieces(&response, |p| shown.value(p));
-        assert_eq!(drawn(Shown::Of(Displacement::X3)), [vec![vec![(1.0, 6.0), (1.5, 6.0)]], vec![]]);
-        assert_eq!(drawn(Shown::Of(Displacement::Sum([1.0, 2.0, 0.0]))), [Vec::<Path>::new(), Vec::new()]);
+        let drawn = |shown: ShownAmplitude| pieces(&response, |p| shown.value(p));
+        assert_eq!(drawn(ShownAmplitude::Of(Displacement::X3)), [vec![vec![(1.0, 6.0), (1.5, 6.0)]], vec![]]);
+        assert_eq!(
+            drawn(ShownAmplitude::Of(Displacement::Sum([1.0, 2.0, 0.0]))),
+            [Vec::<Path>::new(), Vec::new()]
+        );
     }
 }

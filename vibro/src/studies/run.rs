@@ -6,7 +6,7 @@ mod picture;
 
 use super::Study;
 use super::steady_motion::SteadyMotion;
-use crate::table::{CsvRows, Table, exact};
+use crate::table::{CsvRows, TextTable, exact};
 use crate::{Error, Result};
 use history::{Extent, History, RunImpact};
 use vibro_analysis::ParameterSet;
@@ -34,7 +34,7 @@ const NAMES: [&str; 4] = ["x1", "x2", "x3", "w"];
 
 /// How long a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Length {
+pub enum RunLength {
     /// So many drive periods.
     Periods(f64),
     /// So many seconds.
@@ -45,9 +45,9 @@ pub enum Length {
 
 /// What to run.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub struct RunRequest {
     /// How long.
-    pub length: Length,
+    pub length: RunLength,
     /// Drive periods discarded before the run begins, without loads; 400 unless given, and none
     /// where a start or a load is given.
     pub discard: Option<u32>,
@@ -60,14 +60,14 @@ pub struct Request {
     pub loads: Vec<Load>,
 }
 
-impl Request {
+impl RunRequest {
     fn duration(&self, p: &Parameters) -> Result<f64> {
         let last = self.loads.iter().map(|load| load.span().1).reduce(f64::max);
         let duration = match (self.length, last) {
-            (Length::Seconds(s), _) => s,
-            (Length::Default, Some(last)) => last,
-            (Length::Periods(n), _) => n * p.period(),
-            (Length::Default, None) => f64::from(PERIODS) * p.period(),
+            (RunLength::Seconds(s), _) => s,
+            (RunLength::Default, Some(last)) => last,
+            (RunLength::Periods(n), _) => n * p.period(),
+            (RunLength::Default, None) => f64::from(PERIODS) * p.period(),
         };
         if duration > 0.0 && duration.is_finite() {
             return Ok(duration);
@@ -110,7 +110,7 @@ impl Request {
 ///
 /// # Errors
 /// What the simulator refuses, and a run that is too long for its samples.
-pub fn run(set: &ParameterSet, request: &Request) -> Result<Study> {
+pub fn run(set: &ParameterSet, request: &RunRequest) -> Result<Study> {
     let p = set.parameters();
     let duration = request.duration(p)?;
     let grid = history::grid(p, duration, request.samples, LEAST, MOST)?;
@@ -233,8 +233,8 @@ fn motion_table(history: &History) -> Result<Vec<u8>> {
     csv.text()
 }
 
-fn impact_table(history: &History) -> Table {
-    let mut table = Table::new(&["time", "side", "speed", "impulse"]);
+fn impact_table(history: &History) -> TextTable {
+    let mut table = TextTable::new(&["time", "side", "speed", "impulse"]);
     for i in &history.impacts {
         let side = if i.side > 0 { "upper" } else { "lower" };
         table.rows.push(vec![exact(i.time), side.into(), exact(i.speed), exact(i.impulse)]);

@@ -3,7 +3,7 @@
 use super::lengths::Lengths;
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use rayon::prelude::*;
 use vibro_analysis::plane::Method;
 use vibro_analysis::response::response;
@@ -96,8 +96,8 @@ impl Regions {
         })
     }
 
-    fn table(&self) -> Table {
-        let mut table = Table::new(&["plane", "value", "theory", "C_from", "C_to", "C_Gmax"]);
+    fn table(&self) -> TextTable {
+        let mut table = TextTable::new(&["plane", "value", "theory", "C_from", "C_to", "C_Gmax"]);
         let mut scales = |plane: &str, value: f64, m: &Manifold| {
             let limits = [m.c_smin(), m.c_smax(), m.c_gmax()];
             table.rows.push(row(plane, value, "multiple scales", &limits));
@@ -263,7 +263,7 @@ pub fn masri(set: &ParameterSet) -> Result<Study> {
         scales.extend(system.force_range()?.admissible.map(|(low, high)| (kappa, xi(high), xi(low))));
     }
     let exact_orbit = exact_masri(&given, groups, xi)?;
-    let mut table = Table::new(&["kappa", "theory", "xi_from", "xi_to"]);
+    let mut table = TextTable::new(&["kappa", "theory", "xi_from", "xi_to"]);
     for (theory, limits) in [("multiple scales", &scales), ("exact orbit", &exact_orbit)] {
         let row = |l: &MasriLimits| vec![exact(l.0), theory.into(), exact(l.1), exact(l.2)];
         table.rows.extend(limits.iter().map(row));

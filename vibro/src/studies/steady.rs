@@ -4,7 +4,7 @@ use super::lengths::Lengths;
 use super::steady_motion::{MotionSample, SteadyMotion};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use nalgebra::Complex;
 use vibro_analysis::ParameterSet;
 use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, CENTRE, GREY, RELATIVE, SECONDARY};
@@ -26,9 +26,9 @@ pub(super) const CURVES: [(&str, Colour); 5] =
 const HEADS_FOR: &str = "largest multiplier heads for";
 
 /// Rows of the table: quantity, unit, theory, root, value.
-struct Rows(Table);
+struct SteadyRows(TextTable);
 
-impl Rows {
+impl SteadyRows {
     fn put(&mut self, column: (&str, &str), quantity: &str, unit: &str, value: String) {
         self.0.rows.push([quantity, unit, column.0, column.1, &value].map(String::from).to_vec());
     }
@@ -57,7 +57,7 @@ impl Rows {
 
 /// The table as the screen shows it. The file keeps the identifiers of the bifurcations, for
 /// programs that read it; a reader gets their names.
-fn readable(mut table: Table) -> Table {
+fn readable(mut table: TextTable) -> TextTable {
     use Bifurcation::{NeimarkSacker, PeriodDoubling, SaddleNode, SymmetryBreaking};
     for row in table.rows.iter_mut().filter(|row| row[0] == HEADS_FOR) {
         let all = [SaddleNode, SymmetryBreaking, PeriodDoubling, NeimarkSacker];
@@ -82,7 +82,7 @@ fn root_name(sheet: Sheet) -> &'static str {
 /// What multiple scales or the exact orbit refuse. Where strong coupling is singular it is left out
 /// with a remark.
 pub fn steady(set: &ParameterSet) -> Result<Study> {
-    let mut rows = Rows(Table::new(&["quantity", "unit", "theory", "root", "value"]));
+    let mut rows = SteadyRows(TextTable::new(&["quantity", "unit", "theory", "root", "value"]));
     let mut remarks = Vec::new();
     let motions = multiple_scales(set, &mut rows)?;
     let strong = match strong_rows(set, &mut rows) {
@@ -106,7 +106,7 @@ pub fn steady(set: &ParameterSet) -> Result<Study> {
     })
 }
 
-fn multiple_scales(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {
+fn multiple_scales(set: &ParameterSet, rows: &mut SteadyRows) -> Result<usize> {
     const NAME: &str = "multiple scales";
     let system = MultipleScales::new(set.groups())?;
     let (m, all) = (system.manifold(), (NAME, "both"));
@@ -154,13 +154,13 @@ fn multiple_scales(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {
     Ok(roots.each().iter().filter(|r| r.1.c > 0.0 && r.1.admissibility.geometric).count())
 }
 
-fn admissibility(rows: &mut Rows, column: (&str, &str), tests: vibro_impact::steady::Admissibility) {
+fn admissibility(rows: &mut SteadyRows, column: (&str, &str), tests: vibro_impact::steady::Admissibility) {
     rows.flag(column, "geometric test", tests.geometric);
     rows.flag(column, "stable fixed point", tests.fixed_point);
     rows.flag(column, "stable periodic motion", tests.periodic_motion);
 }
 
-fn strong_rows(set: &ParameterSet, rows: &mut Rows) -> vibro_impact::Result<usize> {
+fn strong_rows(set: &ParameterSet, rows: &mut SteadyRows) -> vibro_impact::Result<usize> {
     const NAME: &str = "strong coupling";
     let Some(roots) = strong_coupling::solve(set.groups())? else { return Ok(0) };
     for (sheet, p) in roots.each() {
@@ -178,7 +178,7 @@ fn strong_rows(set: &ParameterSet, rows: &mut Rows) -> vibro_impact::Result<usiz
     Ok(roots.each().iter().filter(|r| r.1.admissibility.geometric).count())
 }
 
-fn exact_rows(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {
+fn exact_rows(set: &ParameterSet, rows: &mut SteadyRows) -> Result<usize> {
     const NAME: &str = "exact orbit";
     let p = set.parameters();
     let mut count = 0;

@@ -8,7 +8,7 @@ use super::diagram::{
 use super::diagram_orbits::{DiagramOrbits, end_cells, end_in_words};
 use super::lengths::Lengths;
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_analysis::maxima::Displacement;
@@ -99,12 +99,12 @@ pub fn maxima_table(sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
     maxima_rows((sweep.axis.name.name(), &maximum), diagram, &|x| format!("{x:.6}"))
 }
 
-fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) -> Table {
+fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) -> TextTable {
     let mut header = vec![axis.name.name(), "direction", "class", "period", "impacts_upper", "impacts_lower"];
     header.extend(["rests", "symmetric", "hysteresis"]);
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
     header.extend(["deviation", "periods"]);
-    let mut table = Table::new(&header);
+    let mut table = TextTable::new(&header);
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for (point, apart) in points.iter().zip(apart) {
             let Some(p) = point else { continue };
@@ -141,10 +141,10 @@ pub fn spectra(
     values: &[f64],
     orbits: Option<&DiagramOrbits>,
     name: &str,
-) -> Result<(Table, Study)> {
+) -> Result<(TextTable, Study)> {
     let mut header = vec![sweep.axis.name.name()];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7", "class"]);
-    let (mut table, mut page) = (Table::new(&header), Table::new(&header));
+    let (mut table, mut page) = (TextTable::new(&header), TextTable::new(&header));
     if orbits.is_some() {
         table.header.extend(["stable_from", "label_from", "stable_to", "label_to"].map(String::from));
         page.header.push("stable orbit between".into());
@@ -191,7 +191,7 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
     let apart = diagram.apart();
     let mut panel = maxima_panel(set, sweep, diagram, &apart);
     panel.title = String::new();
-    let mut table = Table::new(&[axis.name.name(), "theory", "A2", "stable"]);
+    let mut table = TextTable::new(&[axis.name.name(), "theory", "A2", "stable"]);
     let lengths = Lengths::of(set);
     let amplitude = |p: &ResponsePoint| lengths.ratio(axis.name, p.value) * p.a[1];
     for method in [Method::MultipleScales, Method::ExactOrbit] {

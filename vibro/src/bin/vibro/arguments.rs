@@ -3,7 +3,7 @@
 use crate::common_arguments::{Common, WITH_FILE, WITHOUT_FILE};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::ranges::texts;
-use crate::run::Run;
+use crate::run::RunArguments;
 use crate::study_arguments::{
     Basin, Bifurcation, Compare, Isoperiodic, Lyapunov, Manifold, Merge, Plane, Reproduce, Response,
     Stability, Template,
@@ -215,7 +215,7 @@ pub enum Command {
     },
     /// A motion, exactly from event to event: tables of states, events and contacts, a picture, an
     /// account of powers
-    Run(Run),
+    Run(RunArguments),
     /// Amplitudes, forces, impacts, losses and more of many designs: a grid, a list or a Sobol
     /// sequence
     ///

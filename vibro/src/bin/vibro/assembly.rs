@@ -6,11 +6,11 @@ use crate::common_arguments::Common;
 use crate::destination::{self, Destination};
 use crate::output;
 use crate::progress::{Progress, TIME};
-use crate::run::Run;
+use crate::run::RunArguments;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro::assembly::{self, Ended, Record};
+use vibro::assembly::{self, Ended, MotionRecord};
 use vibro::manifest::Manifest;
 use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
@@ -55,7 +55,11 @@ fn sketch(file: &Path, common: &Common) -> Result<()> {
     output::say(&format!("drawn in {}.svg and .png", stem.display()))
 }
 
-fn follow(file: &Path, Run { samples, of_file: a, .. }: &Run, common: &Common) -> Result<bool> {
+fn follow(
+    file: &Path,
+    RunArguments { samples, of_file: a, .. }: &RunArguments,
+    common: &Common,
+) -> Result<bool> {
     let times = match (&a.times, a.until) {
         (Some(path), _) => assembly::times_of(path)?,
         (None, Some(until)) => assembly::even_times(until, *samples as usize)?,
@@ -100,7 +104,7 @@ fn follow(file: &Path, Run { samples, of_file: a, .. }: &Run, common: &Common) -
 }
 
 /// Writes tables, picture and account; returns the account.
-fn write(record: &Record, out: &Path, manifest: &Manifest, knots: bool) -> Result<String> {
+fn write(record: &MotionRecord, out: &Path, manifest: &Manifest, knots: bool) -> Result<String> {
     std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
     destination::write_manifest(out, manifest)?;
     write_whole(&out.join("states.csv"), &record.states()?)?;

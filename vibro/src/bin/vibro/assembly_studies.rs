@@ -9,7 +9,7 @@ use crate::study_arguments::{Bifurcation, Lyapunov};
 use crate::sweep::{in_words, request};
 use crate::sweep_arguments::{AxisArgument, Sweep};
 use std::path::Path;
-use vibro::long_study::{AssemblyStudy, LongStudy, Work};
+use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
 use vibro::manifest::Invocation;
 use vibro::studies::assembly_exponent;
 use vibro::{Error, Result, assembly};
@@ -140,7 +140,7 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
         ("periods", exponents.map_or(String::new(), |n| n.to_string())),
     ];
     let invocation = invocation(common, &options);
-    let work = Work::Assembly { kind: AssemblyStudy::Diagram(request), machine };
+    let work = StudyOfMachine::Assembly { kind: AssemblyStudy::Diagram(request), machine };
     perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, a.share.shard)
 }
 
@@ -169,7 +169,8 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
         let name = format!("{}-{}-{}", invocation.command, x.name, y.name);
         let request =
             isoperiodic::Request::<Machine> { x, y, start: FileStart::File, discard: a.discard, exponents };
-        let work = Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
+        let work =
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
         let study = LongStudy::of(&name, work);
         // All are refused before the first begins.
         study.check()?;
@@ -229,7 +230,7 @@ pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
         ("again", a.again.to_string()),
     ];
     let invocation = invocation(common, &options);
-    let work = Work::Assembly { kind: AssemblyStudy::DesignSweep(request), machine };
+    let work = StudyOfMachine::Assembly { kind: AssemblyStudy::DesignSweep(request), machine };
     perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, a.share.shard)
 }
 

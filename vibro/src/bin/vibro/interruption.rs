@@ -10,14 +10,14 @@ use vibro::part_folder::{PartFolder, parts_in_words, stop_saving};
 pub const INTERRUPTED: i32 = 130;
 
 /// The long work that is going on.
-struct Work {
+struct InterruptedStudy {
     name: String,
     home: PathBuf,
     folders: Vec<PathBuf>,
     count: usize,
 }
 
-static WORK: Mutex<Option<Work>> = Mutex::new(None);
+static WORK: Mutex<Option<InterruptedStudy>> = Mutex::new(None);
 static HANDLER: Once = Once::new();
 
 /// From now on Ctrl-C ends the program with the number of parts that are kept of `count`, which is
@@ -25,7 +25,7 @@ static HANDLER: Once = Once::new();
 /// are whole files already, so nothing has to be saved then.
 pub fn announce(name: &str, home: PathBuf, folders: Vec<PathBuf>, count: usize) {
     if let Ok(mut work) = WORK.lock() {
-        *work = Some(Work { name: name.into(), home, folders, count });
+        *work = Some(InterruptedStudy { name: name.into(), home, folders, count });
     }
     // Without a handler Ctrl-C ends the program as well, but without words.
     HANDLER.call_once(|| drop(ctrlc::set_handler(end)));
@@ -42,7 +42,7 @@ fn end() {
     std::process::exit(INTERRUPTED);
 }
 
-fn words(work: &Work) -> String {
+fn words(work: &InterruptedStudy) -> String {
     let kept: usize = work.folders.iter().map(|f| PartFolder::kept(f)).sum();
     format!(
         "interrupted: {} of `{}` are kept in {}; the same command line goes on from there:\n  {}",

@@ -6,7 +6,7 @@ use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which};
 use crate::ranges::{ParameterRange, in_option, shown};
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::special_points::SpecialPoint;
-use vibro::studies::{self, Curve, Study};
+use vibro::studies::{self, LocusCurve, Study};
 use vibro::{Error, Result};
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{Name, ParameterSet, find_group, numbers};
@@ -144,14 +144,14 @@ pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
             }
             let from = format!("{}:{row}", selection.path.display());
             let what = format!("{from} ({} of {} at {})", start.label, start.word, start.values[0]);
-            let known = |curve: &&Curve| curve.start.is_same(&start, &family).unwrap_or(false);
-            if let Some(same) = curves.iter_mut().find(|c: &&mut Curve| known(&&**c)) {
+            let known = |curve: &&LocusCurve| curve.start.is_same(&start, &family).unwrap_or(false);
+            if let Some(same) = curves.iter_mut().find(|c: &&mut LocusCurve| known(&&**c)) {
                 same.also.push(row);
                 continue;
             }
             let found = start.shortest(&family).and_then(|start| Ok((locus(&family, &start)?, start)));
             match found {
-                Ok((points, start)) => curves.push(Curve { from, row, start, points, also: Vec::new() }),
+                Ok((points, start)) => curves.push(LocusCurve { from, row, start, points, also: Vec::new() }),
                 Err(error) => problems.push(format!("{what}: {error}")),
             }
         }

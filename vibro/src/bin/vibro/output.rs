@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::Path;
 use vibro::studies::Study;
 use vibro::subject::Subject;
-use vibro::table::Table;
+use vibro::table::TextTable;
 use vibro::{Error, Result};
 
 /// Says what was drawn and where, in the first line; then the numbers worth reading.
@@ -67,7 +67,7 @@ fn first_line(study: &Study, folder: &Path) -> String {
 }
 
 /// The long table (quantity, unit, theory, root, value) with a column for each theory and root.
-fn side_by_side(table: &Table) -> String {
+fn side_by_side(table: &TextTable) -> String {
     let mut columns: Vec<(&str, &str)> = Vec::new();
     let mut quantities: Vec<(&str, &str)> = Vec::new();
     for row in &table.rows {

@@ -19,7 +19,7 @@ const MOST_SAMPLES: u32 = 10_000;
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
-pub struct Run {
+pub struct RunArguments {
     /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
     /// paper's machine
     #[arg(value_name = "FILE")]
@@ -126,7 +126,7 @@ pub enum InterpolationName {
 }
 
 /// Constant loads are among the parameters of the set.
-pub fn run(set: &ParameterSet, Run { samples, of_paper: a, .. }: &Run) -> Result<Study> {
+pub fn run(set: &ParameterSet, RunArguments { samples, of_paper: a, .. }: &RunArguments) -> Result<Study> {
     if *samples > MOST_SAMPLES {
         let problem = format!("allowed are 1 to {MOST_SAMPLES} in each drive period");
         return Err(Error::Refused { what: format!("--samples {samples}"), problem });

@@ -19,8 +19,8 @@ pub(super) struct MeasureRecord<M: Told> {
     /// For the picture, design by design.
     pub reaches: Vec<Reach>,
     /// The designs of the least and of the largest value.
-    least: Option<Found>,
-    largest: Option<Found>,
+    least: Option<Extremum>,
+    largest: Option<Extremum>,
 }
 
 impl<M: Told> MeasureRecord<M> {
@@ -33,7 +33,7 @@ impl<M: Told> MeasureRecord<M> {
 
 /// A value with its spread, and the parameters of its design.
 #[derive(Clone)]
-struct Found {
+struct Extremum {
     value: f64,
     spread: f64,
     design: Vec<f64>,
@@ -114,7 +114,7 @@ impl<M: Told> Collected<M> {
             let output = row.outputs.get(record.index).copied().flatten();
             if let Some(found) = output {
                 let here =
-                    || Found { value: found.largest, spread: found.spread, design: row.values.clone() };
+                    || Extremum { value: found.largest, spread: found.spread, design: row.values.clone() };
                 if record.least.as_ref().is_none_or(|other| found.largest < other.value) {
                     record.least = Some(here());
                 }
@@ -146,7 +146,7 @@ impl<M: Told> Collected<M> {
         for record in &self.records {
             let (Some(least), Some(largest)) = (&record.least, &record.largest) else { continue };
             let unit = unit_of(self.set.measure_unit(&record.measure));
-            let told = |found: &Found| {
+            let told = |found: &Extremum| {
                 let at = if self.count > 1 {
                     design_in_words(&self.set, &self.names, &found.design)
                 } else {

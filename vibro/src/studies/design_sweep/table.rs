@@ -22,7 +22,7 @@ use vibro_analysis::parts::Task;
 const ROW_GROUP: usize = 65_536;
 
 /// A column of the table.
-struct Column {
+struct SweepColumn {
     name: String,
     /// SI unit; `None` for text.
     unit: Option<String>,
@@ -49,11 +49,11 @@ impl Cell {
 /// The columns: parameters, outputs, reason; the spreads of outputs, the periods over which they
 /// were measured and how many values between those asked for were looked at. Of several motions an
 /// output has its least, mean and largest value and says where the largest is.
-fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<Column> {
-    let number = |name: String, unit: &str| Column { name, unit: Some(unit.into()) };
-    let text = |name: String| Column { name, unit: None };
+fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<SweepColumn> {
+    let number = |name: String, unit: &str| SweepColumn { name, unit: Some(unit.into()) };
+    let text = |name: String| SweepColumn { name, unit: None };
     let names = request.designs.names();
-    let mut all: Vec<Column> = names.iter().map(|n| number(M::name(n), &set.si_unit(n))).collect();
+    let mut all: Vec<SweepColumn> = names.iter().map(|n| number(M::name(n), &set.si_unit(n))).collect();
     for measure in &request.measures {
         let (name, unit) = (measure.to_string(), set.measure_unit(measure));
         match (M::is_class(measure), request.motions()) {
@@ -82,8 +82,8 @@ fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<Column> {
 
 /// The columns of parameters that were written in another unit than SI, by their places, with that
 /// unit and the name of the column in it.
-fn written(set: &dyn Subject, columns: &[Column]) -> Vec<(usize, &'static Unit, String)> {
-    let unit = |(i, c): (usize, &Column)| {
+fn written(set: &dyn Subject, columns: &[SweepColumn]) -> Vec<(usize, &'static Unit, String)> {
+    let unit = |(i, c): (usize, &SweepColumn)| {
         let unit = set.unit_of_column(&c.name)?;
         Some((i, unit, column_in(&c.name, unit)))
     };
@@ -146,9 +146,14 @@ pub fn write_tables<M: Told>(set: &M, request: &Request<M>, task: &Task, stem: &
 }
 
 /// The parts of the rows, and what was measured again.
-type Rows<'a> = (&'a Task<'a>, Option<&'a Choice>);
+type MeasuredRows<'a> = (&'a Task<'a>, Option<&'a Choice>);
 
-fn write_csv<M: Told>(set: &M, request: &Request<M>, rows: Rows<'_>, file: &mut impl Write) -> Result<()> {
+fn write_csv<M: Told>(
+    set: &M,
+    request: &Request<M>,
+    rows: MeasuredRows<'_>,
+    file: &mut impl Write,
+) -> Result<()> {
     let mut csv = csv::Writer::from_writer(file);
     let problem = Error::output("a table");
     let columns = columns(set, request);
@@ -186,7 +191,7 @@ impl Waiting {
     /// Writes the rows as a row group, and forgets them.
     fn write<W: Write + Send>(
         &mut self,
-        about: &[Column],
+        about: &[SweepColumn],
         writer: &mut SerializedFileWriter<W>,
     ) -> parquet::errors::Result<()> {
         let mut group = writer.next_row_group()?;
@@ -216,8 +221,8 @@ impl Waiting {
 }
 
 /// The columns as Parquet has them; every cell may be null.
-fn schema(columns: &[Column]) -> parquet::errors::Result<Type> {
-    let field = |column: &Column| {
+fn schema(columns: &[SweepColumn]) -> parquet::errors::Result<Type> {
+    let field = |column: &SweepColumn| {
         let (physical, logical) = match column.unit {
             Some(_) => (PhysicalType::DOUBLE, None),
             None => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String)),
@@ -232,7 +237,7 @@ fn schema(columns: &[Column]) -> parquet::errors::Result<Type> {
 fn write_parquet<M: Told>(
     set: &M,
     request: &Request<M>,
-    rows: Rows<'_>,
+    rows: MeasuredRows<'_>,
     file: &mut (impl Write + Send),
 ) -> Result<()> {
     let problem = Error::output("a Parquet file");

@@ -32,7 +32,7 @@ pub trait Told: Machine + Subject {
     /// A measure's SI unit; `1` where it has none.
     fn measure_unit(&self, measure: &Self::Measure) -> &'static str;
     /// The unit in which pictures show a measure.
-    fn measure_shown(&self, measure: &Self::Measure) -> Unit;
+    fn measure_shown(&self, measure: &Self::Measure) -> MeasureUnit;
     /// Whether it is a text and no number.
     fn is_class(measure: &Self::Measure) -> bool;
     /// Whether it does not depend on the motion.
@@ -80,8 +80,8 @@ impl Told for ParameterSet {
         measure.unit()
     }
 
-    fn measure_shown(&self, measure: &Measure) -> Unit {
-        Unit::of(self, *measure)
+    fn measure_shown(&self, measure: &Measure) -> MeasureUnit {
+        MeasureUnit::of(self, *measure)
     }
 
     fn is_class(measure: &Measure) -> bool {
@@ -171,13 +171,13 @@ impl Told for assembly::Machine {
         measure.unit(&self.description)
     }
 
-    fn measure_shown(&self, measure: &assembly::Measure) -> Unit {
+    fn measure_shown(&self, measure: &assembly::Measure) -> MeasureUnit {
         let gaps = self.description.stops.iter().map(|s| s.gap.abs());
         let small = gaps.fold(0.0, f64::max) < SMALL;
         match self.measure_unit(measure) {
-            "m" if small => Unit { factor: 1e3, symbol: "mm".into() },
-            "1" => Unit { factor: 1.0, symbol: String::new() },
-            unit => Unit { factor: 1.0, symbol: unit.replace('.', "·").replace("s2", "s²") },
+            "m" if small => MeasureUnit { factor: 1e3, symbol: "mm".into() },
+            "1" => MeasureUnit { factor: 1.0, symbol: String::new() },
+            unit => MeasureUnit { factor: 1.0, symbol: unit.replace('.', "·").replace("s2", "s²") },
         }
     }
 
@@ -229,12 +229,12 @@ fn words(measure: Measure) -> String {
 
 /// The unit in which a picture shows a measure, of which one SI unit has so many.
 #[derive(Clone, Debug)]
-pub struct Unit {
+pub struct MeasureUnit {
     factor: f64,
     symbol: String,
 }
 
-impl Unit {
+impl MeasureUnit {
     /// Lengths in the unit of the machine's lengths, speeds in that of its speeds, all others in
     /// SI.
     fn of(set: &ParameterSet, measure: Measure) -> Self {

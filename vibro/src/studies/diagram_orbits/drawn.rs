@@ -23,18 +23,18 @@ pub(super) const UNSTABLE: u32 = 2;
 pub(super) const NEVER_STABLE: u32 = 1;
 
 /// A curve of a local maximum along a piece of a branch.
-struct Curve {
+struct BranchCurve {
     branch: usize,
     stable: bool,
     points: Path,
 }
 
 /// A mark: its kind as an index into [`MARKS`], and where it is.
-type Place = (usize, (f64, f64));
+type StabilityMark = (usize, (f64, f64));
 
 /// What is drawn of the branches.
 pub(super) struct Drawn {
-    curves: Vec<Curve>,
+    curves: Vec<BranchCurve>,
     /// Places where stability changes.
     marks: Vec<Path>,
 }
@@ -51,7 +51,7 @@ impl Drawn {
         };
         let is_drawn = |b: &&Branch| b.word.period() <= NEVER_STABLE || b.points.iter().any(|p| p.stable);
         let shown: Vec<&Branch> = branches.iter().filter(is_drawn).collect();
-        let found: Vec<(Vec<Curve>, Vec<Place>)> = shown
+        let found: Vec<(Vec<BranchCurve>, Vec<StabilityMark>)> = shown
             .par_iter()
             .map(|branch| {
                 // Of an orbit without symmetry the mirror image is another one, of which the maxima
@@ -161,7 +161,7 @@ fn period_name(period: u32) -> String {
 
 /// The ends of a branch's stable ranges with their kind: at the largest maximum of the orbit and of
 /// its mirror image.
-fn marks(branch: &Branch, sides: &[Vec<Vec<f64>>]) -> Vec<Place> {
+fn marks(branch: &Branch, sides: &[Vec<Vec<f64>>]) -> Vec<StabilityMark> {
     let ranges = branch.stable_ranges();
     let ends = ranges.iter().flat_map(|range| [range.points.0, range.points.1]);
     let placed = ends.filter_map(|point| {
@@ -179,13 +179,13 @@ fn marks(branch: &Branch, sides: &[Vec<Vec<f64>>]) -> Vec<Place> {
 
 /// Connects the local maxima along a branch to curves, which end where stability changes and where
 /// a maximum appears or vanishes.
-fn curves(branch: &Branch, maxima: &[Vec<f64>]) -> Vec<Curve> {
+fn curves(branch: &Branch, maxima: &[Vec<f64>]) -> Vec<BranchCurve> {
     let mut found = Vec::new();
     let mut open: Vec<Path> = Vec::new();
     let mut state = None;
-    let close = |open: &mut Vec<Path>, stable: bool, found: &mut Vec<Curve>| {
+    let close = |open: &mut Vec<Path>, stable: bool, found: &mut Vec<BranchCurve>| {
         let curves = std::mem::take(open).into_iter().filter(|points| points.len() > 1);
-        found.extend(curves.map(|points| Curve { branch: branch.id, stable, points }));
+        found.extend(curves.map(|points| BranchCurve { branch: branch.id, stable, points }));
     };
     for (pair, tops) in branch.points.windows(2).zip(maxima.windows(2)) {
         let stable = pair[0].stable;

@@ -1,6 +1,6 @@
 //! A plane of a machine of the user's own.
 
-use super::{Shown, ShownPlane, number, word};
+use super::{ClassifiedMotion, ShownPlane, number, word};
 use crate::studies::design_sweep::{limits, map};
 use std::borrow::Cow;
 use vibro_analysis::assembly::{Machine, PlanePoint};
@@ -15,9 +15,9 @@ impl ShownPlane for Machine {
     const CONTACTS: &str = "Impacts and first touches a period";
     const COLUMNS: &[&str] = &["class", "contacts", "rests", "interval", "exponent", "error"];
 
-    fn motion(point: &Option<PlanePoint>) -> Option<Shown> {
+    fn motion(point: &Option<PlanePoint>) -> Option<ClassifiedMotion> {
         let PlanePoint { class, contacts, rests, .. } = (*point)?;
-        Some(Shown { class, contacts, rests, is_two_impact: false })
+        Some(ClassifiedMotion { class, contacts, rests, is_two_impact: false })
     }
 
     fn cells(point: &Option<PlanePoint>) -> Vec<Cow<'static, str>> {

@@ -1,6 +1,6 @@
 //! A plane of the 3-DOF machine: its impacts at both stops, and the exact orbit beside the motions.
 
-use super::{Shown, ShownPlane, number, percent, word};
+use super::{ClassifiedMotion, ShownPlane, number, percent, word};
 use crate::studies::here;
 use std::borrow::Cow;
 use vibro_analysis::ParameterSet;
@@ -28,9 +28,9 @@ impl ShownPlane for ParameterSet {
         "on_exact_orbit",
     ];
 
-    fn motion(point: &PlanePoint) -> Option<Shown> {
+    fn motion(point: &PlanePoint) -> Option<ClassifiedMotion> {
         let motion = point.motion?;
-        Some(Shown {
+        Some(ClassifiedMotion {
             class: motion.class,
             contacts: motion.impacts[0] + motion.impacts[1],
             rests: motion.rests,

@@ -35,7 +35,7 @@ const BODIES: [(&str, &str, Colour); 3] =
     [("x₁", "box", BOX), ("x₂", "block", BLOCK), ("x₃", "secondary", SECONDARY)];
 
 /// What is shown of a run.
-struct Shown<'a> {
+struct RunPicture<'a> {
     history: &'a History,
     set: &'a ParameterSet,
     unit: LengthUnit,
@@ -64,7 +64,7 @@ fn enveloped(name: &str, colour: Colour, pieces: Vec<Vec<Extremes>>) -> Vec<Laye
     areas.chain([Layer::lines("", colour, Dash::Solid, edges).stroke(THIN).labelled(name)]).collect()
 }
 
-impl<'a> Shown<'a> {
+impl<'a> RunPicture<'a> {
     fn new(set: &'a ParameterSet, history: &'a History) -> Self {
         let p = set.parameters();
         let unit = LengthUnit::of(set);
@@ -346,7 +346,7 @@ pub(super) fn figure(
     loads: &[Load],
     beginning: String,
 ) -> Option<Figure> {
-    let mut shown = Shown::new(set, history);
+    let mut shown = RunPicture::new(set, history);
     let mut found = Vec::new();
     if shown.is_long() {
         found.extend(shown.whole());
