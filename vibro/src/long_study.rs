@@ -1,5 +1,5 @@
 //! Long studies as plain data. The manifest of a folder of parts holds one, so that parts of
-//! different studies are never mixed and several machines work on the same one.
+//! different studies are never mixed and several computers can share a study.
 
 use super::studies::{self, Study};
 use super::subject::Subject;
@@ -15,9 +15,9 @@ use vibro_analysis::isoperiodic;
 use vibro_analysis::parts::Task;
 use vibro_orbits::{Family, Span, TreeOptions, tree_in_parts};
 
-/// The form of the parts on disk: how a study is divided and what a part holds. It is counted up
-/// whenever one of them changes, so that parts of another form are never put together. Before it
-/// was written down it was 1.
+/// The form of the parts on disk: how a study is divided and what a part holds. It is incremented
+/// whenever one of them changes, so that parts of different forms are never combined. Manifests
+/// without a form have form 1.
 pub const FORMAT: u32 = 6;
 
 /// One long study.
@@ -34,26 +34,26 @@ pub struct LongStudy {
     pub work: StudyOfMachine,
 }
 
-/// What is computed, of a machine of either kind.
+/// A study of either machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StudyOfMachine {
-    /// Of the 3-DOF machine.
+    /// A study of the 3-DOF machine.
     ThreeDof {
-        /// What.
+        /// The study.
         kind: StudyKind,
         /// The parameters.
         set: ParameterSet,
     },
-    /// Of one of the user's own.
+    /// A study of a described machine.
     Assembly {
-        /// What.
+        /// The study.
         kind: AssemblyStudy,
         /// The machine.
         machine: assembly::Machine,
     },
 }
 
-/// Kinds of long studies of a machine of the user's own.
+/// Kinds of long studies of a described machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum AssemblyStudy {
     /// A quantity's maxima over a parameter, classes and, if asked for, exponents.
@@ -74,7 +74,7 @@ impl StudyOfMachine {
     }
 }
 
-/// Kinds of long studies.
+/// Kinds of long studies of the 3-DOF machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StudyKind {
     /// Maxima, periods and, if asked for, exponents over a parameter.
@@ -102,7 +102,7 @@ pub enum StudyKind {
     },
 }
 
-/// The form of parts whose manifest does not tell it.
+/// The form of parts whose manifest has none.
 fn unwritten_format() -> u32 {
     1
 }
@@ -134,7 +134,7 @@ impl LongStudy {
         names
     }
 
-    /// Number of parts; 0 where it shows in the course of the work alone.
+    /// Number of parts; 0 where it is not known beforehand.
     pub fn count(&self) -> usize {
         let kind = match &self.work {
             StudyOfMachine::ThreeDof { kind, .. } => kind,
@@ -187,7 +187,7 @@ impl LongStudy {
         Ok(bifurcation::diagram(set, sweep, task)?.map(|d| (*sweep, d)))
     }
 
-    /// Computes the parts of the shard; the tables and pictures too where all parts are there.
+    /// Computes the parts of the shard; where all parts are finished, the tables and pictures too.
     ///
     /// # Errors
     /// As [`check`](Self::check), [`bifurcation::diagram`], [`basin::basin`],
@@ -196,8 +196,8 @@ impl LongStudy {
         self.run_telling(task, &|_, _| ())
     }
 
-    /// The same; where the number of parts is not known beforehand, `tell` hears of what is done,
-    /// and of what is known to be in all.
+    /// Does the work of [`run`](Self::run) and calls `tell` with the parts done and the total known
+    /// so far, where the number of parts is not known beforehand.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -254,7 +254,7 @@ impl LongStudy {
         }
     }
 
-    /// The same of a machine of the user's own.
+    /// Does the work of [`run`](Self::run) for a described machine.
     fn run_assembly(
         &self,
         kind: &AssemblyStudy,
@@ -278,8 +278,8 @@ impl LongStudy {
         Ok(study?.map(|study| vec![study]))
     }
 
-    /// Writes the tables that are too long for memory from the parts of a finished study, which a
-    /// [`Study`] names as its [`files`](Study::files).
+    /// Writes the tables that are too long for memory, the [`files`](Study::files) of a [`Study`],
+    /// from the parts of a finished study.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File), [`Error::Output`](crate::Error::Output).

@@ -57,7 +57,7 @@ pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
     Ok(())
 }
 
-/// Flattens nested tables to structured names: `m` in the table `box` is `box.m`. A value goes with
+/// Flattens nested tables to structured names: `m` in the table `box` is `box.m`. Each value keeps
 /// the unit in which it was written.
 fn collect(
     prefix: &str,
@@ -87,9 +87,8 @@ fn misplaced(name: &str, what: &str) -> vibro_analysis::Error {
     vibro_analysis::Error::UnknownName { name: name.into(), advice: format!("in this table: it is {what}") }
 }
 
-/// What is wrong with a text that is no TOML. The commonest case, a word or a number with a unit
-/// without quotation marks, is told by the parameter's name, because the parser takes `t…` for the
-/// beginning of `true`.
+/// Error for a text that is not TOML. The commonest case, a number with a unit without quotation
+/// marks, names the parameter; the parser's own error would take `t…` for the beginning of `true`.
 fn explained(text: &str, error: &toml::de::Error) -> Error {
     let explain = || -> Option<Error> {
         let before = text.get(..error.span()?.start)?;
@@ -107,8 +106,7 @@ fn explained(text: &str, error: &toml::de::Error) -> Error {
     explain().unwrap_or_else(|| Error::output("sense of the file")(error))
 }
 
-/// A parameter file with every parameter of one form: what it is, its unit, what is allowed, and
-/// the default value.
+/// Parameter file with every parameter of one form: meaning, unit, allowed values, default.
 pub fn template(groups: bool) -> String {
     let set = ParameterSet::basic();
     let mut text = String::from(
@@ -127,7 +125,7 @@ pub fn template(groups: bool) -> String {
     };
     for name in names {
         let unit = if name.unit() == "1" { "no unit" } else { name.unit() };
-        // Of the two names for one coupling only one can be set.
+        // `alpha23` and `beta2` name one coupling: only one can be set.
         let second = if name.name() == "beta2" { "# " } else { "" };
         let (description, allowed) = (name.description(), name.allowed());
         let value = name.value(&set);
@@ -168,7 +166,7 @@ mod tests {
                 let (found, expected) = (name.value(&set), name.value(&ParameterSet::basic()));
                 assert!((found - expected).abs() <= 1e-14 * (1.0 + expected.abs()), "{}", name.name());
             }
-            // Every parameter of the form is told with its range.
+            // Every parameter of the form is listed with its range.
             let text = template(groups);
             let told =
                 |name: Name| text.contains(&format!("{} = ", name.name())) && text.contains(name.allowed());

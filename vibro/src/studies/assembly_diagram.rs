@@ -1,5 +1,4 @@
-//! Bifurcation diagrams of machines of the user's own: as those of the 3-DOF machine, by the names
-//! of bodies and elements.
+//! Bifurcation diagrams and exponents of described machines.
 
 use super::Study;
 use super::design_sweep::Told;
@@ -16,7 +15,7 @@ use vibro_analysis::significant;
 use vibro_figures::canvas::palette::{FAMILY, GREY};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 
-/// Lengths under this, m, are shown in mm.
+/// Lengths below this, m, are shown in mm.
 const SMALL: f64 = 0.1;
 
 /// The study of a diagram, with its tables.
@@ -90,7 +89,7 @@ pub fn assembly_diagram(
     let told = |value: f64| machine.told(parameter, value);
     let directions = if request.anew { "each value started anew" } else { "both directions" };
     let what = format!("{} of {of} over {parameter}, {directions}", drawn.to_lowercase());
-    // Of values that start anew nothing is said of a second direction.
+    // With `anew` there is one direction.
     let remarks = remarks(parameter, diagram, (!request.anew).then_some(&apart[..]), &told);
     Ok(Study {
         tables: vec![
@@ -104,8 +103,8 @@ pub fn assembly_diagram(
     })
 }
 
-/// The largest exponent of a machine's motion after `discard` returns, over `periods` of them, as a
-/// table.
+/// Table of the largest exponent of a machine's motion, over `periods` returns after `discard` of
+/// them.
 ///
 /// # Errors
 /// What the machine or its motion refuses.

@@ -1,4 +1,4 @@
-//! Measures over any number of parameters: tables, pictures, and what is worth saying of them.
+//! Measures over any number of parameters: tables, pictures, remarks.
 
 mod best;
 mod collected;
@@ -17,8 +17,8 @@ use vibro_analysis::design_sweep::{Choice, Designs, Request, Row, SampledAxis, c
 use vibro_analysis::parts::Task;
 pub use words::Told;
 
-/// The study of a sweep whose parts are all in the task's store. Its tables are written apart, by
-/// [`write_tables`].
+/// The study of a sweep whose parts are all in the task's store. [`write_tables`] writes its
+/// tables.
 ///
 /// # Errors
 /// What the store refuses.
@@ -67,7 +67,7 @@ fn designs_in_words<M: Told>(request: &Request<M>) -> String {
     }
 }
 
-/// How the numbers came about, for captions.
+/// How the motions were measured, for captions.
 fn method<M: Told>(set: &M, request: &Request<M>, choice: Option<&Choice>) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",
@@ -99,7 +99,7 @@ fn method<M: Told>(set: &M, request: &Request<M>, choice: Option<&Choice>) -> St
     words
 }
 
-/// An axis over which the motions of a design are taken together, in words.
+/// An axis of [`Request::over`] in words.
 fn axis_in_words<M: Told>(set: &M, axis: &SampledAxis<M::Name>) -> String {
     let ends = (axis.values.iter().copied().reduce(f64::min), axis.values.iter().copied().reduce(f64::max));
     match ends {
@@ -113,7 +113,7 @@ fn axis_in_words<M: Told>(set: &M, axis: &SampledAxis<M::Name>) -> String {
     }
 }
 
-/// The parameters that a caption leaves out, since they vary.
+/// The parameters that vary, which a caption leaves out.
 fn varied<M: Told>(request: &Request<M>) -> Vec<M::Name> {
     request.designs.names().into_iter().chain(request.over.iter().map(|a| a.name.clone())).collect()
 }

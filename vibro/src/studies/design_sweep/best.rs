@@ -1,13 +1,13 @@
-//! What is said of the best design of a sweep.
+//! The best design of a sweep, in words.
 
 use super::collected::value_in_words;
 use super::words::Told;
 use vibro_analysis::design_sweep::{Choice, Request, Row, row};
 
-/// Most designs that are told one by one.
+/// Most designs that are listed one by one.
 const TOLD: usize = 8;
 
-/// The best design, or those that are not told apart; and what was done to find it.
+/// The best design, or the designs that error bars do not separate, and how it was sought.
 pub(super) fn best_in_words<M: Told>(
     set: &M,
     request: &Request<M>,
@@ -45,7 +45,7 @@ pub(super) fn best_in_words<M: Told>(
     lines
 }
 
-/// The numbers of the designs that are told.
+/// The numbers of the designs that are listed.
 pub(super) fn told(choice: &Choice) -> &[usize] {
     &choice.possible[..choice.possible.len().min(TOLD)]
 }
@@ -78,7 +78,7 @@ fn what_was_done<M: Told>(request: &Request<M>, choice: &Choice) -> Vec<String> 
     lines
 }
 
-/// What the best design does from other starts, where that is more.
+/// The best design's measure from other starts, where that is larger.
 fn from_more_starts<M: Told>(set: &M, request: &Request<M>, choice: &Choice, best: &Row) -> Option<String> {
     let measure = &request.measures[choice.measure];
     let more = request.from_more_starts(best.values.clone(), measure.clone())?;
