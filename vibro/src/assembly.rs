@@ -1,6 +1,5 @@
-//! Machines of the user's own, from the text file that describes them: what such a machine is, and
-//! its motion as tables, a picture and an account. Physics and the file's grammar are in
-//! `vibro-assembly`.
+//! Described machines: reading a file with `--set`, the summary of `vibro check`, and a motion as
+//! tables, picture and account. Physics and the file's grammar are in `vibro-assembly`.
 
 mod picture;
 mod summary;
@@ -22,12 +21,12 @@ use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Motion};
 use vibro_impact::quantities::{Quantity, Unit};
 
-/// Most samples of a motion, a few gigabytes of a table.
+/// Most samples of a motion: a table of a few gigabytes.
 const MOST: usize = 10_000_000;
 
 /// Reads a machine's file and replaces parameters, each as `NAME=VALUE`. A value without a unit is
-/// in that in which the file or a value before it writes the parameter; `note` hears where it makes
-/// a difference.
+/// in the unit in which the file or an earlier value wrote the parameter; `note` is called where
+/// this is not SI.
 ///
 /// # Errors
 /// [`Error::Refusal`], with every problem of the file, or of the new values.
@@ -47,15 +46,15 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
     Ok(machine.with(changes)?)
 }
 
-/// Words that say in which unit numbers without one were read, where it makes a difference; `read`
-/// is one of them.
+/// Note of the unit in which numbers without one were read, where it is not SI; `read` is one of
+/// the numbers.
 pub fn taken(numbers: &[&str], read: &Quantity, typed: &str) -> Option<String> {
     let bare = |number: &&str| number.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
     let unit = read.unit.filter(|unit| !unit.is_si() && numbers.iter().any(bare))?;
     Some(read_in(typed, unit))
 }
 
-/// Words that say in which unit a number without one was read.
+/// Note of the unit in which a number without one was read.
 pub fn read_in(typed: &str, unit: &Unit) -> String {
     format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }
@@ -76,8 +75,8 @@ fn check_count(count: usize) -> Result<()> {
     Err(Error::Refused { what: format!("{count} samples"), problem: format!("allowed are up to {MOST}") })
 }
 
-/// Instants from a file: a number in s a line, not before 0 and none before the one above; empty
-/// lines and those that begin with `#` are skipped.
+/// Instants from a file: one number in s per line, from 0 on and not falling. Empty lines and those
+/// that begin with `#` are skipped.
 ///
 /// # Errors
 /// [`Error::File`]; [`Error::Config`] with the line.
@@ -107,7 +106,7 @@ pub fn times_of(path: &Path) -> Result<Vec<f64>> {
     Ok(times)
 }
 
-/// A motion at instants, and its events.
+/// A motion at given instants, with its events and contacts.
 pub struct MotionRecord {
     /// The machine.
     pub assembly: Arc<Assembly>,
@@ -116,30 +115,30 @@ pub struct MotionRecord {
     pub columns: Vec<String>,
     /// Time and values.
     pub rows: Vec<Vec<f64>>,
-    /// What happened up to the last instant.
+    /// Events up to the last instant.
     pub events: Vec<Event>,
     /// Contacts and extremes of the flow.
     pub followed: Followed,
-    /// The motion where it ended.
+    /// The motion at its end.
     pub motion: Motion,
     /// Kinetic and stored energy at the start, J.
     pub start: f64,
-    /// Why it ended before the last instant, if it did.
+    /// Reason for an end before the last instant.
     pub ended: Option<Ended>,
 }
 
-/// Why a record ended early; what was computed until then is in it.
+/// Reason why a record ended early; it has everything computed until then.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ended {
     /// The motion cannot go on.
     Error(vibro_assembly::Error),
-    /// Somebody asked it to.
+    /// It was asked to stop.
     Stopped,
 }
 
-/// Follows a machine to each of the instants, until `asked` is set; `done` hears of each instant
-/// and of each event, as the part of the time that is over. Where coordinates become too large for
-/// numbers, the record ends with the instant before.
+/// Follows a machine to each of the instants, or until `asked` is set. `done` gets the share of the
+/// time that is over, at each instant and event. Where coordinates overflow, the record ends with
+/// the instant before.
 ///
 /// # Errors
 /// [`Error::Assembly`] for a machine without a motion from its start.
@@ -178,7 +177,7 @@ pub fn record(
     Ok(record)
 }
 
-/// The quantities whose extremes are told or drawn: coordinates and rates of bodies, forces of
+/// Quantities whose extremes are reported or drawn: coordinates and rates of bodies, forces of
 /// stops and friction.
 fn watched(d: &Description) -> Result<Vec<Place>> {
     let of = |name: &String, what| assembly::Quantity { of: name.clone(), what };
@@ -189,15 +188,15 @@ fn watched(d: &Description) -> Result<Vec<Place>> {
     all.map(|quantity| Ok(quantity.place(d)?)).collect()
 }
 
-/// Kind, element and value of an event, and how many stops took part: the columns of `events.csv`
-/// after the time.
+/// Cells of an event in `events.csv` after the time: kind, element, value, number of stops that
+/// took part.
 pub fn event_in_words(d: &Description, kind: &EventKind) -> [String; 4] {
     let NamedEvent { kind, element, value, stops } = named(d, kind);
     [kind.into(), element, value.map_or(String::new(), exact), stops.map_or(String::new(), |n| n.to_string())]
 }
 
 impl MotionRecord {
-    /// To an instant; why it ended before, if it did.
+    /// Advances to an instant; returns the reason for an earlier end.
     fn advance(&mut self, time: f64, met: &mut dyn FnMut(f64)) -> Option<Ended> {
         let (before, told) = (self.motion.save(), self.events.len());
         let events = &mut self.events;
@@ -223,7 +222,7 @@ impl MotionRecord {
         &self.followed.extremes.all[first + i]
     }
 
-    /// The extremes of the force of a stop or, after all stops, of a friction.
+    /// The extremes of the force of a stop; indices after those of stops are frictions.
     fn force(&self, i: usize) -> &Extreme {
         &self.followed.extremes.all[self.assembly.description.bodies.len() + i]
     }

@@ -15,7 +15,7 @@ use std::str::FromStr;
 use vibro_analysis::{Name, number};
 use vibro_orbits::{Label, LocusStart, OrbitWord};
 
-/// Half of the last digit of a value and a little more, for a tie.
+/// Half of the last digit of a value, and a little more for ties.
 const LAST_DIGIT: f64 = 0.51;
 
 /// Rows of a table of special points, as `FILE`, `FILE:ROW`, `FILE:LABEL` or `FILE:LABEL@VALUE`.
@@ -41,7 +41,7 @@ pub struct SpecialPoint {
     pub row: usize,
     /// The parameter along whose branch it lies.
     pub along: Name,
-    /// Where a curve starts. The second parameter is not in the table: it is the machine's.
+    /// Where a curve starts. The second parameter is not in the table; it has the machine's value.
     pub start: LocusStart,
 }
 
@@ -78,8 +78,7 @@ impl FromStr for Selection {
 }
 
 impl Selection {
-    /// The points of the table that are chosen, over the machine's value `held` of the second
-    /// parameter.
+    /// The chosen points of the table, with the machine's value `held` of the second parameter.
     ///
     /// # Errors
     /// [`Error::Config`] for a file that is no such table, a row that it does not have or that
@@ -150,7 +149,7 @@ impl Selection {
     }
 }
 
-/// How far a value may be from a text that stands for it: half of the text's last digit, in SI.
+/// Tolerance of a value that is given as text: half of the text's last digit, in SI.
 fn last_digit(along: Name, text: &str) -> Result<f64> {
     let mantissa = text.trim().trim_start_matches(['+', '-']);
     let plain: String = mantissa.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect();
@@ -189,7 +188,7 @@ impl PointRow<'_> {
     }
 
     /// The point; `None` for a row from which no curve starts: an end of the range, a path not
-    /// followed on, a value asked for.
+    /// followed further, a marked value.
     fn point(&self, along: Name, held: f64) -> Result<Option<SpecialPoint>> {
         let name = self.cell("label")?;
         let Some(label) = Label::STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };

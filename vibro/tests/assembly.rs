@@ -14,7 +14,7 @@ fn example(name: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly")).join(name)
 }
 
-/// A file beside, and not in, the folder of the output.
+/// A file outside the folder of the output.
 fn file(name: &str, text: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&path, text).expect("a file");
@@ -99,7 +99,7 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     assert!(text.ends_with(&account) && account.contains("balance off by"), "{account}");
     let (width, height, _) = pixels(&out.join("motion.png"));
     assert!(width > 900 && height > 900);
-    // The same again overwrites it; another machine does not.
+    // The same run overwrites its result; another machine is refused.
     drawn(&out, &["run", &machine("damper_with_buffer.toml"), "--until", "0.5", "--samples", "50"]);
     let arguments = [
         "run",
@@ -113,13 +113,13 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     ];
     let other = command(&out, &arguments).output().unwrap();
     let error = String::from_utf8(other.stderr).unwrap();
-    // What differs, and nothing else of either machine.
+    // The refusal names the difference alone.
     let words =
         "of another run; they differ in\n    body.box.mass: 12 there, 13 here\n  allowed: another --out";
     assert!(other.status.code() == Some(2) && error.contains(words), "{error}");
 }
 
-/// Ten samples meet no contact with the buffer, which holds for a millisecond.
+/// Ten samples meet no contact with the buffer, each of which lasts a millisecond.
 #[test]
 fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
     let run = |samples| {
@@ -154,7 +154,7 @@ fn invariant_the_file_of_contacts_has_the_accounts_losses_and_no_end_where_one_l
     let out = folder("assembly-contacts");
     let told = drawn(&out, &["run", &path, "--until", "2", "--samples", "2"]);
     assert!(told.contains("contacts, largest force 5 N, largest impulse 1.5 N·s"), "{told}");
-    // Its fall of 0.2 m is looked at after it: largest |v| is that at the first impact.
+    // The ball falls by 0.2 m, so that the largest |v| is that at the first impact.
     assert!(told.contains("ball: largest |s| 0.2 m, largest |v| 2 m/s"), "{told}");
     let rows = table(&out, "contacts.csv");
     let number =
@@ -166,7 +166,7 @@ fn invariant_the_file_of_contacts_has_the_accounts_losses_and_no_end_where_one_l
         assert!(bounce["element"] == "stop.floor" && number(bounce, "closing_speed") > 0.0, "{bounce:?}");
     }
     let lost: f64 = rows.iter().map(|row| number(row, "energy_lost")).sum();
-    // Bounces under 1e-9 of the first end at once.
+    // Bounces below 1e-9 of the first are ended at once.
     assert!((lost - 1.0).abs() < 1e-8, "{lost}");
 }
 
@@ -227,7 +227,7 @@ fn both(out: &Path, arguments: &[&str]) -> (String, String) {
     (told, noted)
 }
 
-/// The file writes `gap = "4 mm"`: 3 and 3 mm are one machine, wherever the option stands.
+/// The file has `gap = "4 mm"`, so that 3 is 3 mm, wherever the option stands.
 #[test]
 fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
     let (damper, out) = (machine("damper_with_buffer.toml"), folder("assembly-bare"));
@@ -243,7 +243,7 @@ fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
         let words = "note: stop.steel.gap=3 is read in mm, the unit in which that parameter was written\n";
         assert_eq!(noted, words);
     }
-    // An axis, a list, and a unit that --set has written since.
+    // An axis in the file's unit, and a list in that of `--set`.
     let sweep = |vary: &str, set: &str| {
         let set = ["--set", set];
         let rest = ["--discard", "2", "--periods", "4", "--output", "amplitude.box.s", "--replace"];
@@ -355,12 +355,12 @@ fn second_method_the_alias_of_older_versions_writes_the_same_files() {
     for name in names(&new).iter().filter(|name| !name.to_string_lossy().ends_with(".manifest.toml")) {
         assert!(std::fs::read(new.join(name)).unwrap() == std::fs::read(old.join(name)).unwrap(), "{name:?}");
     }
-    // Each is the other's result, so that neither folder refuses the other's words.
+    // Both write one result, so that neither folder refuses the other's command.
     drawn(&new, &[&["assembly"][..], &line].concat());
     drawn(&old, &line);
 }
 
-/// A record of 3,000 knots on a body without a stop: there are no other events.
+/// A record of 3,000 knots on a body without a stop has no other events.
 #[test]
 fn knots_are_counted_and_listed_where_they_are_asked_for() {
     let knots: String = (1..=3000).map(|k| format!("{},{}\n", f64::from(k) / 1000.0, k % 2)).collect();

@@ -20,7 +20,7 @@ const SWEEP: [&str; 13] = [
     "--discard",
     "60",
     "--periods=6",
-    // Each row as it is found first.
+    // No row is measured again.
     "--again",
     "0",
 ];
@@ -51,11 +51,11 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
             assert_eq!(value(name).to_bits(), number.unwrap().to_bits(), "{name}");
         }
         assert_eq!(row["class"], found.class.unwrap().name());
-        // Written in mm, the gap has a column in mm.
+        // The gap is written in mm, so that it has a column in mm.
         assert_eq!(value("stop.steel.gap [mm]"), 4.0);
     }
-    // The buffer pressed far in from the start is a design without an equilibrium; it has a row
-    // that says why.
+    // A buffer pressed far in at the start leaves no equilibrium; such a design has a row with the
+    // reason.
     assert!(rows.iter().all(|row| row["reason"].is_empty() != row["amplitude.box.s"].is_empty()));
 }
 
@@ -78,7 +78,7 @@ fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
     let least = rows.iter().map(|row| number(row, "amplitude.box.s.max")).fold(f64::INFINITY, f64::min);
     let best = rows.iter().find(|row| number(row, "amplitude.box.s.max") == least).unwrap();
     assert!(number(best, "periods") >= 24.0 && number(best, "between") >= 1.0, "{best:?}");
-    // The digits of its spread, in m on the screen and in mm in the picture.
+    // Digits that the spread leaves, in m on the screen and in mm in the picture.
     let spread = number(best, "amplitude.box.s.spread");
     let power = spread.log10().floor();
     let decimals = |power: f64| {
@@ -137,7 +137,7 @@ fn invariant_a_diagram_in_shards_is_the_diagram() {
         assert_eq!(read(&merged, &file), read(&out, &file), "{file}");
     }
     assert_eq!(read(&merged, "assembly-bifurcation.svg"), read(&out, "assembly-bifurcation.svg"));
-    // Another machine's parts and results are told apart.
+    // Another machine's results are refused, with the difference.
     let other = [&arguments[..], &["--set", "body.box.mass=13kg"]].concat();
     let found = command(&out, &other).output().unwrap();
     let error = String::from_utf8_lossy(&found.stderr).into_owned();
@@ -238,8 +238,7 @@ fn second_method_points_of_a_plane_are_single_motions_and_its_picture_shows_them
         let (i, j) = (index % 8, index / 8);
         let part = |from: f64, to: f64, part: f64| from * (1.0 - part) + to * part;
         assert_eq!((x, y), (part(4e-3, 6e-3, i as f64 / 7.0), part(5e-3, 8e-3, j as f64 / 6.0)), "{index}");
-        // Measured over 12 periods by the sweep's machinery: of a motion with a period of 1 to 4, 6
-        // or 12 the same mean.
+        // A mean over 12 periods is exact for motions with a period of 1, 2, 3, 4, 6 or 12.
         let has_measured_period = ["1T", "2T", "3T", "4T", "6T", "12T"].contains(&row["class"].as_str());
         if index % 5 == 0 && has_measured_period {
             let own = machine.with([("stop.steel.gap", x), ("stop.buffer.gap", y)]).unwrap();
@@ -293,7 +292,7 @@ fn second_method_exponents_over_a_plane_are_those_of_a_diagram() {
     }
 }
 
-/// The frequency is varied, so that no one period is that of the study.
+/// The study varies the frequency, so that it has no single period.
 #[test]
 fn a_study_of_a_frequency_names_no_period_as_its_own() {
     let vary = ["--vary", "load.shaker.frequency=9:10:2", "--discard", "2", "--keep", "2"];

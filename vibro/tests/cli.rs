@@ -232,8 +232,8 @@ fn comparisons_find_the_papers_errors() {
     }
 }
 
-/// At f10 = 2.7 the theory's motion is unstable, and the simulated one has three impacts a period:
-/// both are told, and no errors are, for there is nothing to compare.
+/// At f10 = 2.7 the theory's motion is unstable and the simulated one has three impacts a period:
+/// both are stated, and no errors.
 #[test]
 fn motions_of_different_kinds_are_not_compared_in_per_cent() {
     let out = folder("cli-another-motion");

@@ -8,13 +8,13 @@ use vibro_assembly::motion::EventKind;
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 
-/// Colours of curves; no panel has more curves than these.
+/// Colours of curves; no panel has more curves.
 const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY];
 /// Most points of a curve.
 const POINTS: usize = 4000;
 /// Size of a panel in units of the drawing.
 const PANEL: (u32, u32) = (2600, 900);
-/// Points of a curve nearer than this part of its size are one.
+/// Distance, relative to a curve's size, below which two points are one.
 const SAME: f64 = 1e-9;
 /// Lengths up to this, m, are shown in mm.
 const SHORT: f64 = 0.1;
@@ -45,7 +45,7 @@ pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
             let (column, extreme) = (first + 3 * i + 2, record.force(i));
             MotionCurve { name, column, extreme }
         });
-        // A stop that is never closed or pressed has no force to show.
+        // A stop that is never closed or pressed has no force.
         let curves: Vec<_> = curves.filter(|curve| curve.extreme.largest != 0.0).collect();
         panels.extend(curves_over_time(record, "forces of stops and friction", label, &curves));
     }
@@ -66,7 +66,7 @@ fn time_axis(record: &MotionRecord) -> Axis {
     Axis::over("time (s)", time(record.rows.first()), time(record.rows.last()))
 }
 
-/// A quantity that is drawn: its name, its column of the samples, its extremes between them.
+/// A drawn quantity: name, column of the samples, extremes between samples.
 struct MotionCurve<'a> {
     name: &'a str,
     column: usize,
@@ -74,14 +74,13 @@ struct MotionCurve<'a> {
 }
 
 impl MotionCurve<'_> {
-    /// Samples and extremes in order of time: no peak is lost between samples, however few there
-    /// are.
+    /// Samples and extremes in order of time, so that no peak between samples is lost.
     fn points(&self, record: &MotionRecord) -> Path {
         let stride = record.rows.len().div_ceil(POINTS);
         let samples = record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + self.column]));
         let mut points: Path = samples.chain(self.extreme.points()).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Samples are ends of flights too, but for rounding.
+        // Samples coincide with ends of flights but for rounding.
         let end = points.last().map_or(0.0, |point| point.0);
         let near = |a: f64, b: f64, size: f64| (a - b).abs() <= SAME * size;
         points.dedup_by(|b, a| near(a.0, b.0, end) && near(a.1, b.1, self.extreme.largest));
@@ -102,13 +101,13 @@ fn curves_over_time(
         Layer::line(curve.name, colour, Dash::Solid, curve.points(record)).stroke(THIN)
     });
     let layers = layers.collect();
-    // Small lengths are told in mm, so that the numbers at the axis are short.
+    // Small lengths are in mm, which keeps the axis' numbers short.
     let size = curves.iter().map(|curve| curve.extreme.largest).fold(0.0, f64::max);
     let y = match label {
         "s (m)" if size < SHORT => Axis::new("s (mm)").times(1e3),
         _ => Axis::new(label),
     };
-    // Curves without a colour are left out, which the title says.
+    // Curves without a colour are left out; the title says so.
     let title = match curves.len() {
         all if all > COLOURS.len() => format!("{title}, the first {} of {all}", COLOURS.len()),
         _ => title.into(),

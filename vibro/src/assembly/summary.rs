@@ -1,4 +1,4 @@
-//! What a machine is and what a motion was, in words.
+//! Summaries of a machine and of a motion, in words.
 
 use super::{MotionRecord, event_in_words};
 use crate::Result;
@@ -12,11 +12,11 @@ use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::{Assembly, Motion};
 
-/// A real part or frequency counts as zero under this part of the largest: the rounding of
-/// eigenvalues, of which a double one has the square root.
+/// Real part or frequency, relative to the largest, that counts as zero: rounding of eigenvalues,
+/// whose square root is the error of a double one.
 const ZERO: f64 = 1e-7;
 
-/// Six digits, for words.
+/// A number with six digits, for words.
 fn short(value: f64) -> String {
     let value = value + 0.0; // zero without a sign
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
@@ -35,8 +35,8 @@ fn units(dimension: Dimension) -> [&'static str; 3] {
     }
 }
 
-/// What a machine consists of and how it stands at the start: bodies, elements with their states,
-/// degrees of freedom, equilibrium, natural frequencies.
+/// Summary of a machine at its start: bodies, elements with their states, degrees of freedom,
+/// equilibrium, natural frequencies.
 ///
 /// # Errors
 /// What the machine's matrices or its start refuse.
@@ -82,7 +82,7 @@ pub fn summary(machine: Description) -> Result<String> {
     Ok(lines.join("\n"))
 }
 
-/// What no force depends on, which is left out of returns and exponents.
+/// Neutral directions: no force depends on them, and returns and exponents leave them out.
 fn neutral(assembly: &Assembly) -> Vec<String> {
     let found = Neutral::of(assembly.system());
     let lines = found.in_words(&assembly.description, assembly.system());
@@ -178,7 +178,7 @@ fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     lines
 }
 
-/// How many contacts each stop has had, and the worst of each.
+/// Number and extremes of the contacts of each stop.
 fn contacts(record: &MotionRecord) -> Vec<String> {
     let d = &record.assembly.description;
     let all = record.followed.contacts.all();
@@ -205,7 +205,7 @@ fn contacts(record: &MotionRecord) -> Vec<String> {
     d.stops.iter().enumerate().filter_map(line).collect()
 }
 
-/// How many events of each kind there were, and which are not in the file.
+/// Number of events of each kind, and of those left out of the file.
 fn events(record: &MotionRecord, knots: bool) -> String {
     let d = &record.assembly.description;
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();

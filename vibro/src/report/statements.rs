@@ -12,11 +12,11 @@ use vibro_analysis::bifurcation::{Diagram, SweepPoint};
 use vibro_analysis::short;
 use vibro_orbits::{Doubling, Label, doubling_sequences};
 
-/// Ends of windows agree when they are this near in f10: the paper gives them to 0.1.
+/// Tolerance of the ends of windows in f10: the paper gives them to 0.1.
 const END: f64 = 0.1;
-/// A window of the paper counts as found when this part of its values is regular.
+/// Share of regular values from which a window of the paper counts as found.
 const MOSTLY: f64 = 0.85;
-/// A modulation is strong when the least amplitude is less than this part of the largest.
+/// Ratio of least to largest amplitude below which a modulation is strong.
 const STRONG: f64 = 0.6;
 
 pub(super) fn all(found: &Findings) -> Result<Vec<Statement>> {
@@ -75,7 +75,7 @@ fn within(points: &[Option<SweepPoint>], from: f64, to: f64) -> impl Iterator<It
     points.iter().flatten().filter(move |p| p.value > from - 1e-9 && p.value < to + 1e-9)
 }
 
-/// Values of both sweeps, ascending, at which something holds.
+/// Values of both sweeps at which `holds` is true, ascending.
 fn listed(found: &Findings, holds: impl Fn(&SweepPoint) -> bool) -> Vec<String> {
     let all = found.coarse.up.iter().chain(&found.fine.up).flatten().filter(|p| holds(p));
     let mut values: Vec<f64> = all.map(|p| p.value).collect();
@@ -85,8 +85,8 @@ fn listed(found: &Findings, holds: impl Fn(&SweepPoint) -> bool) -> Vec<String> 
     words
 }
 
-/// Whether the block meets the stops at all: a motion without impacts coexists with those of the
-/// paper at small forces.
+/// Whether the block meets the stops: at small forces a motion without impacts coexists with those
+/// of the paper.
 fn meets(p: &SweepPoint) -> bool {
     p.attractor.impacts.iter().sum::<f64>() > 0.0
 }
@@ -133,7 +133,7 @@ fn periodic_windows(found: &Findings) -> Statement {
     }
 }
 
-/// Ranges of values with the located ends of their stable orbits.
+/// Ranges of values with the located ends of their stable orbits, in words.
 fn ranges_in_words(found: &Findings, direction: usize, ranges: &[(f64, f64)]) -> String {
     let words = ranges.iter().map(|range| {
         let located = found.orbits.and_then(|orbits| {
@@ -162,7 +162,7 @@ fn chaos_around(found: &Findings) -> Statement {
 
 fn quasi_periodic(found: &Findings) -> Statement {
     let is_quasi = |p: &SweepPoint| p.class == MotionClass::QuasiPeriodic;
-    // A torus exists on a range of values; a single value is where a bifurcation happens.
+    // A torus exists on a range of values; at a single value there is a bifurcation.
     let range = [&found.coarse.up, &found.fine.up].into_iter().any(|points| {
         let quasi: Vec<bool> = points.iter().flatten().map(is_quasi).collect();
         quasi.windows(2).any(|pair| pair[0] && pair[1])
@@ -230,7 +230,7 @@ fn exponents(found: &Findings) -> Vec<Statement> {
     ]
 }
 
-/// Classes met between two values, in order, each with its first value.
+/// Classes between two values in order, each with its first value.
 fn order(points: &[Option<SweepPoint>], from: f64, to: f64) -> Vec<(f64, MotionClass)> {
     let mut met: Vec<(f64, MotionClass)> = Vec::new();
     for p in within(points, from, to) {

@@ -8,10 +8,10 @@ use vibro_figures::canvas::palette::{BLACK, FAMILY};
 use vibro_figures::chart::{Dash, Figure, Layer, Mark, Panel, Path};
 use vibro_orbits::{Family, LocusEnd, LocusPoint, LocusStart, Span};
 
-/// A curve with where it was started.
+/// A curve and the special point from which it was followed.
 #[derive(Clone, Debug)]
 pub struct LocusCurve {
-    /// The file and row of its special point.
+    /// File and row of its special point, in words.
     pub from: String,
     /// The row.
     pub row: usize,
@@ -19,12 +19,12 @@ pub struct LocusCurve {
     pub start: LocusStart,
     /// Its points.
     pub points: Vec<LocusPoint>,
-    /// Other rows that are the same point, seen from another branch.
+    /// Other rows with the same point, seen from another branch.
     pub also: Vec<usize>,
 }
 
 impl LocusCurve {
-    /// What is special at its ends and on its way, but for the ends of the ranges, in words.
+    /// Special points at its ends and along it, except ends of the ranges, in words.
     fn ends(&self) -> String {
         let told = |point: &LocusPoint| {
             let what = point.end.filter(|end| *end != LocusEnd::Range).and_then(in_words)?;
@@ -49,7 +49,7 @@ impl LocusCurve {
     }
 }
 
-/// What is special at a point of a curve, in words.
+/// The kind of a special point in words; `None` for an end of the ranges.
 fn in_words(end: LocusEnd) -> Option<&'static str> {
     Some(match end {
         LocusEnd::Range | LocusEnd::Closed => return None,
@@ -61,7 +61,7 @@ fn in_words(end: LocusEnd) -> Option<&'static str> {
     })
 }
 
-/// Marks of what is special on curves.
+/// Marks of special points of curves.
 const MARKS: [(LocusEnd, Mark); 5] = [
     (LocusEnd::Touch, Mark::Ring),
     (LocusEnd::Cusp, Mark::Disc),
@@ -70,8 +70,8 @@ const MARKS: [(LocusEnd, Mark); 5] = [
     (LocusEnd::NoConvergence, Mark::Plus),
 ];
 
-/// The study of curves over the two parameters of a family; `problems` tells of the points from
-/// which none could be followed.
+/// The study of curves over the two parameters of a family; `problems` are the reasons for points
+/// from which no curve could be followed.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).

@@ -50,7 +50,7 @@ fn labels(points: &[(&'static str, FixedPoint)], shift: f64) -> impl Iterator<It
     points.iter().map(move |(name, p)| Layer::text((p.c, p.b + shift), *name, BLACK))
 }
 
-/// The part of C that a picture shows: the fixed points and the range of stable periodic motions.
+/// Range of C that a picture shows: it contains the fixed points and the stable periodic motions.
 fn shown(system: &MultipleScales, roots: &[(&'static str, FixedPoint)]) -> (f64, f64) {
     let from = roots.iter().map(|p| p.1.c).fold(-0.2, f64::min);
     let to = roots.iter().map(|p| p.1.c).fold(1.2 * system.manifold().c_smax(), f64::max);
@@ -195,13 +195,14 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
     )
 }
 
-/// The range of C that passes all three tests, given where fixed points on the right branch are
-/// stable; empty where its ends are not in order.
+/// Range of C that passes all three tests, given the range where fixed points on the right branch
+/// are stable; empty where its ends are not in order.
 fn admissible(m: &Manifold, right: (f64, f64)) -> (f64, f64) {
     (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1))
 }
 
-/// The ranges of C that pass the tests, without numbers where there is none, and the fixed points.
+/// Table of the ranges of C that pass the tests, with empty cells where there is none, and of the
+/// fixed points.
 fn part_table(
     m: &Manifold,
     [left, right]: [(f64, f64); 2],
@@ -226,7 +227,7 @@ fn part_table(
     table
 }
 
-/// The name of a fixed point as tables have it.
+/// The name of a fixed point in ASCII, for tables.
 fn ascii(name: &str) -> String {
     name.replace('₁', "1").replace('₂', "2")
 }
@@ -278,7 +279,7 @@ fn member(set: &ParameterSet, name: Name, value: f64, index: usize, table: &mut 
     }
     let [_, right] = stable_fixed_points(&system);
     let (low, high) = admissible(m, right);
-    // The same axes in all panels, unless a fixed point lies beyond.
+    // All panels share their axes unless a fixed point lies beyond.
     let (from, to) = shown(&system, &roots);
     let (from, to) = (from.min(-1.0), to.max(2.4));
     let mut layers = vec![

@@ -16,27 +16,28 @@ use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN}
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
-/// Drive periods before a history begins.
+/// Drive periods discarded before a history begins.
 const TRANSIENT: f64 = 400.0;
-/// Periods shown of a steady motion and of a modulated one.
+/// Drive periods of a steady motion that are shown.
 const STEADY: u32 = 4;
+/// Drive periods of a modulated motion that are shown.
 const MODULATED: u32 = 50;
-/// Periods in a portrait of a motion that does not return.
+/// Drive periods in a portrait of a motion without a period.
 const WANDERING: u32 = 60;
 /// Symbols of the seven exponents.
 const EXPONENTS: [&str; 7] = ["λ₁", "λ₂", "λ₃", "λ₄", "λ₅", "λ₆", "λ₇"];
 
-/// W, X1, X3 over time or their portraits: indices into [`MotionSample`]'s quantities.
+/// Quantities of histories and portraits, W, X1 and X3, by their indices in [`MotionSample`].
 const SHOWN: [DrawnQuantity; 3] = [(1, "W", RELATIVE), (2, "X₁", BOX), (4, "X₃", SECONDARY)];
 
-/// What is worth knowing of a motion with modulation.
+/// Modulation of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modulation {
     /// Largest and smallest |X1| within a period, over all periods shown.
     pub box_amplitude: (f64, f64),
-    /// The same of X3.
+    /// Largest and smallest |X3| within a period, over all periods shown.
     pub secondary_amplitude: (f64, f64),
-    /// The part of the periods with one impact at each stop.
+    /// Share of the periods with one impact at each stop.
     pub resonant: f64,
 }
 
@@ -52,7 +53,7 @@ fn modulation(points: &[MotionSample], flights: &[Flight], periods: u32) -> Modu
         let all = tops.iter().map(|t| t[i]);
         all.fold((0.0f64, f64::INFINITY), |(most, least), t| (most.max(t), least.min(t)))
     };
-    // Impacts are where one flight ends and the next begins.
+    // An impact is where one flight ends and the next begins.
     let mut counts = vec![[0u32; 2]; periods as usize];
     for flight in &flights[..flights.len().saturating_sub(1)] {
         if let Some(i) = flight.last()
@@ -115,10 +116,10 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
     Ok((Study::of("figure-13", what, &table, figure)?.with_remarks(vec![remark]), modulation))
 }
 
-/// A quantity: its index in [`MotionSample`], its symbol and its colour.
+/// A quantity: index in [`MotionSample`], symbol, colour.
 type DrawnQuantity = (usize, &'static str, Colour);
 
-/// A motion as panels show it.
+/// A motion to be drawn in panels.
 struct DrawnMotion<'a> {
     lengths: &'a Lengths,
     points: &'a [MotionSample],
@@ -161,7 +162,8 @@ impl DrawnMotion<'_> {
     }
 }
 
-/// A state from its section; rounding may have put the block past a stop by a digit.
+/// A state in SI from a stroboscopic one, with the block put between the stops: rounding may place
+/// it beyond by a digit.
 fn inside(p: &Parameters, s: &StroboscopicState) -> State {
     let mut state = dimensional(p, s);
     let w = (state.x[1] - state.x[0]).clamp(-p.stop_gap, p.stop_gap);
@@ -169,8 +171,8 @@ fn inside(p: &Parameters, s: &StroboscopicState) -> State {
     state
 }
 
-/// Figure 15: portraits of X2 at the values of a diagram nearest to `values`, from the states it
-/// settled on.
+/// Figure 15: portraits of X2 at the values of a diagram nearest to `values`, from the settled
+/// states of the diagram.
 ///
 /// # Errors
 /// What the simulator refuses.
@@ -206,8 +208,7 @@ pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f6
     Study::of("figure-15", "phase portraits of X₂ as in figure 15", &table, figure)
 }
 
-/// A motion of a sweep over its period, or over [`WANDERING`] periods, from the state it settled
-/// on.
+/// A motion of a sweep from its settled state, over its period or over [`WANDERING`] drive periods.
 fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
     let start = inside(p, &point.attractor.states[0]);
     let mut simulator = Simulator::new(p, &start, 0.0)?.without_energy_accounts();
@@ -215,7 +216,7 @@ fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
     Ok(simulated(&record_flights(&mut simulator, periods)?, p))
 }
 
-/// The running exponents at some values of a parameter, from a moving block on.
+/// The running exponents at some values of a parameter, from the default start (v2 = 1).
 ///
 /// # Errors
 /// What the simulator refuses.
@@ -284,7 +285,7 @@ fn running_panel(
 
 fn running_remark(name: Name, (value, found): &(f64, Convergence)) -> String {
     let s = &found.spectrum;
-    // Adding zero turns -0 into 0.
+    // The sum with zero turns -0 into 0.
     let exponents = s.exponents.map(|e| format!("{:.5}", e + 0.0).replace('-', "−"));
     format!(
         "{} = {}: {}; deviation {:.1e} over the last periods, {} periods",

@@ -1,4 +1,4 @@
-//! All steady-state values of all theories, and the motion they describe (figure 8).
+//! Steady-state values by all theories, and the motion they describe (figure 8).
 
 use super::lengths::Lengths;
 use super::steady_motion::{MotionSample, SteadyMotion};
@@ -15,7 +15,7 @@ use vibro_impact::steady::{Bifurcation, Sheet, exact_orbit, strong_coupling};
 
 /// Periods of the drive that histories show.
 const PERIODS: f64 = 2.0;
-/// Stroke of a curve that lies under another.
+/// Stroke of a curve below another.
 const WIDE: u32 = 14;
 
 /// Names and colours of U, W, X1, X2, X3.
@@ -55,8 +55,8 @@ impl SteadyRows {
     }
 }
 
-/// The table as the screen shows it. The file keeps the identifiers of the bifurcations, for
-/// programs that read it; a reader gets their names.
+/// The table for the screen: it has the names of bifurcations, and the file their identifiers, for
+/// programs.
 fn readable(mut table: TextTable) -> TextTable {
     use Bifurcation::{NeimarkSacker, PeriodDoubling, SaddleNode, SymmetryBreaking};
     for row in table.rows.iter_mut().filter(|row| row[0] == HEADS_FOR) {
@@ -231,7 +231,7 @@ fn picture(set: &ParameterSet) -> Result<(String, Option<Figure>)> {
     Ok((what, Some(figure)))
 }
 
-/// Histories and portraits of two motions, each with its name, over each other.
+/// Panels of histories and portraits of two named motions over each other.
 pub(super) fn four_panels(
     title: &str,
     set: &ParameterSet,
@@ -259,8 +259,8 @@ pub(super) fn four_panels(
     }
 }
 
-/// Curves of one motion in wide pale strokes and, over them, of another in thin dashes, both in the
-/// colours of their bodies, whose symbols stand beside the curves.
+/// Panel of one motion in wide pale strokes and another in thin dashes over it, both in the colours
+/// of their bodies; symbols stand beside the curves.
 pub(super) fn comparison_panel(
     title: &str,
     lengths: &Lengths,
@@ -275,7 +275,7 @@ pub(super) fn comparison_panel(
         layers.push(Layer::lines("stops ±L", BLACK, Dash::Dotted, stops).stroke(THIN).labelled("stop"));
     }
     let path = |points: &[MotionSample], q: usize| {
-        // A portrait closes after one period; twice would fill its dashes.
+        // A portrait closes after one period; a second one would fill its dashes.
         let shown = points.iter().filter(|p| !portrait || p.time <= 1.0 + 1e-9);
         shown.map(|p| if portrait { (p.x[q], p.v[q]) } else { (p.time, p.x[q]) }).collect::<Vec<_>>()
     };
@@ -293,7 +293,7 @@ pub(super) fn comparison_panel(
             layers.push(if first.is_empty() { curve.labelled(lengths.displacement(name)) } else { curve });
         }
     }
-    // How the two motions are told apart, for the legend.
+    // Entries of the legend for the two motions.
     if !first.is_empty() {
         layers.push(Layer::lines(first_name, GREY, Dash::Solid, Vec::new()).stroke(WIDE).pale());
     }

@@ -66,7 +66,7 @@ and compliant stops
   Three bodies on one line: box, block, secondary oscillator. Both stops are rigid and have one coefficient of restitution.
   No friction; springs and dampers are linear.";
 
-/// What is said of the numbers of a machine's file.
+/// How numbers of a machine's file are read.
 const NUMBERS: &str = "\
 NUMBERS
   A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
@@ -101,8 +101,8 @@ fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
     command.after_help(notes.join("\n\n"))
 }
 
-/// A command whose help does not name some of the shared options, which it refuses or ignores, and
-/// names a file of parameters as an option of the paper's machine if it takes two machines.
+/// Hides in a command's help the shared options that it refuses or ignores. A command of two
+/// machines lists `--config` under the heading of the paper's machine.
 fn with_shared(command: clap::Command, shared: &[Arg], unused: &[&str]) -> clap::Command {
     let heading = if has_file(&command) { Some(WITHOUT_FILE) } else { None };
     let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
@@ -112,7 +112,7 @@ fn with_shared(command: clap::Command, shared: &[Arg], unused: &[&str]) -> clap:
     own.fold(command, clap::Command::arg)
 }
 
-/// `vibro assembly COMMAND FILE`, as versions up to 0.2 have it.
+/// The alias `vibro assembly COMMAND FILE` of version 0.2.
 fn alias(all: &clap::Command) -> clap::Command {
     let commands = all.get_subcommands().filter(|command| has_file(command)).cloned();
     let of_file = commands.map(|command| {
@@ -130,7 +130,7 @@ fn alias(all: &clap::Command) -> clap::Command {
         .subcommands(of_file)
 }
 
-/// What was given, by the words without the alias.
+/// The matches without the alias.
 pub fn without_alias(matches: ArgMatches) -> ArgMatches {
     match matches.subcommand() {
         Some((ALIAS, inner)) => inner.clone(),
@@ -140,14 +140,14 @@ pub fn without_alias(matches: ArgMatches) -> ArgMatches {
 
 /// Name of the alias of the commands with a machine's file.
 const ALIAS: &str = "assembly";
-/// The argument that is a machine's file.
+/// Name of the argument for a machine's file.
 const FILE: &str = "file";
 
 fn has_file(command: &clap::Command) -> bool {
     command.get_arguments().any(|arg| arg.get_id() == FILE)
 }
 
-/// The machine's file that was named.
+/// The machine's file, if one was named.
 pub fn file(matches: &ArgMatches) -> Option<&Path> {
     matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
 }
@@ -175,7 +175,7 @@ pub fn check_subject(matches: &ArgMatches) -> Result<()> {
     Err(Error::Refused { what: option(given), problem })
 }
 
-/// Takes numbers below zero for values, so that an option which allows none says what it allows.
+/// Reads numbers below zero as values, so that an option which refuses them says what it allows.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let taken = |arg: clap::Arg| {
         let takes = arg.get_action().takes_values() && !arg.is_positional();
@@ -188,7 +188,7 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 #[derive(Debug, Parser)]
 #[command(name = "vibro", version, about = ABOUT, after_help = PARAMETERS, arg_required_else_help = true)]
 pub struct Arguments {
-    /// For every command.
+    /// Options of every command.
     #[command(flatten)]
     pub common: Common,
     /// The command.
@@ -279,7 +279,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// Reads the axes of a command without a file, as those of the paper's machine.
+    /// Parses the axes of a command without a file as parameters of the paper's machine.
     ///
     /// # Errors
     /// What is wrong with an axis.

@@ -1,4 +1,4 @@
-//! Commands with a machine's file: its check, its sketch, its motion.
+//! Commands with a machine's file: summary, sketch, motion.
 
 use crate::arguments::Command;
 use crate::assembly_studies;
@@ -21,8 +21,8 @@ use vibro_sketch::Sketch;
 /// Stem of the manifest of a motion.
 const RESULT: &str = "assembly-run";
 
-/// Carries out a command for the machine of a file. `false` where a motion was interrupted, and all
-/// that was computed is written.
+/// Carries out a command for the machine of a file. `false` where a motion was interrupted;
+/// everything computed until then is written.
 ///
 /// # Errors
 /// What is wrong with the file, its parameters or its motion; [`Error::File`].
@@ -33,7 +33,7 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Bifurcation(a) => assembly_studies::bifurcation(file, common, a)?,
         Command::Lyapunov(a) => assembly_studies::lyapunov(file, common, a)?,
         Command::Sweep(a) => assembly_studies::sweep(file, common, a)?,
-        // `vibro check`; no other command takes a file.
+        // `vibro check`: no other command takes a file.
         _ => output::say(&assembly::summary(read(file, common)?.description)?)?,
     }
     Ok(true)
@@ -44,7 +44,7 @@ fn read(file: &Path, common: &Common) -> Result<Machine> {
     assembly::read(file, &common.set, &mut |words| crate::note(&words))
 }
 
-/// Writes NAME.svg and NAME.png, without whatever else the folder holds.
+/// Writes NAME.svg and NAME.png, whatever else the folder holds.
 fn sketch(file: &Path, common: &Common) -> Result<()> {
     let machine = read(file, common)?.description;
     let (svg, png) = canvas::svg_and_png(&Sketch::new(&machine))?;
@@ -78,7 +78,7 @@ fn follow(
     let out = destination.place(&[destination.result(RESULT)])?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
-    // Without a handler Ctrl-C ends the program as well, but nothing is written.
+    // Without a handler Ctrl-C ends the program too, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
     let progress = Progress::new(0, TIME).ticking();
     let record =

@@ -1,4 +1,5 @@
-//! `bifurcation`, `lyapunov` and `sweep` of a machine's file: from arguments to the library's studies.
+//! `bifurcation`, `lyapunov` and `sweep` with a machine's file: from arguments to the library's
+//! studies.
 
 use crate::common_arguments::{Common, SectionArguments};
 use crate::destination::{self, Destination};
@@ -22,7 +23,7 @@ const MOST_OF_PLANE: usize = 3_000;
 /// Periods over which an exponent can be counted.
 const EXPONENT_PERIODS: std::ops::RangeInclusive<u32> = 8..=1_000_000;
 
-/// Reads the machine.
+/// Reads the machine, with the changes of `--set`.
 fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Result<Machine> {
     let mut machine = assembly::read(file, &common.set, &mut |words| crate::note(&words))?;
     machine.section = match (section.period, &section.section) {
@@ -33,8 +34,8 @@ fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Result<M
     Ok(machine)
 }
 
-/// Reads a range or list of a parameter. Its numbers have units at all or at none; without, they
-/// are in that in which the parameter was written.
+/// Parses a range or list of a parameter. All its numbers have units, or none has; without units
+/// they are in the unit in which the parameter was written.
 fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<String>> {
     let form = || {
         Error::form(text, "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.upper.gap=1mm:8mm:200")
@@ -172,7 +173,7 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
         let work =
             StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
         let study = LongStudy::of(&name, work);
-        // All are refused before the first begins.
+        // All studies are checked before the first begins.
         study.check()?;
         studies.push((study, invocation));
     }
@@ -217,7 +218,7 @@ pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
     measures.iter().try_for_each(|measure| measure.check(&machine.description))?;
     let request = request::<Machine>(a, &vary, &over, measures)?;
     request.check()?;
-    // What no design could do without.
+    // No design can do without a section.
     Section::of(&machine.description, &machine.section)?;
     let options = [
         ("vary", in_words(&vary)),

@@ -47,7 +47,7 @@ pub struct Common {
     /// Number of threads [default: all cores]. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = whole(1..=u16::MAX))]
     pub threads: Option<u16>,
-    /// What was given, for manifests.
+    /// The invocation, for manifests.
     #[arg(skip)]
     pub invocation: Invocation,
 }
@@ -75,7 +75,7 @@ pub fn time(text: &str) -> std::result::Result<f64, String> {
     })
 }
 
-/// Loads that do not change.
+/// Constant loads.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ConstantLoads {
     /// Constant force on box, block or secondary, in N or with a unit. May be repeated; forces on

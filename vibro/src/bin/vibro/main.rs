@@ -30,7 +30,7 @@ use std::process::ExitCode;
 use vibro::{Error, Result, load_file, parameter_file, studies};
 use vibro_analysis::{Name, ParameterSet, number, typed_unit};
 
-/// Exit code for input that is refused, as clap has it.
+/// Exit code for refused input, as clap's.
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -48,7 +48,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// `false` where the work was interrupted and said so.
+/// Carries out the command. `false` where a motion was interrupted.
 fn run(arguments: &mut Arguments, file: Option<&Path>) -> Result<bool> {
     if let Some(threads) = arguments.common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
@@ -139,8 +139,8 @@ fn configured(mut set: ParameterSet, common: &Common) -> Result<ParameterSet> {
     Ok(set)
 }
 
-/// The values of `--set` without a unit that were read in the unit in which the file, or a value
-/// before them, wrote their parameter.
+/// Notes on the values of `--set` without a unit that were read in the unit in which the file or an
+/// earlier value wrote the parameter.
 fn units_taken(common: &Common) -> Result<Vec<String>> {
     let mut set = ParameterSet::basic();
     if let Some(path) = &common.config {
@@ -161,12 +161,12 @@ fn units_taken(common: &Common) -> Result<Vec<String>> {
     Ok(told)
 }
 
-/// Tells what was understood in a way that a reader may not expect.
+/// Prints notes on how input was read.
 fn said(words: &[String]) {
     words.iter().for_each(|words| note(words));
 }
 
-/// Tells it in a line.
+/// Prints a note.
 fn note(words: &str) {
     eprintln!("note: {words}");
 }

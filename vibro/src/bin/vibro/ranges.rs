@@ -26,7 +26,8 @@ pub struct ParameterRange<N = Name> {
     /// The parameter.
     pub name: N,
     /// Its ends in its SI unit, the lower one first; both are allowed values. Ends without a unit
-    /// are as typed until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit).
+    /// are as typed until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit) converts
+    /// them.
     pub ends: (f64, f64),
     /// The number of values, if it was given.
     pub count: Option<usize>,
@@ -55,7 +56,7 @@ pub struct ParameterPair {
     pub y: Name,
 }
 
-/// Reads a whole number in a range. What is none is refused with the range too.
+/// Parser of a whole number in a range; errors state the range.
 pub fn whole<T>(
     allowed: RangeInclusive<T>,
 ) -> impl Fn(&str) -> std::result::Result<T, String> + Clone + Send + Sync + 'static
@@ -69,21 +70,20 @@ where
     }
 }
 
-/// For `map_err` on a value that is read after the command line: what is wrong with it, with the
-/// option that it was given for.
+/// For `map_err` on a value that is parsed after the command line: adds the option's name to the
+/// error.
 pub fn in_option<E: fmt::Display>(option: &'static str) -> impl FnOnce(E) -> Error {
     move |error| Error::Refused { what: option.into(), problem: error.to_string() }
 }
 
-/// Reads what an option of several texts was given, in the form that the machine has for it.
+/// Parses the texts of an option whose form depends on the machine.
 ///
-/// # Errors
-/// What is wrong with a text, with the option.
+/// # Errors The first text that cannot be parsed, with the option.
 pub fn texts<T: FromStr<Err: fmt::Display>>(option: &'static str, given: &[String]) -> Result<Vec<T>> {
     given.iter().map(|text| text.parse().map_err(in_option(option))).collect()
 }
 
-/// Reads a finite number in a range, which `words` tell. What is none is refused with them too.
+/// Parser of a finite number in a range; errors state `words`.
 pub fn real(
     allowed: RangeInclusive<f64>,
     words: &'static str,
@@ -163,8 +163,7 @@ impl fmt::Display for ParameterPair {
     }
 }
 
-/// A range that pictures show unless told otherwise, widened so that it holds the value that was
-/// set.
+/// Default range of pictures, widened to contain the value that was set.
 pub fn shown(set: &ParameterSet, name: Name, default: (f64, f64)) -> ParameterRange {
     let own = if set.is_set(name) { name.value(set) } else { default.0 };
     ParameterRange { name, ends: (default.0.min(own), default.1.max(own)), count: None, unit: None }
@@ -182,11 +181,10 @@ pub trait InWrittenUnit: fmt::Display {
     /// The values.
     fn values(&mut self) -> Vec<&mut f64>;
 
-    /// Takes the values for numbers in the unit in which the parameter was written, if they have
-    /// none of their own; returns words that say so where it makes a difference.
+    /// Converts values without a unit from the unit in which the parameter was written; returns a
+    /// note where this is not SI.
     ///
-    /// # Errors
-    /// The range of a value.
+    /// # Errors A value out of its parameter's range.
     fn read_in_written_unit(&mut self, set: &ParameterSet) -> Result<Option<String>> {
         let (name, typed) = (self.name(), self.to_string());
         let written = set.unit(name).filter(|unit| self.unit().is_none() && !unit.is_si());

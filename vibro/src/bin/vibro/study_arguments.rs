@@ -90,7 +90,7 @@ pub struct DiagramOfPaper {
     /// Constant loads.
     #[command(flatten)]
     pub loads: ConstantLoads,
-    /// The parameter and range of --vary, once it is known to be one of this machine.
+    /// The parsed range of --vary.
     #[arg(skip)]
     pub range: Option<ParameterRange>,
 }

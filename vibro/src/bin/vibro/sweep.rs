@@ -1,4 +1,4 @@
-//! `vibro sweep`: from its arguments to the library's study, of either machine.
+//! `vibro sweep`: from its arguments to the library's study, for either machine.
 
 use crate::common_arguments::Common;
 use crate::long::perform_as;
@@ -31,7 +31,7 @@ fn designs<N: AxisName>(a: &Sweep, vary: &[AxisArgument<N>]) -> Result<Designs<N
     }
 }
 
-/// The request, with one start and each measure once, not yet checked.
+/// The request of either machine, with the default start and each measure once; not yet checked.
 ///
 /// # Errors
 /// A range that is none, or of too many values.
@@ -61,7 +61,7 @@ pub fn request<M: Machine>(
     })
 }
 
-/// The axes' values in SI, as manifests have them.
+/// Axes or measures in words, in SI, for manifests.
 pub fn in_words<T: Display>(axes: &[T]) -> String {
     axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }

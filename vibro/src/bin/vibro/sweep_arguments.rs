@@ -13,7 +13,7 @@ use vibro_analysis::plane::AxisName;
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, Unit};
 
-/// What is measured unless told otherwise.
+/// Default measures of the paper's machine.
 const DEFAULT: &str =
     "amplitude.x1,amplitude.without_block,amplitude.w,impacts,impact.speed,power.impact,class";
 
@@ -115,10 +115,10 @@ pub struct SweepOfPaper {
     /// Constant loads.
     #[command(flatten)]
     pub loads: ConstantLoads,
-    /// The values of --vary, once they are known to be of this machine's parameters.
+    /// The parsed axes of --vary.
     #[arg(skip)]
     pub vary: Vec<AxisArgument>,
-    /// The values of --over.
+    /// The parsed axes of --over.
     #[arg(skip)]
     pub over: Vec<AxisArgument>,
 }
@@ -178,7 +178,7 @@ impl AxisArgument {
 }
 
 impl<N: AxisName> AxisArgument<N> {
-    /// Its range, whose values stand for the interval between them; `None` for a list.
+    /// The range, whose values sample an interval; `None` for a list.
     pub fn range(&self) -> Option<&ParameterRange<N>> {
         match self {
             Self::Range(range) => Some(range),
@@ -188,8 +188,7 @@ impl<N: AxisName> AxisArgument<N> {
 
     /// Its values.
     ///
-    /// # Errors
-    /// When a count is out of range.
+    /// # Errors A count out of range.
     pub fn sampled(&self, resolution: u32) -> Result<SampledAxis<N>> {
         Ok(match self {
             Self::Range(range) => {
@@ -202,8 +201,7 @@ impl<N: AxisName> AxisArgument<N> {
 
     /// Its ends, for a Sobol sequence.
     ///
-    /// # Errors
-    /// For a list, and for a range with a count.
+    /// # Errors A list, and a range with a count.
     pub fn interval(&self) -> Result<ParameterInterval<N>> {
         const EXPECTED: &str = "name=from:to without a count: --sobol decides on the number of points";
         match self {
