@@ -39,7 +39,7 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
         };
         let name = name.trim();
         let read = machine.quantity(name, value)?;
-        taken(&[value], &read, text).into_iter().for_each(&mut *note);
+        note_if_not_si(&[value], &read, text).into_iter().for_each(&mut *note);
         machine.note_unit(name, value);
         changes.push((name, read.value));
     }
@@ -48,14 +48,14 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
 
 /// Note of the unit in which numbers without one were read, where it is not SI; `read` is one of
 /// the numbers.
-pub fn taken(numbers: &[&str], read: &Quantity, typed: &str) -> Option<String> {
+pub fn note_if_not_si(numbers: &[&str], read: &Quantity, typed: &str) -> Option<String> {
     let bare = |number: &&str| number.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
     let unit = read.unit.filter(|unit| !unit.is_si() && numbers.iter().any(bare))?;
-    Some(read_in(typed, unit))
+    Some(note_of_unit(typed, unit))
 }
 
 /// Note of the unit in which a number without one was read.
-pub fn read_in(typed: &str, unit: &Unit) -> String {
+pub fn note_of_unit(typed: &str, unit: &Unit) -> String {
     format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }
 

@@ -1,5 +1,17 @@
 //! Long studies as plain data. The manifest of a folder of parts holds one, so that parts of
 //! different studies are never mixed and several computers can share a study.
+//!
+//! A study is written to disk and read by other builds, so that two things hold:
+//!
+//! * Variants and fields keep their names and meaning. A new field has a default and is left out
+//!   where it has it, so that older manifests are read.
+//! * [`FORMAT`] is incremented with any change of how a study is divided or of what a part holds;
+//!   `part_folder` then refuses older parts by name. Tests with `second_method_shards_…` compare
+//!   the bytes of a study in one run, in shards, and after an interruption.
+//!
+//! A new kind of study is a variant of [`StudyKind`] or [`AssemblyStudy`], with its arms in
+//! [`LongStudy::count`], [`LongStudy::check`] and [`LongStudy::run`], and a line in
+//! `tests/studies.rs`.
 
 use super::studies::{self, Study};
 use super::subject::Subject;

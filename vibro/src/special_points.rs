@@ -5,8 +5,8 @@
 //! special-points.csv          every row that starts a curve
 //! special-points.csv:12       row 12, counted from 1
 //! special-points.csv:LP       every fold
-//! special-points.csv:LP@2.3   the folds at the value that is written as 2.3 with one digit after the point
-//! special-points.csv:@2.3     what is at that value
+//! special-points.csv:LP@2.3   every fold whose value, rounded to one decimal, is 2.3
+//! special-points.csv:@2.3     every special point at that value
 //! ```
 
 use crate::{Error, Result};

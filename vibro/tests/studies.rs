@@ -329,26 +329,6 @@ fn interrupted_and_resumed(name: &str, work: &[&str], whole: &Path) {
 }
 
 #[test]
-fn errors_of_long_studies_name_what_is_allowed() {
-    for (arguments, expected) in [
-        (vec!["bifurcation", "--range", "f1=0:1"], "the nearest is `f10`"),
-        (vec!["bifurcation", "--shard", "3/2"], "i/n with i from 1 to n"),
-        (vec!["basin", "--x", "y1=0:1"], "x1 x2 x3 v1 v2 v3"),
-        (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
-        (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
-        (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent parameters"),
-        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1 or block.s=5mm; or orbit"),
-        (vec!["isoperiodic", "--start", "x2=3"], "stop"),
-        (vec!["merge", "absent"], "reading absent"),
-    ] {
-        let output = command(&folder("refused"), &arguments).output().unwrap();
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-        assert!(error.contains(expected), "{arguments:?}: {error}");
-    }
-}
-
-#[test]
 #[ignore = "makes the report twice: cargo test -p vibro --test studies -- --ignored"]
 fn invariant_the_report_is_the_same_on_any_threads() {
     let [one, two] = ["1", "2"].map(|threads| {

@@ -1,7 +1,7 @@
 //! Bifurcation diagrams and exponents of described machines.
 
 use super::Study;
-use super::design_sweep::Told;
+use super::design_sweep::Labelled;
 use super::diagram::{
     DIRECTIONS, contact_panel, hysteresis, maxima_rows, reach, remarks, shaded, window_table,
 };

@@ -15,14 +15,14 @@ use collected::Collected;
 pub(in crate::studies) use map::{limits, map};
 use vibro_analysis::design_sweep::{Choice, Designs, Request, Row, SampledAxis, choice, each_final_row};
 use vibro_analysis::parts::Task;
-pub use words::Told;
+pub use words::Labelled;
 
 /// The study of a sweep whose parts are all in the task's store. [`write_tables`] writes its
 /// tables.
 ///
 /// # Errors
 /// What the store refuses.
-pub fn design_sweep<M: Told>(set: &M, request: &Request<M>, task: &Task, name: &str) -> Result<Study> {
+pub fn design_sweep<M: Labelled>(set: &M, request: &Request<M>, task: &Task, name: &str) -> Result<Study> {
     let mut found = Collected::new(set, request);
     let quiet = Task { done: &|_| (), ..*task };
     let choice = choice(set, request, &quiet)?;
@@ -50,14 +50,14 @@ pub fn design_sweep<M: Told>(set: &M, request: &Request<M>, task: &Task, name: &
     })
 }
 
-fn outputs_in_words<M: Told>(request: &Request<M>) -> String {
+fn outputs_in_words<M: Labelled>(request: &Request<M>) -> String {
     match &request.measures[..] {
         [one] => one.to_string(),
         several => format!("{} outputs", several.len()),
     }
 }
 
-fn designs_in_words<M: Told>(request: &Request<M>) -> String {
+fn designs_in_words<M: Labelled>(request: &Request<M>) -> String {
     let count = request.designs.count();
     let names: Vec<_> = request.designs.names().iter().map(M::name).collect();
     let over = if names.is_empty() { String::new() } else { format!(" over {}", names.join(", ")) };
@@ -68,7 +68,7 @@ fn designs_in_words<M: Told>(request: &Request<M>) -> String {
 }
 
 /// How the motions were measured, for captions.
-fn method<M: Told>(set: &M, request: &Request<M>, choice: Option<&Choice>) -> String {
+fn method<M: Labelled>(set: &M, request: &Request<M>, choice: Option<&Choice>) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",
         Designs::Rows { .. } => "as listed",
@@ -100,7 +100,7 @@ fn method<M: Told>(set: &M, request: &Request<M>, choice: Option<&Choice>) -> St
 }
 
 /// An axis of [`Request::over`] in words.
-fn axis_in_words<M: Told>(set: &M, axis: &SampledAxis<M::Name>) -> String {
+fn axis_in_words<M: Labelled>(set: &M, axis: &SampledAxis<M::Name>) -> String {
     let ends = (axis.values.iter().copied().reduce(f64::min), axis.values.iter().copied().reduce(f64::max));
     match ends {
         (Some(a), Some(b)) if a < b => {
@@ -114,6 +114,6 @@ fn axis_in_words<M: Told>(set: &M, axis: &SampledAxis<M::Name>) -> String {
 }
 
 /// The parameters that vary, which a caption leaves out.
-fn varied<M: Told>(request: &Request<M>) -> Vec<M::Name> {
+fn varied<M: Labelled>(request: &Request<M>) -> Vec<M::Name> {
     request.designs.names().into_iter().chain(request.over.iter().map(|a| a.name.clone())).collect()
 }

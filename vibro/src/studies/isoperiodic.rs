@@ -6,7 +6,7 @@ mod three_dof;
 pub use three_dof::POINT_IN_TABLE;
 
 use super::Study;
-use super::design_sweep::Told;
+use super::design_sweep::Labelled;
 use crate::Result;
 use crate::table::{csv_in_groups, exact};
 use std::borrow::Cow;
@@ -33,7 +33,7 @@ pub struct ClassifiedMotion {
 }
 
 /// A machine whose planes have pictures and tables.
-pub trait ShownPlane: PlaneMachine + Told {
+pub trait ShownPlane: PlaneMachine + Labelled {
     /// Name of motions with one period other than that of the closed forms.
     const ONE_PERIOD: &str;
     /// Title of the second panel: what it counts.
@@ -160,7 +160,7 @@ fn panels<M: ShownPlane>(machine: &M, request: &Request<M>, plane: &Isoperiodic<
 }
 
 /// The axis of a plane's parameter.
-fn plane_axis<M: Told>(machine: &M, axis: &ParameterAxis<M::Name>) -> Axis {
+fn plane_axis<M: Labelled>(machine: &M, axis: &ParameterAxis<M::Name>) -> Axis {
     Axis { range: Some(axis.edges()), ..machine.axis(&axis.name) }
 }
 

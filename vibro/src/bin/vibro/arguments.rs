@@ -1,4 +1,16 @@
 //! The command line: commands, options and their help.
+//!
+//! A command is a variant of [`Command`], and its options are a struct of clap's. Four commands
+//! take either the machine of a FILE or the paper's machine:
+//!
+//! * An option of both is in the command's struct. Where the defaults differ, the second one is a
+//!   `default_value_if` on `file`, and the help text states both.
+//! * An option of one machine is in the struct `…OfFile` or `…OfPaper`, whose heading help shows
+//!   and by which [`check_subject`] refuses it for the other machine.
+//! * An axis, quantity or measure is text to clap; [`Command::read_axes`] and `assembly_studies`
+//!   parse it, since its form depends on the machine.
+//!
+//! Identifiers of options are keys of manifests: they stay, and a new word is an alias.
 
 use crate::common_arguments::{Common, WITH_FILE, WITHOUT_FILE};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};

@@ -53,7 +53,7 @@ fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<String>> 
     if numbers.iter().any(|number| is_bare(number) != is_bare(&numbers[0])) {
         return Err(Error::form(text, "a unit at every number or at none"));
     }
-    assembly::taken(&numbers, &read[0], text).iter().for_each(|words| crate::note(words));
+    assembly::note_if_not_si(&numbers, &read[0], text).iter().for_each(|words| crate::note(words));
     numbers.iter().for_each(|number| machine.note_unit(name, number));
     let (name, values): (_, Vec<f64>) =
         (name.to_owned(), read.iter().map(|quantity| quantity.value).collect());

@@ -72,7 +72,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         return output::say(sweep::list().trim_end());
     }
     let mut set = configured(ParameterSet::basic(), common)?;
-    said(&units_taken(common)?);
+    print_notes(&unit_notes(common)?);
     if !set.not_given().is_empty() {
         eprintln!(
             "warning: the machine is given in SI, but not {}; these are the default machine's values. `vibro template` \
@@ -81,7 +81,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         );
     }
     let words = written_units::read_in(&mut arguments.command, &set)?;
-    said(&words.iter().filter_map(|w| w.remark.clone()).collect::<Vec<_>>());
+    print_notes(&words.iter().filter_map(|w| w.remark.clone()).collect::<Vec<_>>());
     for option in words {
         common.invocation.options.insert(option.name.into(), option.words);
     }
@@ -141,7 +141,7 @@ fn configured(mut set: ParameterSet, common: &Common) -> Result<ParameterSet> {
 
 /// Notes on the values of `--set` without a unit that were read in the unit in which the file or an
 /// earlier value wrote the parameter.
-fn units_taken(common: &Common) -> Result<Vec<String>> {
+fn unit_notes(common: &Common) -> Result<Vec<String>> {
     let mut set = ParameterSet::basic();
     if let Some(path) = &common.config {
         parameter_file::read(&mut set, path)?;
@@ -153,7 +153,7 @@ fn units_taken(common: &Common) -> Result<Vec<String>> {
         let Some((name, value)) = parts else { continue };
         match (typed_unit(name, value), set.unit(name)) {
             (None, Some(own)) if !own.is_si() && number(name, value).is_ok_and(|v| v != 0.0) => {
-                told.push(ranges::read_in(text, own))
+                told.push(ranges::note_of_unit(text, own))
             }
             (typed, _) => set.show_in(name, typed),
         }
@@ -162,7 +162,7 @@ fn units_taken(common: &Common) -> Result<Vec<String>> {
 }
 
 /// Prints notes on how input was read.
-fn said(words: &[String]) {
+fn print_notes(words: &[String]) {
     words.iter().for_each(|words| note(words));
 }
 

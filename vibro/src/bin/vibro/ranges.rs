@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
-pub use vibro::assembly::read_in;
+pub use vibro::assembly::note_of_unit;
 use vibro::{Error, Result};
 use vibro_analysis::parts::Shard;
 use vibro_analysis::plane::{AxisName, ParameterAxis};
@@ -195,7 +195,7 @@ pub trait InWrittenUnit: fmt::Display {
         for value in self.values() {
             name.check(*value).map_err(vibro_analysis::Error::from)?;
         }
-        Ok(written.map(|unit| read_in(&typed, unit)))
+        Ok(written.map(|unit| note_of_unit(&typed, unit)))
     }
 }
 

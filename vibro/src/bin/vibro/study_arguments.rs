@@ -112,7 +112,8 @@ pub struct Lyapunov {
     #[arg(value_parser = real(0.0..=f64::MAX, "a finite number >= 0"), help_heading = WITHOUT_FILE)]
     pub threshold: f64,
     /// Values at which spectra are listed and running exponents shown
-    /// [default: of f10 0.6,1.5,2.45,3.6 or the value that was set; of other parameters the quarters of the range]
+    /// [default: of f10 0.6,1.5,2.45,3.6 or the value that was set; of other parameters the
+    /// quarters of the range]
     #[arg(long, value_name = "V,V,…", value_delimiter = ',', allow_hyphen_values = true)]
     #[arg(help_heading = WITHOUT_FILE)]
     pub at: Vec<String>,

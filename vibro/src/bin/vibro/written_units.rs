@@ -84,6 +84,6 @@ fn read_list(
     texts.iter_mut().for_each(|text| text.push_str(unit.plain()));
     let words: Vec<String> =
         texts.iter().filter_map(|text| number(name, text).ok()).map(|v| v.to_string()).collect();
-    let remark = Some(ranges::read_in(&format!("--{option} {typed}"), unit));
+    let remark = Some(ranges::note_of_unit(&format!("--{option} {typed}"), unit));
     Some(Words { name: option, words: words.join(" "), remark })
 }

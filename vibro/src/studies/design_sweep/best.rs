@@ -1,14 +1,14 @@
 //! The best design of a sweep, in words.
 
 use super::collected::value_in_words;
-use super::words::Told;
+use super::words::Labelled;
 use vibro_analysis::design_sweep::{Choice, Request, Row, row};
 
 /// Most designs that are listed one by one.
 const TOLD: usize = 8;
 
 /// The best design, or the designs that error bars do not separate, and how it was sought.
-pub(super) fn best_in_words<M: Told>(
+pub(super) fn best_in_words<M: Labelled>(
     set: &M,
     request: &Request<M>,
     choice: &Choice,
@@ -51,7 +51,7 @@ pub(super) fn told(choice: &Choice) -> &[usize] {
 }
 
 /// How many designs were measured again, and how.
-fn what_was_done<M: Told>(request: &Request<M>, choice: &Choice) -> Vec<String> {
+fn what_was_done<M: Labelled>(request: &Request<M>, choice: &Choice) -> Vec<String> {
     let again = || choice.rows.values().filter_map(|row| row.again.as_ref());
     let mut lines = Vec::new();
     if let Some(periods) = again().map(|again| again.periods).max() {
@@ -79,7 +79,12 @@ fn what_was_done<M: Told>(request: &Request<M>, choice: &Choice) -> Vec<String> 
 }
 
 /// The best design's measure from other starts, where that is larger.
-fn from_more_starts<M: Told>(set: &M, request: &Request<M>, choice: &Choice, best: &Row) -> Option<String> {
+fn from_more_starts<M: Labelled>(
+    set: &M,
+    request: &Request<M>,
+    choice: &Choice,
+    best: &Row,
+) -> Option<String> {
     let measure = &request.measures[choice.measure];
     let more = request.from_more_starts(best.values.clone(), measure.clone())?;
     let (found, own) = (row(set, &more, 0), best.outputs[choice.measure]?);

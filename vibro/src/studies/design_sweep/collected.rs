@@ -1,7 +1,7 @@
 //! Summary of a sweep, collected row by row: values for the picture, extremes and counts for the
 //! remarks.
 
-use super::words::Told;
+use super::words::Labelled;
 use vibro_analysis::design_sweep::{Request, Row, Summary};
 use vibro_analysis::significant;
 
@@ -12,7 +12,7 @@ const MOST_DRAWN: usize = 100_000;
 pub(super) type Reach = Option<(f64, f64)>;
 
 /// One measure of all designs.
-pub(super) struct MeasureRecord<M: Told> {
+pub(super) struct MeasureRecord<M: Labelled> {
     pub measure: M::Measure,
     /// Index among the request's measures.
     index: usize,
@@ -23,7 +23,7 @@ pub(super) struct MeasureRecord<M: Told> {
     largest: Option<Extremum>,
 }
 
-impl<M: Told> MeasureRecord<M> {
+impl<M: Labelled> MeasureRecord<M> {
     /// The least value in a unit, rounded to its spread.
     pub fn least_in(&self, factor: f64) -> Option<String> {
         let least = self.least.as_ref()?;
@@ -43,7 +43,7 @@ struct Extremum {
 const REGULAR: f64 = 1e-6;
 
 /// Summary of a sweep.
-pub(super) struct Collected<M: Told> {
+pub(super) struct Collected<M: Labelled> {
     /// The machine, for the units of parameters.
     set: M,
     names: Vec<M::Name>,
@@ -64,7 +64,7 @@ pub(super) struct Collected<M: Told> {
     has_class: bool,
 }
 
-impl<M: Told> Collected<M> {
+impl<M: Labelled> Collected<M> {
     pub fn new(set: &M, request: &Request<M>) -> Self {
         let numbers = request.measures.iter().enumerate().filter(|(_, m)| !M::is_class(m));
         let record = |(index, measure): (usize, &M::Measure)| MeasureRecord {
@@ -173,7 +173,7 @@ impl<M: Told> Collected<M> {
     }
 }
 
-impl<M: Told> Collected<M> {
+impl<M: Labelled> Collected<M> {
     /// Reason why no design has a value, where that is so.
     pub fn nothing(&self) -> Option<String> {
         let [lacking, _] = &self.reasons;
@@ -186,7 +186,7 @@ impl<M: Told> Collected<M> {
 }
 
 /// A measure of a row, rounded to its spread, with unit and design.
-pub(super) fn value_in_words<M: Told>(
+pub(super) fn value_in_words<M: Labelled>(
     set: &M,
     measure: &M::Measure,
     found: Summary,
@@ -225,7 +225,7 @@ fn design_or_none(reason: &str) -> &str {
 
 /// A design in words, in the units in which the machine was written:
 /// `block.m = 1.2 kg, stop.gap = 10 mm`.
-fn design_in_words<M: Told>(set: &M, names: &[M::Name], values: &[f64]) -> String {
+fn design_in_words<M: Labelled>(set: &M, names: &[M::Name], values: &[f64]) -> String {
     let told =
         |(name, value): (&M::Name, &f64)| format!("{} = {}", M::name(name), set.with_unit(name, *value));
     names.iter().zip(values).map(told).collect::<Vec<_>>().join(", ")

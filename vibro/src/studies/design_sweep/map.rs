@@ -1,6 +1,6 @@
 //! Maps of a measure over two parameters, in steps of colour.
 
-use super::words::Told;
+use super::words::Labelled;
 use vibro_analysis::design_sweep::SampledAxis;
 use vibro_analysis::significant;
 use vibro_figures::canvas::palette::{BLACK, VERMILLION};
@@ -44,7 +44,7 @@ fn steps(least: f64, largest: f64) -> Vec<f64> {
 
 /// The axis of a map, the range of its cells, and the position of each value. Unequally spaced
 /// values have cells of equal size, labelled one by one.
-fn axis<M: Told>(set: &M, of: &SampledAxis<M::Name>) -> (Axis, (f64, f64), Vec<f64>) {
+fn axis<M: Labelled>(set: &M, of: &SampledAxis<M::Name>) -> (Axis, (f64, f64), Vec<f64>) {
     let (values, count) = (&of.values, of.values.len());
     let (first, last) = (values[0], values[count - 1]);
     let part = |k: usize| k as f64 / (count - 1).max(1) as f64;
@@ -78,7 +78,7 @@ pub(in crate::studies) fn limits<'a>(values: impl IntoIterator<Item = &'a Option
 
 /// Map of `values` in steps between these limits. Values are numbered as designs are, the second
 /// axis fastest.
-pub(in crate::studies) fn map<M: Told>(
+pub(in crate::studies) fn map<M: Labelled>(
     set: &M,
     title: String,
     unit: &str,

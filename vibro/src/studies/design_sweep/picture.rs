@@ -3,7 +3,7 @@
 
 use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{LEAST, limits, map};
-use super::words::Told;
+use super::words::Labelled;
 use super::{method, varied};
 use vibro_analysis::design_sweep::{Choice, Designs, Request, SampledAxis};
 use vibro_figures::canvas::palette::BLACK;
@@ -15,7 +15,7 @@ const PANELS: usize = 6;
 const SAME: f64 = 1e-9;
 
 /// The picture; `None` for a single design and for too many designs.
-pub(super) fn figure<M: Told>(
+pub(super) fn figure<M: Labelled>(
     set: &M,
     request: &Request<M>,
     found: &Collected<M>,
@@ -64,7 +64,7 @@ pub(super) fn figure<M: Told>(
 }
 
 /// Title of a panel.
-fn title<M: Told>(measure: &M::Measure, request: &Request<M>) -> String {
+fn title<M: Labelled>(measure: &M::Measure, request: &Request<M>) -> String {
     match request.motions() {
         1 => M::words(measure),
         motions => format!("{}, largest of {motions} motions", M::words(measure)),
@@ -73,14 +73,17 @@ fn title<M: Told>(measure: &M::Measure, request: &Request<M>) -> String {
 
 /// The value of a measure that is equal at all designs; `None` where a design has another value or
 /// none.
-fn constant<M: Told>(record: &MeasureRecord<M>) -> Option<f64> {
+fn constant<M: Labelled>(record: &MeasureRecord<M>) -> Option<f64> {
     let all: Option<Vec<(f64, f64)>> = record.reaches.iter().copied().collect();
     let ends = all?.into_iter().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
     (ends.1 - ends.0 <= SAME * ends.0.abs().max(ends.1.abs())).then_some(ends.1)
 }
 
 /// The measures that change from design to design, and a sentence on the others.
-fn changing<'a, M: Told>(set: &M, found: &'a Collected<M>) -> (Vec<&'a MeasureRecord<M>>, Option<String>) {
+fn changing<'a, M: Labelled>(
+    set: &M,
+    found: &'a Collected<M>,
+) -> (Vec<&'a MeasureRecord<M>>, Option<String>) {
     let (same, changing): (Vec<_>, Vec<_>) = found.records.iter().partition(|r| constant(r).is_some());
     let told = same.iter().filter_map(|record| {
         let value = set.measure_shown(&record.measure).told(constant(record)?);
@@ -91,7 +94,7 @@ fn changing<'a, M: Told>(set: &M, found: &'a Collected<M>) -> (Vec<&'a MeasureRe
 }
 
 /// Kind and unit of a measure: equal ones share a panel.
-fn kind<M: Told>(set: &M, measure: &M::Measure) -> (String, &'static str) {
+fn kind<M: Labelled>(set: &M, measure: &M::Measure) -> (String, &'static str) {
     let name = measure.to_string();
     let kind = name.split('.').next().unwrap_or_default().to_owned();
     // Speed and impulse have units of their own.
@@ -99,13 +102,13 @@ fn kind<M: Told>(set: &M, measure: &M::Measure) -> (String, &'static str) {
 }
 
 /// Axis of a parameter over the range of the data, in the unit in which it was written.
-fn unbounded_axis<M: Told>(set: &M, name: &M::Name) -> Axis {
+fn unbounded_axis<M: Labelled>(set: &M, name: &M::Name) -> Axis {
     Axis { range: None, ..set.axis(name) }
 }
 
 /// Panels over one parameter, one for each kind of measure. Of several motions the largest value is
 /// a curve, over a pale area down to the least.
-fn lines<M: Told>(
+fn lines<M: Labelled>(
     set: &M,
     axis: &SampledAxis<M::Name>,
     request: &Request<M>,
@@ -151,7 +154,7 @@ fn lines<M: Told>(
 }
 
 /// The layers of one measure over one parameter.
-fn curve<M: Told>(
+fn curve<M: Labelled>(
     set: &M,
     axis: &SampledAxis<M::Name>,
     order: &[usize],
@@ -200,7 +203,7 @@ fn with_least(mut panel: Panel, least: Option<String>, unit: &str) -> Panel {
 }
 
 /// Maps over two parameters, one for each measure.
-fn maps<M: Told>(
+fn maps<M: Labelled>(
     set: &M,
     axes: [&SampledAxis<M::Name>; 2],
     request: &Request<M>,
@@ -220,7 +223,7 @@ fn maps<M: Told>(
 
 /// Maps for more than two parameters: for each pair the least of the first measure over all other
 /// parameters, all on one scale.
-fn projections<M: Told>(
+fn projections<M: Labelled>(
     set: &M,
     axes: &[&SampledAxis<M::Name>],
     request: &Request<M>,
@@ -262,7 +265,7 @@ fn best_over_others<N>(axes: &[&SampledAxis<N>], [i, j]: [usize; 2], reaches: &[
 }
 
 /// Panels of the first measure over each parameter.
-fn clouds<M: Told>(
+fn clouds<M: Labelled>(
     set: &M,
     names: &[M::Name],
     request: &Request<M>,

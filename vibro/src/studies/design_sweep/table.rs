@@ -1,6 +1,6 @@
 //! The table of a sweep, as CSV and as Parquet, written row by row.
 
-use super::words::Told;
+use super::words::Labelled;
 use crate::part_folder::write_whole_by;
 use crate::subject::Subject;
 use crate::table::{column_in, exact, shown};
@@ -49,7 +49,7 @@ impl Cell {
 /// Columns: parameters; outputs; reason; spreads of the outputs; periods of the window; number of
 /// values between those of `over`. With several motions a design an output has its least, mean and
 /// largest value, and where the largest is.
-fn columns<M: Told>(set: &M, request: &Request<M>) -> Vec<SweepColumn> {
+fn columns<M: Labelled>(set: &M, request: &Request<M>) -> Vec<SweepColumn> {
     let number = |name: String, unit: &str| SweepColumn { name, unit: Some(unit.into()) };
     let text = |name: String| SweepColumn { name, unit: None };
     let names = request.designs.names();
@@ -91,7 +91,11 @@ fn written(set: &dyn Subject, columns: &[SweepColumn]) -> Vec<(usize, &'static U
 }
 
 /// The cells of a row, in the order of the [`columns`].
-fn cells<M: Told>(request: &Request<M>, written: &[(usize, &'static Unit, String)], row: Row) -> Vec<Cell> {
+fn cells<M: Labelled>(
+    request: &Request<M>,
+    written: &[(usize, &'static Unit, String)],
+    row: Row,
+) -> Vec<Cell> {
     let mut all: Vec<Cell> = row.values.iter().map(|v| Cell::number(Some(*v))).collect();
     for (measure, output) in request.measures.iter().zip(&row.outputs) {
         match (M::is_class(measure), request.motions()) {
@@ -133,7 +137,7 @@ fn cells<M: Told>(request: &Request<M>, written: &[(usize, &'static Unit, String
 ///
 /// # Errors
 /// [`Error::File`], [`Error::Output`].
-pub fn write_tables<M: Told>(set: &M, request: &Request<M>, task: &Task, stem: &Path) -> Result<()> {
+pub fn write_tables<M: Labelled>(set: &M, request: &Request<M>, task: &Task, stem: &Path) -> Result<()> {
     // Endings are appended: a stem may contain a point.
     let path = |ending: &str| {
         let name = stem.file_name().unwrap_or_default().to_string_lossy();
@@ -148,7 +152,7 @@ pub fn write_tables<M: Told>(set: &M, request: &Request<M>, task: &Task, stem: &
 /// The store with the rows' parts, and the choice with the rows measured again.
 type MeasuredRows<'a> = (&'a Task<'a>, Option<&'a Choice>);
 
-fn write_csv<M: Told>(
+fn write_csv<M: Labelled>(
     set: &M,
     request: &Request<M>,
     rows: MeasuredRows<'_>,
@@ -234,7 +238,7 @@ fn schema(columns: &[SweepColumn]) -> parquet::errors::Result<Type> {
     Type::group_type_builder("sweep").with_fields(fields).build()
 }
 
-fn write_parquet<M: Told>(
+fn write_parquet<M: Labelled>(
     set: &M,
     request: &Request<M>,
     rows: MeasuredRows<'_>,

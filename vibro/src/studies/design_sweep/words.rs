@@ -11,7 +11,7 @@ use vibro_figures::canvas::palette::{
 use vibro_figures::chart::{Axis, Colour};
 
 /// A machine whose parameters and measures have names, units and colours in tables and pictures.
-pub trait Told: Machine + Subject {
+pub trait Labelled: Machine + Subject {
     /// A parameter's symbol in pictures.
     fn symbol(&self, name: &Self::Name) -> String;
     /// A parameter's axis, over the range of the data.
@@ -43,7 +43,7 @@ pub trait Told: Machine + Subject {
     fn periods() -> &'static str;
 }
 
-impl Told for ParameterSet {
+impl Labelled for ParameterSet {
     fn symbol(&self, name: &Name) -> String {
         self.symbol(*name)
     }
@@ -123,7 +123,7 @@ const SMALL: f64 = 0.1;
 /// Colours of bodies and elements by index.
 const COLOURS: [Colour; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, GREY];
 
-impl Told for assembly::Machine {
+impl Labelled for assembly::Machine {
     fn symbol(&self, name: &String) -> String {
         name.clone()
     }
