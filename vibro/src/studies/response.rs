@@ -231,9 +231,8 @@ fn caption(set: &ParameterSet, varied: &[Name], of: Option<Displacement>) -> Vec
         }
         Some(_) => "Thin: exact orbit.",
     };
-    let text = format!(
-        "Pale and wide: multiple scales. {exact} ShownAmplitude for C > C_Smin, where motions can be stable."
-    );
+    let text =
+        format!("Pale and wide: multiple scales. {exact} Shown for C > C_Smin, where motions can be stable.");
     vec![text, set.caption_but(varied)]
 }
 
