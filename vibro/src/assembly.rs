@@ -8,7 +8,7 @@ pub use picture::figure;
 pub use summary::summary;
 
 use crate::table::{CsvRows, exact};
-use crate::{Error, Result};
+use crate::{Error, Result, parameter_file};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,6 +21,10 @@ use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Motion};
 use vibro_impact::quantities::{Quantity, Unit};
 
+/// What is wrong with a parameter file where a machine's file is expected.
+const PARAMETER_FILE: &str =
+    "is a parameter file of the paper's machine: allowed is a machine's file, or this one after --config";
+
 /// Most samples of a motion: a table of a few gigabytes.
 const MOST: usize = 10_000_000;
 
@@ -31,7 +35,10 @@ const MOST: usize = 10_000_000;
 /// # Errors
 /// [`Error::Refusal`], with every problem of the file, or of the new values.
 pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result<Machine> {
-    let mut machine = Machine::read(path)?;
+    let mut machine = Machine::read(path).map_err(|error| match parameter_file::is_at(path) {
+        true => Error::Config { path: path.into(), problem: PARAMETER_FILE.into() },
+        false => error.into(),
+    })?;
     let mut changes = Vec::new();
     for text in set {
         let Some((name, value)) = text.split_once('=') else {

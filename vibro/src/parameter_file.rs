@@ -15,6 +15,9 @@ use vibro_analysis::{
     GROUPS, Name, ParameterSet, Unit, find_field, find_group, number, physical_parameters, typed_unit,
 };
 
+/// Tables of a parameter file.
+const TABLES: [&str; 2] = ["si", "groups"];
+
 /// Applies a parameter file to a parameter set: first `[si]`, then `[groups]`.
 ///
 /// # Errors
@@ -25,6 +28,13 @@ pub fn read(set: &mut ParameterSet, path: &Path) -> Result<()> {
         .map_err(|e| Error::Config { path: path.into(), problem: e.to_string().trim_end().into() })
 }
 
+/// Whether a file has the tables of a parameter file and no others.
+pub fn is_at(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let table = text.parse::<toml::Table>().unwrap_or_default();
+    !table.is_empty() && table.keys().all(|key| TABLES.contains(&key.as_str()))
+}
+
 /// Applies the text of a parameter file.
 ///
 /// # Errors
@@ -32,8 +42,11 @@ pub fn read(set: &mut ParameterSet, path: &Path) -> Result<()> {
 /// [`ParameterSet::assign`].
 pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
     let table: toml::Table = text.parse().map_err(|error| explained(text, &error))?;
-    if let Some(key) = table.keys().find(|k| !["si", "groups"].contains(&k.as_str())) {
-        return Err(Error::form(key, "the tables [si] and [groups] and nothing else"));
+    if let Some(key) = table.keys().find(|k| !TABLES.contains(&k.as_str())) {
+        return Err(Error::form(
+            key,
+            "the tables [si] and [groups] alone; a machine's own file is named without --config: `vibro run FILE`",
+        ));
     }
     let si = |name: &str| match Name::find(name) {
         Ok(Name::Group(_)) if find_field(name).is_err() => {

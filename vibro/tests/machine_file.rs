@@ -112,3 +112,14 @@ fn second_method_the_alias_of_older_versions_writes_the_same_files() {
     drawn(&new, &[&["assembly"][..], &line].concat());
     drawn(&old, &line);
 }
+
+#[test]
+fn a_file_of_the_other_machine_is_refused_with_the_way_to_name_it() {
+    let parameters = Path::new(env!("CARGO_TARGET_TMPDIR")).join("machine-file-parameters.toml");
+    std::fs::write(&parameters, "[si]\nbox.m = 2.0\n").unwrap();
+    let (code, error) = refused(&["check", &parameters.display().to_string()]);
+    assert!(code == 2 && error.contains("is a parameter file of the paper's machine"), "{error}");
+    assert!(error.contains("after --config"), "{error}");
+    let (code, error) = refused(&["steady", "--config", &machine("cradle.toml")]);
+    assert!(code == 2 && error.contains("`vibro run FILE`"), "{error}");
+}
