@@ -126,7 +126,7 @@ const ASSEMBLIES: [(&str, f64); 4] = [
 /// Samples of their motions.
 const SAMPLES: usize = 50;
 
-/// What `vibro assembly run` and `draw` and `fmu-build assembly` write of a machine.
+/// What `vibro run FILE` and `vibro draw FILE` and `fmu-build assembly` write of a machine.
 fn assembly(name: &str, until: f64) -> Value {
     let file = common::python::root().join("examples/assembly").join(name).with_extension("toml");
     let machine = vibro_assembly::file::read(&file).expect("an example");

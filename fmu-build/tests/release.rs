@@ -392,7 +392,7 @@ fn the_command_line_is_shipped_for_each_platform_with_its_licences() {
         fs::write(&path, &shipped[&name]).unwrap();
         let content = archive::read_all(&path).unwrap();
         assert_eq!(content["licenses/LICENSE-MIT"], b"text");
-        assert!(String::from_utf8_lossy(&content["README.txt"]).contains("assembly check machine.toml"));
+        assert!(String::from_utf8_lossy(&content["README.txt"]).contains("check machine.toml"));
         let program = if tuple.ends_with("windows") { "vibro.exe" } else { "vibro" };
         assert_eq!(content[program], tuple.as_bytes(), "{name}");
     }

@@ -147,7 +147,7 @@ def difference(got, expected, states=slice(1, 7)):
 def native_assembly(file, names, step, steps):
     """The engine's own values at the communication points of a machine of a file."""
     folder = TARGET / "native"
-    run(["cargo", "run", "--quiet", "--bin", "vibro", "--", "assembly", "run", ROOT / "examples/assembly" / f"{file}.toml",
+    run(["cargo", "run", "--quiet", "--bin", "vibro", "--", "run", ROOT / "examples/assembly" / f"{file}.toml",
          "--until", f"{step * steps!r}s", "--samples", steps, "--out", folder, "--replace"])
     return table((folder / "states.csv").read_text(), names)
 

@@ -67,10 +67,10 @@ def ask(changes, start, periods, kind, values):
                     checked(found.amplitudes, *found.motion(values))
         elif kind == "bifurcation":
             name = "f10" if not changes else next(iter(changes))
-            found = vi.bifurcation(machine, **{name: values}, periods=(periods, periods))
+            found = machine.bifurcation(**{name: values}, periods=(periods, periods))
             checked(found.up.maxima, found.down.impacts)
         elif kind == "basins":
-            checked(vi.basins(machine, x1=(-1, 1, 2), v2=(-1, 1, 2), periods=periods).cells)
+            checked(machine.basins(x1=(-1, 1, 2), v2=(-1, 1, 2), periods=periods).cells)
         elif kind == "measure":
             checked([x for x in machine.measure(["amplitude.x1", "power.input"], start, periods=periods).values() if x is not None])
         else:

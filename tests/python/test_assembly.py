@@ -67,6 +67,20 @@ def test_events_are_structured_and_many_machines_end_on_the_same_bits():
     assert (ends["block.s"] == ends.values[:, ends.columns.index("block.s")]).all()
 
 
+def test_second_method_a_sweep_is_the_measures_of_all_combinations():
+    axes = {"stop.steel.gap": ["4 mm", "5 mm"], "body.box.mass": [12.0, 13.0]}
+    found = damper().sweep(["amplitude.box.s"], settle=5, periods=4, section=0.1, **axes)
+    assert [(row["stop.steel.gap"], row["body.box.mass"]) for row in found] == [(g, m) for g in ("4 mm", "5 mm") for m in (12.0, 13.0)]
+    last = damper().replace(**{"stop.steel.gap": 5e-3, "body.box.mass": 13.0})
+    assert found[-1]["amplitude.box.s"] == last.measure(["amplitude.box.s"], settle=5, periods=4, section=0.1)["amplitude.box.s"]
+
+
+def test_closed_form_exponent_of_an_oscillator():
+    # x'' + 4 x' + 400 x = 0 shrinks with e^-2t; its length swings by some percent of one e-fold in 125 s.
+    machine = vi.Assembly({**OSCILLATOR, "spring": {"mount": {**OSCILLATOR["spring"]["mount"], "damping": "8 N s/m"}}})
+    assert abs(machine.lyapunov() + 2.0) < 4e-3
+
+
 def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
     machine = damper()
     found = machine.measure(["power.shaker", "power.lost", "maximum.block.s", "class"], periods=12)

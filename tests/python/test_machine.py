@@ -77,7 +77,7 @@ def test_a_box_without_a_spring_has_no_groups():
     assert eval(repr(free), {"Machine": vi.Machine}) == pickle.loads(pickle.dumps(free)) == free
     with pytest.raises(AttributeError, match="box_k = 0.0, and the dimensionless form needs box_k > 0"):
         free.f10
-    for refused in [free.simulate, lambda: vi.bifurcation(free, box_c=[0.1, 0.2]), lambda: free.replace(kappa=0.5)]:
+    for refused in [free.simulate, lambda: free.bifurcation(box_c=[0.1, 0.2]), lambda: free.replace(kappa=0.5)]:
         with pytest.raises(ValueError, match="the dimensionless form needs box_k > 0"):
             refused()
     assert len(free.simulate({"x2": 0.5, "block_v": 1.0}).impacts) > 0
@@ -120,10 +120,10 @@ def test_constant_loads_are_parameters():
     # The mirror image of a motion is one under the opposite load, half a drive period later.
     image = upright.replace(load_block=9.81 * 0.6, drive_phase=np.pi).simulate({"block_s": 0.02, "block_v": -0.3}, periods=10)
     np.testing.assert_allclose(own.s, -image.s, rtol=0, atol=1e-10)
-    # Every study accepts the load, even as a parameter; closed forms say why they have no answer.
-    diagram = vi.bifurcation(upright, load_block=np.linspace(-6.0, 6.0, 3), periods=(5, 4), start=start)
+    # Every study has it, as a parameter too; closed forms say why they have no answer.
+    diagram = upright.bifurcation(load_block=np.linspace(-6.0, 6.0, 3), periods=(5, 4), start=start)
     assert list(diagram.up.value) == [-6.0, 0.0, 6.0]
-    basins = vi.basins(upright, block_s=(-0.02, 0.02, 3), v2=(-1, 1, 3), periods=10)
+    basins = upright.basins(block_s=(-0.02, 0.02, 3), v2=(-1, 1, 3), periods=10)
     assert basins.names == ("x2", "v2") and not basins.mirror.any()
     assert vi.simulate_many([upright], periods=5).s.shape == (1, 3)
     assert upright.lyapunov(periods=5, settle=5).impacts >= 0
@@ -148,16 +148,37 @@ def test_invariant_many_measures_have_the_bits_of_one_by_one():
         vi.measure_many(machines, "impacts")
 
 
+def test_second_method_a_sweep_is_the_measures_of_all_combinations():
+    found = vi.Machine().sweep(["amplitude.x1", "class"], {"v2": 1.0}, f10=[1.0, 1.5], kappa=[0.6, 0.7, 0.8], settle=20, periods=4)
+    assert [(row["f10"], row["kappa"]) for row in found] == [(f10, kappa) for f10 in (1.0, 1.5) for kappa in (0.6, 0.7, 0.8)]
+    for row in found:
+        machine = vi.Machine().replace(f10=row["f10"], kappa=row["kappa"])
+        assert machine.measure(["amplitude.x1"], {"v2": 1.0}, settle=20, periods=4)["amplitude.x1"] == row["amplitude.x1"]
+    with pytest.raises(TypeError, match="f10: allowed is a list or an array"):
+        vi.Machine().sweep(["class"], f10=1.0)
+
+
+def test_second_method_the_functions_of_older_versions_warn_and_return_what_the_methods_do():
+    machine, f10, ranges = vi.Machine(), np.linspace(1.0, 1.5, 2), {"v2": (-1, 1, 2), "x1": (-1, 1, 2)}
+    with pytest.warns(DeprecationWarning, match=r"machine.bifurcation\(...\) is the same") as told:
+        diagram = vi.bifurcation(machine, f10=f10, periods=(2, 2))
+    assert told[0].filename == __file__
+    np.testing.assert_array_equal(diagram.up.value, machine.bifurcation(f10=f10, periods=(2, 2)).up.value)
+    with pytest.warns(DeprecationWarning, match=r"machine.basins\(...\) is the same"):
+        basins = vi.basins(machine, periods=9, **ranges)
+    np.testing.assert_array_equal(basins.cells, machine.basins(periods=9, **ranges).cells)
+
+
 def test_a_symbol_that_another_name_has_in_small_letters_warns_with_both_units():
     f10 = np.linspace(1.0, 1.5, 2)
-    for given in [lambda: vi.bifurcation(vi.Machine(), F10=f10, periods=(2, 2)), lambda: vi.Machine().replace(F10=0.2)]:
+    for given in [lambda: vi.Machine().bifurcation(F10=f10, periods=(2, 2)), lambda: vi.Machine().replace(F10=0.2)]:
         with pytest.warns(vi.SimilarNameWarning, match="`F10` is drive_amplitude, in N; `f10` is another") as told:
             given()
         assert told[0].filename == __file__
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        vi.bifurcation(vi.Machine(), f10=f10, periods=(2, 2))
-        vi.bifurcation(vi.Machine(), drive_amplitude=f10, periods=(2, 2))
+        vi.Machine().bifurcation(f10=f10, periods=(2, 2))
+        vi.Machine().bifurcation(drive_amplitude=f10, periods=(2, 2))
         assert vi.Machine().replace(L=0.5).stop_gap == 0.5
 
 

@@ -21,13 +21,13 @@ def _close():
 
 def results():
     run = M.simulate(periods=5)
-    diagram = vi.bifurcation(M, f10=np.linspace(1, 3, 9), periods=(50, 20))
+    diagram = M.bifurcation(f10=np.linspace(1, 3, 9), periods=(50, 20))
     return {
         plot.history: run,
         plot.portrait: run,
         plot.section: M.poincare(periods=50),
         plot.bifurcation: diagram,
-        plot.basins: vi.basins(M.replace(f10=2.5), v2=(-2, 2, 5), x1=(-1.2, 1.2, 5), periods=100),
+        plot.basins: M.replace(f10=2.5).basins(v2=(-2, 2, 5), x1=(-1.2, 1.2, 5), periods=100),
         plot.branch: M.orbit("UL").follow("f10", 1.4, 1.6),
     }
 

@@ -26,8 +26,8 @@ LONG = {
     "poincare": lambda m, **more: m.poincare(periods=50_000_000, **more),
     "lyapunov": lambda m, **more: m.lyapunov(periods=400_000, **more),
     "many": lambda m, **more: vi.simulate_many(m, np.zeros((300_000, 6)), periods=100, **more),
-    "bifurcation": lambda m, **more: vi.bifurcation(m, f10=np.linspace(0.5, 4, 2000), periods=(100, 100), **more),
-    "basins": lambda m, **more: vi.basins(m, v2=(-2, 2, 200), x1=(-1, 1, 2000), **more),
+    "bifurcation": lambda m, **more: m.bifurcation(f10=np.linspace(0.5, 4, 2000), periods=(100, 100), **more),
+    "basins": lambda m, **more: m.basins(v2=(-2, 2, 200), x1=(-1, 1, 2000), **more),
 }
 LONG_OF_ASSEMBLY = {
     "simulate": lambda a, **more: a.simulate(1000.0, samples=1_000_000, **more),
@@ -126,7 +126,7 @@ def test_threads_find_what_one_finds():
     found = {}
 
     def run(machine):
-        diagram = vi.bifurcation(machine, kappa=np.linspace(0.3, 0.8, 6), periods=(20, 20))
+        diagram = machine.bifurcation(kappa=np.linspace(0.3, 0.8, 6), periods=(20, 20))
         found[machine] = (machine.simulate(periods=50).end, diagram.up.maxima)
 
     def run_assembly(machine):
@@ -164,7 +164,7 @@ def test_processes_made_in_any_way(method):
 
 
 def test_progress_is_shown_and_its_errors_end_the_call(capsys, monkeypatch):
-    vi.bifurcation(vi.Machine(), f10=np.linspace(1, 2, 30), periods=(20, 20), progress=True)
+    vi.Machine().bifurcation(f10=np.linspace(1, 2, 30), periods=(20, 20), progress=True)
     done, total = map(int, re.findall(r"(\d+)/(\d+)", capsys.readouterr().err)[-1])
     assert done == total > 1
     # Without tqdm.

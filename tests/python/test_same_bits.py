@@ -52,7 +52,7 @@ def test_library_batch(native):
 
 def test_library_bifurcation_diagram(native):
     expected = native["bifurcation"]
-    diagram = vi.bifurcation(vi.Machine(), f10=np.linspace(0.5, 4, 41), periods=(60, 40), exponents=100, of="x1")
+    diagram = vi.Machine().bifurcation(f10=np.linspace(0.5, 4, 41), periods=(60, 40), exponents=100, of="x1")
     for direction, rows in ((diagram.up, expected["up"]), (diagram.down, expected["down"])):
         np.testing.assert_array_equal(direction.value, [row["value"] for row in rows])
         assert direction.kind.tolist() == [row["kind"] for row in rows]
@@ -66,7 +66,7 @@ def test_library_bifurcation_diagram(native):
 
 
 def test_library_basins(native):
-    found = vi.basins(vi.Machine.from_groups(f10=2.5), v2=(-1.5, 1.25, 8), x2=(-1.5, 1.25, 6), periods=200)
+    found = vi.Machine.from_groups(f10=2.5).basins(v2=(-1.5, 1.25, 8), x2=(-1.5, 1.25, 6), periods=200)
 
     def word(number, mirror):
         return "Outside" if number < 0 else f"{'Mirror' if mirror else 'Attractor'}({number})"

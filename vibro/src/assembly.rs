@@ -1,6 +1,5 @@
-//! Machines of the user's own, from the text file that describes them: what such a machine is, and
-//! its motion as tables, a picture and an account. Physics and the file's grammar are in
-//! `vibro-assembly`.
+//! Described machines: reading a file with `--set`, the summary of `vibro check`, and a motion as
+//! tables, picture and account. Physics and the file's grammar are in `vibro-assembly`.
 
 mod picture;
 mod summary;
@@ -9,7 +8,7 @@ pub use picture::figure;
 pub use summary::summary;
 
 use crate::table::{CsvRows, exact};
-use crate::{Error, Result};
+use crate::{Error, Result, parameter_file};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,17 +21,24 @@ use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
 use vibro_impact::quantities::{self, Unit};
 
-/// Most samples of a motion, a few gigabytes of a table.
+/// What is wrong with a parameter file where a machine's file is expected.
+const PARAMETER_FILE: &str =
+    "is a parameter file of the paper's machine: allowed is a machine's file, or this one after --config";
+
+/// Most samples of a motion: a table of a few gigabytes.
 const MOST: usize = 10_000_000;
 
 /// Reads a machine's file and replaces parameters, each as `NAME=VALUE`. A value without a unit is
-/// in that in which the file or a value before it writes the parameter; `note` hears where it makes
-/// a difference.
+/// in the unit in which the file or an earlier value wrote the parameter; `note` is called where
+/// this is not SI.
 ///
 /// # Errors
 /// [`Error::Refusal`], with every problem of the file, or of the new values.
 pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result<Machine> {
-    let mut machine = Machine::read(path)?;
+    let mut machine = Machine::read(path).map_err(|error| match parameter_file::is_at(path) {
+        true => Error::Config { path: path.into(), problem: PARAMETER_FILE.into() },
+        false => error.into(),
+    })?;
     let mut changes = Vec::new();
     for text in set {
         let Some((name, value)) = text.split_once('=') else {
@@ -40,7 +46,7 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
         };
         let name = name.trim();
         let read = machine.quantity(name, value)?;
-        taken(&[value], &read, text).into_iter().for_each(&mut *note);
+        note_if_not_si(&[value], &read, text).into_iter().for_each(&mut *note);
         machine.note_unit(name, value);
         changes.push((name, read.value));
     }
@@ -49,14 +55,14 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
 
 /// Words that say in which unit numbers without one were read, where it makes a difference; `read`
 /// is one of them.
-pub fn taken(numbers: &[&str], read: &quantities::Quantity, typed: &str) -> Option<String> {
+pub fn note_if_not_si(numbers: &[&str], read: &quantities::Quantity, typed: &str) -> Option<String> {
     let bare = |number: &&str| number.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
     let unit = read.unit.filter(|unit| !unit.is_si() && numbers.iter().any(bare))?;
-    Some(read_in(typed, unit))
+    Some(note_of_unit(typed, unit))
 }
 
-/// Words that say in which unit a number without one was read.
-pub fn read_in(typed: &str, unit: &Unit) -> String {
+/// Note of the unit in which a number without one was read.
+pub fn note_of_unit(typed: &str, unit: &Unit) -> String {
     format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }
 
@@ -76,8 +82,8 @@ fn check_count(count: usize) -> Result<()> {
     Err(Error::Refused { what: format!("{count} samples"), problem: format!("allowed are up to {MOST}") })
 }
 
-/// Instants from a file: a number in s a line, not before 0 and none before the one above; empty
-/// lines and those that begin with `#` are skipped.
+/// Instants from a file: one number in s per line, from 0 on and not falling. Empty lines and those
+/// that begin with `#` are skipped.
 ///
 /// # Errors
 /// [`Error::File`]; [`Error::Config`] with the line.
@@ -107,8 +113,8 @@ pub fn times_of(path: &Path) -> Result<Vec<f64>> {
     Ok(times)
 }
 
-/// A motion at instants, and its events.
-pub struct Record {
+/// A motion at given instants, with its events and contacts.
+pub struct MotionRecord {
     /// The machine.
     pub assembly: Arc<Assembly>,
     /// Names of the columns of `rows`, after `time`: of each body `.s`, `.v`, `.a`, of each element
@@ -116,30 +122,30 @@ pub struct Record {
     pub columns: Vec<String>,
     /// Time and values.
     pub rows: Vec<Vec<f64>>,
-    /// What happened up to the last instant.
+    /// Events up to the last instant.
     pub events: Vec<Event>,
     /// Contacts and extremes of the flow.
     pub followed: Followed,
-    /// The motion where it ended.
+    /// The motion at its end.
     pub motion: Motion,
     /// Kinetic and stored energy at the start, J.
     pub start: f64,
-    /// Why it ended before the last instant, if it did.
+    /// Reason for an end before the last instant.
     pub ended: Option<Ended>,
 }
 
-/// Why a record ended early; what was computed until then is in it.
+/// Reason why a record ended early; it has everything computed until then.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ended {
     /// The motion cannot go on.
     Error(vibro_assembly::Error),
-    /// Somebody asked it to.
+    /// It was asked to stop.
     Stopped,
 }
 
-/// Follows a machine to each of the instants, until `asked` is set; `done` hears of each instant
-/// and of each event, as the part of the time that is over. Where coordinates become too large for
-/// numbers, the record ends with the instant before.
+/// Follows a machine to each of the instants, or until `asked` is set. `done` gets the share of the
+/// time that is over, at each instant and event. Where coordinates overflow, the record ends with
+/// the instant before.
 ///
 /// # Errors
 /// [`Error::Assembly`] for a machine without a motion from its start.
@@ -148,7 +154,7 @@ pub fn record(
     times: &[f64],
     asked: &Arc<AtomicBool>,
     done: &mut dyn FnMut(f64),
-) -> Result<Record> {
+) -> Result<MotionRecord> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let mut events = Vec::new();
     let motion = Motion::new_observed(assembly.clone(), &mut |event| events.push(event.clone()))?;
@@ -161,7 +167,7 @@ pub fn record(
         Extremes::new(&watched(&assembly.description), (times.first().copied().unwrap_or(0.0), end));
     let followed = Followed::new(ContactRecorder::new(&motion, &events), extremes);
     let mut record =
-        Record { assembly, columns, rows: Vec::new(), events, followed, motion, start, ended: None };
+        MotionRecord { assembly, columns, rows: Vec::new(), events, followed, motion, start, ended: None };
     for &time in times {
         record.ended = record.advance(time, &mut |now| done(now / end));
         if record.ended.is_some() {
@@ -199,8 +205,8 @@ pub fn event_in_words(assembly: &Assembly, kind: &EventKind) -> [String; 4] {
     [kind.into(), element, value.map_or(String::new(), exact), stops.map_or(String::new(), |n| n.to_string())]
 }
 
-impl Record {
-    /// To an instant; why it ended before, if it did.
+impl MotionRecord {
+    /// Advances to an instant; returns the reason for an earlier end.
     fn advance(&mut self, time: f64, met: &mut dyn FnMut(f64)) -> Option<Ended> {
         let (before, told) = (self.motion.save(), self.events.len());
         let events = &mut self.events;

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! A cell is a number with a unit, or one without in the unit in which the machine's file or
-//! `--set` wrote that parameter, else in SI. A number that its parameter does not allow is no error
-//! here: that design is a row of the sweep with its reason.
+//! `--set` wrote that parameter, else in SI. A number out of its parameter's range is no error
+//! here: the sweep gives that design a row with the reason.
 
 use crate::{Error, Result};
 use std::path::Path;
@@ -17,7 +17,7 @@ use vibro_analysis::design_sweep::Designs;
 use vibro_analysis::{Name, ParameterSet};
 use vibro_impact::numerics::digest::fnv1a;
 
-/// Most designs in a file: they are kept in the manifest.
+/// Most designs in a file; the manifest of the parts holds them all.
 const MOST: usize = 100_000;
 
 /// Reads designs of a machine.
@@ -32,7 +32,7 @@ pub fn read(path: &Path, set: &ParameterSet) -> Result<Designs> {
 }
 
 fn parse(text: &[u8], set: &ParameterSet) -> std::result::Result<Designs, String> {
-    // A mark of the byte order is what some spreadsheets begin a file with.
+    // Byte order mark, which some spreadsheets write.
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text);
     let header = csv.headers().map_err(|e| e.to_string())?.clone();
@@ -58,7 +58,7 @@ fn parse(text: &[u8], set: &ParameterSet) -> std::result::Result<Designs, String
     Ok(Designs::Rows { names, rows })
 }
 
-/// The designs of a file in words that depend on their values alone, for manifests.
+/// Description of the designs for manifests; it depends on names and values alone.
 pub fn in_words(names: &[Name], rows: &[Vec<f64>]) -> String {
     let names: Vec<_> = names.iter().map(|n| n.name()).collect();
     let bytes: Vec<u8> = rows.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();

@@ -1,8 +1,8 @@
-//! What can go wrong between the words of a user and the files on disk.
+//! Errors of the command line's library.
 
 use std::path::{Path, PathBuf};
 
-/// Errors of the command line's library; every message names what was given and what is allowed.
+/// An error; every message names what was given and what is allowed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -12,7 +12,7 @@ pub enum Error {
     /// A machine's file, or a new value of its parameters, is refused.
     #[error(transparent)]
     Refusal(#[from] vibro_assembly::Refusal),
-    /// A machine of the user's own cannot be or cannot move on.
+    /// A described machine cannot be built or its motion cannot go on.
     #[error(transparent)]
     Assembly(#[from] vibro_assembly::Error),
     /// A parameter file or a folder of parts cannot be understood.
@@ -72,7 +72,7 @@ impl From<vibro_impact::Error> for Error {
 }
 
 impl Error {
-    /// Whether the user's input is at fault, and not the machine on which the program runs.
+    /// Whether the user's input is at fault, and not the computer or the motion.
     pub fn is_usage(&self) -> bool {
         !matches!(
             self,

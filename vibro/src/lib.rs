@@ -1,5 +1,5 @@
-//! What the command line `vibro` is made of: the studies with their tables and figures, the report,
-//! and what is read from and written to disk.
+//! Library of the command line `vibro`: studies with their tables and figures, the report, and the
+//! files that are read and written.
 //!
 //! | module | what it does |
 //! |---|---|

@@ -1,5 +1,5 @@
-//! Loads as on the command line: a constant force, or a force record in a file, CSV text of time
-//! (s) and force (N), read into a [`Load`].
+//! Loads of the command line: a constant force, or a record from a CSV file of time (s) and force
+//! (N), read into a [`Load`].
 //!
 //! ```text
 //! time [s];force [N]
@@ -20,13 +20,13 @@ use vibro_impact::parameters::LOADS;
 const EXPECTED: &str =
     "two numbers, time (s) and force (N), separated by a comma or a semicolon, with a decimal point";
 
-/// A load as on the command line: `box=record.csv` or `block=-3.4N`. What can be read as a force is
-/// one; a file of such a name is `./5N`.
+/// Load of the command line: `box=record.csv` or `block=-3.4N`. What reads as a force is a force; a
+/// file of such a name is `./5N`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoadArgument {
     /// From a file.
     File(LoadFile),
-    /// A force that does not change, N.
+    /// Constant force, N.
     Constant(Body, f64),
 }
 
@@ -61,8 +61,8 @@ impl std::str::FromStr for LoadArgument {
 }
 
 impl LoadArgument {
-    /// The load in words that depend on it alone, for manifests; `None` for a file that cannot be
-    /// read twice.
+    /// Description for manifests: the force, or a digest of the file's contents. `None` for a file
+    /// that cannot be read twice.
     pub fn in_words(&self) -> Option<String> {
         match self {
             Self::File(file) => file.contents_in_words(),
@@ -71,13 +71,12 @@ impl LoadArgument {
     }
 }
 
-/// The files among loads.
+/// Loads that come from files.
 pub fn files(loads: &[LoadArgument]) -> impl Iterator<Item = &LoadFile> {
     loads.iter().filter_map(|load| if let LoadArgument::File(file) = load { Some(file) } else { None })
 }
 
-/// Puts the constant ones among loads into a parameter set, those on one body added up and to what
-/// is there.
+/// Adds the constant loads to those of a parameter set.
 ///
 /// # Errors
 /// A sum that is not finite.
@@ -106,9 +105,8 @@ impl LoadFile {
         parse(&text, self.body, interpolation).map_err(|words| problem(&self.path, words))
     }
 
-    /// The body and a digest of what is in the file, for manifests: a record that was changed makes
-    /// another result, and one that was moved does not. `None` for what cannot be read twice, such
-    /// as a pipe.
+    /// Body and digest of the file's contents, for manifests: a changed record makes another
+    /// result, a moved one does not. `None` for what cannot be read twice, such as a pipe.
     pub fn contents_in_words(&self) -> Option<String> {
         let bytes = self.path.is_file().then(|| std::fs::read(&self.path).ok()).flatten()?;
         Some(format!("{}=file of {} bytes, digest {:016x}", self.body.name(), bytes.len(), fnv1a(&bytes)))
@@ -119,7 +117,7 @@ fn problem(path: &Path, problem: String) -> Error {
     Error::Config { path: path.into(), problem }
 }
 
-/// The load of a text; what is wrong with it, in words that begin with the line.
+/// Parses a record. An error begins with the line's number.
 fn parse(text: &str, body: Body, interpolation: Interpolation) -> std::result::Result<Load, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let (mut samples, mut lines, mut separator) = (Vec::new(), Vec::new(), None);
@@ -151,8 +149,8 @@ fn parse(text: &str, body: Body, interpolation: Interpolation) -> std::result::R
     })
 }
 
-/// The cells of a line. Line by line, since what is wrong is told with its line, and a record has
-/// no line breaks in its cells.
+/// Cells of a line. Records are parsed line by line so that an error can name its line; their cells
+/// have no line breaks.
 fn cells(line: &str, separator: u8) -> csv::Result<csv::StringRecord> {
     let mut record = csv::StringRecord::new();
     csv::ReaderBuilder::new()
@@ -165,8 +163,8 @@ fn cells(line: &str, separator: u8) -> csv::Result<csv::StringRecord> {
     Ok(record)
 }
 
-/// Units in brackets, or round ones, of the two cells of a header: a record in other units would be
-/// misread in silence.
+/// Checks units in brackets or parentheses in the two cells of a header: a record in other units
+/// would be misread silently.
 fn check_units(line: usize, cells: &csv::StringRecord) -> std::result::Result<(), String> {
     for (cell, allowed) in cells.iter().zip(["s", "N"]) {
         let inside = cell.split_once(['[', '(']).and_then(|(_, rest)| rest.split_once([']', ')']));

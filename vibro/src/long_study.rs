@@ -1,5 +1,17 @@
 //! Long studies as plain data. The manifest of a folder of parts holds one, so that parts of
-//! different studies are never mixed and several machines work on the same one.
+//! different studies are never mixed and several computers can share a study.
+//!
+//! A study is written to disk and read by other builds, so that two things hold:
+//!
+//! * Variants and fields keep their names and meaning. A new field has a default and is left out
+//!   where it has it, so that older manifests are read.
+//! * [`FORMAT`] is incremented with any change of how a study is divided or of what a part holds;
+//!   `part_folder` then refuses older parts by name. Tests with `second_method_shards_…` compare
+//!   the bytes of a study in one run, in shards, and after an interruption.
+//!
+//! A new kind of study is a variant of [`StudyKind`] or [`AssemblyStudy`], with its arms in
+//! [`LongStudy::count`], [`LongStudy::check`] and [`LongStudy::run`], and a line in
+//! `tests/studies.rs`.
 
 use super::studies::{self, Study};
 use super::subject::Subject;
@@ -15,9 +27,9 @@ use vibro_analysis::isoperiodic;
 use vibro_analysis::parts::Task;
 use vibro_orbits::{Family, Span, TreeOptions, tree_in_parts};
 
-/// The form of the parts on disk: how a study is divided and what a part holds. It is counted up
-/// whenever one of them changes, so that parts of another form are never put together. Before it
-/// was written down it was 1.
+/// The form of the parts on disk: how a study is divided and what a part holds. It is incremented
+/// whenever one of them changes, so that parts of different forms are never combined. Manifests
+/// without a form have form 1.
 pub const FORMAT: u32 = 6;
 
 /// One long study.
@@ -31,29 +43,29 @@ pub struct LongStudy {
     #[serde(default = "unwritten_format")]
     pub format: u32,
     /// What is computed, and of which machine.
-    pub work: Work,
+    pub work: StudyOfMachine,
 }
 
-/// What is computed, of a machine of either kind.
+/// A study of either machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Work {
-    /// Of the 3-DOF machine.
+pub enum StudyOfMachine {
+    /// A study of the 3-DOF machine.
     ThreeDof {
-        /// What.
+        /// The study.
         kind: StudyKind,
         /// The parameters.
         set: ParameterSet,
     },
-    /// Of one of the user's own.
+    /// A study of a described machine.
     Assembly {
-        /// What.
+        /// The study.
         kind: AssemblyStudy,
         /// The machine.
         machine: assembly::Machine,
     },
 }
 
-/// Kinds of long studies of a machine of the user's own.
+/// Kinds of long studies of a described machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum AssemblyStudy {
     /// A quantity's maxima over a parameter, classes and, if asked for, exponents.
@@ -64,7 +76,7 @@ pub enum AssemblyStudy {
     Isoperiodic(isoperiodic::IsoperiodicRequest<assembly::Machine>),
 }
 
-impl Work {
+impl StudyOfMachine {
     /// The machine.
     pub fn subject(&self) -> &dyn Subject {
         match self {
@@ -74,7 +86,7 @@ impl Work {
     }
 }
 
-/// Kinds of long studies.
+/// Kinds of long studies of the 3-DOF machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StudyKind {
     /// Maxima, periods and, if asked for, exponents over a parameter.
@@ -102,7 +114,7 @@ pub enum StudyKind {
     },
 }
 
-/// The form of parts whose manifest does not tell it.
+/// The form of parts whose manifest has none.
 fn unwritten_format() -> u32 {
     1
 }
@@ -110,11 +122,11 @@ fn unwritten_format() -> u32 {
 impl LongStudy {
     /// A study by this version of the program.
     pub fn new(name: &str, kind: StudyKind, set: &ParameterSet) -> Self {
-        Self::of(name, Work::ThreeDof { kind, set: set.clone() })
+        Self::of(name, StudyOfMachine::ThreeDof { kind, set: set.clone() })
     }
 
     /// A study of any machine by this version of the program.
-    pub fn of(name: &str, work: Work) -> Self {
+    pub fn of(name: &str, work: StudyOfMachine) -> Self {
         let version = env!("CARGO_PKG_VERSION").into();
         Self { name: name.into(), version, format: FORMAT, work }
     }
@@ -122,7 +134,7 @@ impl LongStudy {
     /// Stems of the files of its results.
     pub fn results(&self) -> Vec<String> {
         let mut names = vec![self.name.clone()];
-        let Work::ThreeDof { kind, .. } = &self.work else { return names };
+        let StudyOfMachine::ThreeDof { kind, .. } = &self.work else { return names };
         if let StudyKind::Sweep { orbits: Some(_), .. } = kind {
             names.push(format!("{}-orbits", self.name));
         }
@@ -134,13 +146,15 @@ impl LongStudy {
         names
     }
 
-    /// Number of parts; 0 where it shows in the course of the work alone.
+    /// Number of parts; 0 where it is not known beforehand.
     pub fn count(&self) -> usize {
         let kind = match &self.work {
-            Work::ThreeDof { kind, .. } => kind,
-            Work::Assembly { kind: AssemblyStudy::Diagram(request), .. } => return request.count(),
-            Work::Assembly { kind: AssemblyStudy::DesignSweep(request), .. } => return request.count(),
-            Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), .. } => {
+            StudyOfMachine::ThreeDof { kind, .. } => kind,
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Diagram(request), .. } => return request.count(),
+            StudyOfMachine::Assembly { kind: AssemblyStudy::DesignSweep(request), .. } => {
+                return request.count();
+            }
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), .. } => {
                 return isoperiodic::count(request);
             }
         };
@@ -160,11 +174,13 @@ impl LongStudy {
     /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
     pub fn check(&self) -> Result<()> {
         match &self.work {
-            Work::ThreeDof { kind: StudyKind::Basin(request), .. } => studies::check_basins(request),
-            Work::ThreeDof { kind: StudyKind::Isoperiodic(request), .. } => {
+            StudyOfMachine::ThreeDof { kind: StudyKind::Basin(request), .. } => {
+                studies::check_basins(request)
+            }
+            StudyOfMachine::ThreeDof { kind: StudyKind::Isoperiodic(request), .. } => {
                 studies::check_isoperiodic(request)
             }
-            Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine } => {
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine } => {
                 isoperiodic::check(machine, request)?;
                 studies::check_isoperiodic(request)
             }
@@ -177,13 +193,13 @@ impl LongStudy {
     /// # Errors
     /// As [`bifurcation::diagram`].
     pub fn diagram(&self, task: &Task) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
-        let Work::ThreeDof { kind: StudyKind::Sweep { sweep, .. }, set } = &self.work else {
+        let StudyOfMachine::ThreeDof { kind: StudyKind::Sweep { sweep, .. }, set } = &self.work else {
             return Ok(None);
         };
         Ok(bifurcation::diagram(set, sweep, task)?.map(|d| (*sweep, d)))
     }
 
-    /// Computes the parts of the shard; the tables and pictures too where all parts are there.
+    /// Computes the parts of the shard; where all parts are finished, the tables and pictures too.
     ///
     /// # Errors
     /// As [`check`](Self::check), [`bifurcation::diagram`], [`basin::basin`],
@@ -192,8 +208,8 @@ impl LongStudy {
         self.run_telling(task, &|_, _| ())
     }
 
-    /// The same; where the number of parts is not known beforehand, `tell` hears of what is done,
-    /// and of what is known to be in all.
+    /// Does the work of [`run`](Self::run) and calls `tell` with the parts done and the total known
+    /// so far, where the number of parts is not known beforehand.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -204,8 +220,8 @@ impl LongStudy {
     ) -> Result<Option<Vec<Study>>> {
         self.check()?;
         let (kind, set) = match &self.work {
-            Work::ThreeDof { kind, set } => (kind, set),
-            Work::Assembly { kind, machine } => return self.run_assembly(kind, machine, task),
+            StudyOfMachine::ThreeDof { kind, set } => (kind, set),
+            StudyOfMachine::Assembly { kind, machine } => return self.run_assembly(kind, machine, task),
         };
         match kind {
             StudyKind::Sweep { at, orbits, .. } => {
@@ -250,7 +266,7 @@ impl LongStudy {
         }
     }
 
-    /// The same of a machine of the user's own.
+    /// Does the work of [`run`](Self::run) for a described machine.
     fn run_assembly(
         &self,
         kind: &AssemblyStudy,
@@ -274,18 +290,18 @@ impl LongStudy {
         Ok(study?.map(|study| vec![study]))
     }
 
-    /// Writes the tables that are too long for memory from the parts of a finished study, which a
-    /// [`Study`] names as its [`files`](Study::files).
+    /// Writes the tables that are too long for memory, the [`files`](Study::files) of a [`Study`],
+    /// from the parts of a finished study.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File), [`Error::Output`](crate::Error::Output).
     pub fn write_tables(&self, task: &Task, out: &Path) -> Result<()> {
         let stem = out.join(&self.name);
         match &self.work {
-            Work::ThreeDof { kind: StudyKind::DesignSweep(request), set } => {
+            StudyOfMachine::ThreeDof { kind: StudyKind::DesignSweep(request), set } => {
                 studies::write_design_tables(set, request, task, &stem)
             }
-            Work::Assembly { kind: AssemblyStudy::DesignSweep(request), machine } => {
+            StudyOfMachine::Assembly { kind: AssemblyStudy::DesignSweep(request), machine } => {
                 studies::write_design_tables(machine, request, task, &stem)
             }
             _ => Ok(()),

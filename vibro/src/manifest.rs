@@ -1,4 +1,4 @@
-//! Manifests: what a folder of finished parts, or a finished result, was computed from. They keep
+//! Manifests: what a finished result, or a folder of finished parts, was computed from. They keep
 //! results of different parameters apart.
 
 use crate::long_study::{FORMAT, LongStudy};
@@ -17,8 +17,7 @@ const PROGRAM: &str = "vibro";
 pub struct Invocation {
     /// The command, e.g. `basin`.
     pub command: String,
-    /// The command line without what results do not depend on: the folder, the number of threads,
-    /// the shard.
+    /// Command line without folder, threads and shard, on which results do not depend.
     pub command_line: String,
     /// The options of the command on which its results depend, with their values or defaults.
     pub options: BTreeMap<String, String>,
@@ -105,14 +104,13 @@ impl Manifest {
         toml::to_string(self).map_err(Error::output("a manifest"))
     }
 
-    /// Whether both describe the same result: the same study and options and the same parameters,
-    /// by whatever version and in whatever words. Parts must also be of the same version, since
-    /// they are put together.
+    /// Whether both describe one result: study, options and parameters are equal, whatever version
+    /// and command line. For parts the version must be equal too, since parts are combined.
     pub fn describes_same(&self, other: &Self) -> bool {
         self.long_study == other.long_study && self.differences(other).is_empty()
     }
 
-    /// Where the manifests differ, in words; `self` is what is there and `other` what is asked for.
+    /// Differences in words; `self` is on disk and `other` is asked for.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let (there, here) = (self.values(), other.values());
         let names: std::collections::BTreeSet<_> = there.keys().chain(here.keys()).collect();
@@ -122,7 +120,7 @@ impl Manifest {
             if a != b {
                 let [a, b] = [a, b].map(|x| x.map_or("not given", String::as_str));
                 match a.contains('\n') || b.contains('\n') {
-                    // The machine's numbers have their names.
+                    // Numbers are listed by name.
                     true if self.si != other.si && without_numbers(a) == without_numbers(b) => {}
                     true => found.extend(lines_apart(name, a, b)),
                     false => found.push(format!("{name}: {a} there, {b} here")),
@@ -149,7 +147,7 @@ impl Manifest {
         }
     }
 
-    /// All that makes one result differ from another, by name.
+    /// Everything that distinguishes results, by name.
     fn values(&self) -> BTreeMap<String, String> {
         let mut values: BTreeMap<String, String> = BTreeMap::new();
         values.insert("command".into(), self.invocation.command.clone());
@@ -163,11 +161,11 @@ impl Manifest {
         values
     }
 
-    /// Eight hexadecimal digits that differ between commands, options and parameters, for the name
-    /// of a folder.
+    /// Digest of command, options and parameters, eight hexadecimal digits, for the name of a
+    /// folder.
     pub fn digest(&self) -> String {
         let mut values = self.values();
-        // One command may make several studies, all of which belong in one folder.
+        // The studies of one command belong in one folder.
         values.remove("study");
         values.remove("version");
         values.remove("form of the parts");
@@ -177,15 +175,15 @@ impl Manifest {
     }
 }
 
-/// Lines of a text that are told at most.
+/// Most lines of a text that are listed.
 const LINES: usize = 10;
 
-/// A text without what its numbers are made of.
+/// Text without digits, signs and exponents.
 fn without_numbers(text: &str) -> String {
     text.chars().filter(|c| !(c.is_ascii_digit() || "+-.e".contains(*c))).collect()
 }
 
-/// The lines that one of two texts has alone.
+/// Lines that only one of two texts has.
 fn lines_apart(name: &str, there: &str, here: &str) -> Vec<String> {
     let alone = |a: &str, b: &str, whose: &str| {
         let lines: Vec<String> = a
@@ -200,8 +198,8 @@ fn lines_apart(name: &str, there: &str, here: &str) -> Vec<String> {
     [alone(there, here, "there"), alone(here, there, "here")].concat()
 }
 
-/// The form of parts that a manifest names which cannot be read as one of this program's; none
-/// where it is this program's own form, or where the text is no manifest of parts.
+/// Form of parts named by a manifest that this program cannot read; `None` where it is this
+/// program's form, or where the text is no manifest of parts.
 fn other_form(text: &str) -> Option<i64> {
     let manifest: toml::Table = toml::from_str(text).ok()?;
     let study = manifest.get("long_study")?.as_table()?;

@@ -15,6 +15,9 @@ use vibro_analysis::{
     GROUPS, Name, ParameterSet, Unit, find_field, find_group, number, physical_parameters, typed_unit,
 };
 
+/// Tables of a parameter file.
+const TABLES: [&str; 2] = ["si", "groups"];
+
 /// Applies a parameter file to a parameter set: first `[si]`, then `[groups]`.
 ///
 /// # Errors
@@ -25,6 +28,13 @@ pub fn read(set: &mut ParameterSet, path: &Path) -> Result<()> {
         .map_err(|e| Error::Config { path: path.into(), problem: e.to_string().trim_end().into() })
 }
 
+/// Whether a file has the tables of a parameter file and no others.
+pub fn is_at(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let table = text.parse::<toml::Table>().unwrap_or_default();
+    !table.is_empty() && table.keys().all(|key| TABLES.contains(&key.as_str()))
+}
+
 /// Applies the text of a parameter file.
 ///
 /// # Errors
@@ -32,8 +42,11 @@ pub fn read(set: &mut ParameterSet, path: &Path) -> Result<()> {
 /// [`ParameterSet::assign`].
 pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
     let table: toml::Table = text.parse().map_err(|error| explained(text, &error))?;
-    if let Some(key) = table.keys().find(|k| !["si", "groups"].contains(&k.as_str())) {
-        return Err(Error::form(key, "the tables [si] and [groups] and nothing else"));
+    if let Some(key) = table.keys().find(|k| !TABLES.contains(&k.as_str())) {
+        return Err(Error::form(
+            key,
+            "the tables [si] and [groups] alone; a machine's own file is named without --config: `vibro run FILE`",
+        ));
     }
     let si = |name: &str| match Name::find(name) {
         Ok(Name::Group(_)) if find_field(name).is_err() => {
@@ -57,7 +70,7 @@ pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
     Ok(())
 }
 
-/// Flattens nested tables to structured names: `m` in the table `box` is `box.m`. A value goes with
+/// Flattens nested tables to structured names: `m` in the table `box` is `box.m`. Each value keeps
 /// the unit in which it was written.
 fn collect(
     prefix: &str,
@@ -87,9 +100,8 @@ fn misplaced(name: &str, what: &str) -> vibro_analysis::Error {
     vibro_analysis::Error::UnknownName { name: name.into(), advice: format!("in this table: it is {what}") }
 }
 
-/// What is wrong with a text that is no TOML. The commonest case, a word or a number with a unit
-/// without quotation marks, is told by the parameter's name, because the parser takes `t…` for the
-/// beginning of `true`.
+/// Error for a text that is not TOML. The commonest case, a number with a unit without quotation
+/// marks, names the parameter; the parser's own error would take `t…` for the beginning of `true`.
 fn explained(text: &str, error: &toml::de::Error) -> Error {
     let explain = || -> Option<Error> {
         let before = text.get(..error.span()?.start)?;
@@ -107,8 +119,7 @@ fn explained(text: &str, error: &toml::de::Error) -> Error {
     explain().unwrap_or_else(|| Error::output("sense of the file")(error))
 }
 
-/// A parameter file with every parameter of one form: what it is, its unit, what is allowed, and
-/// the default value.
+/// Parameter file with every parameter of one form: meaning, unit, allowed values, default.
 pub fn template(groups: bool) -> String {
     let set = ParameterSet::basic();
     let mut text = String::from(
@@ -127,7 +138,7 @@ pub fn template(groups: bool) -> String {
     };
     for name in names {
         let unit = if name.unit() == "1" { "no unit" } else { name.unit() };
-        // Of the two names for one coupling only one can be set.
+        // `alpha23` and `beta2` name one coupling: only one can be set.
         let second = if name.name() == "beta2" { "# " } else { "" };
         let (description, allowed) = (name.description(), name.allowed());
         let value = name.value(&set);
@@ -168,7 +179,7 @@ mod tests {
                 let (found, expected) = (name.value(&set), name.value(&ParameterSet::basic()));
                 assert!((found - expected).abs() <= 1e-14 * (1.0 + expected.abs()), "{}", name.name());
             }
-            // Every parameter of the form is told with its range.
+            // Every parameter of the form is listed with its range.
             let text = template(groups);
             let told =
                 |name: Name| text.contains(&format!("{} = ", name.name())) && text.contains(name.allowed());

@@ -3,8 +3,8 @@
 //!
 //! The folder holds `manifest.toml`, which says what is computed, a file for each finished part,
 //! and `lock`, which the program at work holds. A file is written under another name and then
-//! renamed, so that a part is there whole or not at all. Parts of another study are kept unless the
-//! user asks to discard them, and files of others are never removed.
+//! renamed, so that a part is complete or absent. Parts of another study are kept unless the user
+//! asks to discard them; other files are never removed.
 
 use crate::long_study::FORMAT;
 use crate::manifest::Manifest;
@@ -33,11 +33,11 @@ pub enum Occupancy {
     Foreign(Box<Manifest>),
 }
 
-/// A folder of finished parts, locked by this program as long as it lives.
+/// A folder of finished parts, locked while this value lives.
 #[derive(Debug)]
 pub struct PartFolder {
     folder: PathBuf,
-    /// Unlocked when it is closed, also by the system when the program is killed.
+    /// The lock ends when the file is closed, by the system too if the program is killed.
     _lock: File,
 }
 
@@ -51,17 +51,17 @@ impl PartFolder {
     /// another form, and where its manifest is damaged or is missing beside other files;
     /// [`Error::File`], [`Error::Output`].
     pub fn open(folder: &Path, manifest: &Manifest, discard: bool) -> Result<Self> {
-        // Of a study that was read from a folder of shards.
+        // A study read from shards may have parts of another form.
         if let Some(format) = format_of(manifest).filter(|format| *format != FORMAT) {
             return Err(other_format(folder, format));
         }
-        // Refused before anything is made.
+        // Refused before the folder is created.
         if let (Occupancy::Foreign(there), false) = (Self::occupancy(folder, manifest)?, discard) {
             return Err(other_study(folder, &there, manifest));
         }
         std::fs::create_dir_all(folder).map_err(Error::file("making folder", folder))?;
         let opened = Self { folder: folder.into(), _lock: lock(folder)? };
-        // Again, since another program may have used the folder until it was locked.
+        // Checked again: another program may have used the folder until it was locked.
         match Self::occupancy(folder, manifest)? {
             Occupancy::Own => opened.remove_files(&[WRITING])?,
             Occupancy::Free => write_whole(&folder.join(MANIFEST), manifest.text()?.as_bytes())?,
@@ -138,8 +138,7 @@ impl PartFolder {
         Ok(())
     }
 
-    /// Removes parts and manifest, whose study is finished, and the folder if nothing else is in
-    /// it.
+    /// Removes parts and manifest of a finished study, and the folder if nothing else is in it.
     ///
     /// # Errors
     /// [`Error::File`].
@@ -149,7 +148,7 @@ impl PartFolder {
             let path = self.folder.join(name);
             std::fs::remove_file(&path).map_err(Error::file("writing", &path))?;
         }
-        // What others put there stays.
+        // Files of others stay.
         let _ = std::fs::remove_dir(&self.folder);
         Ok(())
     }
@@ -162,11 +161,11 @@ impl PartFolder {
     }
 }
 
-/// Held by each part that is being written, and by who lets no further one become whole.
+/// Read lock: a part is being written. Write lock: no further part may be completed.
 static SAVING: RwLock<()> = RwLock::new(());
 
-/// Lets no part become whole as long as what is returned lives: for a program that counts the parts
-/// it keeps and ends.
+/// Completes no further part while the returned guard lives: for a program that counts its parts
+/// and exits.
 pub fn stop_saving() -> impl Drop {
     SAVING.write().unwrap_or_else(PoisonError::into_inner)
 }
@@ -213,17 +212,17 @@ fn lock(folder: &Path) -> Result<File> {
                     .into();
             Err(Error::Config { path: folder.into(), problem })
         }
-        // A file system that cannot lock: parts are still whole, and equal whoever computes them.
+        // File system without locks: parts are still complete, and equal whoever computes them.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
     }
 }
 
-/// So many parts of all, where it is known how many these are: `3 of 8 parts`.
+/// `3 of 8 parts`; without the total where that is not known (`count` is 0).
 pub fn parts_in_words(kept: usize, count: usize, parts: &str) -> String {
     if count == 0 { format!("{kept} {parts}") } else { format!("{kept} of {count} {parts}") }
 }
 
-/// The refusal to mix parts of two studies; `there` is in the folder and `here` is asked for.
+/// Error for parts of another study; `there` is in the folder and `here` is asked for.
 pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
     if let Some(format) = format_of(there).filter(|format| *format != FORMAT) {
         return other_format(folder, format);
@@ -241,12 +240,12 @@ pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
     Error::Config { path: folder.into(), problem }
 }
 
-/// The form of a study's parts.
+/// Form of a study's parts.
 fn format_of(manifest: &Manifest) -> Option<u32> {
     manifest.long_study.as_ref().map(|study| study.format)
 }
 
-/// The refusal of parts that were written by a build with another form of parts.
+/// Error for parts of a build with another [form](FORMAT).
 fn other_format(folder: &Path, format: u32) -> Error {
     let problem = format!(
         "holds {} finished parts in form {format}, and this vibro reads and writes form {FORMAT}\n  allowed: another --out; to finish \
@@ -256,7 +255,7 @@ fn other_format(folder: &Path, format: u32) -> Error {
     Error::Config { path: folder.into(), problem }
 }
 
-/// Writes a file so that it is there whole or not at all, also when the machine loses its power.
+/// Writes a file atomically: complete or absent, also after a power failure.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -264,12 +263,13 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     write_whole_by(path, |file| file.write_all(bytes).map_err(Error::file("writing", path)))
 }
 
-/// The same for a file that `fill` writes piece by piece.
+/// Writes a file atomically, as [`write_whole`], from pieces that `fill` writes.
 ///
 /// # Errors
 /// [`Error::File`]; what `fill` returns.
 pub fn write_whole_by(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
-    // With the whole name: files that differ in their ending alone may be written at the same time.
+    // The whole name is kept: files that differ only in their ending may be written at the same
+    // time.
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}.{WRITING}", std::process::id()));
     let beside = path.with_file_name(name);

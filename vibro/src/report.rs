@@ -1,4 +1,4 @@
-//! All figures at once, and a report that sets the paper's statements beside what is found.
+//! All figures at once, and a report of the paper's statements beside the results.
 
 mod analytical;
 mod page;
@@ -10,7 +10,7 @@ pub use statement::{Statement, Verdict};
 use super::long_study::{LongStudy, StudyKind};
 use super::studies::{self, DiagramOrbits, Study};
 use crate::part_folder::PartFolder;
-use crate::table::Table;
+use crate::table::TextTable;
 use crate::{Error, Result};
 use std::path::Path;
 use vibro_analysis::basin::{self, InitialValueRange};
@@ -23,13 +23,13 @@ use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, ParameterSet, find_group};
 use vibro_orbits::TreeOptions;
 
-/// Values of table 2: of each window and band that the diagrams show.
+/// Values of table 2: one of each window and band of the diagrams.
 const TABLE: [f64; 14] = [0.6, 0.9, 1.0, 1.5, 2.1, 2.3, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
 /// Values of figure 15, all over 2 as in the paper.
 const PORTRAITS: [f64; 9] = [2.2, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
 /// f10 of the modulated motion of figure 13.
 const MODULATED: f64 = 0.6;
-/// f10 at which basins are shown: two pairs of attractors coexist in BASIC.
+/// f10 at which basins are shown: two pairs of attractors coexist there in the default set.
 const COEXISTING: f64 = 2.5;
 /// Values of f10 in figure 9.
 const FORCES: [f64; 4] = [0.6, 1.2, 1.5, 2.5];
@@ -37,7 +37,7 @@ const FORCES: [f64; 4] = [0.6, 1.2, 1.5, 2.5];
 const RUNNING: [f64; 4] = [0.6, 1.5, 2.44, 3.6];
 /// Mass ratios of figure 17.
 const EPSILONS: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.005];
-/// Names of the studies that the report consists of and whose parameters are those given.
+/// Names of the report's studies with the given parameters.
 const NAMES: [&str; 20] = [
     "manifold-2",
     "manifold-7",
@@ -65,7 +65,7 @@ const ORBITS: &str = "figure-14-orbits";
 /// Steps of the progress bar besides the parts of long studies: one for each group of figures.
 const SHORT: usize = 9;
 
-/// What is going to be computed.
+/// The studies of a report.
 #[derive(Clone, Debug)]
 pub struct Plan {
     set: ParameterSet,
@@ -77,19 +77,19 @@ pub struct Plan {
     orbits: TreeOptions,
 }
 
-/// What has been found.
+/// A finished report.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// All studies, in the order of the paper.
     pub studies: Vec<Study>,
-    /// The paper's statements and what was found.
+    /// The paper's statements with the results.
     pub statements: Vec<Statement>,
     /// The page.
     pub html: String,
 }
 
 impl Plan {
-    /// The paper's numbers of values and periods, or, `quick`, fewer of both.
+    /// A plan with the paper's numbers of values and periods, or with `quick` fewer of both.
     ///
     /// # Errors
     /// None for the ranges used.
@@ -132,13 +132,12 @@ impl Plan {
         self.coarse.count() + self.fine.count() + self.basin.count() + SHORT
     }
 
-    /// The studies that are computed in parts, in the order in which [`Self::run`] takes their
-    /// folders.
+    /// The studies that are computed in parts, in the order of the folders of [`Self::run`].
     pub fn long_studies(&self) -> [&LongStudy; 3] {
         [&self.coarse, &self.fine, &self.basin]
     }
 
-    /// The names of all that is going to be written, with its parameters.
+    /// Names of all results, each with its parameters.
     ///
     /// # Errors
     /// None: the strong set is allowed.
@@ -149,8 +148,7 @@ impl Plan {
         Ok(all)
     }
 
-    /// Computes everything; finished parts go into the folders of the long studies and are taken
-    /// from there.
+    /// Computes all studies; the parts of long studies are kept in `folders` and read from there.
     ///
     /// # Errors
     /// What the studies refuse, and what the disk does.
@@ -172,7 +170,7 @@ impl Plan {
         all.push(studies::strong_case(&ParameterSet::strong()?)?);
         done(false);
         all.extend(self.basin.run(&Task { store: basin, done, ..Task::ALL })?.into_iter().flatten());
-        let statements = statements::all(&statement::Found {
+        let statements = statements::all(&statement::Findings {
             set,
             coarse: &coarse.1,
             fine: &fine.1,
@@ -184,7 +182,7 @@ impl Plan {
         Ok(Report { studies: all, statements, html })
     }
 
-    /// The figures that need no simulation over a parameter: 2, 5 to 12.
+    /// The figures without simulation over a parameter: 2, 5 to 12.
     fn theory(&self, done: &(dyn Fn(bool) + Sync)) -> Result<Vec<Study>> {
         let set = &self.set;
         let mut all = Vec::new();
@@ -214,13 +212,13 @@ impl Plan {
         Ok(all)
     }
 
-    /// The table of spectra, and the figures made from the sweeps: 14, 15, 16 and table 2.
+    /// The table of spectra, and the studies made from the sweeps: figures 14, 15, 16 and table 2.
     fn sweeps(
         &self,
         (sweep, coarse): &(Sweep, Diagram),
         (fine_sweep, fine): &(Sweep, Diagram),
         orbits: &Result<DiagramOrbits>,
-    ) -> Result<(Table, Vec<Study>)> {
+    ) -> Result<(TextTable, Vec<Study>)> {
         let (set, force) = (&self.set, Name::Group(find_group("f10")?));
         let (table, spectra) = studies::spectra(set, sweep, coarse, &TABLE, orbits.as_ref().ok(), "table-2")?;
         let options = sweep.exponents.unwrap_or_default();
@@ -232,8 +230,8 @@ impl Plan {
             studies::sweep(set, fine_sweep, fine, "figure-14-fine")?,
             match orbits {
                 Ok(orbits) => orbits.study(set, sweep, coarse, ORBITS)?,
-                // A machine whose orbits phases do not determine, such as one with a free block,
-                // has all other figures.
+                // A machine whose orbits are not determined by phases, such as one with a free
+                // block, has all other figures.
                 Err(e) => Study::without_figure(ORBITS, format!("no branches of periodic orbits: {e}")),
             },
             spectra,
@@ -245,7 +243,7 @@ impl Plan {
     }
 }
 
-/// Branches of the quick look: no long words.
+/// Options of branches for the quick report: no long words.
 fn quick_orbits() -> TreeOptions {
     TreeOptions {
         seeds: 46,
@@ -260,13 +258,13 @@ fn quick_orbits() -> TreeOptions {
 
 /// A sweep with its diagram.
 fn diagram(study: &LongStudy, store: &PartFolder, done: &(dyn Fn(bool) + Sync)) -> Result<(Sweep, Diagram)> {
-    // `None` is for shards only, and here all parts are computed.
+    // `None` is returned for shards only; here all parts are computed.
     let missing = || Error::Output { what: "the report", problem: "a part is missing".into() };
     study.diagram(&Task { store, done, ..Task::ALL })?.ok_or_else(missing)
 }
 
 impl Report {
-    /// What to say at the end.
+    /// Summary for the screen.
     pub fn summary(&self, path: &Path) -> String {
         let count = |v: Verdict| self.statements.iter().filter(|s| s.verdict == v).count();
         let mut text = format!(

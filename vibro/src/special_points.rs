@@ -5,8 +5,8 @@
 //! special-points.csv          every row that starts a curve
 //! special-points.csv:12       row 12, counted from 1
 //! special-points.csv:LP       every fold
-//! special-points.csv:LP@2.3   the folds at the value that is written as 2.3 with one digit after the point
-//! special-points.csv:@2.3     what is at that value
+//! special-points.csv:LP@2.3   every fold whose value, rounded to one decimal, is 2.3
+//! special-points.csv:@2.3     every special point at that value
 //! ```
 
 use crate::{Error, Result};
@@ -15,7 +15,7 @@ use std::str::FromStr;
 use vibro_analysis::{Name, number};
 use vibro_orbits::{Label, LocusStart, OrbitWord};
 
-/// Half of the last digit of a value and a little more, for a tie.
+/// Half of the last digit of a value, and a little more for ties.
 const LAST_DIGIT: f64 = 0.51;
 
 /// Rows of a table of special points, as `FILE`, `FILE:ROW`, `FILE:LABEL` or `FILE:LABEL@VALUE`.
@@ -24,11 +24,11 @@ pub struct Selection {
     /// The table.
     pub path: PathBuf,
     /// Which rows.
-    rows: Rows,
+    rows: ChosenRows,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Rows {
+enum ChosenRows {
     All,
     Row(usize),
     Kind { label: Option<Label>, value: Option<String> },
@@ -41,7 +41,7 @@ pub struct SpecialPoint {
     pub row: usize,
     /// The parameter along whose branch it lies.
     pub along: Name,
-    /// Where a curve starts. The second parameter is not in the table: it is the machine's.
+    /// Where a curve starts. The second parameter is not in the table; it has the machine's value.
     pub start: LocusStart,
 }
 
@@ -49,7 +49,7 @@ impl FromStr for Selection {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let all = || Self { path: text.into(), rows: Rows::All };
+        let all = || Self { path: text.into(), rows: ChosenRows::All };
         let form =
             || Error::form(text, "FILE, FILE:ROW with a row counted from 1, FILE:LABEL or FILE:LABEL@VALUE");
         let (path, choice) = match text.rsplit_once(':') {
@@ -62,7 +62,7 @@ impl FromStr for Selection {
             if row == 0 {
                 return Err(form());
             }
-            Rows::Row(row)
+            ChosenRows::Row(row)
         } else {
             let (label, value) = choice.split_once('@').map_or((choice, None), |(l, v)| (l, Some(v)));
             let label = label.trim();
@@ -71,15 +71,14 @@ impl FromStr for Selection {
             if known.is_none() && !(label.is_empty() && value.is_some()) {
                 return if Path::new(text).exists() { Ok(all()) } else { Err(form()) };
             }
-            Rows::Kind { label: known, value: value.map(|v| v.trim().to_owned()) }
+            ChosenRows::Kind { label: known, value: value.map(|v| v.trim().to_owned()) }
         };
         Ok(Self { path: path.into(), rows })
     }
 }
 
 impl Selection {
-    /// The points of the table that are chosen, over the machine's value `held` of the second
-    /// parameter.
+    /// The chosen points of the table, with the machine's value `held` of the second parameter.
     ///
     /// # Errors
     /// [`Error::Config`] for a file that is no such table, a row that it does not have or that
@@ -92,10 +91,10 @@ impl Selection {
         let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
         let records = reader.records().collect::<std::result::Result<Vec<_>, _>>();
         let records = records.map_err(|e| wrong(e.to_string()))?;
-        let rows: Vec<Row> = records
+        let rows: Vec<PointRow> = records
             .iter()
             .zip(1..)
-            .map(|(record, number)| Row { number, record, header: &header, path: &self.path })
+            .map(|(record, number)| PointRow { number, record, header: &header, path: &self.path })
             .collect();
         if let Some(other) = rows.first().map(|row| row.along()).transpose()?.filter(|own| *own != along) {
             let problem =
@@ -103,7 +102,7 @@ impl Selection {
             return Err(wrong(problem));
         }
         match &self.rows {
-            Rows::Row(number) => {
+            ChosenRows::Row(number) => {
                 let row = rows
                     .get(number - 1)
                     .ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
@@ -113,14 +112,14 @@ impl Selection {
                     wrong(format!("row {number} is {label}; curves start from LP, BP, PD, NS, GR and CH"))
                 })?])
             }
-            Rows::All => self.chosen(&rows, along, held, None, None),
-            Rows::Kind { label, value } => self.chosen(&rows, along, held, *label, value.as_deref()),
+            ChosenRows::All => self.chosen(&rows, along, held, None, None),
+            ChosenRows::Kind { label, value } => self.chosen(&rows, along, held, *label, value.as_deref()),
         }
     }
 
     fn chosen(
         &self,
-        rows: &[Row],
+        rows: &[PointRow],
         along: Name,
         held: f64,
         label: Option<Label>,
@@ -150,7 +149,7 @@ impl Selection {
     }
 }
 
-/// How far a value may be from a text that stands for it: half of the text's last digit, in SI.
+/// Tolerance of a value that is given as text: half of the text's last digit, in SI.
 fn last_digit(along: Name, text: &str) -> Result<f64> {
     let mantissa = text.trim().trim_start_matches(['+', '-']);
     let plain: String = mantissa.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect();
@@ -161,14 +160,14 @@ fn last_digit(along: Name, text: &str) -> Result<f64> {
 }
 
 /// A row of a table.
-struct Row<'a> {
+struct PointRow<'a> {
     number: usize,
     record: &'a csv::StringRecord,
     header: &'a csv::StringRecord,
     path: &'a Path,
 }
 
-impl Row<'_> {
+impl PointRow<'_> {
     fn wrong(&self, problem: String) -> Error {
         Error::Config { path: self.path.into(), problem }
     }
@@ -189,7 +188,7 @@ impl Row<'_> {
     }
 
     /// The point; `None` for a row from which no curve starts: an end of the range, a path not
-    /// followed on, a value asked for.
+    /// followed further, a marked value.
     fn point(&self, along: Name, held: f64) -> Result<Option<SpecialPoint>> {
         let name = self.cell("label")?;
         let Some(label) = Label::STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };
@@ -212,9 +211,9 @@ mod tests {
     #[test]
     fn selections_are_read_as_they_are_written() {
         let rows = |text: &str| text.parse::<Selection>().unwrap().rows;
-        let kind = |label, value: Option<&str>| Rows::Kind { label, value: value.map(str::to_owned) };
-        assert_eq!(rows("a.csv"), Rows::All);
-        assert_eq!(rows("a.csv:3"), Rows::Row(3));
+        let kind = |label, value: Option<&str>| ChosenRows::Kind { label, value: value.map(str::to_owned) };
+        assert_eq!(rows("a.csv"), ChosenRows::All);
+        assert_eq!(rows("a.csv:3"), ChosenRows::Row(3));
         assert_eq!(rows("C:/b/a.csv:lp"), kind(Some(Label::Fold), None));
         assert_eq!(rows("a.csv:PD@2.3041"), kind(Some(Label::PeriodDoubling), Some("2.3041")));
         assert_eq!(rows("a.csv:@10.65 Hz"), kind(None, Some("10.65 Hz")));

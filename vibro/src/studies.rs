@@ -29,21 +29,21 @@ pub use design_sweep::{design_sweep, write_tables as write_design_tables};
 pub use diagram_orbits::{CoveredRow, Covering, DiagramOrbits, sweep_family};
 pub(crate) use diagram_orbits::{doublings_in_words, end_in_words};
 pub use isoperiodic::{POINT_IN_TABLE, check_isoperiodic, isoperiodic};
-pub use locus::{Curve, loci};
+pub use locus::{LocusCurve, loci};
 pub use manifold::{branches, families, shapes};
 pub use motions::{Modulation, histories_of, portraits, running};
 pub use orbit::orbit;
 pub use orbits::orbits;
 pub use plane::planes;
 pub use response::{along, force, frequency};
-pub use run::{Length as RunLength, Request as RunRequest, run};
+pub use run::{RunLength, RunRequest, run};
 pub use stability::{masri, regions};
 pub use steady::steady;
 pub use strong::strong_case;
 pub use sweep::{overlay, periodic_ranges, spectra, sweep};
 
 use crate::Result;
-use crate::table::Table;
+use crate::table::TextTable;
 use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::canvas::palette::{HERE, WHITE};
 use vibro_figures::chart::{Axis, Figure, Layer, MARK, Mark};
@@ -53,30 +53,31 @@ use vibro_figures::chart::{Axis, Figure, Layer, MARK, Mark};
 pub struct Study {
     /// Stem of the files.
     pub name: String,
-    /// What the picture shows, in a phrase.
+    /// What the picture shows, as a phrase for the first line and the report.
     pub what: String,
     /// The numbers: stems of files and their CSV text.
     pub tables: Vec<(String, Vec<u8>)>,
     /// Names of the files of tables too long for memory, which
     /// [`LongStudy::write_tables`](crate::long_study::LongStudy::write_tables) writes.
     pub files: Vec<String>,
-    /// The table that is worth reading on a screen.
-    pub shown: Option<Table>,
-    /// The picture; `None` where there is nothing to draw, which `what` explains.
+    /// Table printed to the screen, if any.
+    pub shown: Option<TextTable>,
+    /// The picture; `None` where there is nothing to draw, and `what` gives the reason.
     pub figure: Option<Figure>,
-    /// What to say about it, line by line.
+    /// Lines printed below the first line and listed in the report.
     pub remarks: Vec<String>,
-    /// Its parameters where they are not those of the command.
+    /// The study's own parameters, where they differ from the command's.
     pub set: Option<Box<ParameterSet>>,
-    /// The machine in a line, where what varies makes what is said of it as it is wrong.
+    /// One-line description of the machine, for a study that varies what the subject's caption
+    /// states.
     pub subject: Option<String>,
-    /// Why nothing that was asked for could be computed, where that is so.
+    /// Reason why nothing could be computed: the program then exits with 1.
     pub failure: Option<String>,
 }
 
 impl Study {
     /// A study of one table and one figure, whose files have the study's name.
-    fn of(name: &str, what: impl Into<String>, table: &Table, figure: Figure) -> Result<Self> {
+    fn of(name: &str, what: impl Into<String>, table: &TextTable, figure: Figure) -> Result<Self> {
         let tables = vec![(name.into(), table.csv()?)];
         Ok(Self { tables, figure: Some(figure), ..Self::without_figure(name, what) })
     }
@@ -98,12 +99,12 @@ impl Study {
         }
     }
 
-    /// The same study, which has parameters of its own.
+    /// The study with its own parameters.
     fn with_set(self, set: &ParameterSet) -> Self {
         Self { set: Some(Box::new(set.clone())), ..self }
     }
 
-    /// The same study with remarks.
+    /// The study with these remarks.
     fn with_remarks(self, remarks: Vec<String>) -> Self {
         Self { remarks, ..self }
     }
@@ -112,8 +113,8 @@ impl Study {
 /// Size of a panel in units of the drawing, unless a figure needs another.
 const PANEL: (u32, u32) = (1700, 1150);
 
-/// An axis over a range of a parameter, which is in SI, in the unit in which the parameter was
-/// written.
+/// Axis over a range of a parameter. The range is in SI; the axis shows the unit in which the
+/// parameter was written.
 fn parameter_axis(set: &ParameterSet, name: Name, (from, to): (f64, f64)) -> Axis {
     let axis = Axis::over(set.label(name), from, to);
     match set.unit(name) {
@@ -122,7 +123,7 @@ fn parameter_axis(set: &ParameterSet, name: Name, (from, to): (f64, f64)) -> Axi
     }
 }
 
-/// A mark at the parameters of the set itself, with a white edge, for it may lie on any colour.
+/// Mark at the set's own parameters, with a white edge so that it shows on any colour.
 fn here(set: &ParameterSet, x: Name, y: Name) -> [Layer; 2] {
     let mark = |name, colour| Layer::marks(name, colour, Mark::Disc, vec![(x.value(set), y.value(set))]);
     [mark("", WHITE).stroke(MARK + 5), mark("this set of parameters", HERE)]

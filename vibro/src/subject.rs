@@ -1,24 +1,24 @@
-//! The machine that a study is of, as manifests, tables and captions tell it: the 3-DOF machine by
-//! its parameter set, or one of the user's own by its file.
+//! The machine of a study as manifests, tables and captions describe it: the 3-DOF machine by its
+//! parameter set, a described machine by its file.
 
 use std::collections::BTreeMap;
 use vibro_analysis::assembly::{self, Section, SectionRule};
 use vibro_analysis::{GROUPS, Name, ParameterSet, Unit, physical_parameters, significant};
 use vibro_impact::parameters::{FIELDS, LOADS};
 
-/// What is told of the machine of a study.
+/// What manifests, tables and captions need to know of a machine.
 pub trait Subject: Sync {
-    /// Its numbers in SI by their names, and its dimensionless groups.
+    /// Parameters in SI by name, and dimensionless groups by name.
     fn numbers(&self) -> (BTreeMap<String, f64>, BTreeMap<String, f64>);
 
-    /// What else makes its results differ from those of another machine, by names of options.
+    /// Everything but numbers on which results depend, by option name: structure and section.
     fn structure(&self) -> BTreeMap<String, String>;
 
-    /// Its parameters in a line.
+    /// Parameters in one line.
     fn caption(&self) -> String;
 
-    /// The unit in which a column of a table answers beside SI, where it is of a parameter that was
-    /// written in another unit.
+    /// Unit other than SI in which the parameter of this column was written; the table then has a
+    /// second column in it.
     fn unit_of_column(&self, column: &str) -> Option<&'static Unit>;
 }
 

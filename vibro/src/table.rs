@@ -8,14 +8,14 @@ use vibro_analysis::Unit;
 
 /// A table with a header.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub struct TextTable {
     /// Names of the columns.
     pub header: Vec<String>,
     /// The rows, each as long as the header.
     pub rows: Vec<Vec<String>>,
 }
 
-impl Table {
+impl TextTable {
     /// An empty table.
     pub fn new(header: &[&str]) -> Self {
         Self { header: header.iter().map(|h| (*h).into()).collect(), rows: Vec::new() }
@@ -32,8 +32,8 @@ impl Table {
     }
 }
 
-/// CSV text that is written row by row: a [`Table`] of millions of rows would take hundreds of
-/// megabytes.
+/// CSV text written row by row, for millions of rows: as a [`TextTable`] they would take hundreds
+/// of megabytes.
 pub struct CsvRows(csv::Writer<Vec<u8>>);
 
 impl CsvRows {
@@ -64,7 +64,7 @@ impl CsvRows {
     }
 }
 
-/// CSV text of `count` groups of rows in their order; `fill` appends the rows of one. They are
+/// CSV text of `count` groups of rows in order; `fill` appends the rows of one group. Groups are
 /// formatted on all threads.
 ///
 /// # Errors
@@ -74,11 +74,12 @@ pub fn csv_in_groups(
     count: usize,
     fill: impl Fn(&mut CsvRows, usize) -> Result<()> + Sync,
 ) -> Result<Vec<u8>> {
-    /// Groups whose text is in memory beside the whole.
+    /// Groups formatted at a time: their text is in memory beside the whole.
     const TOGETHER: usize = 64;
     let mut text = CsvRows::new(header)?.text()?;
     let head = text.len();
-    // Each has the header, to whose length its rows are held, and which is then cut off.
+    // Each group gets a header, so that the length of its rows is checked, and the header is then
+    // cut off.
     let group = |index| {
         let mut rows = CsvRows::new(header)?;
         fill(&mut rows, index)?;
@@ -92,13 +93,13 @@ pub fn csv_in_groups(
     Ok(text)
 }
 
-/// The name of the column in a unit that stands beside a column in SI.
+/// Name of the column that repeats a column in another unit.
 pub fn column_in(column: &str, unit: &Unit) -> String {
     format!("{column} [{}]", unit.plain())
 }
 
-/// A table with a further column, at its end, for each column of a parameter that was written in
-/// another unit than SI: the same values in that unit, which the column's name tells.
+/// The table with one more column at its end for each parameter that was written in another unit
+/// than SI: its values in that unit, which is in the column's name.
 ///
 /// # Errors
 /// [`Error::Output`] for what is no table.
@@ -129,14 +130,14 @@ pub fn in_written_units<'t>(subject: &dyn Subject, csv: &'t [u8]) -> Result<Cow<
     Ok(Cow::Owned(rows.text()?))
 }
 
-/// A value in a unit, without the last digits that the way to SI and back has cost: 10 Hz are 10
-/// and not 10.000000000000002.
+/// A value in a unit, without the rounding of the conversion to SI and back: 10 Hz is 10 and not
+/// 10.000000000000002.
 pub fn shown(unit: &Unit, si: f64) -> f64 {
     let number = unit.number(si);
     format!("{number:.14e}").parse().unwrap_or(number)
 }
 
-/// A number in decimals that read back as the same bits.
+/// Decimal digits of a number that read back to the same bits.
 pub fn exact(value: f64) -> String {
     format!("{value}")
 }

@@ -1,5 +1,5 @@
-//! Runs the real `vibro assembly`: what it says of a machine, the files of a motion, what it
-//! refuses.
+//! Runs the real `vibro` with a machine's file: what it says of a machine, the files of a motion,
+//! what it refuses.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -14,7 +14,7 @@ fn example(name: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly")).join(name)
 }
 
-/// A file beside, and not in, the folder of the output.
+/// A file outside the folder of the output.
 fn file(name: &str, text: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&path, text).expect("a file");
@@ -27,7 +27,7 @@ fn machine(name: &str) -> String {
 
 #[test]
 fn check_tells_bodies_elements_equilibrium_and_frequencies() {
-    let text = drawn(&folder("assembly-check"), &["assembly", "check", &machine("damper_with_buffer.toml")]);
+    let text = drawn(&folder("assembly-check"), &["check", &machine("damper_with_buffer.toml")]);
     for words in [
         "3 bodies, 2 springs, 2 stops, 1 frictions, 1 loads; 3 degrees of freedom",
         "box: 12 kg; s = -0.00293278 m",
@@ -45,24 +45,21 @@ fn check_tells_bodies_elements_equilibrium_and_frequencies() {
 fn closed_form_frequencies_of_the_start() {
     let text = "name = \"M\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = \"800 N/m\"\ndamping = \"8 N s/m\"\n";
     let path = file("assembly-oscillator.toml", text).display().to_string();
-    let text = drawn(&folder("assembly-frequencies"), &["assembly", "check", &path]);
+    let text = drawn(&folder("assembly-frequencies"), &["check", &path]);
     // ω = 20, f = 3.1831 Hz, D = 8/(2 √(800·2)) = 0.1.
     assert!(
         text.contains("3.1831 Hz, damping ratio 0.1\n") || text.ends_with("3.1831 Hz, damping ratio 0.1\n"),
         "{text}"
     );
-    let text =
-        drawn(&folder("assembly-frequencies"), &["assembly", "check", &path, "--set", "body.a.mass=8kg"]);
+    let text = drawn(&folder("assembly-frequencies"), &["check", &path, "--set", "body.a.mass=8kg"]);
     assert!(text.contains("1.59155 Hz, damping ratio 0.05"), "{text}");
 }
 
 #[test]
 fn golden_files_of_a_motion_are_the_librarys_numbers() {
     let out = folder("assembly-run");
-    let text = drawn(
-        &out,
-        &["assembly", "run", &machine("damper_with_buffer.toml"), "--until", "500ms", "--samples", "50"],
-    );
+    let text =
+        drawn(&out, &["run", &machine("damper_with_buffer.toml"), "--until", "500ms", "--samples", "50"]);
     assert!(
         text.contains("followed DamperWithBuffer up to 0.5 s") && text.contains("× impact stop.steel"),
         "{text}"
@@ -102,13 +99,9 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     assert!(text.ends_with(&account) && account.contains("balance off by"), "{account}");
     let (width, height, _) = pixels(&out.join("motion.png"));
     assert!(width > 900 && height > 900);
-    // The same again overwrites it; another machine does not.
-    drawn(
-        &out,
-        &["assembly", "run", &machine("damper_with_buffer.toml"), "--until", "0.5", "--samples", "50"],
-    );
+    // The same run overwrites its result; another machine is refused.
+    drawn(&out, &["run", &machine("damper_with_buffer.toml"), "--until", "0.5", "--samples", "50"]);
     let arguments = [
-        "assembly",
         "run",
         &machine("damper_with_buffer.toml"),
         "--until",
@@ -120,13 +113,13 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     ];
     let other = command(&out, &arguments).output().unwrap();
     let error = String::from_utf8(other.stderr).unwrap();
-    // What differs, and nothing else of either machine.
+    // The refusal names the difference alone.
     let words =
         "of another run; they differ in\n    body.box.mass: 12 there, 13 here\n  allowed: another --out";
     assert!(other.status.code() == Some(2) && error.contains(words), "{error}");
 }
 
-/// Ten samples meet no contact with the buffer, which holds for a millisecond.
+/// Ten samples meet no contact with the buffer, each of which lasts a millisecond.
 #[test]
 fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
     let run = |samples| {
@@ -158,9 +151,9 @@ fn invariant_the_file_of_contacts_has_the_accounts_losses_and_no_end_where_one_l
         between = [\"ground\", \"ball\"]\ngap = 0.2\nrestitution = 0.5\n";
     let path = file("assembly-ball.toml", text).display().to_string();
     let out = folder("assembly-contacts");
-    let told = drawn(&out, &["assembly", "run", &path, "--until", "2", "--samples", "2"]);
+    let told = drawn(&out, &["run", &path, "--until", "2", "--samples", "2"]);
     assert!(told.contains("contacts, largest force 5 N, largest impulse 1.5 N·s"), "{told}");
-    // Its fall of 0.2 m is looked at after it: largest |v| is that at the first impact.
+    // The ball falls by 0.2 m, so that the largest |v| is that at the first impact.
     assert!(told.contains("ball: largest |s| 0.2 m, largest |v| 2 m/s"), "{told}");
     let rows = table(&out, "contacts.csv");
     let number =
@@ -172,7 +165,7 @@ fn invariant_the_file_of_contacts_has_the_accounts_losses_and_no_end_where_one_l
         assert!(bounce["element"] == "stop.floor" && number(bounce, "closing_speed") > 0.0, "{bounce:?}");
     }
     let lost: f64 = rows.iter().map(|row| number(row, "energy_lost")).sum();
-    // Bounces under 1e-9 of the first end at once.
+    // Bounces below 1e-9 of the first are ended at once.
     assert!((lost - 1.0).abs() < 1e-8, "{lost}");
 }
 
@@ -180,14 +173,14 @@ fn invariant_the_file_of_contacts_has_the_accounts_losses_and_no_end_where_one_l
 fn times_from_a_file_are_the_rows() {
     let times = file("assembly-times.txt", "# s\n0\n\n0.1\n0.1\n0.30000000000000004\n").display().to_string();
     let out = folder("assembly-times");
-    drawn(&out, &["assembly", "run", &machine("bouncing_ball.toml"), "--times", &times]);
+    drawn(&out, &["run", &machine("bouncing_ball.toml"), "--times", &times]);
     let rows = table(&out, "states.csv");
     assert_eq!(
         rows.iter().map(|r| r["time"].as_str()).collect::<Vec<_>>(),
         ["0", "0.1", "0.1", "0.30000000000000004"]
     );
     let times = file("assembly-falling.txt", "0\n2\n1\n").display().to_string();
-    let (code, error) = refused(&["assembly", "run", &machine("bouncing_ball.toml"), "--times", &times]);
+    let (code, error) = refused(&["run", &machine("bouncing_ball.toml"), "--times", &times]);
     assert!(code == 2 && error.contains("line 3: 1: allowed is a time in s, not before 2.0"), "{error}");
 }
 
@@ -195,7 +188,7 @@ fn times_from_a_file_are_the_rows() {
 fn bad_files_and_parameters_are_refused_by_line_and_name() {
     let text = "name = \"M\"\n[body.box]\nmass = \"12 kg\"\n[spring.mount]\nbetween = [\"ground\", \"boks\"]\nstiffness = \"5 mN\"\n";
     let path = file("assembly-bad.toml", text).display().to_string();
-    for command in [vec!["assembly", "check", &path], vec!["assembly", "run", &path, "--until", "1"]] {
+    for command in [vec!["check", &path], vec!["run", &path, "--until", "1"]] {
         let (code, error) = refused(&command);
         assert!(code == 2, "{error}");
         for words in [
@@ -211,13 +204,13 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
         ("stop.floor.restitution=1.5", "stop.floor.restitution = \"1.5\": allowed is a number from 0 to 1"),
         ("stop.floor.restitution", "NAME=VALUE"),
     ] {
-        let (code, error) = refused(&["assembly", "check", &ball, "--set", set]);
+        let (code, error) = refused(&["check", &ball, "--set", set]);
         assert!(code == 2 && error.contains(words), "{error}");
     }
     for (arguments, words) in [
-        (vec!["assembly", "run", &ball], "--until"),
-        (vec!["assembly", "run", &ball, "--until", "2 Hz"], "allowed is a finite time above 0"),
-        (vec!["assembly", "run", "nowhere.toml", "--until", "2"], "nowhere.toml: cannot be read"),
+        (vec!["run", &ball], "--until"),
+        (vec!["run", &ball, "--until", "2 Hz"], "allowed is a finite time above 0"),
+        (vec!["run", "nowhere.toml", "--until", "2"], "nowhere.toml: cannot be read"),
     ] {
         let (code, error) = refused(&arguments);
         assert!(code == 2 && error.contains(words), "{error}");
@@ -233,27 +226,27 @@ fn both(out: &Path, arguments: &[&str]) -> (String, String) {
     (told, noted)
 }
 
-/// The file writes `gap = "4 mm"`: 3 and 3 mm are one machine, wherever the option stands.
+/// The file has `gap = "4 mm"`, so that 3 is 3 mm, wherever the option stands.
 #[test]
 fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
     let (damper, out) = (machine("damper_with_buffer.toml"), folder("assembly-bare"));
-    let with_unit = drawn(&out, &["assembly", "check", &damper, "--set", "stop.steel.gap=3mm"]);
+    let with_unit = drawn(&out, &["check", &damper, "--set", "stop.steel.gap=3mm"]);
     for arguments in [
-        ["assembly", "check", &damper, "--set", "stop.steel.gap=3"],
-        ["assembly", "--set", "stop.steel.gap=3", "check", &damper],
-        ["--set", "stop.steel.gap=3", "assembly", "check", &damper],
+        &["check", &damper, "--set", "stop.steel.gap=3"][..],
+        &["--set", "stop.steel.gap=3", "check", &damper],
+        &["assembly", "--set", "stop.steel.gap=3", "check", &damper],
+        &["--set", "stop.steel.gap=3", "assembly", "check", &damper],
     ] {
-        let (told, noted) = both(&out, &arguments);
+        let (told, noted) = both(&out, arguments);
         assert_eq!(told, with_unit);
         let words = "note: stop.steel.gap=3 is read in mm, the unit in which that parameter was written\n";
         assert_eq!(noted, words);
     }
-    // An axis, a list, and a unit that --set has written since.
+    // An axis in the file's unit, and a list in that of `--set`.
     let sweep = |vary: &str, set: &str| {
         let set = ["--set", set];
         let rest = ["--discard", "2", "--periods", "4", "--output", "amplitude.box.s", "--replace"];
-        let (_, noted) =
-            both(&out, &[&["assembly", "sweep", &damper, "--vary", vary][..], &set, &rest].concat());
+        let (_, noted) = both(&out, &[&["sweep", &damper, "--vary", vary][..], &set, &rest].concat());
         let rows = table(&out, "assembly-sweep.csv");
         (rows.iter().map(|row| row["stop.steel.gap"].clone()).collect::<Vec<_>>(), noted)
     };
@@ -264,24 +257,7 @@ fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
     assert!(values == ["0.003", "0.005"] && noted.is_empty(), "{values:?} {noted}");
 }
 
-#[test]
-fn help_names_what_a_command_takes() {
-    let out = folder("assembly-help");
-    let help = |words: &[&str]| drawn(&out, &[words, &["--help"]].concat());
-    for words in [&["assembly"][..], &["assembly", "run"], &["assembly", "check"], &["assembly", "sweep"]] {
-        let text = help(words);
-        assert!(!text.contains("--config") && !text.contains("kappa") && !text.contains("LIMITS"), "{text}");
-        assert!(text.contains("stop.upper.gap=5mm") && text.contains("NUMBERS"), "{text}");
-    }
-    assert!(!help(&["assembly", "check"]).contains("--out") && help(&["assembly", "run"]).contains("--out"));
-    assert!(!help(&["template"]).contains("--config") && !help(&["merge"]).contains("--set"));
-    let text = help(&["steady"]);
-    assert!(text.contains("--config") && text.contains("LIMITS of the 3-DOF machine"), "{text}");
-    let (code, error) = refused(&["assembly", "check", &machine("cradle.toml"), "--config", "x.toml"]);
-    assert!(code == 2 && error.contains("--config x.toml"), "{error}");
-}
-
-/// A record of 3,000 knots on a body without a stop: there are no other events.
+/// A record of 3,000 knots on a body without a stop has no other events.
 #[test]
 fn knots_are_counted_and_listed_where_they_are_asked_for() {
     let knots: String = (1..=3000).map(|k| format!("{},{}\n", f64::from(k) / 1000.0, k % 2)).collect();
@@ -290,7 +266,7 @@ fn knots_are_counted_and_listed_where_they_are_asked_for() {
         [load.f]\non = \"a\"\ntable = \"assembly-knots.csv\"\n";
     let path = file("assembly-knots.toml", text).display().to_string();
     let out = folder("assembly-knots");
-    let run = ["assembly", "run", &path, "--until", "3", "--samples", "10"];
+    let run = ["run", &path, "--until", "3", "--samples", "10"];
     let told = drawn(&out, &run);
     assert!(told.contains("; not in events.csv: 3000 × knot (--knots lists them)"), "{told}");
     assert!(table(&out, "events.csv").is_empty());
@@ -306,8 +282,7 @@ fn a_jam_ends_the_run_by_name_and_what_was_computed_is_written() {
         [stop.wall]\nbetween = [\"ground\", \"block\"]\ngap = \"0.1 m\"\nrestitution = 0.0\n";
     let path = file("assembly-jam.toml", text).display().to_string();
     let out = folder("assembly-jam");
-    let run =
-        command(&out, &["assembly", "run", &path, "--until", "1", "--samples", "100"]).output().unwrap();
+    let run = command(&out, &["run", &path, "--until", "1", "--samples", "100"]).output().unwrap();
     let error = String::from_utf8(run.stderr).unwrap();
     assert!(run.status.code() == Some(1), "{error}");
     assert!(
@@ -324,7 +299,7 @@ fn numbers_beyond_doubles_end_the_run_by_name_and_what_was_computed_is_written()
     let text = "name = \"Beyond\"\n[body.a]\nmass = 1.0\n[load.push]\non = \"a\"\nsteps = [[0.25, 1e300]]\n";
     let path = file("assembly-beyond.toml", text).display().to_string();
     let out = folder("assembly-beyond");
-    let run = command(&out, &["assembly", "run", &path, "--until", "1", "--samples", "4"]).output().unwrap();
+    let run = command(&out, &["run", &path, "--until", "1", "--samples", "4"]).output().unwrap();
     let error = String::from_utf8(run.stderr).unwrap();
     assert!(run.status.code() == Some(1) && error.contains("body.a"), "{error}");
     assert!(error.contains("allowed are sizes up to 1e100"), "{error}");
@@ -355,7 +330,7 @@ fn every_example_of_the_repository_moves() {
 #[test]
 fn draw_writes_the_sketch_with_every_name_and_nothing_over_the_edge() {
     let out = folder("assembly-draw");
-    let text = drawn(&out, &["assembly", "draw", &machine("damper_with_buffer.toml")]);
+    let text = drawn(&out, &["draw", &machine("damper_with_buffer.toml")]);
     assert!(text.contains("DamperWithBuffer.svg"), "{text}");
     let svg = std::fs::read_to_string(out.join("DamperWithBuffer.svg")).unwrap();
     for name in ["box", "block", "pump", "mount", "pump_mount", "steel", "buffer", "guide", "shaker"] {

@@ -1,5 +1,5 @@
-//! Runs the real `vibro assembly bifurcation|lyapunov|sweep`: against the library, in shards, and
-//! what it refuses.
+//! Runs the real `vibro bifurcation|lyapunov|sweep FILE`: against the library, in shards, and what
+//! it refuses.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -8,8 +8,7 @@ use command::{DAMPER, command, drawn, folder, refused, table};
 use std::path::Path;
 use vibro_analysis::assembly::{Machine, Start, discard, measure};
 
-const SWEEP: [&str; 14] = [
-    "assembly",
+const SWEEP: [&str; 13] = [
     "sweep",
     DAMPER,
     "--vary",
@@ -21,7 +20,7 @@ const SWEEP: [&str; 14] = [
     "--discard",
     "60",
     "--periods=6",
-    // Each row as it is found first.
+    // No row is measured again.
     "--again",
     "0",
 ];
@@ -38,7 +37,7 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
     assert!(said.contains("amplitude.box.s: least"), "{said}");
     let rows = table(&out, "assembly-sweep.csv");
     assert_eq!(rows.len(), 4);
-    let measures: Vec<_> = SWEEP[8].split(',').map(|name| name.parse().unwrap()).collect();
+    let measures: Vec<_> = SWEEP[7].split(',').map(|name| name.parse().unwrap()).collect();
     let machine = Machine::new(vibro_assembly::file::read(DAMPER.as_ref()).unwrap());
     for row in rows.iter().take(1) {
         let value = |name: &str| row[name].parse::<f64>().unwrap();
@@ -52,18 +51,18 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
             assert_eq!(value(name).to_bits(), number.unwrap().to_bits(), "{name}");
         }
         assert_eq!(row["class"], found.class.unwrap().name());
-        // Written in mm, the gap has a column in mm.
+        // The gap is written in mm, so that it has a column in mm.
         assert_eq!(value("stop.steel.gap [mm]"), 4.0);
     }
-    // The buffer pressed far in from the start is a design without an equilibrium; it has a row
-    // that says why.
+    // A buffer pressed far in at the start leaves no equilibrium; such a design has a row with the
+    // reason.
     assert!(rows.iter().all(|row| row["reason"].is_empty() != row["amplitude.box.s"].is_empty()));
 }
 
 #[test]
 fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
     let out = folder("assembly-best");
-    let line = ["assembly", "sweep", DAMPER, "--vary", "stop.steel.gap=60mm,90mm,92mm"];
+    let line = ["sweep", DAMPER, "--vary", "stop.steel.gap=60mm,90mm,92mm"];
     let over = ["--vary", "stop.buffer.gap=75mm,90mm", "--over", "load.shaker.frequency=9Hz:11Hz:2"];
     let rest =
         ["--output", "amplitude.box.s,power.buffer", "--discard", "20", "--periods", "6", "--again", "20000"];
@@ -79,7 +78,7 @@ fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
     let least = rows.iter().map(|row| number(row, "amplitude.box.s.max")).fold(f64::INFINITY, f64::min);
     let best = rows.iter().find(|row| number(row, "amplitude.box.s.max") == least).unwrap();
     assert!(number(best, "periods") >= 24.0 && number(best, "between") >= 1.0, "{best:?}");
-    // The digits of its spread, in m on the screen and in mm in the picture.
+    // Digits that the spread leaves, in m on the screen and in mm in the picture.
     let spread = number(best, "amplitude.box.s.spread");
     let power = spread.log10().floor();
     let decimals = |power: f64| {
@@ -102,7 +101,7 @@ fn a_sweep_of_which_every_design_fails_says_so_by_its_exit() {
     let path = path.display().to_string();
     for output in ["class", "amplitude.a.s"] {
         // The start at 0 lies beyond the stop.
-        let line = ["assembly", "sweep", &path, "--vary", "stop.s.gap=-20mm,-30mm", "--output", output];
+        let line = ["sweep", &path, "--vary", "stop.s.gap=-20mm,-30mm", "--output", output];
         let found = command(&folder(&format!("assembly-failed-{output}")), &line).output().unwrap();
         let error = String::from_utf8_lossy(&found.stderr).into_owned();
         assert_eq!(found.status.code(), Some(1), "{error}");
@@ -113,7 +112,6 @@ fn a_sweep_of_which_every_design_fails_says_so_by_its_exit() {
 #[test]
 fn invariant_a_diagram_in_shards_is_the_diagram() {
     let arguments = [
-        "assembly",
         "bifurcation",
         DAMPER,
         "--vary",
@@ -139,7 +137,7 @@ fn invariant_a_diagram_in_shards_is_the_diagram() {
         assert_eq!(read(&merged, &file), read(&out, &file), "{file}");
     }
     assert_eq!(read(&merged, "assembly-bifurcation.svg"), read(&out, "assembly-bifurcation.svg"));
-    // Another machine's parts and results are told apart.
+    // Another machine's results are refused, with the difference.
     let other = [&arguments[..], &["--set", "body.box.mass=13kg"]].concat();
     let found = command(&out, &other).output().unwrap();
     let error = String::from_utf8_lossy(&found.stderr).into_owned();
@@ -153,7 +151,7 @@ fn closed_form_exponent_of_an_oscillator() {
         [load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"5 Hz\"\n";
     std::fs::write(&path, text).unwrap();
     let out = folder("assembly-exponent");
-    drawn(&out, &["assembly", "lyapunov", &path.display().to_string(), "--periods", "160"]);
+    drawn(&out, &["lyapunov", &path.display().to_string(), "--periods", "160"]);
     let row = &table(&out, "assembly-lyapunov.csv")[0];
     // δ'' + 4 δ' + 400 δ = 0 shrinks with e^-2t; its length swings by some percent of one e-fold in
     // 25 s.
@@ -163,8 +161,8 @@ fn closed_form_exponent_of_an_oscillator() {
 
 #[test]
 fn bad_ranges_names_and_sections_are_refused_before_work() {
-    let sweep = |rest: &[&str]| refused(&[&["assembly", "sweep", DAMPER][..], rest].concat());
-    let diagram = |rest: &[&str]| refused(&[&["assembly", "bifurcation", DAMPER][..], rest].concat());
+    let sweep = |rest: &[&str]| refused(&[&["sweep", DAMPER][..], rest].concat());
+    let diagram = |rest: &[&str]| refused(&[&["bifurcation", DAMPER][..], rest].concat());
     let plane = |rest: &[&str]| {
         let ranges = ["--vary", "stop.steel.gap=4mm:6mm", "--vary", "stop.buffer.gap=5mm:8mm"];
         diagram(&[&ranges[..], rest].concat())
@@ -204,12 +202,11 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
     ] {
         assert!(code == 2 && error.contains(words), "{words}: {error}");
     }
-    let said = drawn(&folder("assembly-list"), &["assembly", "sweep", DAMPER, "--list"]);
+    let said = drawn(&folder("assembly-list"), &["sweep", DAMPER, "--list"]);
     assert!(said.contains("impact.speed.steel") && said.contains("power.guide"), "{said}");
 }
 
-const PLANE: [&str; 13] = [
-    "assembly",
+const PLANE: [&str; 12] = [
     "bifurcation",
     DAMPER,
     "--vary",
@@ -241,8 +238,7 @@ fn second_method_points_of_a_plane_are_single_motions_and_its_picture_shows_them
         let (i, j) = (index % 8, index / 8);
         let part = |from: f64, to: f64, part: f64| from * (1.0 - part) + to * part;
         assert_eq!((x, y), (part(4e-3, 6e-3, i as f64 / 7.0), part(5e-3, 8e-3, j as f64 / 6.0)), "{index}");
-        // Measured over 12 periods by the sweep's machinery: of a motion with a period of 1 to 4, 6
-        // or 12 the same mean.
+        // A mean over 12 periods is exact for motions with a period of 1, 2, 3, 4, 6 or 12.
         let has_measured_period = ["1T", "2T", "3T", "4T", "6T", "12T"].contains(&row["class"].as_str());
         if index % 5 == 0 && has_measured_period {
             let own = machine.with([("stop.steel.gap", x), ("stop.buffer.gap", y)]).unwrap();
@@ -275,7 +271,6 @@ fn second_method_exponents_over_a_plane_are_those_of_a_diagram() {
     drawn(
         &out,
         &[
-            "assembly",
             "lyapunov",
             &file,
             "--periods",
@@ -297,12 +292,12 @@ fn second_method_exponents_over_a_plane_are_those_of_a_diagram() {
     }
 }
 
-/// The frequency is varied, so that no one period is that of the study.
+/// The study varies the frequency, so that it has no single period.
 #[test]
 fn a_study_of_a_frequency_names_no_period_as_its_own() {
     let vary = ["--vary", "load.shaker.frequency=9:10:2", "--discard", "2", "--keep", "2"];
     let out = folder("assembly-frequency");
-    let run = command(&out, &[&["assembly", "bifurcation", DAMPER][..], &vary].concat()).output().unwrap();
+    let run = command(&out, &[&["bifurcation", DAMPER][..], &vary].concat()).output().unwrap();
     let told = String::from_utf8(run.stdout).unwrap();
     assert!(run.status.success() && !told.contains("periods of 0.1 s"), "{told}");
     assert!(told.contains("after each common period of its harmonics, which varies"), "{told}");

@@ -120,6 +120,24 @@ fn errors_name_the_nearest_name_and_the_range() {
 }
 
 #[test]
+fn errors_of_long_studies_name_what_is_allowed() {
+    for (arguments, expected) in [
+        (vec!["bifurcation", "--range", "f1=0:1"], "the nearest is `f10`"),
+        (vec!["bifurcation", "--shard", "3/2"], "i/n with i from 1 to n"),
+        (vec!["basin", "--x", "y1=0:1"], "x1 x2 x3 v1 v2 v3"),
+        (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
+        (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
+        (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent parameters"),
+        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1 or block.s=5mm; or orbit"),
+        (vec!["isoperiodic", "--start", "x2=3"], "stop"),
+        (vec!["merge", "absent"], "reading absent"),
+    ] {
+        let (code, error) = refused(&arguments);
+        assert!(code == 2 && error.contains(expected), "{arguments:?}: {error}");
+    }
+}
+
+#[test]
 fn a_folder_that_cannot_be_is_another_exit_code() {
     let file = folder("cli-file");
     std::fs::write(&file, "in the way").unwrap();
@@ -232,8 +250,8 @@ fn comparisons_find_the_papers_errors() {
     }
 }
 
-/// At f10 = 2.7 the theory's motion is unstable, and the simulated one has three impacts a period:
-/// both are told, and no errors are, for there is nothing to compare.
+/// At f10 = 2.7 the theory's motion is unstable and the simulated one has three impacts a period:
+/// both are stated, and no errors.
 #[test]
 fn motions_of_different_kinds_are_not_compared_in_per_cent() {
     let out = folder("cli-another-motion");

@@ -9,17 +9,17 @@ use std::collections::HashMap;
 
 type Row = HashMap<String, String>;
 
-/// Curves are drawn between points of a branch, which are up to a twentieth of a unit of its arc
-/// apart: this is what lies between a chord and its curve, units of L.
+/// Distance between a curve and its chord, units of L: points of a branch are up to a twentieth of
+/// a unit of its arc apart.
 const CHORD: f64 = 3e-3;
-/// Places are located to rounding, and written with 15 digits.
+/// Located values are exact to rounding, and written with 15 digits.
 const LOCATION: f64 = 1e-11;
 
 fn number(row: &Row, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
 }
 
-/// The maxima of the stable curves of a period at a value, by interpolation.
+/// Interpolated maxima of the stable curves of a period at a value.
 fn stable_maxima(curves: &[Row], period: &str, value: f64) -> Vec<f64> {
     let pieces = curves.windows(2).filter(|pair| pair[0]["curve"] == pair[1]["curve"]);
     let stable = pieces.filter(|pair| pair[0]["stable"] == "true" && pair[0]["period"] == period);
@@ -34,7 +34,7 @@ fn stable_maxima(curves: &[Row], period: &str, value: f64) -> Vec<f64> {
 #[test]
 fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
     let out = folder("diagram-orbits");
-    // Off the doublings by some thousandths, so that transients die out; the last values are of
+    // Values lie thousandths off the doublings, so that transients die out; the last ones are of
     // another family.
     let range = ["--range", "f10=2.2:2.56", "--resolution", "19", "--discard", "400", "--keep", "100"];
     let said = drawn(&out, &[&["bifurcation", "--orbits"][..], &range].concat());

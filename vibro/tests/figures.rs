@@ -1,6 +1,5 @@
-//! Pictures by what is measured on their pixels and read in their files: curves stay inside the
-//! frames of their panels, files are small, bodies have their colours, and colours differ in
-//! lightness.
+//! Pictures by their pixels and files: curves stay inside the frames of their panels, files are
+//! small, bodies have their colours, and colours differ in lightness.
 
 use std::collections::BTreeMap;
 use vibro::studies::{self, Study};
@@ -18,13 +17,12 @@ use vibro_figures::canvas::palette::{
 use vibro_figures::canvas::{Colour, Drawing};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape};
 
-/// Numbers of values: few, as in a quick look, and many more than a panel has pixels.
+/// Numbers of values: from few to many more than a panel has pixels.
 const COUNTS: [usize; 3] = [50, 500, 5000];
 /// Half the stroke of a curve and the smoothing of edges, in pixels of the PNG.
 const EDGE: usize = 3;
 
-/// A curve that turns by nearly half a circle at each value, as exponents of neighbouring values
-/// do.
+/// A curve that turns by nearly half a circle at each value, as exponents may.
 fn jagged(count: usize) -> Path {
     let height = |i: usize| (i as f64 * 0.618_034).fract() * if i.is_multiple_of(2) { 0.9 } else { -0.9 };
     (0..count).map(|i| (i as f64 / (count - 1) as f64, height(i))).collect()
@@ -78,11 +76,10 @@ fn jagged_curves_stay_inside_their_panel() {
     }
 }
 
-/// Cells and curves of many values: no more than the picture can show is written, and every number
-/// is finite.
+/// Of many values no more is written than the picture can show, and every number is finite.
 #[test]
 fn invariant_files_of_many_values_are_small_and_finite() {
-    // Far less than a browser takes in at once.
+    // Largest file, bytes: a browser opens it at once.
     const LARGEST: usize = 4_000_000;
     for count in COUNTS {
         let cells = Shape::Cells {
@@ -101,7 +98,7 @@ fn invariant_files_of_many_values_are_small_and_finite() {
         let svg = canvas::svg(&drawing).unwrap();
         assert!(svg.len() < LARGEST, "{count} values: {} bytes", svg.len());
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{count} values");
-        // What is drawn is cut at a rectangle inside the picture.
+        // Everything is clipped to a rectangle inside the picture.
         let (width, height) = drawing.size();
         let rectangle = svg.split("<clipPath").nth(1).unwrap().split("/>").next().unwrap();
         let number = |name: &str| -> f64 {
@@ -127,8 +124,8 @@ fn texts(drawing: &Figure) -> Vec<String> {
     texts.map(String::from).collect()
 }
 
-/// A curve that has no room for its name in a crowded panel is known by its colour from another
-/// panel: a legend with the names of some curves would look as if the others had none.
+/// A curve without room for its name in a crowded panel is named in another panel with its colour,
+/// and needs no entry in the legend.
 #[test]
 fn a_name_beside_a_curve_of_one_panel_is_in_no_shared_legend() {
     let curve = || Layer::line("", BOX, Dash::Solid, jagged(50)).labelled("box x₁");
@@ -168,8 +165,8 @@ fn contrast(a: Colour, b: Colour) -> f64 {
 fn invariant_colours_are_told_apart_by_their_lightness() {
     // WCAG 2.2, 1.4.11: what graphics need on their background.
     const ON_PAPER: f64 = 3.0;
-    // Of one line and the next: about a fifth of the way from grey to black that the eye divides
-    // evenly.
+    // Contrast between neighbouring lines: about a fifth of the perceptual range from grey to
+    // black.
     const APART: f64 = 1.35;
     for colours in [BODIES, FAMILY] {
         let mut sorted = colours;
@@ -225,7 +222,7 @@ fn check_bodies(study: &Study, count: &mut BTreeMap<Colour, usize>) {
             assert!(named.iter().any(|n| n.colour == layer.colour), "{}, {}", study.name, panel.title);
         }
     }
-    // No words that only those who wrote the program know.
+    // No internal names of the program.
     for words in ["BASIC", "STRONG", "Past the paper", "ours"] {
         let found = figure.caption.iter().find(|line| line.contains(words));
         assert!(found.is_none(), "{}: {found:?}", study.name);
@@ -245,7 +242,8 @@ fn machine() -> ParameterSet {
     set
 }
 
-/// In units of L and in SI, in every study whose curves are motions or amplitudes of bodies.
+/// Checked in units of L and in SI, in every study whose curves are motions or amplitudes of
+/// bodies.
 #[test]
 fn invariant_a_body_has_its_colour_and_no_other_line_has_it() {
     for set in [ParameterSet::basic(), machine()] {
@@ -294,10 +292,9 @@ fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
     let study = studies::force(&set, (0.5, 2.0), (&[0.4], &[]), Some(Displacement::X1)).unwrap();
     let panel = &study.figure.unwrap().panels[0];
     assert_eq!(panel.y.label, "amplitude of x₁ (mm)");
-    // Of L = 5 mm.
+    // Factor of L = 5 mm.
     assert!((panel.y.factor.unwrap() / 5.0 - 1.0).abs() < 1e-12);
-    // Along the gap itself the data are in units of the machine's own gap, whatever the gap of a
-    // point is.
+    // Along the gap itself the data are in units of the machine's own gap, not of each point's.
     let gap = Name::find("stop.gap").unwrap();
     let kappa = Name::find("kappa").unwrap();
     let along = studies::along(&set, gap, (0.004, 0.008), (kappa, &[0.75]), Some(Displacement::W)).unwrap();
@@ -313,8 +310,8 @@ fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
     assert!(compared > 20, "{compared}");
 }
 
-/// The picture in the FMU's page is that of today's program: the same words, since curves may
-/// differ in last digits.
+/// The picture in the FMU's page is the program's. Words are compared: curves may differ in last
+/// digits.
 #[test]
 fn golden_the_response_in_the_page_of_the_fmu() {
     let study = studies::force(&ParameterSet::basic(), (0.0, 4.0), (&[0.4], &[-0.4]), None).unwrap();

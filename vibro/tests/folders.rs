@@ -1,5 +1,5 @@
-//! Runs the real `vibro` twice in one folder: nothing that a run has written is lost by another
-//! one, by Ctrl-C or by a second program at the same time.
+//! Runs the real `vibro` twice in one folder: no run's files are lost by another run, by Ctrl-C or
+//! by a second program at the same time.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -17,7 +17,7 @@ fn outcome(output: &Output) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// Standard error of a run that is refused as wrong usage and leaves the folder as it was.
+/// Standard error of a run that exits with 2 and leaves the folder unchanged.
 fn refused(out: &Path, arguments: &[&str]) -> String {
     let before = files(out);
     let (code, error) = outcome(&command(out, arguments).output().expect("vibro runs"));
@@ -53,7 +53,7 @@ fn a_run_with_other_parameters_is_refused_and_keeps_the_parts_of_the_first() {
     // Other options are another study too.
     let error = refused(&out, &["basin", "--resolution", "16", "--discard", "61"]);
     assert!(error.contains("--discard: 60 there, 61 here"), "{error}");
-    // Results are not what this flag is for.
+    // `--replace` is for results, not for parts.
     refused(&out, &[&BASIN[..], &["--set", "kappa=0.6", "--replace"]].concat());
     drawn(&out, &[&BASIN[..], &["--set", "kappa=0.6", "--discard-unfinished"]].concat());
     assert!(out.join("basin.csv").exists() && !out.join("basin.parts").exists());
@@ -72,7 +72,7 @@ fn the_default_folder_gives_a_run_with_other_parameters_a_folder_of_its_own() {
     let after = files(&home);
     assert!(before.iter().all(|(path, bytes)| after.get(path) == Some(bytes)), "the first lost a file");
     assert!(text.contains("parts of `basin` are in vibro-out/basin-"), "{text}");
-    // Each goes on where it was.
+    // Each study continues its own parts.
     let text = share("kappa=0.6", "2/2");
     assert!(
         text.contains(
@@ -84,7 +84,7 @@ fn the_default_folder_gives_a_run_with_other_parameters_a_folder_of_its_own() {
     drawn(&out, &[&BASIN[..], &["--set", "kappa=0.5"]].concat());
     let drawn_alone = std::fs::read(out.join("basin.csv")).unwrap();
     assert!(std::fs::read(home.join("vibro-out/basin.csv")).unwrap() == drawn_alone);
-    // The same again stays where it is and says nothing.
+    // An equal run has the same folder and prints no note.
     let again = by_default(&home, &[&BASIN[..], &["--set", "kappa=0.5"]].concat());
     assert!(again.contains("into vibro-out/basin.svg") && !again.contains("so these have"), "{again}");
 }
@@ -106,10 +106,10 @@ fn finished_results_are_overwritten_by_the_same_command_only() {
     }
     drawn(&out, &["steady", "--set", "kappa=0.8", "--replace"]);
     assert!(files(&out)["steady.csv"] != first["steady.csv"]);
-    // Other figures of one command have their place beside each other.
+    // Different figures of one command share a folder.
     drawn(&out, &["manifold", "--figure", "2"]);
     drawn(&out, &["manifold", "--figure", "7"]);
-    // Long studies are refused before they work.
+    // Long studies are refused before any work.
     drawn(&out, &BASIN);
     let error = refused(&out, &[&BASIN[..], &["--set", "kappa=0.6"]].concat());
     assert!(error.contains("holds the result `basin` of another run"), "{error}");
@@ -135,7 +135,7 @@ fn manifests_say_what_a_result_was_computed_from() {
 fn planes_whose_tables_do_not_fit_into_memory_are_refused_before_anything_is_written() {
     let out = folder("folders-memory");
     std::fs::create_dir_all(&out).unwrap();
-    // Each fits as a plane, but not with its table.
+    // Each plane fits into memory, but not with its table.
     for (study, resolution) in [("plane", "5000"), ("isoperiodic", "2500"), ("basin", "5000")] {
         let error = refused(&out, &[study, "--resolution", resolution]);
         let side: f64 = resolution.parse().unwrap();
@@ -201,7 +201,7 @@ fn invariant_a_killed_plane_goes_on_to_the_same_bytes() {
     killed(child);
     assert!(!parts(&out, NAME).is_empty() && !out.join(format!("{NAME}.csv")).exists());
     drawn(&out, &PLANE);
-    // In one piece and on other threads.
+    // In one run, on another number of threads.
     drawn(&whole, &PLANE[..9]);
     let drawings = |home: &Path| {
         let mut files = files(home);

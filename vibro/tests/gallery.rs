@@ -1,5 +1,5 @@
-//! The pages of docs/gallery: their commands work, their pictures are what the commands draw, and
-//! their lines stand in the files. `VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
+//! The pages of docs/gallery: commands work, pictures are those that the commands draw, quoted
+//! lines are in the files. `VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -8,19 +8,19 @@ use command::folder;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A picture's coordinates are whole numbers or have few digits: sines of another mathematical
-/// library move them by no more.
+/// Tolerance of a picture's coordinates, which have few digits: another mathematical library moves
+/// them by less.
 const MOVED: f64 = 2.0;
-/// The part of a picture's numbers that may have moved farther: where a motion is chaotic, its last
-/// digits count.
+/// Share of a picture's numbers that may differ by more, where chaotic motion amplifies last
+/// digits.
 const CHAOTIC: f64 = 0.3;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Pictures of chaos, where the last bit of a sine decides how many points there are: only how the
-/// numbers are spread is compared.
+/// Pictures of chaos, where the last bit of a sine decides how many points there are; only the
+/// distribution of the numbers is compared.
 const CHAOS: [&str; 1] = ["paper_machine"];
 
 /// The text between a fence with this info and the next.
@@ -36,11 +36,11 @@ fn numbers(svg: &str) -> Vec<f64> {
         .collect()
 }
 
-/// What `vibro assembly draw` draws of an example.
+/// What `vibro draw` draws of an example.
 fn sketched(name: &str) -> String {
     let (out, file) = (folder(&format!("gallery-sketch-{name}")), format!("examples/assembly/{name}.toml"));
     let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    let vibro = vibro.args(["assembly", "draw", &file, "--out"]).arg(&out).current_dir(root());
+    let vibro = vibro.args(["draw", &file, "--out"]).arg(&out).current_dir(root());
     let output = vibro.output().expect("vibro runs");
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     let mut drawn = std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().path());

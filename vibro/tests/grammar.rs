@@ -276,7 +276,7 @@ fn defaults_of_the_python_package_are_those_of_the_command_line() {
         let help = drawn(&folder("grammar-defaults"), &[command, "--help"]);
         let own =
             help.split(&format!("--{option} <")).nth(1).unwrap_or_else(|| panic!("{command} --{option}"));
-        own.split("[default: ").nth(1).unwrap().split(']').next().unwrap().into()
+        own.split("[default: ").nth(1).unwrap().split([']', ';']).next().unwrap().into()
     };
     let package = concat!(env!("CARGO_MANIFEST_DIR"), "/../python/package/vibro_impact");
     let signature = |file: &str, function: &str| -> String {
@@ -293,8 +293,8 @@ fn defaults_of_the_python_package_are_those_of_the_command_line() {
         is_default(file, function, format!("settle: int = {}", default_of("sweep", "discard")));
     }
     let (discard, keep) = (default_of("bifurcation", "discard"), default_of("bifurcation", "keep"));
-    is_default("_studies.py", "bifurcation", format!("periods: tuple[int, int] = ({discard}, {keep})"));
-    is_default("_studies.py", "basins", format!("periods: int = {}", default_of("basin", "discard")));
+    is_default("_machine.py", "bifurcation", format!("periods: tuple[int, int] = ({discard}, {keep})"));
+    is_default("_machine.py", "basins", format!("periods: int = {}", default_of("basin", "discard")));
     is_default("_machine.py", "lyapunov", format!("periods: int = {}", default_of("lyapunov", "periods")));
     is_default("_machine.py", "lyapunov", format!("settle: int = {}", default_of("lyapunov", "discard")));
 }

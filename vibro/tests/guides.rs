@@ -13,7 +13,7 @@ use vibro_impact::{Parameters, Simulator, State};
 
 /// Rounding of a linear motion over hundreds of periods, relative to its amplitude.
 const LINEAR: f64 = 1e-12;
-/// Rounding of a motion with some tens of impacts that is reached in steps of another length, m.
+/// Rounding of a motion with some tens of impacts, reached in other steps, m.
 const ROUNDING: f64 = 1e-12;
 
 /// The machine of the page.

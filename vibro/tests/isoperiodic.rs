@@ -42,8 +42,8 @@ fn second_method_points_of_a_plane_one_by_one() {
     for (i, point) in plane.points.iter().enumerate() {
         assert_eq!(point.theory, theory.classes[i], "point {i}");
         let motion = point.motion.expect("not refused");
-        // In one run of one simulator, not in a batch and then another; and in a second one from a
-        // start next to it: where the two end differently, rounding decides where the batch does.
+        // The reference is one simulator in one run, and a second one from a neighbouring start:
+        // where these two end differently, rounding decides the batch's end too.
         let p = *at(&r, i).parameters();
         let alone = |beside: f64| {
             let State { x, mut v } = moving_block(&p);
@@ -59,18 +59,18 @@ fn second_method_points_of_a_plane_one_by_one() {
             assert_eq!(motion.impacts, alone.impacts, "point {i}");
             periods.insert(period);
         }
-        // Exponents where there are impacts and no period.
+        // Exponents exist where there are impacts and no period.
         let impacts = motion.impacts != [0.0; 2];
         let periodic = matches!(motion.class, MotionClass::Periodic(_));
         assert_eq!(motion.exponent.is_some(), impacts && !periodic, "point {i}: {motion:?}");
         let threshold = 1e-3 * p.box_frequency().min(p.drive_frequency);
-        // What is not settled at the limit has an exponent whose sign is undecided then.
+        // A motion that is not settled at the limit has an exponent of undecided sign.
         if motion.class == MotionClass::NotSettled {
             open += 1;
             let undecided = motion.exponent.is_some_and(|[e, error]| e.abs() - threshold <= 6.0 * error);
             assert!(undecided, "point {i}: {motion:?}");
         }
-        // Chaos is told by an exponent that is positive for certain alone.
+        // Chaos requires an exponent that is certainly positive.
         let positive = motion.exponent.is_some_and(|[e, error]| e - 6.0 * error > threshold);
         assert_eq!(motion.class == MotionClass::Chaotic, positive, "point {i}: {motion:?}");
     }
@@ -83,8 +83,8 @@ fn second_method_points_of_a_plane_one_by_one() {
 
 #[test]
 fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
-    /// Half-period multipliers this far inside the circle: what a start's rounding excites is gone
-    /// within the discarded periods; and this far outside, it has grown past all tolerances.
+    /// Half-period multipliers so far inside the circle let rounding of the start die out within
+    /// the discarded periods; so far outside, it grows past all tolerances.
     const INSIDE: f64 = 0.97;
     let (x, y) = (axis("sigma1", (-2.0, 2.0), 17), axis("f10", (0.4, 4.0), 16));
     let on_orbit = found(&request(x, y, StartRule::Orbit, 100));
@@ -102,8 +102,8 @@ fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
         }
     }
     assert!(well_inside > 60, "{well_inside}");
-    // From the bifurcation study's start some motions end elsewhere, but none ends where the theory
-    // has no stable orbit.
+    // From the default start some motions end on other attractors, but none ends on an orbit that
+    // the theory calls unstable.
     let kicked = found(&request(x, y, StartRule::default(), 300)).agreement();
     assert_eq!(kicked.predicted, kicked.two_impact, "{kicked:?}");
     assert!(
@@ -138,7 +138,7 @@ fn pictures_show_what_the_table_holds() {
     for (i, row) in rows.iter().enumerate() {
         assert_eq!((number(row, "kappa"), number(row, "f10")), (r.x.value(i % 9), r.y.value(i / 9)));
     }
-    // More impacts never have a lighter colour; two and three of them have one of their own.
+    // More impacts never have a lighter colour; two and three have colours of their own.
     let all = |row: &HashMap<String, String>| number(row, "impacts_upper") + number(row, "impacts_lower");
     let mut impacts: Vec<(f64, u8)> = rows.iter().map(all).zip(cells(1)).collect();
     impacts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -147,8 +147,7 @@ fn pictures_show_what_the_table_holds() {
         let own = impacts.iter().find(|c| c.0 == whole).unwrap().1;
         assert!(impacts.iter().all(|c| (c.1 == own) == (c.0 == whole)), "{whole}: {impacts:?}");
     }
-    // The symmetric motion with two impacts a period has one colour, and so has what is neither
-    // periodic nor regular.
+    // The symmetric motion with two impacts per period has one colour, and so has chaos.
     let two_impact = |row: &HashMap<String, String>| {
         row["class"] == "1T" && row["symmetric"] == "true" && row["rests"] == "false" && all(row) == 2.0
     };
@@ -159,7 +158,7 @@ fn pictures_show_what_the_table_holds() {
         let colour = cells(0)[own.iter().position(|o| *o).unwrap()];
         assert_eq!(cells(0).iter().map(|c| *c == colour).collect::<Vec<_>>(), own);
     }
-    // The limit of stability: as many edges as neighbours of which one is stable.
+    // The limit of stability has an edge between each pair of neighbours of which one is stable.
     let Shape::Lines { pieces, .. } = &panels[0]
         .layers
         .iter()

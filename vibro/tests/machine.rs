@@ -1,5 +1,5 @@
-//! Runs the real `vibro` on a machine of its own: values that were set, units, axes of any
-//! parameter, templates, and what is refused.
+//! Runs the real `vibro` with other parameters of the 3-DOF machine: set values, units, axes of any
+//! parameter, templates, refusals.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -10,7 +10,7 @@ use std::path::Path;
 use vibro_analysis::ParameterSet;
 use vibro_impact::steady::{exact_orbit, multiple_scales};
 
-/// A machine of data sheets, all of it in SI with units.
+/// A machine by data sheets, completely in SI with units.
 const MACHINE: &str = r#"[si]
 box.m = "12 kg"
 box.k = "48 kN/m"
@@ -26,7 +26,7 @@ drive.amplitude = "75 N"
 drive.frequency = "10.4 Hz"
 "#;
 
-/// The words of a picture in one line, however its lines are broken.
+/// All words of a picture in one line.
 fn words(out: &Path, stem: &str) -> String {
     let svg = std::fs::read_to_string(out.join(format!("{stem}.svg"))).expect("an SVG file");
     let texts = svg.split('<').filter_map(|tag| tag.split_once('>')).map(|tag| tag.1);
@@ -42,7 +42,7 @@ fn machine(name: &str, text: &str) -> (std::path::PathBuf, String) {
     (out, file.to_str().unwrap().into())
 }
 
-/// The values of the members of a response's families, each once.
+/// The distinct values of a parameter in a response's table.
 fn members(out: &Path, file: &str, name: &str) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
     for row in table(out, file).iter().filter(|r| r["member"] == name) {
@@ -66,10 +66,11 @@ fn a_response_draws_the_machine_that_was_given() {
     let detunings = members(&out, "response-force.csv", "sigma1");
     assert!(matches!(detunings[..], [s] if (s - sigma1).abs() < 1e-12), "{detunings:?} {sigma1}");
     let text = words(&out, "response-frequency");
-    // The machine in SI, without what differs between or along the curves.
+    // The caption has the machine in SI, without the parameters that differ between or along the
+    // curves.
     assert!(text.contains("k₁ = 48 kN/m") && text.contains("₁₀ = 3.125"), "{text}");
     assert!(!text.contains("F₁₀ =") && !text.contains("₁₀ = 2.5"), "{text}");
-    // A value that is listed stands beside the machine's own.
+    // A listed value is added to the machine's own.
     drawn(&out, &["response", "--config", &file, "--kind", "frequency", "--values", "f10=1", "--replace"]);
     assert_eq!(members(&out, "response-frequency.csv", "f10").len(), 2);
 }
@@ -125,7 +126,7 @@ fn second_method_stability_marks_the_machine_that_was_given() {
         let zeta = vibro_analysis::short(p.box_damping / (2.0 * (p.box_stiffness * p.box_mass).sqrt()));
         assert!(words(&out, "stability-6").contains(&format!("ε = 0.1, ζ = {zeta}")), "{zeta}");
     }
-    // What was not set is the paper's, and no force is marked.
+    // Without set values the parameters are the paper's, and no force is marked.
     let out = folder("cli-stability-paper");
     drawn(&out, &["stability", "--set", "alpha23=0.5"]);
     let text = words(&out, "stability-6");
@@ -213,7 +214,7 @@ fn axes_are_of_any_parameter_with_units() {
     assert!(!text.contains("units of L"), "{text}");
 }
 
-/// Amplitudes of any coordinate, along the response that the table has in full.
+/// Amplitudes of any coordinate against the response's complete table.
 #[test]
 fn closed_form_a_response_is_of_any_coordinate() {
     let (out, file) = machine("cli-of", MACHINE);
@@ -232,7 +233,7 @@ fn closed_form_a_response_is_of_any_coordinate() {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
         let orbits: Vec<_> = [orbits.upper, orbits.lower].into_iter().flatten().collect();
         assert!(orbits.iter().any(|o| (a1(o) - number("A1")).abs() < 1e-6), "{row:?}");
-        // From stop to stop.
+        // The block flies from stop to stop, so that |w| is the gap.
         assert!((number("W") - 1.0).abs() < 1e-9, "{row:?}");
         compared += 1;
     }
@@ -255,7 +256,7 @@ fn labels_are_in_the_unit_that_was_written() {
     assert!(text.contains("L (mm)") && text.contains("5 10 15 20 25 30"), "{text}");
     drawn(&out, &["plane", "--pair", "k1,f10", "--vary", "k1=1:2:8", "--resolution", "6", "--replace"]);
     assert!(words(&out, "plane").contains("k₁ (N/m)"));
-    // Shards keep the unit for the machine that merges them.
+    // Shards keep the unit for the computer that merges them.
     let (one, two) = (folder("cli-unit-1"), folder("cli-unit-2"));
     let work = ["bifurcation", "--vary", "drive.frequency=0.15Hz:0.17Hz:20", "--discard", "9", "--keep", "9"];
     for (out, share) in [(&one, "1/2"), (&two, "2/2")] {
@@ -285,7 +286,7 @@ fn the_response_along_the_frequency_is_that_along_its_detuning() {
     let by_frequency = breaking("response-drive.frequency.csv", &|v| v / std::f64::consts::TAU);
     let by_detuning =
         breaking("response-frequency.csv", &|s| (1.0 + 0.1 * s) * omega10 / std::f64::consts::TAU);
-    // Both locate the same special points, to the tolerance of their search.
+    // Both locate equal special points, to the tolerance of their search.
     assert!(
         by_frequency > 0.0 && (by_frequency / by_detuning - 1.0).abs() < 1e-6,
         "{by_frequency} {by_detuning}"

@@ -1,4 +1,4 @@
-//! What a large plane takes of memory, as the system counts it: alone in its program, so that
+//! Memory of a large plane, as the system counts it. The test is alone in its program, so that
 //! nothing else is counted.
 #![cfg(target_os = "linux")]
 
@@ -9,7 +9,7 @@ use vibro_analysis::parts::Task;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group};
 
-/// The most memory that this program has held, bytes.
+/// Peak memory of this program, bytes.
 fn most_held() -> usize {
     let status = std::fs::read_to_string("/proc/self/status").expect("Linux tells");
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("the high-water mark");
@@ -20,7 +20,8 @@ fn most_held() -> usize {
 fn a_plane_takes_the_memory_per_point_that_is_reckoned_with() {
     const SIDE: usize = 400;
     const POINTS: usize = SIDE * SIDE;
-    /// What threads, tables of systems and the allocator take, whatever the number of points.
+    /// Memory of threads, tables of systems and the allocator, independent of the number of points,
+    /// bytes.
     const FIXED: usize = 6 << 20;
     let axis = |name, range| ParameterAxis::new(find_group(name).unwrap(), range, SIDE).unwrap();
     // Where 1 + ε σ1 < 0 there is no system, so that nothing is simulated.
@@ -29,12 +30,12 @@ fn a_plane_takes_the_memory_per_point_that_is_reckoned_with() {
     let set = ParameterSet::basic();
     let before = most_held();
     let mut plane = isoperiodic(&set, &request, &Task::ALL).unwrap().unwrap();
-    // The parts beside the whole, as `check_cells` reckons.
+    // Parts and whole together, as `check_cells` counts.
     let parts = most_held() - before;
     let reckoned = 2 * size_of::<PlanePoint>() * POINTS;
     assert!(parts < reckoned + FIXED, "{parts} of {reckoned}");
     assert!(parts > reckoned / 2, "{parts} of {reckoned}: not counted");
-    // The longest rows there are. The table twice would take more than is reckoned with.
+    // The longest possible rows. A second copy of the table would exceed what is counted.
     for point in &mut plane.points {
         let exponent = Some([0.123_456_789_012_345_67, 0.001_234_567_890_123_456_7]);
         let impacts = [1.0 / 3.0, 2.0 / 3.0];

@@ -16,7 +16,7 @@ fn closed_form_of_the_branch_with_a_word_and_its_curve_in_two_parameters() {
     let rows = table(&out, "special-points.csv");
     let find =
         |label: &str| rows.iter().position(|r| r["label"] == label).unwrap_or_else(|| panic!("{label}"));
-    // The symmetry breaks where the closed form says.
+    // The symmetry breaks at the value of the closed form.
     let breaking = find("BP");
     assert!((rows[breaking]["value"].parse::<f64>().unwrap() - 2.039_588_865_238_452).abs() < LOCATION);
     assert_eq!((&*rows[breaking]["stable_before"], &*rows[breaking]["stable_after"]), ("true", "false"));
@@ -124,7 +124,7 @@ fn rows_are_chosen_by_label_and_value_and_one_that_fails_leaves_the_others() {
         "kappa=0.7:0.8",
     ]);
     assert!(message.1.contains(&format!("has no row {}", row + 1)), "{message:?}");
-    // A row of another machine: its phases are wrong.
+    // A row whose phases belong to another machine.
     let text = std::fs::read_to_string(&file).unwrap();
     let spoilt = text.lines().map(|line| match line.starts_with("NS,") {
         true => line.rsplit_once(',').map_or(line.to_owned(), |(rest, _)| format!("{rest},1.5")),

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// How the pages call the program. `docs/recipes.md` and `docs/design-a-damper.md` call it `vibro`;
-/// `guides.rs` and `tutorial.rs` run what stands there.
+/// `guides.rs` and `tutorial.rs` run their commands.
 const CALL: &str = "cargo run --release -p vibro -- ";
-/// What `studies.rs` runs and looks at.
+/// Command that `studies.rs` runs.
 const ELSEWHERE: &str = "reproduce --quick";
 /// The pages show the program's 17 commands, and some of them twice.
 const AT_LEAST: usize = 17;

@@ -23,7 +23,7 @@ fn number(cell: &str) -> f64 {
     cell.parse().expect("a number")
 }
 
-/// A file beside, and not in, the folder of the output.
+/// A file outside the folder of the output.
 fn file(name: &str, text: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&path, text).expect("a file");
@@ -103,7 +103,7 @@ fn a_changed_record_is_another_study() {
     let given = format!("box={}", record.display());
     let out = folder("run-changing");
     drawn(&out, &["run", "--load", &given, "--duration", "2"]);
-    // The same contents in another place and the same time in other words are the same study.
+    // Equal contents of another file, and an equal time in other words, make an equal study.
     let copy = format!("box={}", file("run-moved.csv", "0,0\n1,0.5\n2,0\n").display());
     drawn(&out, &["run", "--load", &copy, "--duration", "2000ms"]);
     file("run-changing.csv", "0,0\n1,0.6\n2,0\n");
@@ -157,7 +157,7 @@ fn says(texts: &[String], words: &str) -> bool {
 
 #[test]
 fn invariant_a_run_of_many_periods_is_an_envelope_and_its_picture_bounded() {
-    // A picture of 20 periods of chaos has some 100 kB.
+    // Largest picture, bytes: that of 20 periods of chaos has some 100 kB.
     const LARGEST: usize = 500_000;
     for (periods, window) in [("41", "in each drive period"), ("900", "in every 3 drive periods")] {
         let out = folder("run-many");
@@ -190,7 +190,7 @@ fn what_does_not_change_is_told_and_not_drawn() {
     let out = folder("run-damper");
     drawn(&out, &["run", "--config", machine]);
     let texts = picture(&out).0;
-    // The gap was written in m: lengths are in mm all the same, and speeds of about 1 m/s in m/s.
+    // The gap was written in m, but lengths are in mm, and speeds of about 1 m/s in m/s.
     for words in [
         "(a) Box and block",
         "displacement (mm)",
@@ -230,6 +230,6 @@ fn second_method_bifurcation_of_the_box_has_the_orbits_amplitude() {
     let row = rows.iter().find(|r| r[0] == "1.5").expect("a row");
     let orbit =
         vibro_impact::steady::exact_orbit::solve(&Parameters::default()).unwrap().upper.expect("an orbit");
-    // Six digits after the point are kept.
+    // Maxima are kept to six decimals.
     assert!((number(&row[2]) - orbit.amplitudes()[0]).abs() < 1e-6, "{row:?}");
 }

@@ -21,8 +21,7 @@ use vibro_figures::chart::Shape;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
 
-/// The transient has died out to this part of L at values away from bifurcations; maxima are kept
-/// to 1e-6.
+/// Transient at values away from bifurcations, in units of L; maxima are kept to 1e-6.
 const SETTLED: f64 = 2e-6;
 
 fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::SpectrumOptions>) -> (Sweep, Diagram) {
@@ -96,8 +95,8 @@ fn second_method_hysteresis_and_mirror_images() {
     let (up, down) = (found.up[i].as_ref().unwrap(), found.down[i].as_ref().unwrap());
     assert!(apart[i]);
     assert_eq!((up.attractor.impacts, down.attractor.impacts.iter().sum::<f64>()), ([1.0, 1.0], 3.0));
-    // Past the symmetry breaking the motion is not its own mirror image; started from the image it
-    // stays there.
+    // Beyond the symmetry breaking the motion is not its own mirror image, and a start from the
+    // image stays there.
     let p = found.up[at(2.2)].as_ref().unwrap();
     assert!(!p.attractor.is_symmetric());
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.2).unwrap();
@@ -161,7 +160,7 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
     assert!((total - 1.0).abs() < 1e-12);
     for (i, destination) in found.cells.iter().enumerate().step_by(7) {
         let state = State { x: [x.value(i % 6), 0.0, 0.0], v: [0.0, y.value(i / 6), 0.0] };
-        // In one run of one simulator, not in two as the basin has it.
+        // One simulator in one run; the basin uses two.
         let mut simulator = Simulator::new(p, &state, 0.0).unwrap();
         simulator.advance_to(300.0 * p.period()).unwrap();
         let ends = observe(&mut simulator).unwrap();
@@ -227,9 +226,8 @@ const ORBITS: [&str; 10] = [
     "--keep",
     "50",
 ];
-// The same studies of a machine of a text file.
-const ASSEMBLY_EXPONENTS: [&str; 13] = [
-    "assembly",
+// Studies of a machine's file.
+const ASSEMBLY_EXPONENTS: [&str; 12] = [
     "lyapunov",
     DAMPER,
     "--vary",
@@ -243,8 +241,7 @@ const ASSEMBLY_EXPONENTS: [&str; 13] = [
     "--periods",
     "16",
 ];
-const ASSEMBLY_SWEEP: [&str; 13] = [
-    "assembly",
+const ASSEMBLY_SWEEP: [&str; 12] = [
     "sweep",
     DAMPER,
     "--vary",
@@ -258,8 +255,7 @@ const ASSEMBLY_SWEEP: [&str; 13] = [
     "--periods",
     "2",
 ];
-const ASSEMBLY_PLANE: [&str; 13] = [
-    "assembly",
+const ASSEMBLY_PLANE: [&str; 12] = [
     "bifurcation",
     DAMPER,
     "--vary",
@@ -277,7 +273,7 @@ const BASIN: [&str; 7] = ["basin", "--set", "f10=2.48", "--resolution", "24", "-
 
 #[test]
 fn second_method_shards_threads_and_an_interruption_give_the_same_bytes() {
-    // The last is what the parts of those are called that are interrupted too.
+    // The last element names the parts of those studies that are interrupted too.
     for (name, work, parts) in [
         ("sweep", &SWEEP[..], None),
         ("orbits", &ORBITS, None),
@@ -315,7 +311,7 @@ fn second_method_shards_threads_and_an_interruption_give_the_same_bytes() {
     }
 }
 
-/// A study is killed after its first part, and then goes on where it was: no finished part is lost.
+/// A study that is killed after its first part continues: no finished part is lost.
 fn interrupted_and_resumed(name: &str, work: &[&str], whole: &Path) {
     let broken = folder(&format!("{name}-broken"));
     killed(begun(&broken, &[work, &["--threads", "1"]].concat(), name, 1));
@@ -330,26 +326,6 @@ fn interrupted_and_resumed(name: &str, work: &[&str], whole: &Path) {
     assert_eq!(finished(), kept, "{name}");
     drawn(&broken, work);
     assert_same(whole, &broken);
-}
-
-#[test]
-fn errors_of_long_studies_name_what_is_allowed() {
-    for (arguments, expected) in [
-        (vec!["bifurcation", "--range", "f1=0:1"], "the nearest is `f10`"),
-        (vec!["bifurcation", "--shard", "3/2"], "i/n with i from 1 to n"),
-        (vec!["basin", "--x", "y1=0:1"], "x1 x2 x3 v1 v2 v3"),
-        (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
-        (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
-        (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent parameters"),
-        (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1 or block.s=5mm; or orbit"),
-        (vec!["isoperiodic", "--start", "x2=3"], "stop"),
-        (vec!["merge", "absent"], "reading absent"),
-    ] {
-        let output = command(&folder("refused"), &arguments).output().unwrap();
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-        assert!(error.contains(expected), "{arguments:?}: {error}");
-    }
 }
 
 #[test]
@@ -368,7 +344,7 @@ fn the_report_is_whole() {
     let one = folder("report");
     let text = drawn(&one, &["reproduce", "--quick"]);
     assert!(text.contains("statements of the paper") && text.contains("[agrees]"), "{text}");
-    // The branches explain the diagram, and bound its windows to more digits than its grid.
+    // The branches cover the diagram's rows and bound its windows to more digits than the grid.
     assert!(
         text.contains("periodic rows of both directions whose transient has ended lie on a stable branch"),
         "{text}"
@@ -401,7 +377,7 @@ fn the_report_is_whole() {
     for file in drawn_files {
         check_picture(&one.join(file.0));
     }
-    // Each result has its manifest, and those that are looked at before the work are those that are
+    // Each result has a manifest, and the names that are checked before the work are those that are
     // written.
     let ending = ".manifest.toml";
     let mut written: Vec<_> =

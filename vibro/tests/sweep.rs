@@ -13,7 +13,7 @@ use std::path::Path;
 use vibro_analysis::ParameterSet;
 use vibro_impact::steady::exact_orbit;
 
-/// The transient has died out to this part of L.
+/// Transient of a settled motion, in units of L.
 const SETTLED: f64 = 1e-9;
 
 /// Quick work: few periods.
@@ -25,8 +25,8 @@ fn swept(name: &str, arguments: &[&str]) -> std::path::PathBuf {
     out
 }
 
-/// The cells of the Parquet file by rows: text as it is, numbers as Rust shows them, null as
-/// nothing.
+/// Cells of the Parquet file by rows: text unchanged, numbers as Rust prints them, null as an empty
+/// cell.
 fn parquet_rows(out: &Path) -> Vec<Vec<(String, String)>> {
     let reader = SerializedFileReader::new(File::open(out.join("sweep.parquet")).unwrap()).unwrap();
     let cell = |(name, field): (&String, &Field)| {
@@ -73,7 +73,7 @@ fn second_method_the_table_is_the_same_in_both_formats() {
     let text = "stop.gap,stop.restitution\n1000 mm,0.5\n0.9,1.5\n-1,0.5\n1.1,0.6\n";
     std::fs::write(&file, text).unwrap();
     let file = file.to_str().unwrap();
-    // At the two values alone.
+    // Measured at these two values alone.
     let over = ["--over", "drive.frequency=1,1.05", "--start", "v2=1", "--start", "x1=0.1"];
     let out = swept("sweep-formats", &[&["--design", file], &over[..], &QUICK[..]].concat());
     let csv = table(&out, "sweep.csv");
@@ -96,7 +96,7 @@ fn second_method_the_table_is_the_same_in_both_formats() {
         let number = |column: &str| row[column].parse::<f64>().unwrap();
         let [least, mean, largest] = ["min", "mean", "max"].map(|w| number(&format!("amplitude.x1.{w}")));
         assert!(0.0 < least && least <= mean && mean <= largest);
-        // Of motions that were measured before they had settled, which is so after so few periods.
+        // Few periods leave motions that had not settled when they were measured.
         assert!(row["reason"].is_empty() || row["reason"].contains("not settled: "), "{row:?}");
         assert!([1.0, 1.05].contains(&number("amplitude.x1.max.drive.frequency")));
         assert!(["v2=1", "x1=0.1"].contains(&row["amplitude.x1.max.start"].as_str()));
@@ -111,7 +111,7 @@ fn units_and_symbols_name_the_same_sweep() {
         [&["--vary", vary[0], "--vary", vary[1], "--output", "impacts"], &QUICK[..]].concat()
     };
     let out = swept("sweep-units", &line(["L=900mm:1.1m:3", "m2=100g,120g"]));
-    // The columns in SI; those in the units of the axes come after them.
+    // Columns in SI; those in the axes' units come after them.
     let in_si = || {
         let text = std::fs::read_to_string(out.join("sweep.csv")).unwrap();
         let cut = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",");
@@ -119,10 +119,10 @@ fn units_and_symbols_name_the_same_sweep() {
     };
     let found = in_si();
     assert!(found.starts_with("stop.gap,block.m,impacts,reason\n0.9,0.1,"), "{found}");
-    // The same values in other words are the same run, and overwrite it without a word.
+    // Equal values in other words are an equal run, whose result is overwritten.
     drawn(&out, &[&["sweep"], &line(["stop.gap=0.9:1.1:3", "block.m=0.1,0.12"])[..]].concat());
     assert_eq!(in_si(), found);
-    // Other values are another one.
+    // Other values are another run.
     let other = [&["sweep"], &line(["stop.gap=0.9:1.1:3", "block.m=0.1,0.13"])[..]].concat();
     let output = command(&out, &other).output().unwrap();
     let error = String::from_utf8(output.stderr).unwrap();
@@ -169,7 +169,7 @@ fn invariant_bytes_depend_neither_on_threads_nor_on_shards_nor_on_an_interruptio
     }
     let merged = folder("sweep-merged");
     drawn(&merged, &["merge", one.to_str().unwrap(), two.to_str().unwrap()]);
-    // A program that was stopped has left some of its parts, which the same line goes on from.
+    // A stopped program leaves parts, from which an equal command continues.
     drawn(&two, &line);
     for name in ["sweep.csv", "sweep.parquet", "sweep.svg", "sweep.png"] {
         let bytes = |out: &Path| std::fs::read(out.join(name)).unwrap();

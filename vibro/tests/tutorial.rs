@@ -1,5 +1,5 @@
-//! The commands of docs/design-a-damper.md, as they stand there but for the grid, whose part around
-//! the choice is run; and the numbers that the page tells.
+//! The commands of docs/design-a-damper.md, with the grid reduced to the neighbourhood of the
+//! choice, and the numbers that the page states.
 
 #[path = "common/guide.rs"]
 mod guide;
@@ -8,16 +8,16 @@ use guide::Guide;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Where motions are irregular, the largest of 60 periods depends on the last digits, and these on
-/// the processor.
+/// Relative tolerance of irregular motion: its largest amplitude over 60 periods depends on last
+/// digits, and these on the processor.
 const IRREGULAR: f64 = 0.1;
-/// A number is told to three digits or so.
+/// Relative tolerance of a number with about three digits.
 const TOLD: f64 = 0.006;
 
 /// Mass (kg), gap (m) and restitution coefficient of the choice.
 const CHOICE: [f64; 3] = [1.2, 0.016, 0.5];
 
-/// Of the grid, the choice and its neighbours.
+/// The grid reduced to the choice and its neighbours.
 const SHORTENED: [(&str, &str); 3] = [
     ("block.m=0.2kg:1.2kg:11", "block.m=1.1kg,1.2kg"),
     ("stop.gap=2mm:24mm:12", "stop.gap=14mm,16mm,18mm"),
@@ -42,8 +42,7 @@ fn largest(rows: &[HashMap<String, String>], column: &str) -> f64 {
     rows.iter().map(|row| number(row, column)).fold(0.0, f64::max)
 }
 
-/// The number in the first place where the page has these words around it, `#` standing for the
-/// number.
+/// The number that stands for `#` where the page first has these words.
 fn told(page: &str, words: &str) -> f64 {
     let plain = page.split_whitespace().collect::<Vec<_>>().join(" ");
     let (before, after) = words.split_once('#').expect("a # for the number");
@@ -110,7 +109,7 @@ fn the_tutorial_says_what_its_commands_find() {
     for (m, l, k) in [(1.1, gap, 0.5), (mass, 0.014, 0.5), (mass, 0.018, 0.5), (mass, gap, 0.55)] {
         assert!(number(design(m, l, k), "amplitude.x1.max") < below * (1.0 + IRREGULAR), "{m} {l} {k}");
     }
-    // Measured again, the choice is the first; which is so by the first 60 periods depends on last
+    // After measuring again the choice is the best; after 60 periods the best depends on last
     // digits.
     let text =
         said.iter().find(|text| text.contains("designs over block.m")).expect("the best are measured again");
@@ -128,8 +127,8 @@ fn the_tutorial_says_what_its_commands_find() {
     assert!(check.iter().all(|row| row["reason"].is_empty()));
     close(told(page, "The worst amplitude is # mm"), 1e3 * largest(&check, "amplitude.x1.max"), IRREGULAR);
 
-    // The pictures of the page are those of the commands: the same words, since the curves may
-    // differ in last digits.
+    // The pictures of the page are those of the commands. Words are compared: curves may differ in
+    // last digits.
     for (picture, file) in [
         ("first", "first/sweep.svg"),
         ("look", "look/run.svg"),

@@ -65,8 +65,8 @@ pub fn programs(binaries: &Binaries, version: &str, texts: &Content) -> Result<C
         let program = format!("{PROGRAM}{}", if tuple.ends_with("windows") { ".exe" } else { "" });
         let readme = format!(
             "vibro-impact {version}, the command line for {tuple}.\n\n{program} --help tells what it does, and of machines of text files:\n\n    \
-             {program} assembly check machine.toml\n    {program} assembly run machine.toml --until 2s --out results\n    \
-             {program} assembly draw machine.toml --out sketch\n\nLicences of what is linked in are in licenses/.\n"
+             {program} check machine.toml\n    {program} run machine.toml --until 2s --out results\n    \
+             {program} draw machine.toml --out sketch\n\nLicences of what is linked in are in licenses/.\n"
         );
         let mut content =
             Content::from([(program, bytes.to_vec()), ("README.txt".into(), readme.into_bytes())]);
@@ -100,14 +100,12 @@ pub fn tried(program: &[u8]) -> Result<String> {
     }
     let machine = workspace().join("examples/assembly/bouncing_ball.toml");
     let mut check = Command::new(&path);
-    let run = check.args(["assembly", "check"]).arg(&machine).stdin(Stdio::null()).output();
+    let run = check.arg("check").arg(&machine).stdin(Stdio::null()).output();
     let output = run.map_err(Error::file("running", &path))?;
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     if output.status.success() && told.contains("ball") {
-        return Ok(format!(
-            "`{PROGRAM} assembly check` on {PLATFORM_TUPLE} here; of other platforms built only"
-        ));
+        return Ok(format!("`{PROGRAM} check` on {PLATFORM_TUPLE} here; of other platforms built only"));
     }
     let words = String::from_utf8_lossy(&output.stderr).into_owned();
-    Err(Error::Release(vec![format!("{PROGRAM} assembly check fails: {words}{told}")]))
+    Err(Error::Release(vec![format!("{PROGRAM} check fails: {words}{told}")]))
 }

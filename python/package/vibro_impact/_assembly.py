@@ -134,7 +134,7 @@ class Assembly:
         times: Optional[ArrayLike] = None,
         progress: bool = False,
     ) -> AssemblyRun:
-        """The motion, exactly from event to event: on the bits of ``vibro assembly run``.
+        """The motion, exactly from event to event: bit-identical to ``vibro run FILE``.
 
         Parameters
         ----------
@@ -167,7 +167,7 @@ class Assembly:
     def measure(
         self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, section: Section = None
     ) -> dict[str, float | str | None]:
-        """Measures of the settled motion by name; :attr:`measures` has all. As ``vibro assembly sweep`` has them.
+        """Measures of the settled motion by name; :attr:`measures` has all. As ``vibro sweep FILE`` has them.
 
         Parameters
         ----------
@@ -177,6 +177,50 @@ class Assembly:
             A period in s, or the name of a stop or friction whose events are the section; without it the common period of all harmonics.
         """
         return measures_of([self], measures, periods, settle, section, "raise", False)[0]
+
+    def sweep(
+        self,
+        measures: Sequence[str],
+        *,
+        periods: int = 60,
+        settle: int = 300,
+        section: Section = None,
+        errors: str = "raise",
+        progress: bool = False,
+        **parameters: ArrayLike,
+    ) -> list[dict[str, Any]]:
+        """Measures of all combinations of parameters, on all cores: a dictionary for each, of its parameters and its measures.
+
+        ``damper.sweep(["amplitude.box.s"], **{"stop.upper.gap": ["3 mm", "4 mm"], "body.box.mass": [12.0, 13.0]})`` has four rows; the
+        last parameter varies fastest.
+
+        Parameters
+        ----------
+        measures, periods, settle, section
+            As of :meth:`measure`.
+        errors
+            As of :func:`measure_many`.
+        **parameters
+            Each parameter by name with its values, as :meth:`replace` takes them.
+        """
+        from ._many import sweep_of
+
+        return sweep_of(
+            self, parameters, measures, periods=periods, settle=settle, section=section, errors=errors, progress=progress
+        )
+
+    def lyapunov(self, *, settle: int = 300, section: Section = None) -> Optional[float]:
+        """The largest Lyapunov exponent, 1/s, through impacts, sticking and sliding; None where the motion has none.
+
+        It is the measure ``exponent``. Over a parameter: ``bifurcation`` with ``exponents``.
+
+        Parameters
+        ----------
+        settle, section
+            As of :meth:`measure`.
+        """
+        found = self.measure(["exponent"], settle=settle, section=section)["exponent"]
+        return None if found is None else float(found)
 
     def bifurcation(
         self,
@@ -190,7 +234,7 @@ class Assembly:
         progress: bool = False,
         **parameter: ArrayLike,
     ) -> AssemblyDiagram:
-        """Local maxima of a quantity over a parameter in both directions, with classes: on the bits of ``vibro assembly bifurcation``.
+        """Local maxima of a quantity over a parameter in both directions, with classes: bit-identical to ``vibro bifurcation FILE``.
 
         ``damper.bifurcation("box.s", **{"stop.upper.gap": np.linspace(1e-3, 8e-3, 200)})``
 
@@ -231,7 +275,7 @@ class Assembly:
         return AssemblyDiagram(self, name, of, up, down, found["hysteresis"], bool(at_section))
 
     def sketch(self) -> Sketch:
-        """The machine as an engineer draws it; a notebook shows the picture: on the bytes of ``vibro assembly draw``."""
+        """The machine as an engineer draws it; a notebook shows the picture: byte-identical to ``vibro draw FILE``."""
         return Sketch(self._described)
 
     def fmu(self, path: Union[None, str, os.PathLike[str]] = None, version: int = 3) -> Path:

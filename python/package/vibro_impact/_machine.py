@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Optional
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import ArrayLike
+
+    from ._studies import Basins, Diagram
 
 
 class Machine(ParameterValues):
@@ -159,6 +161,48 @@ class Machine(ParameterValues):
             )
         return Section(self, at, **found)
 
+    def bifurcation(
+        self,
+        *,
+        start: Start = None,
+        periods: tuple[int, int] = (400, 800),
+        of: str = "x2",
+        exponents: Union[bool, int] = False,
+        progress: bool = False,
+        **parameter: ArrayLike,
+    ) -> Diagram:
+        """A bifurcation diagram: local maxima, classes and impacts of settled motions over a parameter, upwards and downwards.
+
+        As in the paper, section 4: the last state at a value is the start of the next one. Maxima are exact, not samples. All cores are used;
+        the result does not depend on their number.
+
+        Parameters
+        ----------
+        **parameter
+            The parameter by name with its values, equally spaced and rising: ``f10=np.linspace(0.5, 5, 451)``.
+        start
+            Where the motion at the first value of either direction starts, as of :meth:`simulate`: of the machine itself.
+        periods
+            Drive periods discarded and kept at each value; the defaults of this and of the others are those of the command line.
+        of
+            The displacement: ``"x1"``, ``"x2"``, ``"x3"`` or ``"w"``.
+        exponents
+            Whether Lyapunov exponents are computed as well, over 1500 drive periods or so many.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+
+        Warns
+        -----
+        SimilarNameWarning
+            For a symbol such as ``F10`` (N), from which the name of another parameter, ``f10``, differs by case alone.
+        """
+        from ._studies import diagram_of
+
+        return diagram_of(self, parameter, start, periods, of, exponents, progress)
+
     def lyapunov(
         self, start: Start = None, *, periods: int = 1500, settle: int = 400, progress: bool = False
     ) -> Spectrum:
@@ -225,6 +269,54 @@ class Machine(ParameterValues):
                 bar.report,
             )
         return measured(names, numbers, kind)
+
+    def sweep(
+        self,
+        measures: Sequence[str],
+        start: Start = None,
+        *,
+        periods: int = 60,
+        settle: int = 400,
+        errors: str = "raise",
+        progress: bool = False,
+        **parameters: ArrayLike,
+    ) -> list[dict[str, Any]]:
+        """Measures of all combinations of parameters, on all cores: a dictionary for each, of its parameters and its measures.
+
+        ``machine.sweep(["amplitude.x1"], f10=[1.0, 1.5], kappa=np.linspace(0.4, 0.8, 9))`` has 18 rows; the last parameter varies fastest.
+
+        Parameters
+        ----------
+        measures, start, periods, settle
+            As of :meth:`measure`.
+        errors
+            As of :func:`measure_many`.
+        **parameters
+            Each parameter by name with its values.
+        """
+        from ._many import sweep_of
+
+        return sweep_of(self, parameters, measures, start, periods=periods, settle=settle, errors=errors, progress=progress)
+
+    def basins(self, *, periods: int = 300, progress: bool = False, **ranges: tuple[float, float, int]) -> Basins:
+        """Basins of attraction: where motions from a plane of two initial values end, with the attractors that coexist.
+
+        Parameters
+        ----------
+        **ranges
+            Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), or in SI of box_s, block_s, secondary_s (m), box_v, block_v,
+            secondary_v (m/s), the first across, each as (from, to, cells); the others are zero: ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
+        periods
+            Drive periods before a motion is recognized.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            For arguments out of their range; what the simulator refuses, starts outside the stops apart.
+        """
+        from ._studies import basins_of
+
+        return basins_of(self, ranges, periods, progress)
 
     def steady(self, *, sheet: str = "upper") -> SteadyStates:
         """The symmetric motion with two impacts a drive period in closed form, by three theories (docs/theory.md, sections 6 to 9).

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Iterable, Sequence
 from typing import Any, Optional, Union, overload
 
@@ -177,6 +178,19 @@ def measure_many(
     systems = [m._system for m in several]
     with Bar(progress, len(several), "motions") as bar:
         return rows(names, errors, lambda told: _native.measure_many(systems, begins, names, settle, periods, told, bar.report))
+
+
+def sweep_of(
+    machine: Union[Machine, Assembly], parameters: dict[str, Any], measures: Sequence[str], starts: Start = None, **options: Any
+) -> list[dict[str, Any]]:
+    """What :meth:`Machine.sweep` and :meth:`Assembly.sweep` return."""
+    for name, values in parameters.items():
+        if isinstance(values, str) or np.ndim(values) != 1:
+            raise TypeError(f"{name}: allowed is a list or an array of shape (n,) of values")
+    designs = [dict(zip(parameters, values)) for values in itertools.product(*parameters.values())]
+    machines: list[Any] = [machine.replace(**design) for design in designs]
+    found = measure_many(machines, measures, starts, **options)
+    return [{**design, **row} for design, row in zip(designs, found)]
 
 
 def _listed(machines: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
@@ -65,47 +66,23 @@ class Diagram(Result):
     "Where the two end on attractors that are neither the same nor mirror images, shape (n,)."
 
 
-def bifurcation(
-    machine: Machine,
-    *,
-    start: Start = None,
-    periods: tuple[int, int] = (400, 800),
-    of: str = "x2",
-    exponents: Union[bool, int] = False,
-    progress: bool = False,
-    **parameter: ArrayLike,
-) -> Diagram:
-    """A bifurcation diagram: local maxima, classes and impacts of settled motions over a parameter, upwards and downwards.
-
-    As in the paper, section 4: the last state at a value is the start of the next one. Maxima are exact, not samples. All cores are used;
-    the result does not depend on their number.
-
-    Parameters
-    ----------
-    machine
-        All other parameters.
-    **parameter
-        The parameter by name with its values, equally spaced and rising: ``f10=np.linspace(0.5, 5, 451)``.
-    start
-        Where the motion at the first value of either direction starts, as of :meth:`Machine.simulate`: of the machine itself.
-    periods
-        Drive periods discarded and kept at each value; the defaults of this and of the others are those of the command line.
-    of
-        The displacement: ``"x1"``, ``"x2"``, ``"x3"`` or ``"w"``.
-    exponents
-        Whether Lyapunov exponents are computed as well, over 1500 drive periods or so many.
-
-    Raises
-    ------
-    ValueError, TypeError
-        For arguments out of their range.
-
-    Warns
-    -----
-    SimilarNameWarning
-        For a symbol such as ``F10`` (N), from which the name of another parameter, ``f10``, differs by case alone.
-    """
+def bifurcation(machine: Machine, **options: Any) -> Diagram:
+    """Deprecated name of :meth:`Machine.bifurcation`."""
     _require_machine(machine, "an Assembly has its own method bifurcation")
+    _deprecated("bifurcation")
+    return machine.bifurcation(**options)
+
+
+def diagram_of(
+    machine: Machine,
+    parameter: dict[str, ArrayLike],
+    start: Start,
+    periods: tuple[int, int],
+    of: str,
+    exponents: Union[bool, int],
+    progress: bool,
+) -> Diagram:
+    """What :meth:`Machine.bifurcation` returns."""
     machine._needs_period("a bifurcation diagram")
     if len(parameter) != 1:
         raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
@@ -185,27 +162,20 @@ class Basins(Result):
     "Ends of the plane: left, right, bottom, top."
 
 
-def basins(
-    machine: Machine, *, periods: int = 300, progress: bool = False, **ranges: tuple[float, float, int]
-) -> Basins:
-    """Basins of attraction: where motions from a plane of two initial values end, with the attractors that coexist.
-
-    Parameters
-    ----------
-    machine
-        The machine.
-    **ranges
-        Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), or in SI of box_s, block_s, secondary_s (m), box_v, block_v,
-        secondary_v (m/s), the first across, each as (from, to, cells); the others are zero: ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
-    periods
-        Drive periods before a motion is recognized.
-
-    Raises
-    ------
-    ValueError, TypeError, RuntimeError
-        For arguments out of their range; what the simulator refuses, starts outside the stops apart.
-    """
+def basins(machine: Machine, **options: Any) -> Basins:
+    """Deprecated name of :meth:`Machine.basins`."""
     _require_machine(machine)
+    _deprecated("basins")
+    return machine.basins(**options)
+
+
+def _deprecated(name: str) -> None:
+    text = f"vi.{name}(machine, ...) is deprecated and goes with the next version: machine.{name}(...) is the same"
+    warnings.warn(text, DeprecationWarning, stacklevel=3)
+
+
+def basins_of(machine: Machine, ranges: dict[str, tuple[float, float, int]], periods: int, progress: bool) -> Basins:
+    """What :meth:`Machine.basins` returns."""
     machine._needs_period("a plane of basins")
     if len(ranges) != 2:
         raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")

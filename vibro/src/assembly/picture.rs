@@ -1,7 +1,7 @@
 //! The picture of a motion: coordinates, forces of stops and friction, and the speeds of impacts
 //! over time.
 
-use super::{Record, is_contact};
+use super::{MotionRecord, is_contact};
 use vibro_analysis::assembly::Extreme;
 use vibro_assembly::description::Dimension;
 use vibro_assembly::motion::EventKind;
@@ -9,13 +9,13 @@ use vibro_assembly::{Element, Quantity, What};
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 
-/// Colours of curves; no panel has more curves than these.
+/// Colours of curves; no panel has more curves.
 const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY];
 /// Most points of a curve.
 const POINTS: usize = 4000;
 /// Size of a panel in units of the drawing.
 const PANEL: (u32, u32) = (2600, 900);
-/// Points of a curve nearer than this part of its size are one.
+/// Distance, relative to a curve's size, below which two points are one.
 const SAME: f64 = 1e-9;
 /// Lengths up to this, m, are shown in mm.
 const SHORT: f64 = 0.1;
@@ -23,7 +23,7 @@ const SHORT: f64 = 0.1;
 const SMALL: u32 = 8;
 
 /// The picture; `None` where there are fewer than two samples.
-pub fn figure(record: &Record, caption: Vec<String>) -> Option<Figure> {
+pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
     if record.rows.len() < 2 {
         return None;
     }
@@ -55,32 +55,31 @@ pub fn figure(record: &Record, caption: Vec<String>) -> Option<Figure> {
     Some(Figure { title: d.name.clone(), caption, panels, columns: 1, panel: PANEL, shared_legend: false })
 }
 
-fn time_axis(record: &Record) -> Axis {
+fn time_axis(record: &MotionRecord) -> Axis {
     let time = |row: Option<&Vec<f64>>| row.map_or(0.0, |row| row[0]);
     Axis::over("time (s)", time(record.rows.first()), time(record.rows.last()))
 }
 
-fn curve<'a>(record: &'a Record, name: &'a str, quantity: Quantity) -> Option<Curve<'a>> {
+fn curve<'a>(record: &'a MotionRecord, name: &'a str, quantity: Quantity) -> Option<MotionCurve<'a>> {
     let column = record.assembly.description.quantities().position(|column| column == quantity)?;
-    Some(Curve { name, column, extreme: record.extreme(quantity)? })
+    Some(MotionCurve { name, column, extreme: record.extreme(quantity)? })
 }
 
 /// A quantity that is drawn: its name, its column of the samples, its extremes between them.
-struct Curve<'a> {
+struct MotionCurve<'a> {
     name: &'a str,
     column: usize,
     extreme: &'a Extreme,
 }
 
-impl Curve<'_> {
-    /// Samples and extremes in order of time: no peak is lost between samples, however few there
-    /// are.
-    fn points(&self, record: &Record) -> Path {
+impl MotionCurve<'_> {
+    /// Samples and extremes in order of time, so that no peak between samples is lost.
+    fn points(&self, record: &MotionRecord) -> Path {
         let stride = record.rows.len().div_ceil(POINTS);
         let samples = record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + self.column]));
         let mut points: Path = samples.chain(self.extreme.points()).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Samples are ends of flights too, but for rounding.
+        // Samples coincide with ends of flights but for rounding.
         let end = points.last().map_or(0.0, |point| point.0);
         let near = |a: f64, b: f64, size: f64| (a - b).abs() <= SAME * size;
         points.dedup_by(|b, a| near(a.0, b.0, end) && near(a.1, b.1, self.extreme.largest));
@@ -88,7 +87,12 @@ impl Curve<'_> {
     }
 }
 
-fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[Curve]) -> Option<Panel> {
+fn curves_over_time(
+    record: &MotionRecord,
+    title: &str,
+    label: &str,
+    curves: &[MotionCurve],
+) -> Option<Panel> {
     if curves.is_empty() {
         return None;
     }
@@ -96,13 +100,13 @@ fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[Curve])
         Layer::line(curve.name, colour, Dash::Solid, curve.points(record)).stroke(THIN)
     });
     let layers = layers.collect();
-    // Small lengths are told in mm, so that the numbers at the axis are short.
+    // Small lengths are in mm, which keeps the axis' numbers short.
     let size = curves.iter().map(|curve| curve.extreme.largest).fold(0.0, f64::max);
     let y = match label {
         "s (m)" if size < SHORT => Axis::new("s (mm)").times(1e3),
         _ => Axis::new(label),
     };
-    // Curves without a colour are left out, which the title says.
+    // Curves without a colour are left out; the title says so.
     let title = match curves.len() {
         all if all > COLOURS.len() => format!("{title}, the first {} of {all}", COLOURS.len()),
         _ => title.into(),
@@ -110,7 +114,7 @@ fn curves_over_time(record: &Record, title: &str, label: &str, curves: &[Curve])
     Some(Panel { title, x: time_axis(record), y, layers })
 }
 
-fn impacts(record: &Record, dimension: Dimension, label: &str) -> Option<Panel> {
+fn impacts(record: &MotionRecord, dimension: Dimension, label: &str) -> Option<Panel> {
     let d = &record.assembly.description;
     let mut layers = Vec::new();
     for (i, stop) in d.stops.iter().enumerate().filter(|(_, stop)| stop.arms.dimension == dimension) {

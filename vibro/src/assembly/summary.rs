@@ -1,6 +1,6 @@
-//! What a machine is and what a motion was, in words.
+//! Summaries of a machine and of a motion, in words.
 
-use super::{Record, event_in_words};
+use super::{MotionRecord, event_in_words};
 use crate::Result;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -14,11 +14,11 @@ use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::Part;
 use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
 
-/// A real part or frequency counts as zero under this part of the largest: the rounding of
-/// eigenvalues, of which a double one has the square root.
+/// Real part or frequency, relative to the largest, that counts as zero: rounding of eigenvalues,
+/// whose square root is the error of a double one.
 const ZERO: f64 = 1e-7;
 
-/// Six digits, for words.
+/// A number with six digits, for words.
 fn short(value: f64) -> String {
     let value = value + 0.0; // zero without a sign
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
@@ -37,8 +37,8 @@ fn units(dimension: Dimension) -> [&'static str; 3] {
     }
 }
 
-/// What a machine consists of and how it stands at the start: bodies, elements with their states,
-/// degrees of freedom, equilibrium, natural frequencies.
+/// Summary of a machine at its start: bodies, elements with their states, degrees of freedom,
+/// equilibrium, natural frequencies.
 ///
 /// # Errors
 /// What the machine's matrices or its start refuse.
@@ -77,7 +77,7 @@ pub fn summary(machine: Description) -> Result<String> {
     Ok(lines.join("\n"))
 }
 
-/// What no force depends on, which is left out of returns and exponents.
+/// Neutral directions: no force depends on them, and returns and exponents leave them out.
 fn neutral(assembly: &Assembly) -> Vec<String> {
     let found = Neutral::of(assembly.system());
     let lines = found.in_words(&assembly.description, assembly.system());
@@ -165,8 +165,8 @@ fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     lines
 }
 
-/// How many contacts each stop has had, and the worst of each.
-fn contacts(record: &Record) -> Vec<String> {
+/// Number and extremes of the contacts of each stop.
+fn contacts(record: &MotionRecord) -> Vec<String> {
     let d = &record.assembly.description;
     let all = record.followed.contacts.all();
     let line = |(i, stop): (usize, &Stop)| {
@@ -193,7 +193,7 @@ fn contacts(record: &Record) -> Vec<String> {
 }
 
 /// How many events of each kind there were, and which are not in the file.
-fn events(record: &Record, knots: bool) -> String {
+fn events(record: &MotionRecord, knots: bool) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for event in &record.events {
         let [kind, element, ..] = event_in_words(&record.assembly, &event.kind);
@@ -210,7 +210,7 @@ fn events(record: &Record, knots: bool) -> String {
 }
 
 /// Extents, events and energies of a motion.
-pub(super) fn account(record: &Record, knots: bool) -> Vec<String> {
+pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
     let d = &record.assembly.description;
     let mut lines = Vec::new();
     for (i, body) in d.bodies.iter().enumerate() {

@@ -81,14 +81,14 @@ fn parts_of_another_form_are_refused_and_kept_unless_discarded() {
     let store = open(&folder, 1).unwrap();
     Task { store: &store, ..Task::ALL }.complete(3, square).unwrap();
     drop(store);
-    // As a build before the form was written down left it.
+    // As left by a build that did not write the form.
     let path = folder.join(MANIFEST);
     let text = std::fs::read_to_string(&path).unwrap();
     let older = text.replace(&format!("format = {FORMAT}\n"), "");
     assert!(older != text);
     std::fs::write(&path, older).unwrap();
     let read = PartFolder::manifest(&folder).unwrap();
-    // Asked for by this program, and by a merge of such shards.
+    // Opened by this program, and by a merge of such shards.
     for asked in [&manifest(1), &read] {
         let error = PartFolder::open(&folder, asked, false).unwrap_err();
         let text = error.to_string();

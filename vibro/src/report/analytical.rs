@@ -1,11 +1,11 @@
 //! Statements that theory alone decides, and the accuracy of multiple scales.
 
-use super::statement::{Found, Statement, Verdict};
+use super::statement::{Findings, Statement, Verdict};
 use crate::{Error, Result};
 use vibro_analysis::{ParameterSet, find_group};
 use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, fixed_points};
 
-pub(super) fn limits(found: &Found) -> Result<Vec<Statement>> {
+pub(super) fn limits(found: &Findings) -> Result<Vec<Statement>> {
     let m = Manifold::new(found.set.groups().kappa)?;
     let b = m.c_gmax().is_finite().then(|| {
         let (c, rho) = (m.c_gmax(), m.rho());
@@ -34,7 +34,7 @@ pub(super) fn upper(set: &ParameterSet, f10: f64) -> Result<Option<FixedPoint>> 
     Ok(fixed_points(set.groups())?.map(|r| r.upper).filter(|p| p.c > 0.0))
 }
 
-pub(super) fn figure_nine(found: &Found) -> Result<Statement> {
+pub(super) fn figure_nine(found: &Findings) -> Result<Statement> {
     let expected = [(0.6, false), (1.2, true), (1.5, true), (2.5, false)];
     let mut words = Vec::new();
     let mut right = 0;
@@ -51,9 +51,9 @@ pub(super) fn figure_nine(found: &Found) -> Result<Statement> {
     })
 }
 
-/// Relative errors of multiple scales at ε = 0.1: B, A1, A2, A3; and at the two smallest ε the
-/// slopes. `None` where one is missing, as it is where theory and simulation are not the same
-/// motion.
+/// Relative errors of multiple scales at ε = 0.1, of B, A1, A2 and A3, and their slopes between the
+/// two smallest ε. `None` where one is missing, as where theory and simulation are different
+/// motions.
 pub(super) fn errors(csv: &[u8]) -> Result<Option<([f64; 4], [f64; 4])>> {
     let mut rows: Vec<(f64, String, f64)> = Vec::new();
     for row in csv::Reader::from_reader(csv).records() {
@@ -75,7 +75,7 @@ pub(super) fn errors(csv: &[u8]) -> Result<Option<([f64; 4], [f64; 4])>> {
     Ok(Some((large, slopes)))
 }
 
-pub(super) fn accuracy(found: &Found) -> Result<Vec<Statement>> {
+pub(super) fn accuracy(found: &Findings) -> Result<Vec<Statement>> {
     let Some((large, slopes)) = errors(found.errors)? else { return Ok(Vec::new()) };
     let percent = large.map(|e| 100.0 * e.abs());
     Ok(vec![

@@ -1,9 +1,9 @@
-//! The page: one file, pictures inside, no script.
+//! The report as one HTML file with embedded pictures and no script.
 
 use super::statement::{Statement, Verdict};
 use crate::Result;
 use crate::studies::Study;
-use crate::table::Table;
+use crate::table::TextTable;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ pub(super) fn page(
     set: &ParameterSet,
     quick: bool,
     statements: &[Statement],
-    spectra: &Table,
+    spectra: &TextTable,
     studies: &[Study],
 ) -> Result<String> {
     let pictures = studies.par_iter().map(|s| s.figure.as_ref().map(canvas::png).transpose());
@@ -43,7 +43,7 @@ pub(super) fn page(
     ))
 }
 
-/// The source, and where the parameters come from.
+/// Introduction: the paper, and the source of the parameters.
 fn introduction(set: &ParameterSet, quick: bool) -> String {
     let quick =
         if quick { " This is the quick look: fewer values and periods than the paper's." } else { "" };
@@ -59,7 +59,7 @@ fn introduction(set: &ParameterSet, quick: bool) -> String {
     )
 }
 
-/// The paper's statements beside what is found.
+/// Table of the paper's statements beside the results.
 fn comparison(statements: &[Statement]) -> String {
     let row = |s: &Statement| {
         let class = match s.verdict {
@@ -77,8 +77,8 @@ fn comparison(statements: &[Statement]) -> String {
     )
 }
 
-/// The table of exponents: the value, the numbers, the class, the ends of the stable range.
-fn exponents(spectra: &Table) -> String {
+/// Table of exponents: value, numbers, class, ends of the stable range.
+fn exponents(spectra: &TextTable) -> String {
     let name = |name: &String| match name.as_str() {
         "f10" => "<th>f̂₁₀</th>".to_owned(),
         other => format!("<th>{}</th>", other.replace("lambda", "λ")),
@@ -99,17 +99,17 @@ fn exponents(spectra: &Table) -> String {
     )
 }
 
-/// A number with four decimals; other words as they are.
+/// A number with four decimals; other text unchanged.
 fn readable(cell: &str) -> String {
     match cell.parse::<f64>() {
         Ok(x) if x == f64::NEG_INFINITY => "−∞".into(),
-        // Rounded first, so that there is no negative zero.
+        // Rounded first, so that no negative zero is left.
         Ok(x) => format!("{:.4}", (x * 1e4).round() / 1e4 + 0.0).replace('-', "−"),
         Err(_) => escape(cell),
     }
 }
 
-/// One study: its picture as PNG, its remarks, and the files with its numbers.
+/// A study: picture as PNG, remarks, names of the files with its numbers.
 fn figure(study: &Study, picture: Option<Vec<u8>>) -> String {
     let (name, what) = (escape(&study.name), escape(&study.what));
     let picture = picture.map_or(String::new(), |bytes| {

@@ -1,13 +1,13 @@
-//! A statement of the paper, what it is compared with, and the outcome.
+//! Statements of the paper and the results they are compared with.
 
 use crate::studies::{DiagramOrbits, Modulation};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::bifurcation::Diagram;
 
-/// How a statement compares.
+/// How a statement compares with the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The statement holds for what was found.
+    /// The statement holds.
     Agrees,
     /// Part of it holds.
     Partly,
@@ -34,21 +34,21 @@ impl Verdict {
     }
 }
 
-/// A statement and what was found.
+/// A statement with the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
     /// Where the paper makes it.
     pub place: &'static str,
     /// What it says.
     pub paper: &'static str,
-    /// What was found, in numbers.
+    /// The results, in numbers.
     pub found: String,
     /// How the two compare.
     pub verdict: Verdict,
 }
 
-/// What the statements are compared with.
-pub(super) struct Found<'a> {
+/// Results with which statements are compared.
+pub(super) struct Findings<'a> {
     pub(super) set: &'a ParameterSet,
     pub(super) coarse: &'a Diagram,
     pub(super) fine: &'a Diagram,

@@ -4,7 +4,7 @@
 //! means: the same kind of motion at about the same place.
 
 use super::analytical::{accuracy, errors, figure_nine, limits, upper};
-use super::statement::{Found, Statement, Verdict};
+use super::statement::{Findings, Statement, Verdict};
 use crate::Result;
 use crate::studies::{doublings_in_words, end_in_words, periodic_ranges};
 use vibro_analysis::attractor::{MotionClass, ZERO_EXPONENT};
@@ -12,14 +12,14 @@ use vibro_analysis::bifurcation::{Diagram, SweepPoint};
 use vibro_analysis::short;
 use vibro_orbits::{Doubling, Label, doubling_sequences};
 
-/// Ends of windows agree when they are this near in f10: the paper gives them to 0.1.
+/// Tolerance of the ends of windows in f10: the paper gives them to 0.1.
 const END: f64 = 0.1;
-/// A window of the paper counts as found when this part of its values is regular.
+/// Share of regular values from which a window of the paper counts as found.
 const MOSTLY: f64 = 0.85;
-/// A modulation is strong when the least amplitude is less than this part of the largest.
+/// Ratio of least to largest amplitude below which a modulation is strong.
 const STRONG: f64 = 0.6;
 
-pub(super) fn all(found: &Found) -> Result<Vec<Statement>> {
+pub(super) fn all(found: &Findings) -> Result<Vec<Statement>> {
     let mut list = limits(found)?;
     list.push(figure_nine(found)?);
     list.extend(figure_thirteen(found)?);
@@ -31,7 +31,7 @@ pub(super) fn all(found: &Found) -> Result<Vec<Statement>> {
     Ok(list)
 }
 
-fn figure_thirteen(found: &Found) -> Result<Vec<Statement>> {
+fn figure_thirteen(found: &Findings) -> Result<Vec<Statement>> {
     let mut list = Vec::new();
     if let Some((e, _)) = errors(found.errors)? {
         list.push(Statement {
@@ -75,8 +75,8 @@ fn within(points: &[Option<SweepPoint>], from: f64, to: f64) -> impl Iterator<It
     points.iter().flatten().filter(move |p| p.value > from - 1e-9 && p.value < to + 1e-9)
 }
 
-/// Values of both sweeps, ascending, at which something holds.
-fn listed(found: &Found, holds: impl Fn(&SweepPoint) -> bool) -> Vec<String> {
+/// Values of both sweeps at which `holds` is true, ascending.
+fn listed(found: &Findings, holds: impl Fn(&SweepPoint) -> bool) -> Vec<String> {
     let all = found.coarse.up.iter().chain(&found.fine.up).flatten().filter(|p| holds(p));
     let mut values: Vec<f64> = all.map(|p| p.value).collect();
     values.sort_by(f64::total_cmp);
@@ -85,8 +85,8 @@ fn listed(found: &Found, holds: impl Fn(&SweepPoint) -> bool) -> Vec<String> {
     words
 }
 
-/// Whether the block meets the stops at all: a motion without impacts coexists with those of the
-/// paper at small forces.
+/// Whether the block meets the stops: at small forces a motion without impacts coexists with those
+/// of the paper.
 fn meets(p: &SweepPoint) -> bool {
     p.attractor.impacts.iter().sum::<f64>() > 0.0
 }
@@ -96,11 +96,11 @@ const WINDOWS: [(f64, f64); 3] = [(0.9, 2.8), (2.9, 3.4), (3.8, 4.0)];
 /// Ranges of f10 around and between them.
 const CHAOTIC_RANGES: [(f64, f64); 4] = [(0.5, 0.9), (2.8, 2.95), (3.4, 3.8), (4.0, 5.0)];
 
-fn windows(found: &Found) -> Vec<Statement> {
+fn windows(found: &Findings) -> Vec<Statement> {
     vec![periodic_windows(found), chaos_around(found), quasi_periodic(found)]
 }
 
-fn periodic_windows(found: &Found) -> Statement {
+fn periodic_windows(found: &Findings) -> Statement {
     let points = &found.coarse.up;
     let mut wide = periodic_ranges(points);
     wide.retain(|r| r.1 - r.0 >= END);
@@ -133,8 +133,8 @@ fn periodic_windows(found: &Found) -> Statement {
     }
 }
 
-/// Ranges of values with the located ends of their stable orbits.
-fn ranges_in_words(found: &Found, direction: usize, ranges: &[(f64, f64)]) -> String {
+/// Ranges of values with the located ends of their stable orbits, in words.
+fn ranges_in_words(found: &Findings, direction: usize, ranges: &[(f64, f64)]) -> String {
     let words = ranges.iter().map(|range| {
         let located = found.orbits.and_then(|orbits| {
             let (from, to) = orbits.bounds(direction, *range)?;
@@ -146,7 +146,7 @@ fn ranges_in_words(found: &Found, direction: usize, ranges: &[(f64, f64)]) -> St
     words.collect::<Vec<_>>().join(", ")
 }
 
-fn chaos_around(found: &Found) -> Statement {
+fn chaos_around(found: &Findings) -> Statement {
     let chaotic = |points: &[Option<SweepPoint>], range: &(f64, f64)| {
         within(points, range.0, range.1).any(|p| p.class == MotionClass::Chaotic)
     };
@@ -160,9 +160,9 @@ fn chaos_around(found: &Found) -> Statement {
     }
 }
 
-fn quasi_periodic(found: &Found) -> Statement {
+fn quasi_periodic(found: &Findings) -> Statement {
     let is_quasi = |p: &SweepPoint| p.class == MotionClass::QuasiPeriodic;
-    // A torus exists on a range of values; a single value is where a bifurcation happens.
+    // A torus exists on a range of values; at a single value there is a bifurcation.
     let range = [&found.coarse.up, &found.fine.up].into_iter().any(|points| {
         let quasi: Vec<bool> = points.iter().flatten().map(is_quasi).collect();
         quasi.windows(2).any(|pair| pair[0] && pair[1])
@@ -183,7 +183,7 @@ fn quasi_periodic(found: &Found) -> Statement {
     }
 }
 
-fn exponents(found: &Found) -> Vec<Statement> {
+fn exponents(found: &Findings) -> Vec<Statement> {
     let points: Vec<&SweepPoint> = found.coarse.up.iter().chain(&found.fine.up).flatten().collect();
     let of = |p: &SweepPoint, i: usize| p.spectrum.as_ref().map_or(f64::NAN, |s| s.exponents[i]);
     let share = |list: &[&SweepPoint], holds: &dyn Fn(&SweepPoint) -> bool| {
@@ -230,7 +230,7 @@ fn exponents(found: &Found) -> Vec<Statement> {
     ]
 }
 
-/// Classes met between two values, in order, each with its first value.
+/// Classes between two values in order, each with its first value.
 fn order(points: &[Option<SweepPoint>], from: f64, to: f64) -> Vec<(f64, MotionClass)> {
     let mut met: Vec<(f64, MotionClass)> = Vec::new();
     for p in within(points, from, to) {
@@ -242,7 +242,7 @@ fn order(points: &[Option<SweepPoint>], from: f64, to: f64) -> Vec<(f64, MotionC
 }
 
 /// The sequence of doublings with which the symmetric motion with two impacts a period ends.
-fn doublings(found: &Found) -> Vec<Doubling> {
+fn doublings(found: &Findings) -> Vec<Doubling> {
     let Some(orbits) = found.orbits else { return Vec::new() };
     let branches = &orbits.tree.branches;
     let of_symmetric = |s: &Vec<Doubling>| {
@@ -252,7 +252,7 @@ fn doublings(found: &Found) -> Vec<Doubling> {
     doubling_sequences(branches).into_iter().find(of_symmetric).unwrap_or_default()
 }
 
-fn route(found: &Found) -> Vec<Statement> {
+fn route(found: &Findings) -> Vec<Statement> {
     let met = order(&found.fine.up, 2.0, 2.95);
     let words: Vec<_> = met.iter().map(|m| format!("{} from {}", m.1.name(), short(m.0))).collect();
     let has = |n: u32| met.iter().any(|m| m.1 == MotionClass::Periodic(n));
@@ -308,7 +308,7 @@ fn route(found: &Found) -> Vec<Statement> {
     ]
 }
 
-fn overlay(found: &Found) -> Result<Vec<Statement>> {
+fn overlay(found: &Findings) -> Result<Vec<Statement>> {
     let mut gaps = Vec::new();
     let symmetric =
         |p: &&SweepPoint| p.class == MotionClass::Periodic(1) && p.attractor.is_symmetric() && meets(p);

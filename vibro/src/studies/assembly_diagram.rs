@@ -1,14 +1,13 @@
-//! Bifurcation diagrams of machines of the user's own: as those of the 3-DOF machine, by the names
-//! of bodies and elements.
+//! Bifurcation diagrams and exponents of described machines.
 
 use super::Study;
-use super::design_sweep::Told;
+use super::design_sweep::Labelled;
 use super::diagram::{
     DIRECTIONS, contact_panel, hysteresis, maxima_rows, reach, remarks, shaded, window_table,
 };
 use super::sweep::letters;
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use vibro_analysis::assembly::diagram::{AssemblyPoint, DiagramRequest};
 use vibro_analysis::assembly::{Machine, Start, runs_on, settle, settled};
 use vibro_analysis::bifurcation::Diagram;
@@ -16,7 +15,7 @@ use vibro_analysis::significant;
 use vibro_figures::canvas::palette::{FAMILY, GREY};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 
-/// Lengths under this, m, are shown in mm.
+/// Lengths below this, m, are shown in mm.
 const SMALL: f64 = 0.1;
 
 /// The study of a diagram, with its tables.
@@ -90,7 +89,7 @@ pub fn assembly_diagram(
     let told = |value: f64| machine.told(parameter, value);
     let directions = if request.anew { "each value started anew" } else { "both directions" };
     let what = format!("{} of {of} over {parameter}, {directions}", drawn.to_lowercase());
-    // Of values that start anew nothing is said of a second direction.
+    // With `anew` there is one direction.
     let remarks = remarks(parameter, diagram, (!request.anew).then_some(&apart[..]), &told);
     Ok(Study {
         tables: vec![
@@ -104,8 +103,8 @@ pub fn assembly_diagram(
     })
 }
 
-/// The largest exponent of a machine's motion after `discard` returns, over `periods` of them, as a
-/// table.
+/// Table of the largest exponent of a machine's motion, over `periods` returns after `discard` of
+/// them.
 ///
 /// # Errors
 /// What the machine or its motion refuses.
@@ -119,7 +118,8 @@ pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &s
         return Err(crate::Error::Refused { what: why, problem: problem.into() });
     }
     let found = settled(&mut motion, &section, Some(periods))?;
-    let mut table = Table::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
+    let mut table =
+        TextTable::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
     let exponent = found.exponent;
     let number = |x: Option<f64>| x.map_or(String::new(), exact);
     table.rows.push(vec![
@@ -158,10 +158,10 @@ pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &s
     })
 }
 
-fn point_table(parameter: &str, diagram: &Diagram<AssemblyPoint>, apart: &[Option<bool>]) -> Table {
+fn point_table(parameter: &str, diagram: &Diagram<AssemblyPoint>, apart: &[Option<bool>]) -> TextTable {
     let header =
         ["direction", "class", "period", "interval", "contacts", "rests", "hysteresis", "exponent", "error"];
-    let mut table = Table::new(&[&[parameter][..], &header].concat());
+    let mut table = TextTable::new(&[&[parameter][..], &header].concat());
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for (point, apart) in points.iter().zip(apart) {
             let Some(AssemblyPoint { value, settled, .. }) = point else { continue };

@@ -3,7 +3,7 @@
 use super::Study;
 use super::lengths::Lengths;
 use crate::Result;
-use crate::table::{Table, csv_in_groups, exact};
+use crate::table::{TextTable, csv_in_groups, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::attractor::Attractor;
 use vibro_analysis::basin::{Basin, BasinRequest, Destination, InitialValueAxis};
@@ -13,8 +13,8 @@ use vibro_analysis::verdict::PROLONGED;
 use vibro_figures::canvas::palette::GREY;
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 
-/// Colours of the first attractors and of their mirror images. Each has a lightness of its own, as
-/// have those below.
+/// Colours of the first attractors and of their mirror images. Each differs in lightness from all
+/// others and from [`OTHERS`].
 pub const PAIRS: [[Colour; 2]; 8] = [
     [Colour(0, 65, 111), Colour(0, 145, 248)],
     [Colour(172, 57, 0), Colour(250, 167, 125)],
@@ -25,9 +25,8 @@ pub const PAIRS: [[Colour; 2]; 8] = [
     [Colour(180, 0, 0), Colour(246, 148, 148)],
     [Colour(0, 137, 137), Colour(0, 251, 251)],
 ];
-/// What is none of these: starts outside the stops, motions that have not settled, those that are
-/// on a chaotic attractor but on which one is undecided, and all attractors after those with
-/// colours of their own.
+/// Colours of other cells: starts outside the stops, motions that have not settled, those on an
+/// undecided one of several chaotic attractors, and all attractors beyond [`PAIRS`].
 pub const OTHERS: [Colour; 4] =
     [Colour(235, 235, 235), Colour(132, 132, 132), Colour(45, 45, 45), Colour(20, 20, 20)];
 const OUTSIDE: Colour = OTHERS[0];
@@ -38,10 +37,10 @@ const FURTHER: Colour = OTHERS[3];
 /// Most attractors that are listed.
 const SHOWN: usize = 101;
 
-/// The most that a row of the table takes, bytes.
+/// Largest size of a row of the table, bytes.
 const ROW: usize = 64;
 
-/// Checks that a plane of starts fits into memory with its table, before it is computed.
+/// Checks that a plane of starts and its table fit into memory.
 ///
 /// # Errors
 /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
@@ -68,14 +67,14 @@ pub fn basins(set: &ParameterSet, request: &BasinRequest, basin: &Basin, name: &
     })
 }
 
-/// The attractors that are listed, with their indices and the names of their classes.
+/// The listed attractors with index and name of class.
 fn shown(basin: &Basin) -> impl Iterator<Item = (usize, &Attractor, String)> {
     basin.attractors.iter().take(SHOWN).enumerate().map(|(i, a)| (i, &a.attractor, a.class.name()))
 }
 
-/// Each attractor with the shares of its basin and of its mirror image's.
-fn attractor_table(basin: &Basin) -> Table {
-    let mut table = Table::new(&[
+/// Table of attractors, with the shares of the plane that lead to each and to its mirror image.
+fn attractor_table(basin: &Basin) -> TextTable {
+    let mut table = TextTable::new(&[
         "attractor",
         "class",
         "impacts_upper",
@@ -95,7 +94,7 @@ fn attractor_table(basin: &Basin) -> Table {
     table
 }
 
-/// Each start with the number of its attractor.
+/// Table of starts, each with the number of its attractor.
 fn cell_table(request: &BasinRequest, basin: &Basin) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
     let header = [COORDINATES[x.coordinate], COORDINATES[y.coordinate], "attractor", "mirror_image", "class"];
@@ -123,7 +122,7 @@ fn cell_table(request: &BasinRequest, basin: &Basin) -> Result<Vec<u8>> {
 fn remarks(basin: &Basin) -> Vec<String> {
     let remark = |(index, attractor, class): (usize, &Attractor, String)| {
         let [own, mirror] = basin.shares(index as u16);
-        // Of motion without a period a mean, known to two or three digits.
+        // Without a period it is a mean, known to two or three digits.
         let impacts = attractor.impacts.map(|x| match attractor.period {
             Some(_) => exact(x),
             None => format!("{x:.2}"),
@@ -161,8 +160,8 @@ fn remarks(basin: &Basin) -> Vec<String> {
     lines
 }
 
-/// The code of a cell in the picture: four for what is no attractor or has no colour of its own,
-/// then two for each attractor and its mirror image.
+/// Code of a cell in the picture: 0 to 3 for [`OTHERS`], then two for each attractor and its mirror
+/// image.
 fn code(destination: &Destination) -> u8 {
     match *destination {
         Destination::Outside => 0,
@@ -185,8 +184,8 @@ fn cells(request: &BasinRequest, basin: &Basin) -> Shape {
     }
 }
 
-/// Entries of the legend: each attractor with a colour of its own, and its mirror image where there
-/// is one; the others together; then what is on no attractor that is known.
+/// Entries of the legend: each attractor of [`PAIRS`], its mirror image where there is one, all
+/// further attractors together, then cells without a known attractor.
 fn legend(basin: &Basin) -> Vec<Layer> {
     let entry = |name: &str, colour| Layer::band(name, colour, 1.0, Vec::new());
     let mut layers = Vec::new();
@@ -258,14 +257,13 @@ mod tests {
 
     #[test]
     fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
-        /// Of the lighter luminance over the darker, with some stray light: more than the eye tells
-        /// apart.
+        /// Ratio of two luminances with stray light (WCAG) that the eye tells apart.
         const APART: f64 = 1.02;
         let mut light: Vec<f64> =
             PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();
         light.sort_by(f64::total_cmp);
         assert!(light.windows(2).all(|pair| pair[1] / pair[0] > APART), "{light:?}");
-        // Eleven attractors, of which three share the entry of those without a colour of their own.
+        // Eleven attractors: the last three share one entry.
         let attractor = |period: u32| BasinAttractor {
             attractor: Attractor {
                 period: Some(period),

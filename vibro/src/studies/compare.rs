@@ -6,7 +6,7 @@ use super::steady_motion::{MotionSample, SteadyMotion, simulated};
 use super::sweep::{maxima_table, overlay};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use rayon::prelude::*;
 use vibro_analysis::attractor::{Attractor, observe};
 use vibro_analysis::bifurcation::{Sweep, diagram};
@@ -21,10 +21,10 @@ use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape, 
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
-/// A transient decays over a time of order 1/ε: this number of periods divided by ε brings it under
-/// round-off for dampings of order one.
+/// Drive periods times ε until a transient is below round-off, for dampings of order one: it decays
+/// over a time of order 1/ε.
 const SETTLING: f64 = 60.0;
-/// Periods shown of a simulated steady motion.
+/// Drive periods of a simulated steady motion that are shown.
 pub(super) const SHOWN: u32 = 2;
 /// Figure 16: periods discarded and kept at each value.
 const DISCARDED: u32 = 400;
@@ -42,7 +42,7 @@ pub(super) struct SimulatedMotion {
     motion: Attractor,
 }
 
-/// The simulated steady motion from a start near the theory's.
+/// The simulated steady motion, from a start near the theory's.
 pub(super) fn simulate(parameters: &Parameters, near: &SteadyMotion) -> Result<SimulatedMotion> {
     let p = parameters;
     let start = start(p, near);
@@ -54,9 +54,8 @@ pub(super) fn simulate(parameters: &Parameters, near: &SteadyMotion) -> Result<S
     Ok(SimulatedMotion { amplitudes, samples: simulated(&flights, p), motion: observe(&mut simulator)? })
 }
 
-/// Why a theory's amplitudes are not those of the simulated motion, however exact the theory is:
-/// its motion is unstable, so that a simulation leaves it, or the simulated motion is of another
-/// kind. `None` where errors have a meaning.
+/// Reason why the errors of a theory's amplitudes have no meaning: its motion is unstable, so that
+/// a simulation leaves it, or the simulated motion is of another kind. `None` where they have one.
 pub(super) fn not_compared(theory: &SteadyMotion, simulated: &SimulatedMotion) -> Option<String> {
     let mut reasons = Vec::new();
     if !theory.is_stable() {
@@ -78,8 +77,8 @@ pub(super) fn not_compared(theory: &SteadyMotion, simulated: &SimulatedMotion) -
     (!reasons.is_empty()).then(|| reasons.join("; "))
 }
 
-/// The theory's state at t = 0 in SI, with the block put between the stops, which an approximation
-/// may pass a little.
+/// The theory's state at t = 0 in SI. The block is put between the stops: an approximation may
+/// place it slightly beyond.
 fn start(p: &Parameters, theory: &SteadyMotion) -> State {
     let at = theory.history(p, 1.0);
     let first = at.first().map_or(([0.0; 5], [0.0; 5]), |a| (a.x, a.v));
@@ -94,15 +93,15 @@ pub(super) fn no_motion(name: &str, theory: &str) -> Study {
     Study::without_figure(name, format!("no picture: {theory} has no motion with two symmetric impacts here"))
 }
 
-/// Amplitudes by theory and simulation with the theory's errors, as a table and in words; where
-/// they cannot be compared, the reason instead of errors.
+/// Amplitudes by theory and simulation with the theory's errors, as a table and in words; the
+/// reason instead of errors where they are not comparable.
 pub(super) fn amplitude_table(
     name: &str,
     analytical: [f64; 4],
     simulated: [f64; 4],
     not_compared: Option<&str>,
-) -> (Table, Vec<String>) {
-    let mut table = Table::new(&["amplitude", name, "simulation", "relative_error", "not_compared"]);
+) -> (TextTable, Vec<String>) {
+    let mut table = TextTable::new(&["amplitude", name, "simulation", "relative_error", "not_compared"]);
     let mut remarks: Vec<String> = not_compared.map(str::to_owned).into_iter().collect();
     for ((name, a), s) in NAMES.into_iter().zip(analytical).zip(simulated) {
         let error = a / s - 1.0;
@@ -116,7 +115,7 @@ pub(super) fn amplitude_table(
     (table, remarks)
 }
 
-/// The reason as lines of a caption.
+/// The reason, as lines of a caption.
 pub(super) fn caption_lines(not_compared: Option<&str>) -> Vec<String> {
     not_compared.iter().flat_map(|reason| reason.split("; ")).map(str::to_owned).collect()
 }
@@ -166,15 +165,15 @@ pub fn force_overlay(
         start: StartRule::default(),
     };
     let found = diagram(set, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
-    // All parts are made here.
+    // All parts are computed here, so the diagram is there.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
     let mut study = overlay(set, &sweep, &found, "compare-16")?;
     study.tables.push(("compare-16-maxima".into(), maxima_table(&sweep, &found)?));
     Ok(study)
 }
 
-/// One ε of figure 17: both motions over a period, both sets of amplitudes.
-struct Run {
+/// One ε of figure 17: motions and amplitudes by theory and by simulation.
+struct EpsilonComparison {
     epsilon: f64,
     theory: Vec<MotionSample>,
     simulation: Vec<MotionSample>,
@@ -183,8 +182,8 @@ struct Run {
     not_compared: Option<String>,
 }
 
-impl Run {
-    /// `None` where multiple scales has no motion.
+impl EpsilonComparison {
+    /// Computes both; `None` where multiple scales has no motion.
     fn new(set: &ParameterSet, epsilon: f64) -> Result<Option<Self>> {
         let p = set.parameters();
         let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else { return Ok(None) };
@@ -219,7 +218,7 @@ impl Run {
 /// Values of ε that are not allowed; what theory or simulator refuse.
 pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     let group = find_group("epsilon")?;
-    let run = |&epsilon: &f64| Run::new(&set.with(group, epsilon)?, epsilon);
+    let run = |&epsilon: &f64| EpsilonComparison::new(&set.with(group, epsilon)?, epsilon);
     let runs = epsilons.par_iter().map(run).collect::<Result<Vec<_>>>()?;
     let runs: Vec<_> = runs.into_iter().flatten().collect();
     if runs.is_empty() {
@@ -231,7 +230,7 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     let mut panels: Vec<_> =
         ('a'..).zip(&shown).map(|(letter, &i)| runs[i].panel(letter, &lengths)).collect();
     let (panel, slopes) = error_panel(char::from(b'a' + shown.len() as u8), &runs);
-    // Nothing to draw where no value of epsilon can be compared.
+    // Without a comparable ε there is nothing to draw.
     if !panel.layers.is_empty() {
         panels.push(panel);
     }
@@ -254,9 +253,9 @@ pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     Ok(Study::of("compare-17", what, &error_table(&runs), figure)?.with_remarks(slopes))
 }
 
-fn error_table(runs: &[Run]) -> Table {
+fn error_table(runs: &[EpsilonComparison]) -> TextTable {
     let columns = ["epsilon", "amplitude", "multiple_scales", "simulation", "relative_error", "not_compared"];
-    let mut table = Table::new(&columns);
+    let mut table = TextTable::new(&columns);
     for run in runs {
         let errors = run.errors();
         for (k, name) in NAMES.into_iter().enumerate() {
@@ -269,21 +268,22 @@ fn error_table(runs: &[Run]) -> Table {
     table
 }
 
-/// The errors over ε in per cent, and in words their slopes.
-fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
+/// Panel of the errors over ε in per cent, and their slopes in words.
+fn error_panel(letter: char, runs: &[EpsilonComparison]) -> (Panel, Vec<String>) {
     let percent = |k: usize| -> Path {
         runs.iter().filter_map(|r| Some((r.epsilon, 100.0 * r.errors()?[k].abs()))).collect()
     };
     let errors: [Path; 4] = std::array::from_fn(percent);
     let names = ["B, centre of mass", "A₁, box", "A₂, block", "A₃, secondary"];
     let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Ring];
-    let reason = |r: &Run| Some(format!("epsilon = {}: {}", short(r.epsilon), r.not_compared.as_ref()?));
+    let reason =
+        |r: &EpsilonComparison| Some(format!("epsilon = {}: {}", short(r.epsilon), r.not_compared.as_ref()?));
     let (mut layers, mut remarks) = (Vec::new(), runs.iter().filter_map(reason).collect::<Vec<_>>());
     for (k, path) in errors.iter().enumerate() {
         if path.is_empty() {
             continue;
         }
-        // One value has no slope.
+        // A slope needs two values.
         let slope = (path.len() > 1).then(|| slope(path));
         let rises = slope.map_or(String::new(), |slope| format!(", slope {slope:.3} in the logarithms"));
         remarks.push(format!(
@@ -306,7 +306,7 @@ fn error_panel(letter: char, runs: &[Run]) -> (Panel, Vec<String>) {
     (panel, remarks)
 }
 
-/// The errors at one ε side by side, from zero: a single value has no slope to show in logarithms.
+/// Errors at a single ε, side by side on a linear axis from zero.
 fn single_panel(title: String, mut layers: Vec<Layer>) -> Panel {
     layers.retain(|layer| layer.name.is_some());
     let mut highest = 0.0_f64;
@@ -322,7 +322,7 @@ fn single_panel(title: String, mut layers: Vec<Layer>) -> Panel {
     Panel { title, x, y: Axis::over("relative error (%)", 0.0, 1.1 * highest), layers }
 }
 
-/// Least-squares slope in the logarithms.
+/// Least-squares slope of the logarithms.
 fn slope(path: &Path) -> f64 {
     let logs: Vec<_> = path.iter().map(|p| (p.0.ln(), p.1.ln())).collect();
     let n = logs.len() as f64;

@@ -1,4 +1,4 @@
-//! Measures over any number of parameters: tables, pictures, and what is worth saying of them.
+//! Measures over any number of parameters: tables, pictures, remarks.
 
 mod best;
 mod collected;
@@ -17,14 +17,19 @@ use vibro_analysis::design_sweep::{
     Choice, DesignRow, Designs, SampledAxis, SweepRequest, choice, each_final_row,
 };
 use vibro_analysis::parts::Task;
-pub use words::Told;
+pub use words::Labelled;
 
-/// The study of a sweep whose parts are all in the task's store. Its tables are written apart, by
-/// [`write_tables`].
+/// The study of a sweep whose parts are all in the task's store. [`write_tables`] writes its
+/// tables.
 ///
 /// # Errors
 /// What the store refuses.
-pub fn design_sweep<M: Told>(set: &M, request: &SweepRequest<M>, task: &Task, name: &str) -> Result<Study> {
+pub fn design_sweep<M: Labelled>(
+    set: &M,
+    request: &SweepRequest<M>,
+    task: &Task,
+    name: &str,
+) -> Result<Study> {
     let mut found = Collected::new(set, request);
     let quiet = Task { done: &|_| (), ..*task };
     let choice = choice(set, request, &quiet)?;
@@ -52,14 +57,14 @@ pub fn design_sweep<M: Told>(set: &M, request: &SweepRequest<M>, task: &Task, na
     })
 }
 
-fn outputs_in_words<M: Told>(request: &SweepRequest<M>) -> String {
+fn outputs_in_words<M: Labelled>(request: &SweepRequest<M>) -> String {
     match &request.measures[..] {
         [one] => one.to_string(),
         several => format!("{} outputs", several.len()),
     }
 }
 
-fn designs_in_words<M: Told>(request: &SweepRequest<M>) -> String {
+fn designs_in_words<M: Labelled>(request: &SweepRequest<M>) -> String {
     let count = request.designs.count();
     let names: Vec<_> = request.designs.names().iter().map(M::name).collect();
     let over = if names.is_empty() { String::new() } else { format!(" over {}", names.join(", ")) };
@@ -69,8 +74,8 @@ fn designs_in_words<M: Told>(request: &SweepRequest<M>) -> String {
     }
 }
 
-/// How the numbers came about, for captions.
-fn method<M: Told>(set: &M, request: &SweepRequest<M>, choice: Option<&Choice>) -> String {
+/// How the motions were measured, for captions.
+fn method<M: Labelled>(set: &M, request: &SweepRequest<M>, choice: Option<&Choice>) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",
         Designs::Rows { .. } => "as listed",
@@ -101,8 +106,8 @@ fn method<M: Told>(set: &M, request: &SweepRequest<M>, choice: Option<&Choice>) 
     words
 }
 
-/// An axis over which the motions of a design are taken together, in words.
-fn axis_in_words<M: Told>(set: &M, axis: &SampledAxis<M::Name>) -> String {
+/// An axis of [`SweepRequest::over`] in words.
+fn axis_in_words<M: Labelled>(set: &M, axis: &SampledAxis<M::Name>) -> String {
     let ends = (axis.values.iter().copied().reduce(f64::min), axis.values.iter().copied().reduce(f64::max));
     match ends {
         (Some(a), Some(b)) if a < b => {
@@ -115,7 +120,7 @@ fn axis_in_words<M: Told>(set: &M, axis: &SampledAxis<M::Name>) -> String {
     }
 }
 
-/// The parameters that a caption leaves out, since they vary.
-fn varied<M: Told>(request: &SweepRequest<M>) -> Vec<M::Name> {
+/// The parameters that vary, which a caption leaves out.
+fn varied<M: Labelled>(request: &SweepRequest<M>) -> Vec<M::Name> {
     request.designs.names().into_iter().chain(request.over.iter().map(|a| a.name.clone())).collect()
 }

@@ -1,24 +1,23 @@
-//! A bifurcation diagram's panel of maxima, and how it was made in words; shared by diagrams with
-//! exponents and those with orbits.
+//! Panels, tables and remarks that all bifurcation diagrams share: with exponents, with orbits, of
+//! described machines.
 
 use super::lengths::Lengths;
 use crate::Result;
-use crate::table::{CsvRows, Table, exact};
+use crate::table::{CsvRows, TextTable, exact};
 use vibro_analysis::ParameterSet;
 use vibro_analysis::bifurcation::{Diagram, DiagramPoint, Sweep, SweepPoint, Window};
 use vibro_analysis::plane::{AxisName, ParameterAxis};
 use vibro_figures::canvas::palette::{BLACK, HERE, SKY};
 use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
 
-/// Rows of cells in a diagram, and most columns: neighbouring values share one where there are
-/// more.
+/// Rows of cells in a diagram, and most columns: with more values, neighbours share a column.
 const ROWS: usize = 380;
 const COLUMNS: usize = 1300;
-/// Shades by the part of the kept periods that fall into a cell: under 0.5 %, 3 %, 20 %, more.
+/// Limits between the four shades, as parts of the kept periods that fall into a cell.
 const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
 const SHADES: [Colour; 4] = [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
-/// Where the falling direction ends elsewhere: rare, frequent; lighter than any shade, so that grey
-/// shows it too.
+/// Colours of rare and of frequent maxima of the falling direction where it ends elsewhere; lighter
+/// than any shade, so that grey separates them too.
 const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
 
 /// Stroke of the curves over which others are drawn.
@@ -26,10 +25,10 @@ pub(super) const WIDE: u32 = 14;
 /// Most windows listed on the screen.
 const TOLD: usize = 40;
 
-/// The two ways through a range of values.
+/// The two directions through a range of values.
 pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 
-/// How a diagram was made, in words.
+/// How a diagram was computed, in words.
 pub(super) fn method(sweep: &Sweep) -> String {
     let mut text = format!(
         "{} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
@@ -41,10 +40,10 @@ pub(super) fn method(sweep: &Sweep) -> String {
     text
 }
 
-/// What a maximum at a point is in units of the set's own gap.
+/// Converts a maximum at a point to units of the set's own gap.
 type Length<'a, P> = &'a dyn Fn(&P, f64) -> f64;
 
-/// Range of all maxima, with some air.
+/// Range of all maxima, extended by `air`.
 pub(super) fn reach<P: DiagramPoint>(diagram: &Diagram<P>, length: Length<'_, P>, air: f64) -> (f64, f64) {
     let points = diagram.up.iter().chain(&diagram.down).flatten();
     let all = points.flat_map(|p| p.maxima().iter().map(|m| length(p, m.0)));
@@ -52,8 +51,8 @@ pub(super) fn reach<P: DiagramPoint>(diagram: &Diagram<P>, length: Length<'_, P>
     if low > high { (0.0, 1.0) } else { (low - 0.03 * (high - low) - air, high + 0.03 * (high - low) + air) }
 }
 
-/// Cells of the maxima: 0 paper, 1…4 the shades of the rising direction, 5 and 6 the falling one
-/// where it ends elsewhere.
+/// Cells of the maxima: 0 for none, 1 to 4 for the shades of the rising direction, 5 and 6 for the
+/// falling one where it ends elsewhere.
 fn cells<N: AxisName, P: DiagramPoint>(
     (axis, kept): (&ParameterAxis<N>, u32),
     diagram: &Diagram<P>,
@@ -61,7 +60,7 @@ fn cells<N: AxisName, P: DiagramPoint>(
     (y, length): ((f64, f64), Length<'_, P>),
 ) -> Shape {
     let columns = axis.count.min(COLUMNS);
-    // Values in a column, whose periods are counted together.
+    // Values that share a column; their periods are counted together.
     let mut shares = vec![0_u32; columns];
     let mut counts = vec![[0u32; 2]; ROWS * columns];
     let row = |x: f64| (((x - y.0) / (y.1 - y.0) * ROWS as f64) as usize).min(ROWS - 1);
@@ -92,7 +91,7 @@ fn cells<N: AxisName, P: DiagramPoint>(
     Shape::Cells { x, y, columns, cells, colours }
 }
 
-/// The layers of the maxima, with their names.
+/// The layers of the maxima, named for the legend.
 pub(super) fn shaded<N: AxisName, P: DiagramPoint>(
     axis: (&ParameterAxis<N>, u32),
     diagram: &Diagram<P>,
@@ -106,7 +105,7 @@ pub(super) fn shaded<N: AxisName, P: DiagramPoint>(
     ]
 }
 
-/// Impacts a period in both directions.
+/// Panel of the impacts per period in both directions.
 pub(super) fn contact_panel<P: DiagramPoint>(
     title: &str,
     x: Axis,
@@ -127,7 +126,7 @@ pub(super) fn contact_panel<P: DiagramPoint>(
     }
 }
 
-/// Every maximum with its count; `text` writes one.
+/// Table of all maxima with their counts; `text` formats a maximum.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -148,9 +147,9 @@ pub(super) fn maxima_rows<P: DiagramPoint>(
     csv.text()
 }
 
-/// Ranges of one class.
-pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) -> Table {
-    let mut table = Table::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
+/// Table of the ranges of one class.
+pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) -> TextTable {
+    let mut table = TextTable::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for Window { from, to, class } in Diagram::windows(points) {
             table.rows.push(vec![direction.into(), exact(from), exact(to), class.name()]);
@@ -164,8 +163,8 @@ pub(super) fn hysteresis(apart: Option<bool>) -> String {
     apart.map_or_else(|| "undecided".into(), |apart| apart.to_string())
 }
 
-/// What is worth saying of a diagram: ranges of one class with the value rising, where the
-/// directions part, what is missing. Without `apart` there is one direction.
+/// Remarks on a diagram: ranges of one class with the value rising, where the directions differ,
+/// what is missing. Without `apart` there is one direction.
 pub(super) fn remarks<P: DiagramPoint>(
     name: &str,
     diagram: &Diagram<P>,
@@ -196,8 +195,8 @@ pub(super) fn remarks<P: DiagramPoint>(
     lines
 }
 
-/// The panel of all maxima: shaded by how often they come, the falling direction where it ends
-/// elsewhere, the set's own value.
+/// The panel of all maxima: shaded by frequency, with the falling direction where it ends
+/// elsewhere, and the set's own value.
 pub(super) fn maxima_panel(
     set: &ParameterSet,
     sweep: &Sweep,

@@ -1,5 +1,5 @@
-//! The exact branches of periodic orbits over the points of a bifurcation diagram, and which of its
-//! rows they explain.
+//! The exact branches of periodic orbits over a bifurcation diagram, and which rows of the diagram
+//! lie on them.
 
 mod drawn;
 
@@ -22,35 +22,33 @@ use vibro_orbits::{
     branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
 };
 
-/// Most values of a diagram at all of which motions are settled for the branches, in each
-/// direction.
+/// Most values, in each direction, at which settled motions start branches.
 const MOST_SEEDS: usize = 1001;
-/// Drive periods after which a row that no branch covers is looked at once more: what is left of a
-/// transient of a row next to a bifurcation dies out in so many.
+/// Drive periods after which a row that no branch covers is examined again: the transient of a row
+/// next to a bifurcation has died out by then.
 const LATER: u32 = 20_000;
 /// Most sequences of doublings, and most uncovered rows, listed on the screen.
 const TOLD: usize = 12;
-/// Decimals of a located value in words: to ten digits it is certain.
+/// Decimals of a located value in words: ten digits are certain.
 const DECIMALS: usize = 10;
 
-/// What the branches say of a periodic row of a diagram.
+/// The branch on which a periodic row of a diagram lies, or why it has none.
 #[derive(Clone, Debug)]
 pub enum Covering {
     /// The motion lies on a stable branch.
     Branch {
-        /// The range of the branch in which it is.
+        /// The stable range of the branch that contains the row.
         range: StableRange,
         /// The branch's word, with its closing sign.
         word: String,
-        /// The distance of the motion's states from the orbit's, units of L and L ω10.
+        /// Distance of the motion's states from the orbit's, in units of L and L ω10.
         distance: f64,
     },
-    /// The block rests at a stop in the course of the motion, which the impacts alone do not
-    /// describe.
+    /// The block rests at a stop during the motion, which impacts alone do not describe.
     Rests,
-    /// The motion had not settled: later it lies on a stable branch.
+    /// The motion had not settled; later it lies on a stable branch.
     Transient,
-    /// No branch that was followed accounts for it.
+    /// No followed branch contains it.
     Missing,
 }
 
@@ -63,14 +61,14 @@ pub struct CoveredRow {
     pub value: f64,
     /// The motion's class.
     pub class: MotionClass,
-    /// Its branch, or why it has none.
+    /// The row's branch, or why it has none.
     pub covering: Covering,
 }
 
 /// The branches over a diagram.
 #[derive(Clone, Debug)]
 pub struct DiagramOrbits {
-    /// The machines over the parameter.
+    /// The family of machines over the parameter.
     pub family: Family,
     /// All branches.
     pub tree: Tree,
@@ -80,13 +78,12 @@ pub struct DiagramOrbits {
 
 /// The family of a sweep.
 ///
-/// # Errors
-/// The parameter that orbits cannot vary, by name.
+/// # Errors A parameter that orbits cannot vary, by name.
 pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
     let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
     let family = Family::new(set, span)?;
-    // A free block and undamped modes are refused here, by any word; that there is no orbit with
-    // this one says nothing.
+    // Any word serves to refuse a free block and undamped modes; whether this word has an orbit
+    // does not matter.
     let middle = family.system(&[0.5 * (span.from + span.to)])?;
     match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {
         Ok(_) | Err(vibro_analysis::Error::NoOrbit { .. }) => Ok(family),
@@ -95,14 +92,15 @@ pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
 }
 
 impl DiagramOrbits {
-    /// Follows all branches in the range of a sweep and looks up each periodic row of its diagram.
+    /// Follows all branches in the range of a sweep and assigns each periodic row of its diagram to
+    /// a branch.
     ///
     /// # Errors
     /// What the machines refuse.
     pub fn new(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, options: &TreeOptions) -> Result<Self> {
         let family = sweep_family(set, sweep)?;
-        // The values of the diagram are among those from which branches start, so that a window of
-        // one value is not missed.
+        // Branches start at the diagram's values too, so that a window of a single value is not
+        // missed.
         let steps = sweep.axis.count.min(MOST_SEEDS) - 1;
         let seeds = steps * (options.seeds.saturating_sub(1)).div_ceil(steps).max(1) + 1;
         let mut tree = tree(&family, &TreeOptions { seeds, ..options.clone() }, &|_, _| ())?;
@@ -124,7 +122,7 @@ impl DiagramOrbits {
         Ok(Self { family, tree, rows })
     }
 
-    /// The range of the stable branch on which the motion at a value lies; `None` where it is not
+    /// Stable range of the branch on which the motion at a value lies; `None` where it is not
     /// periodic or not covered.
     pub fn range_at(&self, direction: usize, value: f64) -> Option<&StableRange> {
         let row = self.rows.iter().find(|row| row.direction == direction && row.value == value)?;
@@ -134,8 +132,8 @@ impl DiagramOrbits {
         }
     }
 
-    /// The ends of the stable ranges in which the first and the last covered row of a range of
-    /// values are.
+    /// Ends of the stable ranges that contain the first and the last covered row of a range of
+    /// values.
     pub fn bounds(&self, direction: usize, (from, to): (f64, f64)) -> Option<(RangeEnd, RangeEnd)> {
         let inside = |row: &&CoveredRow| row.direction == direction && (from..=to).contains(&row.value);
         let range = |row: &CoveredRow| match &row.covering {
@@ -148,8 +146,7 @@ impl DiagramOrbits {
         Some((first.from, last.to))
     }
 
-    /// The periodic rows of which the transient has ended, and those of them that lie on a stable
-    /// branch.
+    /// Number of settled periodic rows, and of those that lie on a stable branch.
     pub fn share(&self) -> (usize, usize) {
         let count =
             |holds: &dyn Fn(&Covering) -> bool| self.rows.iter().filter(|row| holds(&row.covering)).count();
@@ -157,7 +154,7 @@ impl DiagramOrbits {
         (count(&|c| matches!(c, Covering::Branch { .. })), ended)
     }
 
-    /// The coverage in words: the share, and how many rows are not covered for which reason.
+    /// The coverage in words: the share, and the number of rows without a branch by reason.
     pub fn coverage_in_words(&self, set: &ParameterSet, sweep: &Sweep) -> Vec<String> {
         let (covered, ended) = self.share();
         let mut words = vec![format!(
@@ -182,14 +179,14 @@ impl DiagramOrbits {
         words
     }
 
-    /// The sequences of more than one doubling in words, with the ratios of their distances.
+    /// Sequences of at least two doublings in words, with the ratios of their distances.
     pub fn doublings_in_words(&self, set: &ParameterSet) -> Vec<String> {
         let sequences = doubling_sequences(&self.tree.branches).into_iter().filter(|s| s.len() > 1);
         let name = self.family.span().name;
         sequences.map(|sequence| doublings_in_words(set, name, &sequence)).collect()
     }
-    /// The study: the branches over the points of the diagram, with tables of what is drawn, of the
-    /// special points, the stable ranges, the windows and the rows.
+    /// The study: a picture of the branches over the diagram, with tables of the drawn curves,
+    /// special points, stable ranges, windows and rows.
     ///
     /// # Errors
     /// [`Error::Output`](crate::Error::Output).
@@ -233,8 +230,8 @@ impl DiagramOrbits {
         })
     }
 
-    /// The windows of periodic motion of the diagram with the stable ranges in which their first
-    /// and last rows are.
+    /// Table of the diagram's periodic windows, with the stable ranges that contain their first and
+    /// last rows.
     fn window_table(&self, sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
         let name = sweep.axis.name.name();
         let (from, to) = (format!("{name}_from"), format!("{name}_to"));
@@ -260,7 +257,7 @@ impl DiagramOrbits {
         table.text()
     }
 
-    /// The periodic rows with their branches.
+    /// Table of the periodic rows with their branches.
     fn row_table(&self, sweep: &Sweep) -> Result<Vec<u8>> {
         let mut table = CsvRows::new([
             sweep.axis.name.name(),
@@ -321,9 +318,9 @@ fn located(set: &ParameterSet, name: Name, value: f64) -> String {
     }
 }
 
-/// Adds the branch of the stable orbit on which a motion of the diagram itself lies; false where
-/// there is none. A row may have settled where no start of the tree has: narrow windows are met by
-/// chance.
+/// Adds the branch of the stable orbit on which a motion of the diagram lies; false where there is
+/// none. A row may have settled on an orbit that no start of the tree has met: narrow windows are
+/// met by chance.
 fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bool> {
     let system = family.system(&[point.value])?;
     let Some(state) = point.attractor.states.first() else { return Ok(false) };
@@ -337,7 +334,7 @@ fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bo
     Ok(true)
 }
 
-/// What the branches say of a periodic motion.
+/// The branch on which a periodic motion lies, or why it has none.
 fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering> {
     let value = point.value;
     if point.attractor.rests {
@@ -360,7 +357,7 @@ fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering
     Ok(if covered { Covering::Transient } else { Covering::Missing })
 }
 
-/// The ranges in which branches are stable.
+/// Table of the ranges in which branches are stable.
 fn range_table(sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
     let name = sweep.axis.name.name();
     let (from, to) = (format!("{name}_from"), format!("{name}_to"));

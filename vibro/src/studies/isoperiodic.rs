@@ -1,5 +1,4 @@
-//! Pictures and tables of simulated motion over a plane of two parameters, of a machine of either
-//! kind.
+//! Pictures and tables of simulated motion over a plane of two parameters, of either machine.
 
 mod assembly;
 mod three_dof;
@@ -7,7 +6,7 @@ mod three_dof;
 pub use three_dof::POINT_IN_TABLE;
 
 use super::Study;
-use super::design_sweep::Told;
+use super::design_sweep::Labelled;
 use crate::Result;
 use crate::table::{csv_in_groups, exact};
 use std::borrow::Cow;
@@ -21,49 +20,50 @@ const PALE: Colour = Colour(228, 228, 228);
 const YELLOW: Colour = Colour(240, 228, 66);
 const MINT: Colour = Colour(150, 220, 190);
 
-/// A motion as pictures tell it.
+/// What pictures show of a motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown {
+pub struct ClassifiedMotion {
     class: MotionClass,
-    /// Impacts, or impacts and first touches, a period.
+    /// Impacts, or impacts and first touches, per period.
     contacts: f64,
     rests: bool,
-    /// Whether it is of the kind of the closed forms: symmetric with one impact at each stop in
-    /// each period.
+    /// Whether it is the motion of the closed forms: symmetric, with one impact at each stop per
+    /// period.
     is_two_impact: bool,
 }
 
-/// A machine of whose planes there are pictures and tables.
-pub trait ShownPlane: PlaneMachine + Told {
-    /// What motions with one period are called that are not of the kind of the closed forms.
+/// A machine whose planes have pictures and tables.
+pub trait ShownPlane: PlaneMachine + Labelled {
+    /// Name of motions with one period other than that of the closed forms.
     const ONE_PERIOD: &str;
-    /// What is counted in the second panel.
+    /// Title of the second panel: what it counts.
     const CONTACTS: &str;
-    /// What columns of the table there are after those of the parameters.
+    /// Columns of the table after those of the parameters.
     const COLUMNS: &[&str];
 
-    /// The motion at a point; none where there is none.
-    fn motion(point: &Self::Point) -> Option<Shown>;
-    /// The cells of [`COLUMNS`](Self::COLUMNS); those of the motion are empty where there is none.
+    /// The motion at a point, if any.
+    fn motion(point: &Self::Point) -> Option<ClassifiedMotion>;
+    /// Cells of the [`COLUMNS`](Self::COLUMNS); empty where there is no motion.
     fn cells(point: &Self::Point) -> Vec<Cow<'static, str>>;
     /// How exponents were computed, for captions.
     fn exponents_in_words(periods: u32) -> String;
-    /// What is drawn over the colours, and the machine itself.
+    /// Layers over the colours: the machine's own values, limits.
     fn over(&self, request: &IsoperiodicRequest<Self>, plane: &Isoperiodic<Self::Point>) -> Vec<Layer>;
     /// Further panels.
     fn more(&self, request: &IsoperiodicRequest<Self>, plane: &Isoperiodic<Self::Point>) -> Vec<Panel>;
-    /// What more there is to say.
+    /// Further remarks.
     fn remarks(plane: &Isoperiodic<Self::Point>) -> Vec<String>;
 }
 
-/// An entry of a legend and what it stands for.
+/// Entry of a legend: name, colour, and which motions it covers if no earlier entry does.
 type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 
-/// The entry of motions with one period, which has a name for each kind of machine.
+/// Placeholder for the entry of motions with one period, whose name is the machine's
+/// [`ShownPlane::ONE_PERIOD`].
 const ONE_PERIOD: &str = "1T";
 
-/// Kinds of motion as the first panel tells them apart; the last takes what no other does.
-const KINDS: [Entry<Shown>; 11] = [
+/// Kinds of motion in the first panel; the last takes all others.
+const KINDS: [Entry<ClassifiedMotion>; 11] = [
     ("without impacts", PALE, |m| m.contacts == 0.0 && !m.rests),
     ("1T, two symmetric impacts", BLUE, |m| m.is_two_impact),
     (ONE_PERIOD, SKY, |m| m.class == MotionClass::Periodic(1)),
@@ -77,7 +77,7 @@ const KINDS: [Entry<Shown>; 11] = [
     ("not settled", VERMILLION, |_| true),
 ];
 
-/// Impacts per drive period, dark where there are many, as the second panel tells them apart.
+/// Impacts per period in the second panel, darker where there are more.
 const IMPACTS: [Entry<f64>; 8] = [
     ("none", PALE, |n| n == 0.0),
     ("under 2", Colour(253, 231, 37), |n| n < 2.0),
@@ -92,7 +92,7 @@ const IMPACTS: [Entry<f64>; 8] = [
 /// Most classes listed on the screen.
 const TOLD: usize = 8;
 
-/// Checks that a plane fits into memory with its table, before it is computed.
+/// Checks that a plane and its table fit into memory.
 ///
 /// # Errors
 /// [`TooMany`](vibro_analysis::Error::TooMany), with the number that would fit.
@@ -130,7 +130,7 @@ pub fn isoperiodic<M: ShownPlane>(
     })
 }
 
-/// How the motions were computed, for the caption.
+/// How the motions were computed, for captions.
 fn method<M: ShownPlane>(request: &IsoperiodicRequest<M>) -> String {
     let mut method = format!(
         "{} × {} motions, start {}; {} periods discarded.",
@@ -142,16 +142,16 @@ fn method<M: ShownPlane>(request: &IsoperiodicRequest<M>) -> String {
     method
 }
 
-/// The classes, the impacts per period, and what the machine adds.
+/// Panels of classes and of impacts per period, and those of the machine.
 fn panels<M: ShownPlane>(
     machine: &M,
     request: &IsoperiodicRequest<M>,
     plane: &Isoperiodic<M::Point>,
 ) -> Vec<Panel> {
     let over = machine.over(request, plane);
-    // The last entry of either list takes every motion, so that a code is always found.
-    let kind = |m: Shown| KINDS.iter().take_while(|k| !k.2(m)).count();
-    let impacts = |m: Shown| IMPACTS.iter().take_while(|k| !k.2(m.contacts)).count();
+    // The last entry of either list takes every motion, so that there always is a code.
+    let kind = |m: ClassifiedMotion| KINDS.iter().take_while(|k| !k.2(m)).count();
+    let impacts = |m: ClassifiedMotion| IMPACTS.iter().take_while(|k| !k.2(m.contacts)).count();
     let kinds = KINDS.iter().map(|k| (if k.0 == ONE_PERIOD { M::ONE_PERIOD } else { k.0 }, k.1));
     let counts = IMPACTS.iter().map(|k| (k.0, k.1));
     let title = format!("(b) {}", M::CONTACTS);
@@ -164,17 +164,17 @@ fn panels<M: ShownPlane>(
 }
 
 /// The axis of a plane's parameter.
-fn plane_axis<M: Told>(machine: &M, axis: &ParameterAxis<M::Name>) -> Axis {
+fn plane_axis<M: Labelled>(machine: &M, axis: &ParameterAxis<M::Name>) -> Axis {
     Axis { range: Some(axis.edges()), ..machine.axis(&axis.name) }
 }
 
-/// A panel whose cells have the colour of the entry that `code` gives, with the panel's letter
-/// before the entries' names; points without a motion are left white.
+/// A panel whose cells have the colour of the entry that `code` gives; points without a motion stay
+/// white. The entries' names begin with the panel's letter.
 fn coloured<M: ShownPlane>(
     (machine, request, plane): (&M, &IsoperiodicRequest<M>, &Isoperiodic<M::Point>),
     title: &str,
     entries: Vec<(&str, Colour)>,
-    code: &dyn Fn(Shown) -> usize,
+    code: &dyn Fn(ClassifiedMotion) -> usize,
     over: &[Layer],
 ) -> Panel {
     let (x, y) = (&request.x, &request.y);
@@ -207,12 +207,12 @@ fn csv<M: ShownPlane>(request: &IsoperiodicRequest<M>, plane: &Isoperiodic<M::Po
     })
 }
 
-/// A number of a motion in a cell.
+/// Cell of a number.
 fn number(value: f64) -> Cow<'static, str> {
     Cow::Owned(exact(value))
 }
 
-/// Whether something holds, in a cell.
+/// Cell of a truth value.
 fn word(holds: bool) -> Cow<'static, str> {
     Cow::Borrowed(if holds { "true" } else { "false" })
 }

@@ -4,12 +4,12 @@
 use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::chart::Axis;
 
-/// Below this gap, in m, lengths are shown in mm unless the gap was written in another unit.
+/// Gap, in m, below which lengths are shown in mm unless the gap was written in another unit.
 const SMALL_GAP: f64 = 0.1;
-/// From this number on a rate is shown in a larger unit.
+/// Number from which a rate is shown in a larger unit.
 const LARGE_RATE: f64 = 500.0;
 
-/// A unit of length: how many of it are in a metre, and its symbol.
+/// A unit of length: its number per metre, and its symbol.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LengthUnit {
     pub per_metre: f64,
@@ -17,8 +17,8 @@ pub(super) struct LengthUnit {
 }
 
 impl LengthUnit {
-    /// The unit in which the gap was written; mm for a small gap that was written in m or without a
-    /// unit.
+    /// The unit in which the gap was written; mm for a gap below [`SMALL_GAP`] written in m or
+    /// without a unit.
     pub fn of(set: &ParameterSet) -> Self {
         let written = Name::find("stop.gap").ok().and_then(|gap| set.unit(gap));
         match written.map(|unit| (unit.number(1.0), unit.symbol())) {
@@ -28,8 +28,8 @@ impl LengthUnit {
         }
     }
 
-    /// The unit of length for rates as large as `speed`, m/s: a larger one where the numbers would
-    /// be large.
+    /// The unit of length for rates up to `speed`, m/s: a larger one where the numbers would be
+    /// large.
     pub fn of_rates(&self, speed: f64) -> Self {
         let larger =
             [(1e3, "mm"), (1.0, "m")].map(|(per_metre, symbol)| Self { per_metre, symbol: symbol.into() });
@@ -40,11 +40,11 @@ impl LengthUnit {
     }
 }
 
-/// How a picture shows lengths of which the data are in units of L, and their rates in units of L
-/// ω10.
+/// How a picture shows lengths, whose data are in units of L, and rates, whose data are in units of
+/// L ω10.
 #[derive(Clone, Debug)]
 pub(super) struct Lengths {
-    /// `None`: as the data are.
+    /// Unit shown; `None` for units of L.
     unit: Option<LengthUnit>,
     /// L in m.
     gap: f64,
@@ -53,15 +53,15 @@ pub(super) struct Lengths {
 }
 
 impl Lengths {
-    /// In SI where the machine was given in SI.
+    /// Lengths in SI where the machine was given in SI, else in units of L.
     pub fn of(set: &ParameterSet) -> Self {
         let p = set.parameters();
         let unit = set.is_si().then(|| LengthUnit::of(set));
         Self { unit, gap: p.stop_gap, speed: p.stop_gap * p.box_frequency() }
     }
 
-    /// An axis of lengths over its data, of a name as [`Self::displacements`] and
-    /// [`Self::amplitude`] give.
+    /// Axis of lengths over its data; [`Self::displacements`] and [`Self::amplitude`] give its
+    /// name.
     pub fn axis(&self, name: &str) -> Axis {
         match &self.unit {
             None => Axis::new(format!("{name} (units of L)")),
@@ -69,12 +69,12 @@ impl Lengths {
         }
     }
 
-    /// The same over a range of the data.
+    /// Axis of lengths over a range of the data.
     pub fn axis_over(&self, name: &str, from: f64, to: f64) -> Axis {
         Axis { range: Some((from, to)), ..self.axis(name) }
     }
 
-    /// An axis of the rates of displacements with the symbols U, W, X₁, ….
+    /// Axis of the rates of displacements with the symbols U, W, X₁, ….
     pub fn rates(&self, symbols: &[&str]) -> Axis {
         let time = if self.unit.is_some() { "t" } else { "τ" };
         let rate = |s: &&str| format!("d{}/d{time}", self.displacement(s));
@@ -88,23 +88,23 @@ impl Lengths {
         }
     }
 
-    /// The name of a displacement with the symbol U, W, X₁, …: u, w, x₁, … in SI.
+    /// Name of the displacement with the symbol U, W, X₁, …: in SI u, w, x₁, ….
     pub fn displacement(&self, symbol: &str) -> String {
         if self.unit.is_some() { symbol.to_lowercase() } else { symbol.into() }
     }
 
-    /// The names of displacements, in a row.
+    /// Names of displacements, joined.
     pub fn displacements(&self, symbols: &[&str]) -> String {
         symbols.iter().map(|s| self.displacement(s)).collect::<Vec<_>>().join(", ")
     }
 
-    /// The name of an amplitude with the dimensionless symbol B, C, A₁, …: times L in SI.
+    /// Name of the amplitude with the dimensionless symbol B, C, A₁, …: in SI times L.
     pub fn amplitude(&self, symbol: &str) -> String {
         if self.unit.is_some() { format!("{symbol}·L") } else { symbol.into() }
     }
 
-    /// What lengths in units of L are multiplied by where a parameter has another value than the
-    /// set's: in SI a length in units of another gap is turned into one in units of the set's.
+    /// Factor of lengths in units of L where a parameter has another value than the set's: in SI it
+    /// converts units of that machine's gap to units of the set's gap.
     pub fn ratio(&self, name: Name, value: f64) -> f64 {
         if self.unit.is_some() && name.name() == "stop.gap" { value / self.gap } else { 1.0 }
     }
@@ -122,7 +122,7 @@ mod tests {
         let lengths = Lengths::of(&set);
         let (axis, rates) = (lengths.axis(&lengths.amplitude("C")), lengths.rates(&["W", "X₁"]));
         assert_eq!((axis.label.as_str(), rates.label.as_str()), ("C·L (µm)", "dw/dt, dx₁/dt (mm/s)"));
-        // Of L = 5000 µm, and of L ω10 = 5 mm · sqrt(4000)/s.
+        // Factors of L = 5000 µm, and of L ω10 = 5 mm · sqrt(4000)/s.
         let close = |a: Option<f64>, b: f64| (a.unwrap() / b - 1.0).abs() < 1e-12;
         assert!(close(axis.factor, 5000.0) && close(rates.factor, 5.0 * 4000.0_f64.sqrt()));
         let gap = Name::find("L").unwrap();

@@ -8,10 +8,10 @@ use vibro_figures::canvas::palette::{BLACK, FAMILY};
 use vibro_figures::chart::{Dash, Figure, Layer, Mark, Panel, Path};
 use vibro_orbits::{Family, LocusEnd, LocusPoint, LocusStart, Span};
 
-/// A curve with where it was started.
+/// A curve and the special point from which it was followed.
 #[derive(Clone, Debug)]
-pub struct Curve {
-    /// The file and row of its special point.
+pub struct LocusCurve {
+    /// File and row of its special point, in words.
     pub from: String,
     /// The row.
     pub row: usize,
@@ -19,12 +19,12 @@ pub struct Curve {
     pub start: LocusStart,
     /// Its points.
     pub points: Vec<LocusPoint>,
-    /// Other rows that are the same point, seen from another branch.
+    /// Other rows with the same point, seen from another branch.
     pub also: Vec<usize>,
 }
 
-impl Curve {
-    /// What is special at its ends and on its way, but for the ends of the ranges, in words.
+impl LocusCurve {
+    /// Special points at its ends and along it, except ends of the ranges, in words.
     fn ends(&self) -> String {
         let told = |point: &LocusPoint| {
             let what = point.end.filter(|end| *end != LocusEnd::Range).and_then(in_words)?;
@@ -49,7 +49,7 @@ impl Curve {
     }
 }
 
-/// What is special at a point of a curve, in words.
+/// The kind of a special point in words; `None` for an end of the ranges.
 fn in_words(end: LocusEnd) -> Option<&'static str> {
     Some(match end {
         LocusEnd::Range | LocusEnd::Closed => return None,
@@ -61,7 +61,7 @@ fn in_words(end: LocusEnd) -> Option<&'static str> {
     })
 }
 
-/// Marks of what is special on curves.
+/// Marks of special points of curves.
 const MARKS: [(LocusEnd, Mark); 5] = [
     (LocusEnd::Touch, Mark::Ring),
     (LocusEnd::Cusp, Mark::Disc),
@@ -70,12 +70,17 @@ const MARKS: [(LocusEnd, Mark); 5] = [
     (LocusEnd::NoConvergence, Mark::Plus),
 ];
 
-/// The study of curves over the two parameters of a family; `problems` tells of the points from
-/// which none could be followed.
+/// The study of curves over the two parameters of a family; `problems` are the reasons for points
+/// from which no curve could be followed.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[String]) -> Result<Study> {
+pub fn loci(
+    set: &ParameterSet,
+    family: &Family,
+    curves: &[LocusCurve],
+    problems: &[String],
+) -> Result<Study> {
     let [x, y] = [0, 1].map(|i| family.spans()[i]);
     let mut layers = Vec::new();
     for (i, curve) in curves.iter().enumerate() {
@@ -106,7 +111,7 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[S
         panel: (2000, 1500),
         shared_legend: false,
     };
-    let mut remarks: Vec<String> = curves.iter().map(Curve::in_words).collect();
+    let mut remarks: Vec<String> = curves.iter().map(LocusCurve::in_words).collect();
     remarks.extend(problems.iter().map(|problem| format!("no curve from {problem}")));
     Ok(Study {
         tables: vec![("locus".into(), table(x, y, curves)?)],
@@ -115,7 +120,7 @@ pub fn loci(set: &ParameterSet, family: &Family, curves: &[Curve], problems: &[S
     })
 }
 
-fn table(x: Span, y: Span, curves: &[Curve]) -> Result<Vec<u8>> {
+fn table(x: Span, y: Span, curves: &[LocusCurve]) -> Result<Vec<u8>> {
     let mut table = CsvRows::new([
         "curve",
         "label",
@@ -129,7 +134,7 @@ fn table(x: Span, y: Span, curves: &[Curve]) -> Result<Vec<u8>> {
         "phases",
         "row",
     ])?;
-    for (i, Curve { row, start, points, .. }) in curves.iter().enumerate() {
+    for (i, LocusCurve { row, start, points, .. }) in curves.iter().enumerate() {
         for point in points {
             let phases: Vec<String> = point.phases.iter().map(|p| exact(*p)).collect();
             table.push([

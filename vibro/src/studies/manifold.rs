@@ -4,7 +4,7 @@
 use super::Study;
 use super::lengths::Lengths;
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::{Name, ParameterSet, short};
 use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY, HERE};
@@ -50,7 +50,7 @@ fn labels(points: &[(&'static str, FixedPoint)], shift: f64) -> impl Iterator<It
     points.iter().map(move |(name, p)| Layer::text((p.c, p.b + shift), *name, BLACK))
 }
 
-/// The part of C that a picture shows: the fixed points and the range of stable periodic motions.
+/// Range of C that a picture shows: it contains the fixed points and the stable periodic motions.
 fn shown(system: &MultipleScales, roots: &[(&'static str, FixedPoint)]) -> (f64, f64) {
     let from = roots.iter().map(|p| p.1.c).fold(-0.2, f64::min);
     let to = roots.iter().map(|p| p.1.c).fold(1.2 * system.manifold().c_smax(), f64::max);
@@ -69,7 +69,7 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
     let saw: Path = grid(0.0, 2.0 * TAU, POINTS).map(|s| (s / PI, sawtooth(s))).collect();
     let rho = |kappa| Manifold::new(kappa).map(|m| (kappa, m.rho()));
     let rhos = grid(0.0, 1.0, POINTS).map(rho).collect::<vibro_impact::Result<Path>>()?;
-    let mut table = Table::new(&["curve", "x", "y"]);
+    let mut table = TextTable::new(&["curve", "x", "y"]);
     for (name, path) in [("Z(s/pi)", &saw), ("B(C)", &curve(m, from, to)), ("rho(kappa)", &rhos)] {
         table.rows.extend(path.iter().map(|p| vec![name.into(), exact(p.0), exact(p.1)]));
     }
@@ -195,14 +195,19 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
     )
 }
 
-/// The range of C that passes all three tests, given where fixed points on the right branch are
-/// stable; empty where its ends are not in order.
+/// Range of C that passes all three tests, given the range where fixed points on the right branch
+/// are stable; empty where its ends are not in order.
 fn admissible(m: &Manifold, right: (f64, f64)) -> (f64, f64) {
     (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1))
 }
 
-/// The ranges of C that pass the tests, without numbers where there is none, and the fixed points.
-fn part_table(m: &Manifold, [left, right]: [(f64, f64); 2], roots: &[(&'static str, FixedPoint)]) -> Table {
+/// Table of the ranges of C that pass the tests, with empty cells where there is none, and of the
+/// fixed points.
+fn part_table(
+    m: &Manifold,
+    [left, right]: [(f64, f64); 2],
+    roots: &[(&'static str, FixedPoint)],
+) -> TextTable {
     let parts = [
         ("geometric", (0.0, m.c_gmax())),
         ("stable fixed point, left branch", left),
@@ -210,7 +215,7 @@ fn part_table(m: &Manifold, [left, right]: [(f64, f64); 2], roots: &[(&'static s
         ("stable periodic motion", (m.c_smin(), m.c_smax())),
         ("all three", admissible(m, right)),
     ];
-    let mut table = Table::new(&["part", "C_from", "C_to", "B_from", "B_to"]);
+    let mut table = TextTable::new(&["part", "C_from", "C_to", "B_from", "B_to"]);
     for (name, (c0, c1)) in parts {
         let number = |value: f64| if c0 < c1 { exact(value) } else { String::new() };
         let numbers = [c0, c1, m.b(c0), m.b(c1)].map(number);
@@ -222,7 +227,7 @@ fn part_table(m: &Manifold, [left, right]: [(f64, f64); 2], roots: &[(&'static s
     table
 }
 
-/// The name of a fixed point as tables have it.
+/// The name of a fixed point in ASCII, for tables.
 fn ascii(name: &str) -> String {
     name.replace('₁', "1").replace('₂', "2")
 }
@@ -234,7 +239,7 @@ fn ascii(name: &str) -> String {
 /// Values that are not allowed, and what multiple scales refuses.
 pub fn families(set: &ParameterSet, name: Name, values: &[f64]) -> Result<Study> {
     let mut table =
-        Table::new(&[name.name(), "root", "C", "B", "A3", "geometric", "fixed_point", "periodic_motion"]);
+        TextTable::new(&[name.name(), "root", "C", "B", "A3", "geometric", "fixed_point", "periodic_motion"]);
     let mut panels = Vec::new();
     for (index, &value) in values.iter().enumerate() {
         let set = set.with(name, value)?;
@@ -262,7 +267,7 @@ pub fn families(set: &ParameterSet, name: Name, values: &[f64]) -> Result<Study>
     )
 }
 
-fn member(set: &ParameterSet, name: Name, value: f64, index: usize, table: &mut Table) -> Result<Panel> {
+fn member(set: &ParameterSet, name: Name, value: f64, index: usize, table: &mut TextTable) -> Result<Panel> {
     let (system, lengths) = (MultipleScales::new(set.groups())?, Lengths::of(set));
     let m = system.manifold();
     let roots = both(system.fixed_points());
@@ -274,7 +279,7 @@ fn member(set: &ParameterSet, name: Name, value: f64, index: usize, table: &mut 
     }
     let [_, right] = stable_fixed_points(&system);
     let (low, high) = admissible(m, right);
-    // The same axes in all panels, unless a fixed point lies beyond.
+    // All panels share their axes unless a fixed point lies beyond.
     let (from, to) = shown(&system, &roots);
     let (from, to) = (from.min(-1.0), to.max(2.4));
     let mut layers = vec![

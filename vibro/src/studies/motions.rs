@@ -4,7 +4,7 @@ use super::lengths::Lengths;
 use super::steady_motion::{MotionSample, simulated};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use rayon::prelude::*;
 use vibro_analysis::bifurcation::{Diagram, SweepPoint};
 use vibro_analysis::lyapunov::{Convergence, SpectrumOptions, dimensionless};
@@ -16,27 +16,28 @@ use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path, THIN}
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
-/// Drive periods before a history begins.
+/// Drive periods discarded before a history begins.
 const TRANSIENT: f64 = 400.0;
-/// Periods shown of a steady motion and of a modulated one.
+/// Drive periods of a steady motion that are shown.
 const STEADY: u32 = 4;
+/// Drive periods of a modulated motion that are shown.
 const MODULATED: u32 = 50;
-/// Periods in a portrait of a motion that does not return.
+/// Drive periods in a portrait of a motion without a period.
 const WANDERING: u32 = 60;
 /// Symbols of the seven exponents.
 const EXPONENTS: [&str; 7] = ["λ₁", "λ₂", "λ₃", "λ₄", "λ₅", "λ₆", "λ₇"];
 
-/// W, X1, X3 over time or their portraits: indices into [`MotionSample`]'s quantities.
-const SHOWN: [Quantity; 3] = [(1, "W", RELATIVE), (2, "X₁", BOX), (4, "X₃", SECONDARY)];
+/// Quantities of histories and portraits, W, X1 and X3, by their indices in [`MotionSample`].
+const SHOWN: [DrawnQuantity; 3] = [(1, "W", RELATIVE), (2, "X₁", BOX), (4, "X₃", SECONDARY)];
 
-/// What is worth knowing of a motion with modulation.
+/// Modulation of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modulation {
     /// Largest and smallest |X1| within a period, over all periods shown.
     pub box_amplitude: (f64, f64),
-    /// The same of X3.
+    /// Largest and smallest |X3| within a period, over all periods shown.
     pub secondary_amplitude: (f64, f64),
-    /// The part of the periods with one impact at each stop.
+    /// Share of the periods with one impact at each stop.
     pub resonant: f64,
 }
 
@@ -52,7 +53,7 @@ fn modulation(points: &[MotionSample], flights: &[Flight], periods: u32) -> Modu
         let all = tops.iter().map(|t| t[i]);
         all.fold((0.0f64, f64::INFINITY), |(most, least), t| (most.max(t), least.min(t)))
     };
-    // Impacts are where one flight ends and the next begins.
+    // An impact is where one flight ends and the next begins.
     let mut counts = vec![[0u32; 2]; periods as usize];
     for flight in &flights[..flights.len().saturating_sub(1)] {
         if let Some(i) = flight.last()
@@ -70,7 +71,7 @@ fn modulation(points: &[MotionSample], flights: &[Flight], periods: u32) -> Modu
 /// # Errors
 /// What the simulator refuses.
 pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study, Modulation)> {
-    let mut table = Table::new(&[name.name(), "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
+    let mut table = TextTable::new(&[name.name(), "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
     let mut panels = Vec::new();
     let mut found = None;
     let (own, lengths) = (name.value(set), Lengths::of(set));
@@ -90,7 +91,7 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
         let mut title =
             |what: &str| format!("({}) {what}, {}", letters.next().unwrap_or(' '), set.told(name, value));
         let width = if periods > STEADY { 2 } else { THIN };
-        let shown = Shown { lengths: &lengths, points: &points, width };
+        let shown = DrawnMotion { lengths: &lengths, points: &points, width };
         panels.push(shown.history(&title(&lengths.displacement("W")), &SHOWN[..1]));
         panels.push(shown.history(&title(&lengths.displacements(&["X₁", "X₃"])), &SHOWN[1..]));
         panels.push(shown.portrait(&title("phase portraits"), &SHOWN));
@@ -115,19 +116,19 @@ pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study
     Ok((Study::of("figure-13", what, &table, figure)?.with_remarks(vec![remark]), modulation))
 }
 
-/// A quantity: its index in [`MotionSample`], its symbol and its colour.
-type Quantity = (usize, &'static str, Colour);
+/// A quantity: index in [`MotionSample`], symbol, colour.
+type DrawnQuantity = (usize, &'static str, Colour);
 
-/// A motion as panels show it.
-struct Shown<'a> {
+/// A motion to be drawn in panels.
+struct DrawnMotion<'a> {
     lengths: &'a Lengths,
     points: &'a [MotionSample],
     width: u32,
 }
 
-impl Shown<'_> {
-    fn curves(&self, of: &[Quantity], point: impl Fn(&MotionSample, usize) -> (f64, f64)) -> Vec<Layer> {
-        let curve = |(q, symbol, colour): &Quantity| {
+impl DrawnMotion<'_> {
+    fn curves(&self, of: &[DrawnQuantity], point: impl Fn(&MotionSample, usize) -> (f64, f64)) -> Vec<Layer> {
+        let curve = |(q, symbol, colour): &DrawnQuantity| {
             let path: Path = self.points.iter().map(|p| point(p, *q)).collect();
             let line = Layer::line("", *colour, Dash::Solid, path).stroke(self.width);
             line.labelled(self.lengths.displacement(symbol))
@@ -135,11 +136,11 @@ impl Shown<'_> {
         of.iter().map(curve).collect()
     }
 
-    fn symbols(of: &[Quantity]) -> Vec<&'static str> {
+    fn symbols(of: &[DrawnQuantity]) -> Vec<&'static str> {
         of.iter().map(|q| q.1).collect()
     }
 
-    fn history(&self, title: &str, of: &[Quantity]) -> Panel {
+    fn history(&self, title: &str, of: &[DrawnQuantity]) -> Panel {
         let first = self.points.first().map_or(0.0, |p| p.time);
         let end = self.points.last().map_or(1.0, |p| p.time - first);
         Panel {
@@ -150,7 +151,7 @@ impl Shown<'_> {
         }
     }
 
-    fn portrait(&self, title: &str, of: &[Quantity]) -> Panel {
+    fn portrait(&self, title: &str, of: &[DrawnQuantity]) -> Panel {
         let symbols = Self::symbols(of);
         Panel {
             title: title.into(),
@@ -161,7 +162,8 @@ impl Shown<'_> {
     }
 }
 
-/// A state from its section; rounding may have put the block past a stop by a digit.
+/// A state in SI from a stroboscopic one, with the block put between the stops: rounding may place
+/// it beyond by a digit.
 fn inside(p: &Parameters, s: &StroboscopicState) -> State {
     let mut state = dimensional(p, s);
     let w = (state.x[1] - state.x[0]).clamp(-p.stop_gap, p.stop_gap);
@@ -169,13 +171,13 @@ fn inside(p: &Parameters, s: &StroboscopicState) -> State {
     state
 }
 
-/// Figure 15: portraits of X2 at the values of a diagram nearest to `values`, from the states it
-/// settled on.
+/// Figure 15: portraits of X2 at the values of a diagram nearest to `values`, from the settled
+/// states of the diagram.
 ///
 /// # Errors
 /// What the simulator refuses.
 pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f64]) -> Result<Study> {
-    let mut table = Table::new(&[name.name(), "class", "time", "X2", "dX2"]);
+    let mut table = TextTable::new(&[name.name(), "class", "time", "X2", "dX2"]);
     let (mut panels, lengths) = (Vec::new(), Lengths::of(set));
     for (letter, value) in ('a'..).zip(values) {
         let Some(point) = diagram.nearest(*value) else { continue };
@@ -186,7 +188,7 @@ pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f6
         }
         let title = format!("({letter}) {}: {}", set.told(name, point.value), point.class.name());
         let width = if point.attractor.period.is_some() { THIN } else { 2 };
-        let shown = Shown { lengths: &lengths, points: &samples, width };
+        let shown = DrawnMotion { lengths: &lengths, points: &samples, width };
         panels.push(shown.portrait(&title, &[(3, "X₂", BLOCK)]));
     }
     let figure = Figure {
@@ -206,8 +208,7 @@ pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f6
     Study::of("figure-15", "phase portraits of X₂ as in figure 15", &table, figure)
 }
 
-/// A motion of a sweep over its period, or over [`WANDERING`] periods, from the state it settled
-/// on.
+/// A motion of a sweep from its settled state, over its period or over [`WANDERING`] drive periods.
 fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
     let start = inside(p, &point.attractor.states[0]);
     let mut simulator = Simulator::new(p, &start, 0.0)?.without_energy_accounts();
@@ -215,7 +216,7 @@ fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
     Ok(simulated(&record_flights(&mut simulator, periods)?, p))
 }
 
-/// The running exponents at some values of a parameter, from a moving block on.
+/// The running exponents at some values of a parameter, from the default start (v2 = 1).
 ///
 /// # Errors
 /// What the simulator refuses.
@@ -248,10 +249,10 @@ pub fn running(
     Ok(Study::of(name, what, &running_table(along, &runs), figure)?.with_remarks(remarks))
 }
 
-fn running_table(name: Name, runs: &[(f64, Convergence)]) -> Table {
+fn running_table(name: Name, runs: &[(f64, Convergence)]) -> TextTable {
     let mut header = vec![name.name(), "period"];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
-    let mut table = Table::new(&header);
+    let mut table = TextTable::new(&header);
     for (value, found) in runs {
         for (n, exponents) in (1..).zip(&found.running) {
             let mut row = vec![exact(*value), n.to_string()];
@@ -284,7 +285,7 @@ fn running_panel(
 
 fn running_remark(name: Name, (value, found): &(f64, Convergence)) -> String {
     let s = &found.spectrum;
-    // Adding zero turns -0 into 0.
+    // The sum with zero turns -0 into 0.
     let exponents = s.exponents.map(|e| format!("{:.5}", e + 0.0).replace('-', "−"));
     format!(
         "{} = {}: {}; deviation {:.1e} over the last periods, {} periods",

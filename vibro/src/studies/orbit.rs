@@ -15,7 +15,7 @@ use vibro_orbits::Orbit;
 /// Points of a curve in a drive period.
 const SAMPLES: u32 = 400;
 
-/// The study of the first of the orbits that were found, in its shortest word.
+/// The study of the first of the orbits found, by its shortest word.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -66,7 +66,7 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
     })
 }
 
-/// That the orbit of a word is one of a shorter word, if it is.
+/// Remark that the orbit of a word is one of a shorter word, where it is.
 fn shorter(asked: &Orbit, orbit: &Orbit, passages: u32) -> Option<String> {
     if asked.word() == orbit.word() {
         return None;
@@ -86,7 +86,7 @@ fn shorter(asked: &Orbit, orbit: &Orbit, passages: u32) -> Option<String> {
     })
 }
 
-/// The largest multiplier, of half the period and of the whole where the orbit is symmetric.
+/// The largest multiplier in words; of a symmetric orbit those of half and of the whole period.
 fn largest_multiplier(orbit: &Orbit) -> String {
     let (radius, period) = (orbit.spectral_radius(), orbit.word().period());
     if orbit.word().closing() < 0 {
@@ -116,8 +116,8 @@ fn multiplier_table(orbit: &Orbit) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// Parameters, loads and state at time 0 by the names of the FMU's variables: its start values for
-/// the motion on the orbit.
+/// Table of parameters, loads and state at time 0 by the names of the FMU's variables: start values
+/// for the motion on the orbit.
 fn start_table(orbit: &Orbit) -> Result<Vec<u8>> {
     let mut table = CsvRows::new(["variable", "unit", "start"])?;
     let (parameters, start) = (orbit.system().parameters(), orbit.start_state());
@@ -159,7 +159,7 @@ fn history(orbit: &Orbit, lengths: &Lengths) -> Panel {
 }
 
 fn portrait(orbit: &Orbit, lengths: &Lengths) -> Panel {
-    // Pieces end where the rate jumps.
+    // A piece ends where the rate jumps.
     let mut pieces: Vec<Path> = vec![Vec::new()];
     let mut last: Option<(f64, f64)> = None;
     for (_, w, rate) in samples(orbit) {

@@ -15,7 +15,7 @@ use vibro_orbits::{Branch, Family, Label, Searched, Span};
 const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];
 /// Longest period that has a colour of its own.
 pub(super) const COLOURED: usize = FAMILY.len();
-/// Most special points that are all marked in the picture: more would cover the branches.
+/// Most special points that are all marked in the picture; more would cover the branches.
 const MARKED: usize = 150;
 
 /// Marks of special points.
@@ -72,7 +72,7 @@ pub fn orbits(
     Ok(Study { tables, figure: Some(figure), ..Study::without_figure("orbits", what).with_remarks(told) })
 }
 
-/// Where the orbits of a tree were sought.
+/// Where the orbits of a tree were sought, in words.
 pub(super) fn search_in_words(searched: &Searched) -> String {
     let Searched { values, periods, followed, islands } = searched;
     let settled = values.iter().flat_map(|v| [v.rising, v.falling]).flatten().count();
@@ -90,7 +90,7 @@ pub(super) fn search_in_words(searched: &Searched) -> String {
     )
 }
 
-/// Where orbits were sought, value by value; starts lie between the value and the next.
+/// Table of the search by value; starts lie between the value and the next one.
 fn search_table(span: &Span, searched: &Searched) -> Result<Vec<u8>> {
     let mut table =
         CsvRows::new([span.name.name(), "period_rising", "period_falling", "starts", "orbits_passed"])?;
@@ -102,8 +102,8 @@ fn search_table(span: &Span, searched: &Searched) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// The largest X2 at each point, without loads of the orbit or of its mirror image, which is an
-/// orbit too; NaN where there is none, which is left out everywhere.
+/// The largest X2 at each point: without loads of the orbit and its mirror image, which is an orbit
+/// too. NaN where there is none; pictures and tables leave it out.
 fn largest(family: &Family, branch: &Branch) -> Vec<f64> {
     let own = branch.maxima(family, BLOCK);
     let mirror = if family.is_symmetric() { BLOCK.map(|w| -w) } else { BLOCK };
@@ -127,12 +127,12 @@ fn remarks(branches: &[Branch], points: usize, specials: usize) -> Vec<String> {
     ]
 }
 
-/// Text of a number that may be missing.
+/// Cell of a number; empty for NaN.
 fn or_empty(value: f64) -> String {
     if value.is_finite() { exact(value) } else { String::new() }
 }
 
-/// Every point of every branch, in the manner of AUTO's b-files.
+/// Table of all points of all branches, as in AUTO's b-files.
 fn branch_table(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Result<Vec<u8>> {
     let name = span.name.name();
     let mut table = CsvRows::new([
@@ -176,7 +176,7 @@ fn branch_table(span: &Span, branches: &[Branch], tops: &[Vec<f64>]) -> Result<V
     table.text()
 }
 
-/// The special points alone, with what another study needs to start from them.
+/// Table of the special points, with what another study needs to start from them.
 pub(super) fn special_table(span: &Span, branches: &[Branch]) -> Result<Vec<u8>> {
     let mut table = CsvRows::new([
         "label",
@@ -228,11 +228,11 @@ pub(super) fn colour(period: u32) -> Colour {
     FAMILY.get(period as usize - 1).copied().unwrap_or(GREY)
 }
 
-/// Pieces of branches by period, and stable or not.
-type Pieces = BTreeMap<(u32, bool), Vec<Path>>;
+/// Pieces of branches by period and stability.
+type PiecesByPeriod = BTreeMap<(u32, bool), Vec<Path>>;
 
-fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> Pieces {
-    let mut found = Pieces::new();
+fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> PiecesByPeriod {
+    let mut found = PiecesByPeriod::new();
     for (branch, tops) in branches.iter().zip(tops) {
         let mut state = None;
         for (pair, tops) in branch.points.windows(2).zip(tops.windows(2)) {
@@ -255,7 +255,8 @@ fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> Pieces {
 /// The marks of special points.
 struct SpecialMarks {
     layers: Vec<Layer>,
-    /// Whether only those that bound a stable piece are shown, since there are many.
+    /// Whether only points that bound a stable piece are shown, since there are more than
+    /// [`MARKED`].
     of_stable_only: bool,
 }
 
@@ -299,7 +300,7 @@ fn panel(
     let mut unstable = Vec::new();
     let mut stable = Vec::new();
     let mut periods: Vec<u32> = Vec::new();
-    // Short periods lie above long ones, which are many, and stable pieces above all.
+    // Short periods are drawn above long ones, and stable pieces above all.
     for ((period, is_stable), paths) in pieces(branches, tops).into_iter().rev() {
         if !periods.contains(&period) {
             periods.insert(0, period);
@@ -320,7 +321,7 @@ fn panel(
     }
     layers.extend(marks.layers);
     let (x, lengths) = (parameter_axis(set, span.name, (span.from, span.to)), Lengths::of(set));
-    // Over the gap itself, each point is in units of its own gap.
+    // Over the gap itself each point is in units of its own gap.
     let y = match span.name.name() {
         "stop.gap" => Axis::new("largest X₂ (units of L)"),
         _ => lengths.axis(&format!("largest {}", lengths.displacement("X₂"))),

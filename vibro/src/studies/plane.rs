@@ -11,13 +11,13 @@ use vibro_figures::chart::{Colour, Figure, Layer, Panel, Shape};
 
 const LIGHT: Colour = Colour(205, 205, 205);
 const PANEL: (u32, u32) = (1350, 1150);
-/// The colour of the background: no motion.
+/// Colour of points without a motion.
 const PAPER: Colour = Colour(255, 255, 255);
 
-/// The most that a row of the table takes, bytes.
+/// Largest size of a row of the table, bytes.
 const ROW: usize = 64;
 
-/// Planes of pairs of parameters, classified by one theory; `done` hears of each finished row.
+/// Planes of pairs of parameters, classified by one theory; `done` is called for each finished row.
 ///
 /// # Errors
 /// Pairs that are no planes, ranges that are not allowed, planes that do not fit into memory.
@@ -46,8 +46,8 @@ pub fn planes(
     }
     let names: Vec<_> =
         pairs.iter().map(|(x, y)| format!("({}, {})", x.name.symbol(), y.name.symbol())).collect();
-    // Of one plane both axes are left out; of several each is told, since it holds in the other
-    // planes.
+    // The caption of one plane leaves out both axes; with several planes each parameter holds in
+    // some of them.
     let varied = if let [(x, y)] = pairs { vec![x.name, y.name] } else { Vec::new() };
     let figure = Figure {
         title: format!("Existence and stability, {} (cf. the paper's figure 12)", method.name()),

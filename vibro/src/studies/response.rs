@@ -4,7 +4,7 @@
 use super::lengths::Lengths;
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use rayon::prelude::*;
 use vibro_analysis::maxima::Displacement;
 use vibro_analysis::plane::Method;
@@ -39,7 +39,7 @@ const HEADER: [&str; 16] = [
     "special",
 ];
 
-/// One family of curves: a parameter that differs between them.
+/// A family of curves: a parameter and its values, one for each curve.
 struct Family {
     name: Name,
     members: Vec<(f64, Vec<Response>)>,
@@ -59,8 +59,8 @@ fn family(
     Ok(Family { name, members: values.par_iter().map(member).collect::<Result<_>>()? })
 }
 
-fn table(along: Name, families: &[Family]) -> Table {
-    let mut table = Table::new(&HEADER);
+fn table(along: Name, families: &[Family]) -> TextTable {
+    let mut table = TextTable::new(&HEADER);
     for family in families {
         for (value, responses) in &family.members {
             for response in responses {
@@ -92,13 +92,13 @@ fn table(along: Name, families: &[Family]) -> Table {
     table
 }
 
-/// Pieces of the curves that are shown, stable ones and others.
+/// Pieces of a response that are shown: stable ones, then others.
 fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> Option<f64>) -> [Vec<Path>; 2] {
     let mut parts: [Vec<Path>; 2] = [Vec::new(), Vec::new()];
     for curve in &response.curves {
         let mut state = None;
         for pair in curve.windows(2) {
-            // As in the paper only the right branch is shown. A solution that passes a stop is no
+            // As in the paper, only the right branch is shown. A solution that passes a stop is no
             // motion.
             let shown = |p: &ResponsePoint| if p.right && p.clear { y(p) } else { None };
             let (Some(from), Some(to)) = (shown(&pair[0]), shown(&pair[1])) else {
@@ -118,20 +118,20 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> Option<f64>) -> [Ve
 
 /// The amplitude that a panel shows.
 #[derive(Clone, Copy)]
-enum Shown {
+enum ShownAmplitude {
     C,
     A3,
-    /// That of a coordinate, asked for by name.
+    /// The amplitude of a coordinate.
     Of(Displacement),
 }
 
-impl Shown {
-    /// What one figure shows of each family: the paper's C and A3, or the amplitude asked for.
+impl ShownAmplitude {
+    /// Amplitudes of a figure: the paper's C and A3, or the one asked for.
     fn of(asked: Option<Displacement>) -> Vec<Self> {
         asked.map_or_else(|| vec![Self::C, Self::A3], |of| vec![Self::Of(of)])
     }
 
-    /// In units of L; `None` where a point does not hold it.
+    /// The amplitude at a point in units of L; `None` where the point does not have it.
     fn value(self, p: &ResponsePoint) -> Option<f64> {
         match self {
             Self::C => Some(p.c),
@@ -149,7 +149,7 @@ impl Shown {
     }
 }
 
-/// What the panels of a figure have in common.
+/// What all panels of a figure share.
 struct Panels<'a> {
     set: &'a ParameterSet,
     lengths: Lengths,
@@ -158,19 +158,19 @@ struct Panels<'a> {
 }
 
 impl Panels<'_> {
-    /// Where the set itself is, if its value was set and is in the range.
+    /// The set's own value along the curves, if it was set and is in the range.
     fn own(&self) -> Option<f64> {
         let own = self.along.value(self.set);
         (self.set.is_set(self.along) && (self.range.0..=self.range.1).contains(&own)).then_some(own)
     }
 
-    fn panel(&self, title: String, family: &Family, shown: Shown) -> Panel {
+    fn panel(&self, title: String, family: &Family, shown: ShownAmplitude) -> Panel {
         let mut layers = Vec::new();
         let mut highest = 0.0_f64;
         let mut over = Vec::new();
         for ((value, responses), colour) in family.members.iter().zip(FAMILY.into_iter().cycle()) {
             let name = self.set.told(family.name, *value);
-            // Lengths are in units of the gap of their point.
+            // Lengths are in units of their point's own gap.
             let member = self.lengths.ratio(family.name, *value);
             let y = |p: &ResponsePoint| {
                 shown.value(p).map(|value| member * self.lengths.ratio(self.along, p.value) * value)
@@ -184,8 +184,7 @@ impl Panels<'_> {
                     over.push(lines(Dash::Solid, stable).stroke(THIN));
                     over.push(lines(Dash::Dotted, unstable).stroke(THIN));
                 } else {
-                    // The name stands beside the part with more points: where there is one, and
-                    // more room.
+                    // The name stands beside the part with more points, which has more room.
                     let mut curves = [lines(Dash::Solid, stable), lines(Dash::Dotted, unstable)];
                     let more = curves[1].extent().len() > curves[0].extent().len();
                     let named = &mut curves[usize::from(more)];
@@ -210,7 +209,7 @@ impl Panels<'_> {
     }
 }
 
-/// How theories and stability are told apart, for the legend.
+/// Entries of the legend for theories and stability.
 fn samples() -> impl Iterator<Item = Layer> {
     let all = [
         ("multiple scales, stable", Dash::Solid, WIDE),
@@ -237,25 +236,24 @@ fn caption(set: &ParameterSet, varied: &[Name], of: Option<Displacement>) -> Vec
     vec![text, set.caption_but(varied)]
 }
 
-/// What the response figures differ in.
+/// A response figure.
 struct ResponseFigure<'a> {
     /// Stem of the files.
     stem: &'a str,
     title: &'a str,
     what: &'a str,
-    /// The parameter along the curves, and its range.
+    /// The parameter along the curves and its range.
     along: Name,
     range: (f64, f64),
-    /// The families of curves: the parameter that differs between the members, what they are, and
-    /// its values.
+    /// The families of curves: the parameter that differs, its description, its values.
     families: &'a [(Name, &'a str, &'a [f64])],
     /// The coordinate whose amplitude is shown; the paper's C and A3 where there is none.
     of: Option<Displacement>,
 }
 
 impl ResponseFigure<'_> {
-    /// The amplitudes of each family. A family without a value is left out, and so is one whose
-    /// only curve, that of the set itself, is in another family already.
+    /// The study. A family without a value is left out, and so is one whose only curve, that of the
+    /// set itself, is in another family already.
     fn study(&self, set: &ParameterSet) -> Result<Study> {
         let (along, range) = (self.along, self.range);
         let own = |family: &(Name, &str, &[f64])| family.2 == [family.0.value(set)];
@@ -266,13 +264,12 @@ impl ResponseFigure<'_> {
         let families =
             shown.iter().map(|f| family(set, along, range, (f.0, f.2))).collect::<Result<Vec<_>>>()?;
         let panels = Panels { set, lengths: Lengths::of(set), along, range };
-        // Between the families of one figure other parameters differ: each panel tells those of the
-        // other families.
+        // Families differ in parameters, so each panel states those of the other families.
         let elsewhere = |name: Name| {
             let others = shown.iter().map(|f| f.0).filter(|other| *other != name);
             others.map(|o| format!("; {}", set.told(o, o.value(set)))).collect::<String>()
         };
-        let amplitudes = Shown::of(self.of);
+        let amplitudes = ShownAmplitude::of(self.of);
         let pairs =
             families.iter().zip(&shown).flat_map(|(f, w)| amplitudes.iter().map(move |a| (f, *a, w.1)));
         let drawn = ('a'..).zip(pairs).map(|(letter, (family, amplitude, words))| {
@@ -378,31 +375,4 @@ pub fn along(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A curve does not hold the amplitude of a sum: nothing is drawn for it, and no other
-    /// amplitude in its place.
-    #[test]
-    fn an_amplitude_that_a_point_does_not_hold_is_not_shown() {
-        let point = ResponsePoint {
-            value: 1.0,
-            sheet: vibro_impact::steady::Sheet::Upper,
-            c: 2.0,
-            b: 3.0,
-            a: [4.0, 5.0, 6.0],
-            w: 1.0,
-            stable: true,
-            clear: true,
-            right: true,
-            special: None,
-        };
-        let response = Response {
-            method: Method::ExactOrbit,
-            curves: vec![vec![point, ResponsePoint { value: 1.5, ..point }]],
-        };
-        let drawn = |shown: Shown| pieces(&response, |p| shown.value(p));
-        assert_eq!(drawn(Shown::Of(Displacement::X3)), [vec![vec![(1.0, 6.0), (1.5, 6.0)]], vec![]]);
-        assert_eq!(drawn(Shown::Of(Displacement::Sum([1.0, 2.0, 0.0]))), [Vec::<Path>::new(), Vec::new()]);
-    }
-}
+mod tests;

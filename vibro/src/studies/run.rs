@@ -1,4 +1,4 @@
-//! One motion of the given machine: its table, its impacts, a picture and a short account.
+//! One motion of the 3-DOF machine: table, impacts, picture, account.
 
 mod envelope;
 mod history;
@@ -6,7 +6,7 @@ mod picture;
 
 use super::Study;
 use super::steady_motion::SteadyMotion;
-use crate::table::{CsvRows, Table, exact};
+use crate::table::{CsvRows, TextTable, exact};
 use crate::{Error, Result};
 use history::{Extent, History, RunImpact};
 use vibro_analysis::ParameterSet;
@@ -22,9 +22,9 @@ use vibro_impact::simulator::{Contact, Simulator, State};
 
 /// Drive periods discarded where neither a start nor a load is given.
 const DISCARD: u32 = 400;
-/// Drive periods recorded where nothing else is asked for.
+/// Drive periods recorded by default.
 const PERIODS: u32 = 20;
-/// Least steps in a drive period: cubic interpolation between them is good to about 1e-8 of the
+/// Least steps in a drive period: cubic interpolation between them is exact to about 1e-8 of the
 /// amplitudes.
 const LEAST: u32 = 128;
 /// Most steps of a run, a few hundred megabytes.
@@ -34,40 +34,39 @@ const NAMES: [&str; 4] = ["x1", "x2", "x3", "w"];
 
 /// How long a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Length {
-    /// So many drive periods.
+pub enum RunLength {
+    /// In drive periods.
     Periods(f64),
-    /// So many seconds.
+    /// In s.
     Seconds(f64),
     /// To the last sample of the loads, or 20 drive periods without loads.
     Default,
 }
 
-/// What to run.
+/// A run to be computed.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub struct RunRequest {
     /// How long.
-    pub length: Length,
-    /// Drive periods discarded before the run begins, without loads; 400 unless given, and none
-    /// where a start or a load is given.
+    pub length: RunLength,
+    /// Drive periods discarded before the run begins, without loads; by default 400, and 0 with a
+    /// start or a load.
     pub discard: Option<u32>,
-    /// The start, before what is discarded; the moving block unless given.
+    /// The start, before what is discarded; by default the moving block (v2 = 1).
     pub start: Option<StartRule>,
     /// Rows of the table in a drive period.
     pub samples: u32,
-    /// The loads that change, whose time 0 is the beginning of the run. Constant ones are among the
-    /// parameters.
+    /// Loads from records, whose time 0 is the beginning of the run. Constant loads are parameters.
     pub loads: Vec<Load>,
 }
 
-impl Request {
+impl RunRequest {
     fn duration(&self, p: &Parameters) -> Result<f64> {
         let last = self.loads.iter().map(|load| load.span().1).reduce(f64::max);
         let duration = match (self.length, last) {
-            (Length::Seconds(s), _) => s,
-            (Length::Default, Some(last)) => last,
-            (Length::Periods(n), _) => n * p.period(),
-            (Length::Default, None) => f64::from(PERIODS) * p.period(),
+            (RunLength::Seconds(s), _) => s,
+            (RunLength::Default, Some(last)) => last,
+            (RunLength::Periods(n), _) => n * p.period(),
+            (RunLength::Default, None) => f64::from(PERIODS) * p.period(),
         };
         if duration > 0.0 && duration.is_finite() {
             return Ok(duration);
@@ -83,7 +82,7 @@ impl Request {
         self.discard.unwrap_or(if given { 0 } else { DISCARD })
     }
 
-    /// The state in which the run, or what is discarded before it, begins; with its name.
+    /// The state in which the run, or what is discarded before it, begins, and its description.
     fn first_state(&self, p: &Parameters) -> Result<(State, String)> {
         match self.start.unwrap_or_default() {
             StartRule::State(start) => {
@@ -110,7 +109,7 @@ impl Request {
 ///
 /// # Errors
 /// What the simulator refuses, and a run that is too long for its samples.
-pub fn run(set: &ParameterSet, request: &Request) -> Result<Study> {
+pub fn run(set: &ParameterSet, request: &RunRequest) -> Result<Study> {
     let p = set.parameters();
     let duration = request.duration(p)?;
     let grid = history::grid(p, duration, request.samples, LEAST, MOST)?;
@@ -134,7 +133,7 @@ pub fn run(set: &ParameterSet, request: &Request) -> Result<Study> {
     Ok(Study { tables, figure, ..Study::without_figure("run", what).with_remarks(remarks) })
 }
 
-/// Six digits, for words.
+/// A number with six digits, for words.
 fn short(value: f64) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
         let digits = 5 - value.abs().max(1e-300).log10().floor().clamp(-3.0, 5.0) as i32;
@@ -145,7 +144,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// How the run came about, in words.
+/// How the run begins, in words.
 fn beginning(start: &str, discarded: u32, loads: &[Load]) -> String {
     let mut words = format!("started with {start}; {discarded} drive periods discarded before time 0");
     for load in loads {
@@ -195,7 +194,7 @@ fn account(p: &Parameters, history: &History) -> Vec<String> {
     lines
 }
 
-/// The class of the motion as it goes on after the run, from the next whole drive period.
+/// The class of the motion after the run, from the next whole drive period on.
 fn class(simulator: &mut Simulator) -> Result<String> {
     let parameters = *simulator.parameters();
     let period = parameters.period();
@@ -204,7 +203,7 @@ fn class(simulator: &mut Simulator) -> Result<String> {
     let found = verdict(&trajectories::Start { parameters, state: ahead.state() }, 0)?;
     let (class, attractor) = (found.class, &found.attractor);
     let mut words = format!("class: {}, as it goes on after the run", class.name());
-    // Of one that is settling the symmetry is not decided.
+    // The symmetry of a settling motion is undecided.
     if matches!(class, MotionClass::Periodic(_)) {
         words.push_str(if attractor.is_symmetric() { "; its own mirror image" } else { "; not symmetric" });
     }
@@ -233,8 +232,8 @@ fn motion_table(history: &History) -> Result<Vec<u8>> {
     csv.text()
 }
 
-fn impact_table(history: &History) -> Table {
-    let mut table = Table::new(&["time", "side", "speed", "impulse"]);
+fn impact_table(history: &History) -> TextTable {
+    let mut table = TextTable::new(&["time", "side", "speed", "impulse"]);
     for i in &history.impacts {
         let side = if i.side > 0 { "upper" } else { "lower" };
         table.rows.push(vec![exact(i.time), side.into(), exact(i.speed), exact(i.impulse)]);
@@ -249,7 +248,7 @@ mod tests {
     use vibro_impact::load::{Body, Interpolation};
     use vibro_impact::steady::exact_orbit;
 
-    /// Interpolation between the steps of a run, in gaps.
+    /// Error of interpolation between the steps of a run, in gaps.
     const INTERPOLATION: f64 = 1e-7;
 
     fn recorded(p: &Parameters, start: &State, loads: &[Load], duration: f64) -> History {
@@ -266,7 +265,7 @@ mod tests {
         for (i, q) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 1.0, 0.0]].iter().enumerate()
         {
             assert!((found.extent(i).amplitude - orbit.amplitude_of(*q)).abs() < INTERPOLATION, "{i}");
-            // By a plain sum over many phases.
+            // Reference: a plain sum over many phases.
             let count = 20_000;
             let square: f64 = (0..count)
                 .map(|k| {

@@ -3,7 +3,7 @@
 use super::lengths::Lengths;
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use rayon::prelude::*;
 use vibro_analysis::plane::Method;
 use vibro_analysis::response::response;
@@ -17,8 +17,9 @@ use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, MultipleScales
 /// The legend's words for the machine's own values.
 const OWN: &str = "this set of parameters";
 const POINTS: u32 = 200;
-/// Values at which the exact orbit's limits are found, and nodes of each search.
+/// Values at which the exact orbit's limits are found.
 const EXACT_POINTS: u32 = 16;
+/// Nodes of each search for the exact orbit's limits.
 const NODES: usize = 200;
 /// Largest ε of figure 5b, unless the machine's own is larger.
 const LARGEST_EPSILON: f64 = 0.1;
@@ -43,8 +44,8 @@ fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     Ok((least < most).then_some([least, most]))
 }
 
-/// C of the motions that multiple scales find for the force that was set; none where none was,
-/// since the regions are those over all forces.
+/// Motions of multiple scales for the force that was set; none without one, since the regions hold
+/// for all forces.
 fn own_motions(set: &ParameterSet) -> Result<Vec<FixedPoint>> {
     if !set.is_set(find_group("f10")?.into()) {
         return Ok(Vec::new());
@@ -60,8 +61,8 @@ struct Regions {
     manifolds: Vec<Manifold>,
     /// Multiple scales at the set's own κ.
     own: Manifold,
-    /// On the planes (κ, C) and (ε, C): the value, and the least and largest stable C of the exact
-    /// orbit.
+    /// On the planes (κ, C) and (ε, C): the value of κ or ε, and the least and largest stable C of
+    /// the exact orbit.
     exact: [Vec<(f64, [f64; 2])>; 2],
     /// The set's own ε and motions.
     epsilon: f64,
@@ -80,7 +81,7 @@ impl Regions {
             Ok(found.into_iter().flatten().collect())
         };
         let (epsilon, motions) = (set.groups().epsilon, own_motions(set)?);
-        // The marks are not to lie on the panel's edge.
+        // Marks are kept off the panel's edge.
         let largest =
             if motions.is_empty() { LARGEST_EPSILON } else { LARGEST_EPSILON.max((1.2 * epsilon).min(1.0)) };
         Ok(Self {
@@ -96,8 +97,8 @@ impl Regions {
         })
     }
 
-    fn table(&self) -> Table {
-        let mut table = Table::new(&["plane", "value", "theory", "C_from", "C_to", "C_Gmax"]);
+    fn table(&self) -> TextTable {
+        let mut table = TextTable::new(&["plane", "value", "theory", "C_from", "C_to", "C_Gmax"]);
         let mut scales = |plane: &str, value: f64, m: &Manifold| {
             let limits = [m.c_smin(), m.c_smax(), m.c_gmax()];
             table.rows.push(row(plane, value, "multiple scales", &limits));
@@ -145,7 +146,7 @@ impl Regions {
         ]
     }
 
-    /// The set's own motions at a value of the horizontal axis.
+    /// Marks of the set's own motions at a value of the horizontal axis.
     fn marks(&self, x: f64) -> Path {
         self.motions.iter().map(|p| (x, p.c)).collect()
     }
@@ -160,7 +161,7 @@ impl Regions {
     }
 }
 
-/// The layers of a panel of figure 5, each with its entry in the legend.
+/// Layers of a panel of figure 5, each with its entry in the legend.
 fn region_layers(
     band: Vec<(f64, f64, f64)>,
     [low, high, geometric]: [Path; 3],
@@ -241,7 +242,7 @@ fn masri_set(set: &ParameterSet) -> Result<ParameterSet> {
     Ok(found)
 }
 
-/// ε of figure 6.
+/// ε of figure 6: the set's own if it was set.
 fn own_epsilon(set: &ParameterSet) -> Result<f64> {
     Ok(if set.is_set(find_group("epsilon")?.into()) { set.groups().epsilon } else { MASRI_EPSILON })
 }
@@ -258,12 +259,12 @@ pub fn masri(set: &ParameterSet) -> Result<Study> {
     let xi = |f10: f64| 1.0 / (base.epsilon * f10);
     let mut scales = Vec::new();
     for kappa in steps(0.0, 1.0, POINTS) {
-        // κ = 1 itself is only neutrally stable: its limits are those from below.
+        // κ = 1 is only neutrally stable: its limits are those from below.
         let system = MultipleScales::new(&groups(kappa.min(1.0 - 1e-9)))?;
         scales.extend(system.force_range()?.admissible.map(|(low, high)| (kappa, xi(high), xi(low))));
     }
     let exact_orbit = exact_masri(&given, groups, xi)?;
-    let mut table = Table::new(&["kappa", "theory", "xi_from", "xi_to"]);
+    let mut table = TextTable::new(&["kappa", "theory", "xi_from", "xi_to"]);
     for (theory, limits) in [("multiple scales", &scales), ("exact orbit", &exact_orbit)] {
         let row = |l: &MasriLimits| vec![exact(l.0), theory.into(), exact(l.1), exact(l.2)];
         table.rows.extend(limits.iter().map(row));

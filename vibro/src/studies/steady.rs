@@ -1,10 +1,10 @@
-//! All steady-state values of all theories, and the motion they describe (figure 8).
+//! Steady-state values by all theories, and the motion they describe (figure 8).
 
 use super::lengths::Lengths;
 use super::steady_motion::{MotionSample, SteadyMotion};
 use super::{PANEL, Study};
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use nalgebra::Complex;
 use vibro_analysis::ParameterSet;
 use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, CENTRE, GREY, RELATIVE, SECONDARY};
@@ -15,7 +15,7 @@ use vibro_impact::steady::{Bifurcation, Sheet, exact_orbit, strong_coupling};
 
 /// Periods of the drive that histories show.
 const PERIODS: f64 = 2.0;
-/// Stroke of a curve that lies under another.
+/// Stroke of a curve below another.
 const WIDE: u32 = 14;
 
 /// Names and colours of U, W, X1, X2, X3.
@@ -26,9 +26,9 @@ pub(super) const CURVES: [(&str, Colour); 5] =
 const HEADS_FOR: &str = "largest multiplier heads for";
 
 /// Rows of the table: quantity, unit, theory, root, value.
-struct Rows(Table);
+struct SteadyRows(TextTable);
 
-impl Rows {
+impl SteadyRows {
     fn put(&mut self, column: (&str, &str), quantity: &str, unit: &str, value: String) {
         self.0.rows.push([quantity, unit, column.0, column.1, &value].map(String::from).to_vec());
     }
@@ -55,9 +55,9 @@ impl Rows {
     }
 }
 
-/// The table as the screen shows it. The file keeps the identifiers of the bifurcations, for
-/// programs that read it; a reader gets their names.
-fn readable(mut table: Table) -> Table {
+/// The table for the screen: it has the names of bifurcations, and the file their identifiers, for
+/// programs.
+fn readable(mut table: TextTable) -> TextTable {
     use Bifurcation::{NeimarkSacker, PeriodDoubling, SaddleNode, SymmetryBreaking};
     for row in table.rows.iter_mut().filter(|row| row[0] == HEADS_FOR) {
         let all = [SaddleNode, SymmetryBreaking, PeriodDoubling, NeimarkSacker];
@@ -82,7 +82,7 @@ fn root_name(sheet: Sheet) -> &'static str {
 /// What multiple scales or the exact orbit refuse. Where strong coupling is singular it is left out
 /// with a remark.
 pub fn steady(set: &ParameterSet) -> Result<Study> {
-    let mut rows = Rows(Table::new(&["quantity", "unit", "theory", "root", "value"]));
+    let mut rows = SteadyRows(TextTable::new(&["quantity", "unit", "theory", "root", "value"]));
     let mut remarks = Vec::new();
     let motions = multiple_scales(set, &mut rows)?;
     let strong = match strong_rows(set, &mut rows) {
@@ -106,7 +106,7 @@ pub fn steady(set: &ParameterSet) -> Result<Study> {
     })
 }
 
-fn multiple_scales(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {
+fn multiple_scales(set: &ParameterSet, rows: &mut SteadyRows) -> Result<usize> {
     const NAME: &str = "multiple scales";
     let system = MultipleScales::new(set.groups())?;
     let (m, all) = (system.manifold(), (NAME, "both"));
@@ -154,13 +154,13 @@ fn multiple_scales(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {
     Ok(roots.each().iter().filter(|r| r.1.c > 0.0 && r.1.admissibility.geometric).count())
 }
 
-fn admissibility(rows: &mut Rows, column: (&str, &str), tests: vibro_impact::steady::Admissibility) {
+fn admissibility(rows: &mut SteadyRows, column: (&str, &str), tests: vibro_impact::steady::Admissibility) {
     rows.flag(column, "geometric test", tests.geometric);
     rows.flag(column, "stable fixed point", tests.fixed_point);
     rows.flag(column, "stable periodic motion", tests.periodic_motion);
 }
 
-fn strong_rows(set: &ParameterSet, rows: &mut Rows) -> vibro_impact::Result<usize> {
+fn strong_rows(set: &ParameterSet, rows: &mut SteadyRows) -> vibro_impact::Result<usize> {
     const NAME: &str = "strong coupling";
     let Some(roots) = strong_coupling::solve(set.groups())? else { return Ok(0) };
     for (sheet, p) in roots.each() {
@@ -178,7 +178,7 @@ fn strong_rows(set: &ParameterSet, rows: &mut Rows) -> vibro_impact::Result<usiz
     Ok(roots.each().iter().filter(|r| r.1.admissibility.geometric).count())
 }
 
-fn exact_rows(set: &ParameterSet, rows: &mut Rows) -> Result<usize> {
+fn exact_rows(set: &ParameterSet, rows: &mut SteadyRows) -> Result<usize> {
     const NAME: &str = "exact orbit";
     let p = set.parameters();
     let mut count = 0;
@@ -231,7 +231,7 @@ fn picture(set: &ParameterSet) -> Result<(String, Option<Figure>)> {
     Ok((what, Some(figure)))
 }
 
-/// Histories and portraits of two motions, each with its name, over each other.
+/// Panels of histories and portraits of two named motions over each other.
 pub(super) fn four_panels(
     title: &str,
     set: &ParameterSet,
@@ -259,8 +259,8 @@ pub(super) fn four_panels(
     }
 }
 
-/// Curves of one motion in wide pale strokes and, over them, of another in thin dashes, both in the
-/// colours of their bodies, whose symbols stand beside the curves.
+/// Panel of one motion in wide pale strokes and another in thin dashes over it, both in the colours
+/// of their bodies; symbols stand beside the curves.
 pub(super) fn comparison_panel(
     title: &str,
     lengths: &Lengths,
@@ -275,7 +275,7 @@ pub(super) fn comparison_panel(
         layers.push(Layer::lines("stops ±L", BLACK, Dash::Dotted, stops).stroke(THIN).labelled("stop"));
     }
     let path = |points: &[MotionSample], q: usize| {
-        // A portrait closes after one period; twice would fill its dashes.
+        // A portrait closes after one period; a second one would fill its dashes.
         let shown = points.iter().filter(|p| !portrait || p.time <= 1.0 + 1e-9);
         shown.map(|p| if portrait { (p.x[q], p.v[q]) } else { (p.time, p.x[q]) }).collect::<Vec<_>>()
     };
@@ -293,7 +293,7 @@ pub(super) fn comparison_panel(
             layers.push(if first.is_empty() { curve.labelled(lengths.displacement(name)) } else { curve });
         }
     }
-    // How the two motions are told apart, for the legend.
+    // Entries of the legend for the two motions.
     if !first.is_empty() {
         layers.push(Layer::lines(first_name, GREY, Dash::Solid, Vec::new()).stroke(WIDE).pale());
     }

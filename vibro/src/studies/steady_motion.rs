@@ -1,5 +1,5 @@
-//! The motion with two symmetric impacts of a theory, as figures show it: dimensionless
-//! (docs/theory.md (20)), over the phase of the drive.
+//! The motion with two symmetric impacts by a theory, dimensionless (docs/theory.md (20)), over the
+//! phase of the drive.
 
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::motion::Flight;
@@ -10,8 +10,7 @@ use vibro_impact::steady::strong_coupling::{self, StrongPoint};
 
 /// Samples per period of a curve.
 const SAMPLES: usize = 240;
-/// Phase between an impact and the sample before it, rad: far above rounding, far below what can be
-/// seen.
+/// Phase between an impact and the sample before it, rad: far above rounding, far below a pixel.
 const JUST_BEFORE: f64 = 1e-7;
 
 /// A motion at one time: displacements in units of L, velocities in units of L ω10, with U and W
@@ -26,8 +25,8 @@ pub struct MotionSample {
     pub v: [f64; 5],
 }
 
-/// The steady state that figures show: the upper root if it is admissible, else the lower one if
-/// that is, else the upper.
+/// The steady state of figures: the upper root if it is admissible, else the lower one if that is,
+/// else the upper.
 #[derive(Clone, Copy, Debug)]
 pub enum SteadyMotion {
     /// Multiple scales: paper, section 3.
@@ -68,7 +67,7 @@ impl SteadyMotion {
         Ok(best(orbits, ExactOrbit::is_stable).map(Self::Exact))
     }
 
-    /// Whether it is stable and admissible.
+    /// Whether the motion is stable and admissible.
     pub fn is_stable(&self) -> bool {
         match self {
             Self::MultipleScales(p) => p.admissibility.all(),
@@ -100,7 +99,8 @@ impl SteadyMotion {
         }
     }
 
-    /// The motion over some periods of the drive from phase 0, with both sides of each impact.
+    /// The motion over some drive periods from phase 0, with a sample on either side of each
+    /// impact.
     pub fn history(&self, parameters: &Parameters, periods: f64) -> Vec<MotionSample> {
         let count = (SAMPLES as f64 * periods).ceil() as usize;
         let mut phases: Vec<f64> = (0..=count).map(|i| TAU * periods * i as f64 / count as f64).collect();
@@ -146,8 +146,8 @@ fn point(p: &Parameters, time: f64, x: &[f64; 3], v: &[f64; 3]) -> MotionSample 
     MotionSample { time, x: five(x, length), v: five(v, speed) }
 }
 
-/// A simulated record in the same form, with its time shifted by less than a period so that whole
-/// numbers are whole drive periods of phase zero.
+/// A simulated record as samples; its time is shifted by less than a period so that whole numbers
+/// have phase 0.
 pub fn simulated(flights: &[Flight], parameters: &Parameters) -> Vec<MotionSample> {
     let begin = flights.first().and_then(|f| f.first()).map_or(0.0, |i| i.phase / TAU);
     let instants = flights.iter().flatten();

@@ -50,7 +50,7 @@ pub fn strong_case(set: &ParameterSet) -> Result<Study> {
 }
 
 fn sawtooth_panel(beta: f64) -> Panel {
-    // β̂ = 0 is the plain sawtooth; past 1 the block overshoots the stop's place.
+    // β̂ = 0 is the plain sawtooth; beyond 1 the block overshoots the stop's position.
     let mut betas = vec![0.0, 0.8, 1.4];
     if !betas.iter().any(|b| (b - beta).abs() < 1e-9) {
         betas.push(beta);

@@ -1,4 +1,4 @@
-//! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 over the
+//! Bifurcation diagrams with exponents (figure 14), the table of spectra (table 2), A2 and the
 //! maxima (figure 16).
 
 use super::Study;
@@ -8,7 +8,7 @@ use super::diagram::{
 use super::diagram_orbits::{DiagramOrbits, end_cells, end_in_words};
 use super::lengths::Lengths;
 use crate::Result;
-use crate::table::{Table, exact};
+use crate::table::{TextTable, exact};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_analysis::maxima::Displacement;
@@ -20,10 +20,10 @@ use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 
 /// Nodes of the branches drawn over maxima.
 const NODES: usize = 400;
-/// Decimals of an exponent in words: what a thousand periods give.
+/// Decimals of an exponent in words: the accuracy after a thousand periods.
 const DECIMALS: usize = 4;
 
-/// The study of a sweep: maxima, impacts and exponents where there are some, with their tables.
+/// The study of a sweep: maxima, impacts and, if computed, exponents, with their tables.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -90,7 +90,7 @@ fn exponent_panel(set: &ParameterSet, axis: &ParameterAxis, points: &[Option<Swe
     }
 }
 
-/// Every maximum with its count.
+/// Table of all maxima with their counts.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -99,12 +99,12 @@ pub fn maxima_table(sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
     maxima_rows((sweep.axis.name.name(), &maximum), diagram, &|x| format!("{x:.6}"))
 }
 
-fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) -> Table {
+fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) -> TextTable {
     let mut header = vec![axis.name.name(), "direction", "class", "period", "impacts_upper", "impacts_lower"];
     header.extend(["rests", "symmetric", "hysteresis"]);
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
     header.extend(["deviation", "periods"]);
-    let mut table = Table::new(&header);
+    let mut table = TextTable::new(&header);
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for (point, apart) in points.iter().zip(apart) {
             let Some(p) = point else { continue };
@@ -112,7 +112,7 @@ fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) 
             let mut row = vec![exact(p.value), direction.into(), p.class.name()];
             row.push(a.period.map_or(String::new(), |n| n.to_string()));
             row.extend(a.impacts.map(exact));
-            // Of a motion that is settling the symmetry is not decided.
+            // The symmetry of a settling motion is undecided.
             let periodic = matches!(p.class, MotionClass::Periodic(_));
             let symmetric = if periodic { a.is_symmetric().to_string() } else { String::new() };
             row.extend([a.rests.to_string(), symmetric, hysteresis(*apart)]);
@@ -129,8 +129,8 @@ fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) 
     table
 }
 
-/// Table 2: spectra at selected values (the nearest of the sweep), value rising; with the ends of
-/// the stable range of each motion's branch where branches were followed.
+/// Table 2: spectra at the sweep's values nearest to `values`, value rising; with the ends of the
+/// stable range of each motion's branch where branches were followed.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -141,16 +141,16 @@ pub fn spectra(
     values: &[f64],
     orbits: Option<&DiagramOrbits>,
     name: &str,
-) -> Result<(Table, Study)> {
+) -> Result<(TextTable, Study)> {
     let mut header = vec![sweep.axis.name.name()];
     header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7", "class"]);
-    let (mut table, mut page) = (Table::new(&header), Table::new(&header));
+    let (mut table, mut page) = (TextTable::new(&header), TextTable::new(&header));
     if orbits.is_some() {
         table.header.extend(["stable_from", "label_from", "stable_to", "label_to"].map(String::from));
         page.header.push("stable orbit between".into());
     }
     let mut remarks = Vec::new();
-    // In a coarse sweep several values may have one nearest point, which is told once.
+    // In a coarse sweep several values may share a nearest point, which is listed once.
     let mut points: Vec<_> = values.iter().filter_map(|value| diagram.nearest(*value)).collect();
     points.dedup_by_key(|point| point.value);
     for point in points {
@@ -181,8 +181,8 @@ pub fn spectra(
     Ok((page, study))
 }
 
-/// Figure 16: A2 by multiple scales and by the exact orbit over the maxima of a sweep over f10,
-/// which are in the table of the sweep itself.
+/// Figure 16: A2 by multiple scales and by the exact orbit, drawn over the maxima of a sweep over
+/// f10. The maxima are in the sweep's own table.
 ///
 /// # Errors
 /// What the theories refuse, [`Error::Output`](crate::Error::Output).
@@ -191,7 +191,7 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
     let apart = diagram.apart();
     let mut panel = maxima_panel(set, sweep, diagram, &apart);
     panel.title = String::new();
-    let mut table = Table::new(&[axis.name.name(), "theory", "A2", "stable"]);
+    let mut table = TextTable::new(&[axis.name.name(), "theory", "A2", "stable"]);
     let lengths = Lengths::of(set);
     let amplitude = |p: &ResponsePoint| lengths.ratio(axis.name, p.value) * p.a[1];
     for method in [Method::MultipleScales, Method::ExactOrbit] {
@@ -230,13 +230,12 @@ pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str)
     Study::of(name, what, &table, figure)
 }
 
-/// The ranges of periodic motion of a direction, single gaps of one class of value closed: from,
-/// to.
+/// Ranges (from, to) of values, in one direction, whose motion is neither chaotic nor unsettled.
 pub fn periodic_ranges(points: &[Option<SweepPoint>]) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut open = false;
     for point in points.iter().flatten() {
-        // What stands between is a bifurcation or a torus, not chaos.
+        // Quasi-periodic and settling motion between periodic values is a torus or a bifurcation.
         let regular = point.class != MotionClass::Chaotic && point.class != MotionClass::NotSettled;
         match found.last_mut().filter(|_| open && regular) {
             Some(range) => range.1 = point.value,

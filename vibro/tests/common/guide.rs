@@ -13,7 +13,7 @@ fn home(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 
-/// The numbers of a table that a command has written; a cell of another kind is NaN.
+/// The numbers of a table that a command has written; NaN for a cell that is no number.
 pub fn rows(name: &str, table: &str) -> Vec<Vec<f64>> {
     let mut reader = csv::Reader::from_path(home(name).join(table)).expect("a table");
     let number = |cell: &str| cell.parse().unwrap_or(f64::NAN);
@@ -48,8 +48,8 @@ impl Guide {
 
     /// Writes the page's files (blocks with a name after the language) and runs its `vibro`
     /// commands, in the order of the page, in a fresh folder. `shortened` are words of commands
-    /// that are replaced so that the test is quick; each must be there. Returns what the commands
-    /// have said.
+    /// that are replaced so that the test is quick; each must occur. Returns the commands' standard
+    /// output.
     pub fn perform(&self, name: &str, shortened: &[(&str, &str)]) -> Vec<String> {
         let home = home(name);
         // Absent on the first run.

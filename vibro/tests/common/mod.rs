@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A machine of a text file.
+/// A machine's file.
 pub const DAMPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/damper_with_buffer.toml");
 
-/// Far more than a part takes on a busy machine.
+/// Far longer than a part takes on a busy computer.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A fresh folder for one test.
@@ -30,7 +30,7 @@ pub fn command(out: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// Standard output of a run that must succeed, and say nothing else.
+/// Standard output of a run that must succeed without output to standard error.
 pub fn drawn(out: &Path, arguments: &[&str]) -> String {
     let output = command(out, arguments).output().expect("vibro runs");
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
@@ -40,7 +40,7 @@ pub fn drawn(out: &Path, arguments: &[&str]) -> String {
     text(&output.stdout)
 }
 
-/// Starts a long study and waits for so many of its parts.
+/// Starts a long study and waits for `count` of its parts.
 pub fn begun(out: &Path, arguments: &[&str], study: &str, count: usize) -> Child {
     let mut vibro = command(out, arguments);
     let mut child = vibro.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("vibro starts");
@@ -53,7 +53,7 @@ pub fn begun(out: &Path, arguments: &[&str], study: &str, count: usize) -> Child
     child
 }
 
-/// Ends a program that has no chance to finish what it is at.
+/// Kills a program at once.
 pub fn killed(mut child: Child) {
     child.kill().unwrap();
     child.wait().unwrap();
@@ -67,8 +67,8 @@ pub fn parts(out: &Path, study: &str) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// All files of a folder and of its folders by their names in it, with their bytes; what a program
-/// at work renames between the listing and the reading is left out.
+/// All files of a folder and its subfolders by relative name, with their bytes; a file that a
+/// program renames meanwhile is left out.
 pub fn files(home: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(home).expect("a folder") {
@@ -97,7 +97,7 @@ pub fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
 
 /// Exit code and standard error of a run that must fail.
 pub fn refused(arguments: &[&str]) -> (i32, String) {
-    // Of its own, since tests run side by side.
+    // Each test has a folder of its own, since tests run in parallel.
     let home = tempfile::tempdir().expect("a folder");
     let output = command(&home.path().join("out"), arguments).output().expect("vibro runs");
     assert!(output.stdout.is_empty(), "{arguments:?}");

@@ -1,22 +1,38 @@
 //! The command line: commands, options and their help.
+//!
+//! A command is a variant of [`Command`], and its options are a struct of clap's. Four commands
+//! take either the machine of a FILE or the paper's machine:
+//!
+//! * An option of both is in the command's struct. Where the defaults differ, the second one is a
+//!   `default_value_if` on `file`, and the help text states both.
+//! * An option of one machine is in the struct `…OfFile` or `…OfPaper`, whose heading help shows
+//!   and by which [`check_subject`] refuses it for the other machine.
+//! * An axis, quantity or measure is text to clap; [`Command::read_axes`] and `assembly_studies`
+//!   parse it, since its form depends on the machine.
+//!
+//! Identifiers of options are keys of manifests: they stay, and a new word is an alias.
 
-use crate::assembly_arguments::AssemblyCommand;
-use crate::common_arguments::Common;
+use crate::common_arguments::{Common, WITH_FILE, WITHOUT_FILE};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
-use crate::run::Run;
+use crate::ranges::texts;
+use crate::run::RunArguments;
 use crate::study_arguments::{
     Basin, Bifurcation, Compare, Isoperiodic, Lyapunov, Manifold, Merge, Plane, Reproduce, Response,
     Stability, Template,
 };
-use crate::sweep_arguments::Sweep;
-use clap::{CommandFactory, Parser, Subcommand};
+use crate::sweep_arguments::{self, Sweep};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgMatches, CommandFactory, Parser, Subcommand};
+use std::path::{Path, PathBuf};
+use vibro::{Error, Result};
 
 const ABOUT: &str = "\
-A 3-DOF vibro-impact model: steady states, response curves, stability, bifurcations, exponents, basins
-Figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
+Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
+`check`, `draw`, `run`, `sweep`, `bifurcation` and `lyapunov` take a machine's FILE. Without it, and in all other commands, the machine
+is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
-PARAMETERS
+PARAMETERS of a machine's FILE are named in it (docs/assemblies.md). Those of the paper's machine:
   Groups:  epsilon kappa f10 sigma1 gamma1 alpha23 beta2 sigma30 gamma3 mu13
   SI:      box.m box.k box.c block.m secondary.m secondary.k secondary.c coupling.k
            stop.gap stop.restitution drive.amplitude drive.frequency drive.phase
@@ -32,85 +48,146 @@ PARAMETERS
   `vibro template` writes a file with every parameter.
 
 EXAMPLES
+  vibro check machine.toml
+  vibro run machine.toml --until 2s --samples 1000 --out my-machine
+  vibro bifurcation machine.toml --vary stop.upper.gap=1mm:8mm:200 --of box.s
+  vibro sweep machine.toml --vary stop.upper.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25
+  and of the paper's machine, whose parameters may be in a file too (--config):
   vibro steady --set kappa=0.6 --set f10=2
-  vibro run --config machine.toml --start x1=0.2,v2=1 --load box=record.csv
+  vibro run --config parameters.toml --start x1=0.2,v2=1 --load box=record.csv
   vibro response --values f10=1,1.5,2 --range sigma1=-1:1
   vibro plane --pair sigma1,f10 --resolution 1000 --method exact-orbit
   vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
-  vibro lyapunov --range f10=1.9:4 --resolution 1051
+  vibro lyapunov --vary f10=1.9:4 --resolution 1051
   vibro isoperiodic --pair sigma1,f10 --resolution 200
-  vibro template > machine.toml    (fill it in; texts with a unit in quotation marks)
-  vibro bifurcation --config machine.toml --vary drive.frequency=9Hz:11Hz:200
-  vibro plane --config machine.toml --pair block.m,stop.gap --vary stop.gap=1mm:20mm
-  vibro sweep --config machine.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 --over drive.frequency=9Hz:11Hz:21
+  vibro template > parameters.toml    (fill it in; texts with a unit in quotation marks)
+  vibro bifurcation --config parameters.toml --vary drive.frequency=9Hz:11Hz:200
+  vibro plane --config parameters.toml --pair block.m,stop.gap --vary stop.gap=1mm:20mm
+  vibro sweep --config parameters.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 --over drive.frequency=9Hz:11Hz:21
   vibro orbits --tree --vary f10=0.5:5
   vibro bifurcation --orbits --vary f10=2:3:101
   vibro orbit --word UUL --set f10=2.7
   vibro locus --from vibro-out/special-points.csv:PD@2.373 --vary f10=0.5:3 --vary kappa=0.5:0.9
-  vibro assembly run my_machine.toml --until 2s --samples 1000 --out my-machine
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
-/// What the model does not have.
+/// What the paper's machine does not have.
 const LIMITS: &str = "\
-LIMITS of the 3-DOF machine; `vibro assembly` takes machines of any bodies, with friction, links and compliant stops
+LIMITS of the paper's machine, which is meant where no FILE is named; a FILE describes machines of any bodies, with friction, links
+and compliant stops
   Three bodies on one line: box, block, secondary oscillator. Both stops are rigid and have one coefficient of restitution.
   No friction; springs and dampers are linear.";
 
-/// What is said of the numbers of described machines.
-const DESCRIBED: &str = "\
+/// How numbers of a machine's file are read.
+const NUMBERS: &str = "\
 NUMBERS
   A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
   Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
   Names of parameters are the file's own: docs/assemblies.md.";
 
-/// The command line as clap has it. The help of every command names what that command takes; those
-/// of the 3-DOF machine end with its limits.
+/// The command line as clap has it. The help of every command names what that command takes, and
+/// ends with the limits of the paper's machine where it takes that one.
 pub fn command() -> clap::Command {
-    let with_limits = |command: clap::Command| {
-        let own = command.get_after_help().map(|help| format!("{help}\n\n")).unwrap_or_default();
-        command.after_help(format!("{own}{LIMITS}"))
-    };
-    let all = with_negative_numbers(with_limits(Arguments::command()));
-    let shared: Vec<clap::Arg> = all.get_arguments().cloned().collect();
-    all.mut_subcommands(|command| match command.get_name() {
-        // Its machines are of another class.
-        "assembly" => of_described_machines(command, &shared),
-        "template" => {
-            let unused = ["config", "set", "out", "replace", "discard_unfinished", "threads"];
-            with_limits(without(command, &shared, &unused))
-        }
-        "merge" => with_limits(without(command, &shared, &["config", "set"])),
-        _ => with_limits(command),
-    })
-}
-
-/// A command whose help does not name some of the shared options. It refuses or ignores them as
-/// before.
-fn without(command: clap::Command, shared: &[clap::Arg], names: &[&str]) -> clap::Command {
-    let hidden = shared.iter().filter(|arg| names.contains(&arg.get_id().as_str()));
-    hidden.fold(command, |command, arg| command.arg(arg.clone().hide(true)))
-}
-
-/// `vibro assembly`, whose machine is the file that it names.
-fn of_described_machines(command: clap::Command, shared: &[clap::Arg]) -> clap::Command {
-    let set = shared.iter().filter(|arg| arg.get_id() == "set").map(|arg| {
-        arg.clone()
-            .help("Set one parameter of the machine by its name, e.g. stop.upper.gap=5mm. May be repeated")
-    });
-    let command = set.fold(without(command, shared, &["config"]), clap::Command::arg);
-    command.after_help(DESCRIBED).mut_subcommands(|command| {
-        let unused: &[&str] = match command.get_name() {
-            "check" => &["out", "replace", "discard_unfinished", "threads"],
-            "draw" => &["replace", "discard_unfinished", "threads"],
-            "run" => &["discard_unfinished", "threads"],
-            _ => &[],
+    let all = with_negative_numbers(with_notes(Arguments::command(), &[LIMITS]));
+    let shared: Vec<Arg> = all.get_arguments().cloned().collect();
+    let all = all.mut_subcommands(|command| {
+        let (unused, notes): (&[&str], &[&str]) = match command.get_name() {
+            "check" => (&["config", "out", "replace", "discard_unfinished", "threads"], &[NUMBERS]),
+            "draw" => (&["config", "replace", "discard_unfinished", "threads"], &[NUMBERS]),
+            "sweep" => (&[], &[sweep_arguments::EXAMPLES, NUMBERS, LIMITS]),
+            "run" | "bifurcation" | "lyapunov" => (&[], &[NUMBERS, LIMITS]),
+            "template" => (&["config", "set", "out", "replace", "discard_unfinished", "threads"], &[LIMITS]),
+            "merge" => (&["config", "set"], &[LIMITS]),
+            _ => (&[], &[LIMITS]),
         };
-        without(command, shared, unused).after_help(DESCRIBED)
-    })
+        with_notes(with_shared(command, &shared, unused), notes)
+    });
+    let alias = alias(&all);
+    all.subcommand(alias)
 }
 
-/// Takes numbers below zero for values, so that an option which allows none says what it allows.
+/// Help that ends with these notes.
+fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
+    let own = command.get_after_help().map(ToString::to_string);
+    let notes: Vec<String> = own.into_iter().chain(notes.iter().map(|note| (*note).into())).collect();
+    command.after_help(notes.join("\n\n"))
+}
+
+/// Hides in a command's help the shared options that it refuses or ignores. A command of two
+/// machines lists `--config` under the heading of the paper's machine.
+fn with_shared(command: clap::Command, shared: &[Arg], unused: &[&str]) -> clap::Command {
+    let heading = if has_file(&command) { Some(WITHOUT_FILE) } else { None };
+    let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
+        "config" => Some(arg.clone().help_heading(heading).hide(unused.contains(&"config"))),
+        id => unused.contains(&id).then(|| arg.clone().hide(true)),
+    });
+    own.fold(command, clap::Command::arg)
+}
+
+/// The alias `vibro assembly COMMAND FILE` of version 0.2.
+fn alias(all: &clap::Command) -> clap::Command {
+    let commands = all.get_subcommands().filter(|command| has_file(command)).cloned();
+    let of_file = commands.map(|command| {
+        command.mut_args(|arg| match arg.get_help_heading() {
+            Some(WITHOUT_FILE) => arg.hide(true),
+            _ if arg.get_id() == FILE => arg.required(true),
+            _ => arg,
+        })
+    });
+    clap::Command::new(ALIAS)
+        .about("Alias of the commands with a machine's FILE: `vibro assembly run FILE` is `vibro run FILE`")
+        .hide(true)
+        .arg_required_else_help(true)
+        .subcommand_required(true)
+        .subcommands(of_file)
+}
+
+/// The matches without the alias.
+pub fn without_alias(matches: ArgMatches) -> ArgMatches {
+    match matches.subcommand() {
+        Some((ALIAS, inner)) => inner.clone(),
+        _ => matches,
+    }
+}
+
+/// Name of the alias of the commands with a machine's file.
+const ALIAS: &str = "assembly";
+/// Name of the argument for a machine's file.
+const FILE: &str = "file";
+
+fn has_file(command: &clap::Command) -> bool {
+    command.get_arguments().any(|arg| arg.get_id() == FILE)
+}
+
+/// The machine's file, if one was named.
+pub fn file(matches: &ArgMatches) -> Option<&Path> {
+    matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
+}
+
+/// Refuses an option of the paper's machine where a FILE is named, and one of a FILE where none is.
+///
+/// # Errors
+/// [`Error::Refused`] with the option and those that are allowed.
+pub fn check_subject(matches: &ArgMatches) -> Result<()> {
+    let (all, file) = (command(), file(matches));
+    let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
+    let Some(command) = all.find_subcommand(name).filter(|command| has_file(command)) else { return Ok(()) };
+    let (refused, allowed) =
+        if file.is_some() { (WITHOUT_FILE, WITH_FILE) } else { (WITH_FILE, WITHOUT_FILE) };
+    let under = |heading| command.get_arguments().filter(move |a| a.get_help_heading() == Some(heading));
+    let is_given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
+    let Some(given) = under(refused).find(is_given) else { return Ok(()) };
+    let option = |arg: &Arg| format!("--{}", arg.get_long().unwrap_or_default());
+    let whose = match file {
+        Some(file) => format!("an option of the paper's machine, and {} is named", file.display()),
+        None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
+    };
+    let names: Vec<String> = under(allowed).map(option).chain(["--set".into()]).collect();
+    let problem = format!("is {whose}; allowed here: {}", names.join(", "));
+    Err(Error::Refused { what: option(given), problem })
+}
+
+/// Reads numbers below zero as values, so that an option which refuses them says what it allows.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let taken = |arg: clap::Arg| {
         let takes = arg.get_action().takes_values() && !arg.is_positional();
@@ -123,7 +200,7 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 #[derive(Debug, Parser)]
 #[command(name = "vibro", version, about = ABOUT, after_help = PARAMETERS, arg_required_else_help = true)]
 pub struct Arguments {
-    /// For every command.
+    /// Options of every command.
     #[command(flatten)]
     pub common: Common,
     /// The command.
@@ -134,14 +211,49 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Says what the machine of a FILE consists of: bodies, elements, degrees of freedom, modes at
+    /// the start, equilibrium, natural frequencies
+    Check {
+        /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+    },
+    /// Draws the machine of a FILE as an engineer sketches it: bodies in a row, springs, dashpots,
+    /// stops, friction, loads, as SVG and PNG
+    Draw {
+        /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+    },
+    /// A motion, exactly from event to event: tables of states, events and contacts, a picture, an
+    /// account of powers
+    Run(RunArguments),
+    /// Amplitudes, forces, impacts, losses and more of many designs: a grid, a list or a Sobol
+    /// sequence
+    ///
+    /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in
+    /// several motions: over a band such as that of the drive's frequency (--over), and from
+    /// several starts. The row then has the least, mean and largest values. A design that cannot be
+    /// simulated has a row with the reason.
+    Sweep(Box<Sweep>),
+    /// Bifurcation diagram: local maxima of a coordinate or quantity over a parameter, both
+    /// directions, with periods and classes (figure 14)
+    ///
+    /// Each value starts from the last state of the value before. This chain cannot be divided, so
+    /// every shard repeats it, which is about a fifth of the work. Only what is computed at each
+    /// value is divided, so that more than about four shards hardly help. `lyapunov` and the planes
+    /// gain from more.
+    ///
+    /// The motion of a FILE is looked at after each common period of what drives the machine;
+    /// --period and --section say otherwise.
+    Bifurcation(Bifurcation),
+    /// Bifurcation diagram with Lyapunov exponents (figure 14, table 2): all of them, or with FILE
+    /// the largest, and without --vary of the machine as it is
+    ///
+    /// With FILE one variation is carried exactly through flights and events (saltation matrices).
+    Lyapunov(Lyapunov),
     /// All steady-state values of one parameter set, by three theories (figure 8)
     Steady,
-    /// A machine of your own from a text file: bodies, springs, links, stops, friction, loads; its
-    /// check and its exact motion
-    #[command(subcommand)]
-    Assembly(AssemblyCommand),
-    /// A motion of the machine, with loads from files: table, impacts, picture, powers
-    Run(Run),
     /// Frequency and force response curves, stable and unstable parts (figures 10, 11)
     Response(Response),
     /// The slow invariant manifold and its fixed points (figures 2, 7, 9)
@@ -153,28 +265,10 @@ pub enum Command {
     /// Theory against simulation: histories, maxima, errors over the mass ratio (figures 8, 16 to
     /// 19)
     Compare(Compare),
-    /// Bifurcation diagram: local maxima of X2 or of another coordinate over a parameter, both
-    /// directions (figure 14)
-    ///
-    /// Each value starts from the last state of the value before. This chain cannot be divided, so
-    /// every shard repeats it, which is about a fifth of the work. Only what is computed at each
-    /// value is divided, so that more than about four shards hardly help. `lyapunov` and the planes
-    /// gain from more.
-    Bifurcation(Bifurcation),
-    /// Bifurcation diagram with all Lyapunov exponents (figure 14, table 2)
-    Lyapunov(Lyapunov),
     /// Basins of attraction over two initial values
     Basin(Basin),
     /// Simulated motion over two parameters: period, impacts, chaos, beside the exact orbit
     Isoperiodic(Isoperiodic),
-    /// Amplitudes, impacts, losses and more of many designs: a grid, a list or a Sobol sequence
-    ///
-    /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in
-    /// several motions: from several starts, and over a band such as that of the drive's frequency
-    /// (--over). The row then has the least, mean and largest values. A design that cannot be
-    /// simulated has a row with the reason.
-    #[command(after_help = crate::sweep_arguments::EXAMPLES)]
-    Sweep(Box<Sweep>),
     /// Branches of periodic orbits over a parameter, stable or not, with their bifurcations
     ///
     /// Without --tree it follows one branch, which begins at the settled motion or at the orbit
@@ -194,6 +288,30 @@ pub enum Command {
     Template(Template),
     /// All figures of the paper, and a report that compares its statements with the results
     Reproduce(Reproduce),
+}
+
+impl Command {
+    /// Parses the axes of a command without a file as parameters of the paper's machine.
+    ///
+    /// # Errors
+    /// What is wrong with an axis.
+    pub fn read_axes(&mut self) -> Result<()> {
+        match self {
+            Self::Sweep(a) => {
+                (a.of_paper.vary, a.of_paper.over) = (texts("--vary", &a.vary)?, texts("--over", &a.over)?);
+            }
+            Self::Bifurcation(a) | Self::Lyapunov(Lyapunov { sweep: a, .. }) => {
+                if a.vary.len() > 1 {
+                    let what = format!("--vary {}", a.vary.join(" --vary "));
+                    let problem = "allowed is one parameter; planes of two: `vibro isoperiodic`".into();
+                    return Err(Error::Refused { what, problem });
+                }
+                a.of_paper.range = texts("--vary", &a.vary)?.pop();
+            }
+            _ => {}
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

@@ -1,31 +1,32 @@
-//! `vibro assembly bifurcation|lyapunov|sweep`: from arguments to the library's studies.
+//! `bifurcation`, `lyapunov` and `sweep` with a machine's file: from arguments to the library's
+//! studies.
 
-use crate::assembly_arguments::{Bifurcation, Drawn, Lyapunov, Sweep, Which};
-use crate::common_arguments::Common;
+use crate::common_arguments::{Common, SectionArguments};
 use crate::destination::{self, Destination};
 use crate::long::perform_as;
 use crate::output;
-use crate::ranges::Share;
-use vibro::long_study::{AssemblyStudy, LongStudy, Work};
+use crate::ranges::{ParameterRange, ParameterValues, in_option, texts};
+use crate::study_arguments::{Bifurcation, Lyapunov};
+use crate::sweep::{in_words, request};
+use crate::sweep_arguments::{AxisArgument, Sweep};
+use std::path::Path;
+use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
 use vibro::manifest::Invocation;
 use vibro::studies::assembly_exponent;
 use vibro::{Error, Result, assembly};
-use vibro_analysis::assembly::{FileStart, Machine, Measure, QuantityName, SectionRule, diagram};
-use vibro_analysis::design_sweep::{Designs, ParameterInterval, Request, SampledAxis};
+use vibro_analysis::assembly::{FileStart, Machine, Measure, QuantityName, Section, SectionRule, diagram};
 use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
-use vibro_analysis::sobol::DIMENSIONS;
 
-/// Values in a range without a count, of a diagram and of a plane.
-const VALUES: u16 = 200;
-const PLANE_VALUES: u16 = 60;
 /// Most values on an axis of a plane.
 const MOST_OF_PLANE: usize = 3_000;
+/// Periods over which an exponent can be counted.
+const EXPONENT_PERIODS: std::ops::RangeInclusive<u32> = 8..=1_000_000;
 
-/// Reads the machine.
-fn machine(which: &Which, common: &Common) -> Result<Machine> {
-    let mut machine = assembly::read(&which.file, &common.set, &mut |words| crate::note(&words))?;
-    machine.section = match (which.period, &which.section) {
+/// Reads the machine, with the changes of `--set`.
+fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Result<Machine> {
+    let mut machine = assembly::read(file, &common.set, &mut |words| crate::note(&words))?;
+    machine.section = match (section.period, &section.section) {
         (Some(period), _) => SectionRule::Period(period),
         (None, Some(element)) => SectionRule::Element(element.clone()),
         (None, None) => SectionRule::Auto,
@@ -33,99 +34,71 @@ fn machine(which: &Which, common: &Common) -> Result<Machine> {
     Ok(machine)
 }
 
-/// A parameter, its numbers as texts, and whether they are a range.
-fn split(text: &str) -> Result<(String, Vec<&str>, bool)> {
+/// Parses a range or list of a parameter. All its numbers have units, or none has; without units
+/// they are in the unit in which the parameter was written.
+fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<String>> {
     let form = || {
         Error::form(text, "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.upper.gap=1mm:8mm:200")
     };
     let (name, numbers) = text.split_once('=').ok_or_else(form)?;
-    let is_range = numbers.contains(':');
-    let numbers: Vec<&str> = numbers.split(if is_range { ':' } else { ',' }).map(str::trim).collect();
-    if is_range && !(2..=3).contains(&numbers.len()) {
+    let (name, is_range) = (name.trim(), numbers.contains(':'));
+    let mut numbers: Vec<&str> = numbers.split(if is_range { ':' } else { ',' }).map(str::trim).collect();
+    let count = if is_range && numbers.len() == 3 { numbers.pop() } else { None };
+    if is_range && numbers.len() != 2 {
         return Err(form());
     }
-    Ok((name.trim().into(), numbers, is_range))
-}
-
-/// Numbers of a parameter, with or without units: at all or at none. Without, they are in that in
-/// which the parameter was written.
-fn numbers(machine: &mut Machine, name: &str, texts: &[&str], whole: &str) -> Result<Vec<f64>> {
-    let read = texts.iter().map(|text| Ok(machine.quantity(name, text)?)).collect::<Result<Vec<_>>>()?;
-    let is_bare = |text: &&str| text.parse::<f64>().is_ok();
-    if texts.iter().any(|text| is_bare(text) != is_bare(&texts[0])) {
-        return Err(Error::form(whole, "a unit at every number or at none"));
+    let read =
+        numbers.iter().map(|number| Ok(machine.quantity(name, number)?)).collect::<Result<Vec<_>>>()?;
+    let is_bare = |number: &&str| number.parse::<f64>().is_ok();
+    if numbers.iter().any(|number| is_bare(number) != is_bare(&numbers[0])) {
+        return Err(Error::form(text, "a unit at every number or at none"));
     }
-    assembly::taken(texts, &read[0], whole).iter().for_each(|words| crate::note(words));
-    texts.iter().for_each(|text| machine.note_unit(name, text));
-    Ok(read.into_iter().map(|quantity| quantity.value).collect())
-}
-
-/// A range or list as its numbers are in SI, for manifests.
-fn in_si(machine: &Machine, text: &str) -> Result<String> {
-    let (name, texts, is_range) = split(text)?;
-    let numbers = texts.iter().enumerate().map(|(i, number)| match (is_range, i) {
-        (true, 2) => Ok((*number).to_owned()),
-        _ => Ok(machine.quantity(&name, number)?.value.to_string()),
-    });
-    Ok(format!("{name}={}", numbers.collect::<Result<Vec<_>>>()?.join(if is_range { ":" } else { "," })))
+    assembly::note_if_not_si(&numbers, &read[0], text).iter().for_each(|words| crate::note(words));
+    numbers.iter().for_each(|number| machine.note_unit(name, number));
+    let (name, values): (_, Vec<f64>) =
+        (name.to_owned(), read.iter().map(|quantity| quantity.value).collect());
+    if !is_range {
+        return Ok(AxisArgument::List(ParameterValues { name, values, unit: None }));
+    }
+    let count = count.map(|count| count.parse().map_err(|_| Error::form(text, "a whole number of values")));
+    let range = ParameterRange { name, ends: (values[0], values[1]), count: count.transpose()?, unit: None };
+    ParameterAxis::of(range.name.clone(), range.ends, 2)?;
+    Ok(AxisArgument::Range(range))
 }
 
 /// The axis of a range.
-fn axis(machine: &mut Machine, text: &str, resolution: usize, most: usize) -> Result<ParameterAxis<String>> {
-    let (name, texts, is_range) = split(text)?;
-    if !is_range {
-        return Err(Error::form(text, "a range, NAME=FROM:TO or NAME=FROM:TO:COUNT"));
-    }
-    let ends = numbers(machine, &name, &texts[..2], text)?;
-    let count = match texts.get(2) {
-        Some(count) => count.parse().map_err(|_| Error::form(text, "a whole number of values"))?,
-        None => resolution,
-    };
-    if !(2..=most).contains(&count) {
-        let problem = format!("allowed are 2 to {most}");
-        return Err(Error::Refused { what: format!("{name}: {count} values"), problem });
-    }
-    Ok(ParameterAxis::of(name, (ends[0], ends[1]), count)?)
+fn axis(machine: &mut Machine, text: &str, resolution: u16, most: usize) -> Result<ParameterAxis<String>> {
+    let axis = read_axis(machine, text)?;
+    let range = axis.range();
+    let range = range.ok_or_else(|| Error::form(text, "a range, NAME=FROM:TO or NAME=FROM:TO:COUNT"))?;
+    range.axis(resolution.into(), 2..=most)
 }
 
-/// A range or list as values.
-fn sampled(machine: &mut Machine, text: &str, resolution: u32) -> Result<SampledAxis<String>> {
-    let (name, texts, is_range) = split(text)?;
-    if !is_range {
-        let values = numbers(machine, &name, &texts, text)?;
-        return Ok(SampledAxis { name, values });
-    }
-    let axis = axis(machine, text, resolution as usize, 1_000_000)?;
-    Ok(SampledAxis { values: (0..axis.count).map(|i| axis.value(i)).collect(), name })
-}
-
-/// The invocation of a command, with the options on which its results depend.
-fn invocation(common: &Common, command: &str, options: &[(&str, String)]) -> Invocation {
+/// The invocation with the options on which the results depend.
+fn invocation(common: &Common, options: &[(&str, String)]) -> Invocation {
     let mut found = common.invocation.clone();
-    found.command = format!("assembly-{command}");
     found.options.extend(options.iter().map(|(name, words)| ((*name).into(), words.clone())));
     found
 }
 
-fn request(
+fn diagram_request(
     machine: &mut Machine,
     vary: &str,
-    a: &Drawn,
+    a: &Bifurcation,
     exponents: Option<u32>,
 ) -> Result<diagram::DiagramRequest> {
     let of = match &a.of {
-        Some(of) => of.clone(),
+        Some(of) => of.parse().map_err(in_option("--of"))?,
         None => default_quantity(machine)?,
     };
-    let axis = axis(machine, vary, a.resolution.unwrap_or(VALUES).into(), diagram::MOST_VALUES)?;
     let request = diagram::DiagramRequest {
-        axis,
+        axis: axis(machine, vary, a.resolution, diagram::MOST_VALUES)?,
         of,
-        at_section: a.at_section,
+        at_section: a.of_file.at_section,
         discard: a.discard,
         keep: a.keep,
         exponents,
-        anew: a.anew,
+        anew: a.of_file.anew,
     };
     request.check(machine)?;
     Ok(request)
@@ -138,70 +111,62 @@ fn default_quantity(machine: &Machine) -> Result<QuantityName> {
     found.ok_or_else(|| Error::form("--of", "a quantity such as box.s; the machine has no free body"))
 }
 
-fn draw(
-    which: &Which,
-    common: &Common,
-    command: &str,
-    (vary, a): (&[String], &Drawn),
-    (exponents, share): (Option<u32>, &Share),
-) -> Result<()> {
-    if !a.pair.is_empty() {
-        return draw_planes(which, common, command, (vary, a), (exponents, share));
+/// An axis with its number of values, for manifests.
+fn counted(axis: &ParameterAxis<String>) -> String {
+    format!("{}={}:{}:{}", axis.name, axis.from, axis.to, axis.count)
+}
+
+fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -> Result<()> {
+    let mut machine = machine(file, &a.of_file.section, common)?;
+    if !a.of_file.pair.is_empty() {
+        return draw_planes(machine, common, a, exponents);
     }
-    let [vary] = vary else {
-        let what = format!("--vary {}", vary.join(" --vary "));
-        let problem = "allowed is one parameter, or --pair NAME,NAME for a plane of two".into();
+    let [vary] = &a.vary[..] else {
+        let what = if a.vary.is_empty() {
+            "no --vary".into()
+        } else {
+            format!("--vary {}", a.vary.join(" --vary "))
+        };
+        let problem = "allowed is one parameter, as --vary NAME=FROM:TO[:COUNT], or --pair NAME,NAME for a plane of two".into();
         return Err(Error::Refused { what, problem });
     };
-    let mut machine = machine(which, common)?;
-    let request = request(&mut machine, vary, a, exponents)?;
-    let axis = &request.axis;
+    let request = diagram_request(&mut machine, vary, a, exponents)?;
     let options = [
-        ("vary", format!("{}={}:{}:{}", axis.name, axis.from, axis.to, axis.count)),
+        ("vary", counted(&request.axis)),
         ("of", request.of.to_string()),
-        ("at-section", a.at_section.to_string()),
+        ("at-section", request.at_section.to_string()),
         ("discard", a.discard.to_string()),
         ("keep", a.keep.to_string()),
-        ("anew", a.anew.to_string()),
+        ("anew", request.anew.to_string()),
         ("periods", exponents.map_or(String::new(), |n| n.to_string())),
     ];
-    let invocation = invocation(common, command, &options);
-    let work = Work::Assembly { kind: AssemblyStudy::Diagram(request), machine };
-    perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, share.shard)
+    let invocation = invocation(common, &options);
+    let work = StudyOfMachine::Assembly { kind: AssemblyStudy::Diagram(request), machine };
+    perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, a.share.shard)
 }
 
 /// The planes of the pairs, each a study of its own.
-fn draw_planes(
-    which: &Which,
-    common: &Common,
-    command: &str,
-    (vary, a): (&[String], &Drawn),
-    (exponents, share): (Option<u32>, &Share),
-) -> Result<()> {
-    let mut machine = machine(which, common)?;
-    let resolution = a.resolution.unwrap_or(PLANE_VALUES).into();
-    let axes = vary.iter().map(|text| axis(&mut machine, text, resolution, MOST_OF_PLANE));
+fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents: Option<u32>) -> Result<()> {
+    let axes = a.vary.iter().map(|text| axis(&mut machine, text, a.resolution, MOST_OF_PLANE));
     let axes: Vec<ParameterAxis<String>> = axes.collect::<Result<_>>()?;
     let named = |name: &str| {
         let found = axes.iter().find(|axis| axis.name == name.trim()).cloned();
         found.ok_or_else(|| Error::form(name, "a parameter of which --vary tells the range"))
     };
     let mut studies = Vec::new();
-    for pair in &a.pair {
+    for pair in &a.of_file.pair {
         let names = pair.split_once(',');
         let form =
             || Error::form(pair, "two names with a comma between, e.g. stop.upper.gap,body.block.mass");
         let (x, y) = names.ok_or_else(form)?;
         let (x, y) = (named(x)?, named(y)?);
-        let words =
-            |axis: &ParameterAxis<String>| format!("{}={}:{}:{}", axis.name, axis.from, axis.to, axis.count);
         let options = [
-            ("vary", format!("{} {}", words(&x), words(&y))),
+            ("vary", format!("{} {}", counted(&x), counted(&y))),
             ("pair", format!("{},{}", x.name, y.name)),
             ("discard", a.discard.to_string()),
             ("periods", exponents.map_or(String::new(), |n| n.to_string())),
         ];
-        let invocation = invocation(common, command, &options);
+        let invocation = invocation(common, &options);
         let name = format!("{}-{}-{}", invocation.command, x.name, y.name);
         let request = isoperiodic::IsoperiodicRequest::<Machine> {
             x,
@@ -210,114 +175,75 @@ fn draw_planes(
             discard: a.discard,
             exponents,
         };
-        let work = Work::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
+        let work =
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
         let study = LongStudy::of(&name, work);
-        // All are refused before the first begins.
+        // All studies are checked before the first begins.
         study.check()?;
         studies.push((study, invocation));
     }
-    studies.iter().try_for_each(|(study, invocation)| perform_as(study, common, invocation, share.shard))
+    studies.iter().try_for_each(|(study, invocation)| perform_as(study, common, invocation, a.share.shard))
 }
 
-pub fn bifurcation(a: &Bifurcation, common: &Common) -> Result<()> {
-    draw(&a.which, common, "bifurcation", (&a.vary, &a.drawn), (None, &a.share))
+pub fn bifurcation(file: &Path, common: &Common, a: &Bifurcation) -> Result<()> {
+    draw(file, common, a, None)
 }
 
-pub fn lyapunov(a: &Lyapunov, common: &Common) -> Result<()> {
-    if !(a.vary.is_empty() && a.drawn.pair.is_empty()) {
-        return draw(&a.which, common, "lyapunov", (&a.vary, &a.drawn), (Some(a.periods), &a.share));
+pub fn lyapunov(file: &Path, common: &Common, Lyapunov { sweep: a, periods, .. }: &Lyapunov) -> Result<()> {
+    if !EXPONENT_PERIODS.contains(periods) {
+        let problem = format!("allowed are {} to {}", EXPONENT_PERIODS.start(), EXPONENT_PERIODS.end());
+        return Err(Error::Refused { what: format!("--periods {periods}"), problem });
     }
-    let machine = machine(&a.which, common)?;
-    let options = [("discard", a.drawn.discard.to_string()), ("periods", a.periods.to_string())];
-    let invocation = invocation(common, "lyapunov", &options);
+    if !(a.vary.is_empty() && a.of_file.pair.is_empty()) {
+        return draw(file, common, a, Some(*periods));
+    }
+    let machine = machine(file, &a.of_file.section, common)?;
+    let options = [("discard", a.discard.to_string()), ("periods", periods.to_string())];
+    let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &machine);
     // Refused before work begins.
     destination.place(&[destination.result(&invocation.command)])?;
-    let study = assembly_exponent(&machine, a.drawn.discard, a.periods, &invocation.command)?;
+    let study = assembly_exponent(&machine, a.discard, *periods, &invocation.command)?;
     let held = destination::hold(&common.out);
     let out = destination.write(std::slice::from_ref(&study))?;
     drop(held);
     output::print(&[study], &machine, &out, common)
 }
 
-pub fn sweep(a: &Sweep, common: &Common) -> Result<()> {
-    let mut machine = machine(&a.which, common)?;
+pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
+    let mut machine = machine(file, &a.section, common)?;
     if a.list {
         return output::say(list(&machine).trim_end());
     }
-    let designs = match a.samples {
-        None => {
-            let axes = a.vary.iter().map(|text| sampled(&mut machine, text, a.resolution));
-            Designs::Grid(axes.collect::<Result<_>>()?)
-        }
-        Some(count) if (1..=DIMENSIONS).contains(&a.vary.len()) => {
-            let interval = |text: &String| {
-                if split(text)?.1.len() != 2 {
-                    return Err(Error::form(
-                        text,
-                        "NAME=FROM:TO without a count: --samples decides on the number of points",
-                    ));
-                }
-                let axis = axis(&mut machine, text, 2, 2)?;
-                Ok(ParameterInterval { name: axis.name, from: axis.from, to: axis.to })
-            };
-            Designs::Sobol { intervals: a.vary.iter().map(interval).collect::<Result<_>>()?, count }
-        }
-        Some(_) => {
-            let what = format!("--samples with {} parameters", a.vary.len());
-            let problem = format!("allowed are 1 to {DIMENSIONS}, each by --vary NAME=FROM:TO");
-            return Err(Error::Refused { what, problem });
-        }
-    };
-    let over =
-        a.over.iter().map(|text| sampled(&mut machine, text, a.resolution)).collect::<Result<Vec<_>>>()?;
-    let ranges = a.over.iter().zip(&over).filter(|(text, _)| text.contains(':'));
-    let between = ranges.map(|(_, axis)| axis.name.clone()).collect();
-    let mut measures: Vec<Measure> = Vec::new();
-    let usual = || Measure::usual(&machine.description);
-    for measure in if a.output.is_empty() { usual() } else { a.output.clone() } {
-        measure.check(&machine.description)?;
-        if !measures.contains(&measure) {
-            measures.push(measure);
-        }
-    }
-    let request = SweepRequest::<Machine> {
-        designs,
-        over,
-        discard: a.discard,
-        periods: a.periods,
-        measures,
-        between,
-        again: a.again,
-        ..SweepRequest::default()
-    };
+    let mut read =
+        |all: &[String]| all.iter().map(|text| read_axis(&mut machine, text)).collect::<Result<Vec<_>>>();
+    let (vary, over) = (read(&a.vary)?, read(&a.over)?);
+    let usual = || Ok(Measure::usual(&machine.description));
+    let measures: Vec<Measure> = if a.output.is_empty() { usual() } else { texts("--output", &a.output) }?;
+    measures.iter().try_for_each(|measure| measure.check(&machine.description))?;
+    let request = request::<Machine>(a, &vary, &over, measures)?;
     request.check()?;
-    // What no design could do without.
-    vibro_analysis::assembly::Section::of(&machine.description, &machine.section)?;
-    let words = |texts: &[String]| {
-        let all = texts.iter().map(|text| in_si(&machine, text));
-        Ok::<_, Error>(all.collect::<Result<Vec<_>>>()?.join(" "))
-    };
-    let outputs: Vec<String> = request.measures.iter().map(ToString::to_string).collect();
+    // No design can do without a section.
+    Section::of(&machine.description, &machine.section)?;
     let options = [
-        ("vary", words(&a.vary)?),
-        ("over", words(&a.over)?),
+        ("vary", in_words(&vary)),
+        ("over", in_words(&over)),
         ("resolution", a.resolution.to_string()),
-        ("samples", a.samples.map_or(String::new(), |n| n.to_string())),
-        ("output", outputs.join(" ")),
+        ("samples", a.sobol.map_or(String::new(), |n| n.to_string())),
+        ("output", in_words(&request.measures)),
         ("discard", a.discard.to_string()),
         ("periods", a.periods.to_string()),
         ("again", a.again.to_string()),
     ];
-    let invocation = invocation(common, "sweep", &options);
-    let work = Work::Assembly { kind: AssemblyStudy::DesignSweep(request), machine };
+    let invocation = invocation(common, &options);
+    let work = StudyOfMachine::Assembly { kind: AssemblyStudy::DesignSweep(request), machine };
     perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, a.share.shard)
 }
 
 /// All outputs of a machine with unit and meaning.
 fn list(machine: &Machine) -> String {
     let d = &machine.description;
-    let mut text = format!("outputs of `vibro assembly sweep --output NAME,…` for {}, in SI:\n", d.name);
+    let mut text = format!("outputs of `vibro sweep FILE --output NAME,…` for {}, in SI:\n", d.name);
     for measure in Measure::all(d) {
         let unit = measure.unit(d);
         let unit = if unit == "1" { "" } else { unit };

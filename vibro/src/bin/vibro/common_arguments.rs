@@ -1,10 +1,22 @@
-//! Arguments that commands share: those of every command, and constant loads.
+//! Arguments that commands share: those of every command, those of a machine's FILE, and constant
+//! loads.
+//!
+//! `run`, `sweep`, `bifurcation` and `lyapunov` take two machines: that of the FILE they name, and
+//! without one the paper's. An option that only one of the two has stands under the heading
+//! [`WITH_FILE`] or [`WITHOUT_FILE`]; by these headings [`crate::arguments::check_subject`] refuses
+//! it for the other machine.
 
 use crate::ranges::whole;
 use clap::Args;
 use std::path::PathBuf;
 use vibro::load_file::LoadArgument;
 use vibro::manifest::Invocation;
+use vibro_impact::quantities::quantity_in;
+
+/// Heading of the options of a machine's file.
+pub const WITH_FILE: &str = "Options with FILE";
+/// Heading of the options of the paper's machine.
+pub const WITHOUT_FILE: &str = "Options without FILE";
 
 /// The folder of results unless another one is named.
 pub const DEFAULT_OUT: &str = "vibro-out";
@@ -15,7 +27,8 @@ pub struct Common {
     /// Parameter file (TOML) with a table "si", a table "groups" or both
     #[arg(long, global = true, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Set one parameter, e.g. kappa=0.6 or box.k=48kN/m. May be repeated
+    /// Set one parameter, e.g. kappa=0.6, box.k=48kN/m, or of a machine's FILE stop.upper.gap=5mm.
+    /// May be repeated
     #[arg(long, global = true, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Folder for pictures (SVG, PNG) and tables (CSV)
@@ -34,12 +47,35 @@ pub struct Common {
     /// Number of threads [default: all cores]. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = whole(1..=u16::MAX))]
     pub threads: Option<u16>,
-    /// What was given, for manifests.
+    /// The invocation, for manifests.
     #[arg(skip)]
     pub invocation: Invocation,
 }
 
-/// Loads that do not change.
+/// Where the motions of a machine's file are looked at.
+#[derive(Args, Debug)]
+#[group(skip)]
+pub struct SectionArguments {
+    /// Look at the motion after whole multiples of this time, in s or with a unit
+    /// [default: the common period of all harmonics]
+    #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "section", allow_hyphen_values = true)]
+    pub period: Option<f64>,
+    /// Look at the motion at each impact or first touch of a stop, or each time that a friction
+    /// begins to stick
+    /// [default of a machine without harmonics: its first stop, else its first friction]
+    #[arg(long, value_name = "ELEMENT")]
+    pub section: Option<String>,
+}
+
+/// A time above 0, in s.
+pub fn time(text: &str) -> std::result::Result<f64, String> {
+    let found = quantity_in("s", text.trim()).map(|q| q.value).filter(|t| t.is_finite() && *t > 0.0);
+    found.ok_or_else(|| {
+        "allowed is a finite time above 0, in s, with a unit of s, ms, us, min, h, e.g. 2s".into()
+    })
+}
+
+/// Constant loads.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ConstantLoads {
     /// Constant force on box, block or secondary, in N or with a unit. May be repeated; forces on

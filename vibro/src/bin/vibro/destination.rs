@@ -1,10 +1,10 @@
-//! Where results go, so that a run never destroys what another one has written.
+//! Where results go. A run never destroys what another one has written.
 //!
-//! Every result has a manifest beside it, and so has every folder of parts. A run overwrites what
-//! the same command with the same parameters has left, and nothing else. In a folder that the user
-//! names, everything else is refused before work begins: a script finds there what it asked for, or
-//! an exit code. The default folder is everybody's: there a run that meets results or parts of
-//! another one gets a folder of its own, with a digest of its options and parameters in the name.
+//! Every result has a manifest beside it, and so has every folder of parts. A run overwrites
+//! results of the same command with the same parameters, and nothing else. In a folder that the
+//! user names, anything else is refused before work begins: a script finds there what it asked for,
+//! or gets an exit code. In the default folder, a run that meets results or parts of another one
+//! gets a subfolder of its own, named by a digest of its options and parameters.
 
 use crate::common_arguments::{Common, DEFAULT_OUT};
 use std::fs::File;
@@ -17,10 +17,10 @@ use vibro::table::in_written_units;
 use vibro::{Error, Result};
 use vibro_figures::canvas;
 
-/// Endings of the files of a result that have its name.
+/// Endings of a result's files.
 const ENDINGS: [&str; 5] = ["csv", "parquet", "svg", "png", "html"];
 
-/// What a run is going to write.
+/// Something that a run is going to write.
 pub enum Claim {
     /// A finished result.
     Result(Manifest),
@@ -28,7 +28,7 @@ pub enum Claim {
     Parts(PathBuf, Manifest),
 }
 
-/// The command's results: whose they are and where they go.
+/// Destination of a command's results.
 pub struct Destination<'a> {
     common: &'a Common,
     invocation: &'a Invocation,
@@ -36,7 +36,7 @@ pub struct Destination<'a> {
 }
 
 impl<'a> Destination<'a> {
-    /// Of the results of an invocation for a machine.
+    /// The destination of an invocation's results for a machine.
     pub fn new(common: &'a Common, invocation: &'a Invocation, subject: &'a dyn Subject) -> Self {
         Self { common, invocation, subject }
     }
@@ -46,7 +46,7 @@ impl<'a> Destination<'a> {
         Claim::Result(Manifest::of_result(name, self.invocation, self.subject))
     }
 
-    /// The folder where all that is claimed can be written.
+    /// The folder where everything claimed can be written.
     ///
     /// # Errors
     /// [`Error::Config`] where a folder that the user named holds results or parts of another run,
@@ -67,7 +67,7 @@ impl<'a> Destination<'a> {
         foreign.map_or(Ok(out.clone()), Err)
     }
 
-    /// Whether a folder holds something of this very run, and the first refusal.
+    /// Whether a folder holds results or parts of this run, and the first refusal.
     fn occupancy(&self, out: &Path, claims: &[Claim]) -> Result<(bool, Option<Error>)> {
         let mut own = false;
         for claim in claims {
@@ -96,7 +96,7 @@ impl<'a> Destination<'a> {
         Ok((own, None))
     }
 
-    /// Writes results where there is place for them, and returns the folder.
+    /// Writes results into the folder that [`Self::place`] finds, and returns the folder.
     ///
     /// # Errors
     /// As [`Self::place`]; [`Error::File`], [`Error::Output`].
@@ -115,7 +115,7 @@ impl<'a> Destination<'a> {
         std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
         for study in studies {
             write_manifest(out, &self.manifest(study))?;
-            // The disk takes long tables while the processor draws.
+            // Tables are written while pictures are drawn.
             let (tables, pictures) =
                 rayon::join(|| self.write_tables(study, out), || write_pictures(study, out));
             tables.and(pictures)?;
@@ -134,8 +134,7 @@ impl<'a> Destination<'a> {
         Ok(path)
     }
 
-    /// Tables are in SI; a parameter that was written in another unit has a column in that unit
-    /// too.
+    /// Writes the tables, in SI and, for a parameter written in another unit, in that unit too.
     fn write_tables(&self, study: &Study, out: &Path) -> Result<()> {
         let subject = self.subject_of(study);
         let write = |(name, csv): &(String, Vec<u8>)| {
@@ -175,7 +174,7 @@ pub fn write_manifest(out: &Path, manifest: &Manifest) -> Result<()> {
 }
 
 /// The refusal to overwrite the result of another run, where there is one.
-pub fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
+fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
     let (name, path) = (&here.study, manifest_path(out, &here.study));
     let allowed = "allowed: another --out, or --replace, which overwrites it";
     let problem = if path.exists() {
@@ -199,8 +198,7 @@ pub fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
     Ok(Some(Error::Config { path: out.into(), problem }))
 }
 
-/// Holds off other programs while the folder is looked at and written; `None` where the system
-/// cannot lock a folder.
+/// Locks the folder while it is examined and written; `None` where the system cannot lock a folder.
 pub fn hold(out: &Path) -> Option<File> {
     std::fs::create_dir_all(out).ok()?;
     let folder = File::open(out).ok()?;

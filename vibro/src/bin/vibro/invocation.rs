@@ -1,5 +1,4 @@
-//! What was asked for, as manifests keep it: the command, its options with their defaults, and the
-//! command line.
+//! The invocation that manifests keep: command, options with their defaults, command line.
 
 use crate::arguments::Arguments;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
@@ -16,9 +15,9 @@ use vibro_analysis::{Name, number};
 /// Options on which the numbers of a result do not depend. `figure` and `kind` choose which results
 /// are made, and `folders` are those of `merge`; `list` only tells names.
 const APART: [&str; 5] = ["shard", "figure", "kind", "folders", "list"];
-/// Arguments that a manifest's command line leaves out: where, how fast, and which share.
+/// Options that a manifest's command line leaves out: destination, threads, share.
 const LEFT_OUT: [&str; 3] = ["--out", "--threads", "--shard"];
-/// The same for those without a value.
+/// Flags that a manifest's command line leaves out.
 const LEFT_OUT_FLAGS: [&str; 2] = ["--replace", "--discard-unfinished"];
 
 /// The invocation that was parsed into `matches`.
@@ -26,6 +25,11 @@ pub fn invocation(matches: &ArgMatches) -> Invocation {
     let given: Vec<String> = std::env::args().skip(1).collect();
     let mut found = Invocation { command_line: command_line(&given), ..Invocation::default() };
     let Some((name, matches)) = matches.subcommand() else { return found };
+    if matches.try_contains_id("file").is_ok_and(|is_file| is_file) {
+        // The studies of a machine's file add their options themselves.
+        found.command = format!("assembly-{name}");
+        return found;
+    }
     found.command = name.into();
     let all = Arguments::command();
     let Some(command) = all.find_subcommand(name) else { return found };
@@ -43,9 +47,8 @@ pub fn invocation(matches: &ArgMatches) -> Invocation {
     found
 }
 
-/// The value of an option in words that depend on the value alone: `2:3` and `2.0:3` are one range,
-/// and so are 5mm:30mm and 0.005:0.03. A file counts by what is in it. What is not read here stays
-/// as it was typed.
+/// Canonical text of an option's value: `2:3` and `2.0:3` are one range, and so are 5mm:30mm and
+/// 0.005:0.03. A file is represented by its contents. Other values stay as typed.
 fn canonical(id: &str, text: &str, at: Option<Name>) -> String {
     fn read<T: FromStr + Display>(text: &str) -> Option<String> {
         text.parse::<T>().ok().map(|value| value.to_string())
@@ -64,7 +67,7 @@ fn canonical(id: &str, text: &str, at: Option<Name>) -> String {
     found.unwrap_or_else(|| text.into())
 }
 
-/// The command line of these arguments without those on which results do not depend.
+/// The command line without the options on which results do not depend.
 fn command_line(given: &[String]) -> String {
     let mut words = vec!["vibro".to_owned()];
     let mut arguments = given.iter();
@@ -81,12 +84,12 @@ fn command_line(given: &[String]) -> String {
     words.join(" ")
 }
 
-/// The command line of this process, to be typed again.
+/// The command line of this process, quoted for a shell.
 pub fn as_typed() -> String {
     std::env::args().map(|a| quoted(&a)).collect::<Vec<_>>().join(" ")
 }
 
-/// An argument as a shell reads it.
+/// An argument, quoted for a shell where needed.
 fn quoted(argument: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_=.,:/+@%\\".contains(c);
     if !argument.is_empty() && argument.chars().all(plain) {

@@ -1,4 +1,4 @@
-//! Constant loads of a command, and the commands that take none.
+//! Constant loads of commands, and the commands that refuse them.
 
 use crate::arguments::Command;
 use crate::common_arguments::ConstantLoads;
@@ -6,19 +6,17 @@ use vibro::load_file::{LoadArgument, files};
 use vibro::{Error, Result};
 use vibro_analysis::{Name, ParameterSet};
 
-/// The loads given to a command by `--load`; those from files are for `vibro run`, which reads
-/// them.
+/// The loads of a command's `--load`. Only `vibro run` takes loads from files.
 ///
-/// # Errors
-/// For a load from a file.
+/// # Errors A load from a file.
 pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
     let ConstantLoads { load } = match command {
-        Command::Run(a) => return Ok(a.load.clone()),
-        Command::Bifurcation(a) => &a.loads,
-        Command::Lyapunov(a) => &a.sweep.loads,
+        Command::Run(a) => return Ok(a.of_paper.load.clone()),
+        Command::Bifurcation(a) => &a.of_paper.loads,
+        Command::Lyapunov(a) => &a.sweep.of_paper.loads,
         Command::Basin(a) => &a.loads,
         Command::Isoperiodic(a) => &a.loads,
-        Command::Sweep(a) => &a.loads,
+        Command::Sweep(a) => &a.of_paper.loads,
         Command::Orbits(a) => &a.which.loads,
         Command::Orbit(a) => &a.which.loads,
         Command::Locus(a) => &a.loads,
@@ -33,11 +31,9 @@ pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
     }
 }
 
-/// Refuses constant loads for the commands of the theories, which are those of the symmetric
-/// machine.
+/// Refuses constant loads for the commands of the theories, which hold for the symmetric machine.
 ///
-/// # Errors
-/// The load by its name.
+/// # Errors The load, by name.
 pub fn check_theory(set: &ParameterSet, command: &Command) -> Result<()> {
     let varied: Vec<Name> = match command {
         Command::Response(a) => {

@@ -1,5 +1,5 @@
-//! Long studies: computed in parts that are kept on disk, divided into shards, merged, and all at
-//! once.
+//! Long studies: computed in parts that are kept on disk, divided into shards, merged; and the
+//! whole report.
 
 use crate::common_arguments::Common;
 use crate::destination::{Claim, Destination};
@@ -22,25 +22,35 @@ use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group, numbers};
 use vibro_orbits::TreeOptions;
 
-/// Forces f10 whose spectra are listed unless told otherwise.
+/// Forces f10 whose spectra are listed by default.
 const SPECTRA: [f64; 4] = [0.6, 1.5, 2.45, 3.6];
 
 /// Ending of the folders of parts.
 const PARTS: &str = "parts";
 
-/// The axis of a sweep: f10 unless told otherwise.
+/// The axis of a sweep; by default f10.
 fn axis(set: &ParameterSet, a: &Bifurcation) -> Result<ParameterAxis> {
     let default = || Ok::<_, Error>(ranges::shown(set, find_group("f10")?.into(), (0.5, 5.0)));
-    a.range.map_or_else(default, Ok)?.axis(a.resolution.into(), 2..=20_000)
+    a.of_paper.range.map_or_else(default, Ok)?.axis(a.resolution.into(), 2..=20_000)
 }
 
-fn kind(axis: ParameterAxis, a: &Bifurcation, exponents: Option<SpectrumOptions>, at: Vec<f64>) -> StudyKind {
-    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of: a.of, start: a.start };
-    StudyKind::Sweep { sweep, at, orbits: a.orbits.then(TreeOptions::default) }
+fn kind(
+    axis: ParameterAxis,
+    a: &Bifurcation,
+    exponents: Option<SpectrumOptions>,
+    at: Vec<f64>,
+) -> Result<StudyKind> {
+    let of = displacement(a)?;
+    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of, start: a.of_paper.start };
+    Ok(StudyKind::Sweep { sweep, at, orbits: a.of_paper.orbits.then(TreeOptions::default) })
 }
 
-/// The values at which spectra are listed: those given; else the one that was set; else what suits
-/// the axis.
+fn displacement(a: &Bifurcation) -> Result<Displacement> {
+    a.of.as_ref().map_or(Ok(Displacement::X2), |of| of.parse().map_err(in_option("--of")))
+}
+
+/// Values at which spectra are listed: those given, else the one that was set, else defaults of the
+/// axis.
 fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<Vec<f64>> {
     if !given.is_empty() {
         let texts: Vec<&str> = given.iter().map(String::as_str).collect();
@@ -58,7 +68,7 @@ fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<
     })
 }
 
-/// The study's name, with the displacement if that is not the paper's.
+/// The study's name; another displacement than the paper's X2 is appended.
 fn name(study: &str, of: Displacement) -> String {
     if of == Displacement::X2 { study.into() } else { format!("{study}-{of}") }
 }
@@ -72,18 +82,22 @@ fn check_orbits(set: &ParameterSet, kind: &StudyKind) -> Result<()> {
 }
 
 pub fn bifurcation(set: &ParameterSet, common: &Common, a: &Bifurcation) -> Result<()> {
-    let kind = kind(axis(set, a)?, a, None, Vec::new());
+    let kind = kind(axis(set, a)?, a, None, Vec::new())?;
     check_orbits(set, &kind)?;
-    perform(&LongStudy::new(&name("bifurcation", a.of), kind, set), common, a.share.shard)
+    perform(&LongStudy::new(&name("bifurcation", displacement(a)?), kind, set), common, a.share.shard)
 }
 
 pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()> {
     let options =
         SpectrumOptions { periods: a.periods, threshold: a.threshold, ..SpectrumOptions::default() };
     let axis = axis(set, &a.sweep)?;
-    let kind = kind(axis, &a.sweep, Some(options), listed(set, &axis, &a.at)?);
+    let kind = kind(axis, &a.sweep, Some(options), listed(set, &axis, &a.at)?)?;
     check_orbits(set, &kind)?;
-    perform(&LongStudy::new(&name("lyapunov", a.sweep.of), kind, set), common, a.sweep.share.shard)
+    perform(
+        &LongStudy::new(&name("lyapunov", displacement(&a.sweep)?), kind, set),
+        common,
+        a.sweep.share.shard,
+    )
 }
 
 pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {
@@ -110,12 +124,12 @@ pub fn isoperiodic(
     Ok(())
 }
 
-/// The folder of a study's parts in the folder of its results.
+/// Folder of a study's parts, relative to the folder of its results.
 fn folder(study: &LongStudy) -> PathBuf {
     format!("{}.{PARTS}", study.name).into()
 }
 
-/// The folder where the parts and results of a study have their place.
+/// The folder for the parts and results of a study.
 fn place(study: &LongStudy, common: &Common, invocation: &Invocation) -> Result<PathBuf> {
     let destination = Destination::new(common, invocation, study.work.subject());
     let mut claims = vec![Claim::Parts(folder(study), Manifest::of_parts(study, invocation))];
@@ -123,12 +137,13 @@ fn place(study: &LongStudy, common: &Common, invocation: &Invocation) -> Result<
     destination.place(&claims)
 }
 
-/// Computes a study or a shard of it, and draws it when all its parts are there.
+/// Computes a study or a shard of it, and draws it when all parts are finished.
 fn perform(study: &LongStudy, common: &Common, shard: Option<Shard>) -> Result<()> {
     perform_as(study, common, &common.invocation, shard)
 }
 
-/// The same with the words by which manifests describe it.
+/// Computes a study or a shard of it, as [`perform`], with an invocation for manifests that the
+/// study has extended.
 pub fn perform_as(
     study: &LongStudy,
     common: &Common,
@@ -142,7 +157,8 @@ pub fn perform_as(
     complete(study, common, invocation, &out, parts, shard)
 }
 
-/// The same with the parts' folder, which is in `out`.
+/// Computes the missing parts in an open folder of parts, which lies in `out`, and draws the study
+/// when all are finished.
 fn complete(
     study: &LongStudy,
     common: &Common,
@@ -177,7 +193,7 @@ fn complete(
     }
 }
 
-/// The folders of parts in a folder, or itself if it is one.
+/// The folders of parts in a folder, or the folder itself if it is one.
 fn folders_of_parts(given: &Path) -> Result<Vec<PathBuf>> {
     let is_parts = |p: &Path| p.extension().is_some_and(|e| e == PARTS) && p.is_dir();
     if is_parts(given) {
@@ -267,7 +283,7 @@ pub fn reproduce(set: &ParameterSet, common: &Common, a: &Reproduce) -> Result<(
     destination.write_into(&report.studies, &out)?;
     let page = destination.write_page("report", &report.html, &out)?;
     folders.into_iter().try_for_each(PartFolder::remove)?;
-    // What others put there stays.
+    // Files of others stay.
     let _ = std::fs::remove_dir(out.join(&home));
     output::say(&format!("{}{}", output::apart(&out, common), report.summary(&page)))
 }

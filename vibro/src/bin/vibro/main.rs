@@ -2,7 +2,6 @@
 
 mod arguments;
 mod assembly;
-mod assembly_arguments;
 mod assembly_studies;
 mod common_arguments;
 mod destination;
@@ -26,18 +25,20 @@ use arguments::{Arguments, Command};
 use clap::FromArgMatches;
 use common_arguments::Common;
 use destination::Destination;
+use std::path::Path;
 use std::process::ExitCode;
 use vibro::{Error, Result, load_file, parameter_file, studies};
 use vibro_analysis::{Name, ParameterSet, number, typed_unit};
 
-/// Exit code for input that is refused, as clap has it.
+/// Exit code for refused input, as clap's.
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    let matches = arguments::command().get_matches();
+    let matches = arguments::without_alias(arguments::command().get_matches());
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     arguments.common.invocation = invocation::invocation(&matches);
-    match run(&mut arguments) {
+    let file = arguments::file(&matches);
+    match arguments::check_subject(&matches).and_then(|()| run(&mut arguments, file)) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(interruption::INTERRUPTED as u8),
         Err(error) => {
@@ -47,15 +48,16 @@ fn main() -> ExitCode {
     }
 }
 
-/// `false` where the work was interrupted and said so.
-fn run(arguments: &mut Arguments) -> Result<bool> {
+/// Carries out the command. `false` where a motion was interrupted.
+fn run(arguments: &mut Arguments, file: Option<&Path>) -> Result<bool> {
     if let Some(threads) = arguments.common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global().map_err(Error::output("threads"))?;
     }
-    if let Command::Assembly(a) = &arguments.command {
-        return assembly::run(a, &arguments.common);
+    if let Some(file) = file {
+        return assembly::run(file, &arguments.command, &arguments.common);
     }
+    arguments.command.read_axes()?;
     study(arguments).map(|()| true)
 }
 
@@ -70,7 +72,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         return output::say(sweep::list().trim_end());
     }
     let mut set = configured(ParameterSet::basic(), common)?;
-    said(&units_taken(common)?);
+    print_notes(&unit_notes(common)?);
     if !set.not_given().is_empty() {
         eprintln!(
             "warning: the machine is given in SI, but not {}; these are the default machine's values. `vibro template` \
@@ -79,7 +81,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         );
     }
     let words = written_units::read_in(&mut arguments.command, &set)?;
-    said(&words.iter().filter_map(|w| w.remark.clone()).collect::<Vec<_>>());
+    print_notes(&words.iter().filter_map(|w| w.remark.clone()).collect::<Vec<_>>());
     for option in words {
         common.invocation.options.insert(option.name.into(), option.words);
     }
@@ -114,7 +116,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         Command::Orbit(a) => vec![orbits::orbit(&set, a)?],
         Command::Locus(a) => vec![orbits::loci(&set, a)?],
         Command::Merge(a) => return long::merge(common, a),
-        Command::Assembly(_) | Command::Template(_) => return Ok(()),
+        Command::Check { .. } | Command::Draw { .. } | Command::Template(_) => return Ok(()),
         Command::Reproduce(a) => {
             let instead = "figures 6, 9, 10, 11 and 17 have the paper's values; leave the value out, or draw your \
                            machine by the other commands";
@@ -137,9 +139,9 @@ fn configured(mut set: ParameterSet, common: &Common) -> Result<ParameterSet> {
     Ok(set)
 }
 
-/// The values of `--set` without a unit that were read in the unit in which the file, or a value
-/// before them, wrote their parameter.
-fn units_taken(common: &Common) -> Result<Vec<String>> {
+/// Notes on the values of `--set` without a unit that were read in the unit in which the file or an
+/// earlier value wrote the parameter.
+fn unit_notes(common: &Common) -> Result<Vec<String>> {
     let mut set = ParameterSet::basic();
     if let Some(path) = &common.config {
         parameter_file::read(&mut set, path)?;
@@ -151,7 +153,7 @@ fn units_taken(common: &Common) -> Result<Vec<String>> {
         let Some((name, value)) = parts else { continue };
         match (typed_unit(name, value), set.unit(name)) {
             (None, Some(own)) if !own.is_si() && number(name, value).is_ok_and(|v| v != 0.0) => {
-                told.push(ranges::read_in(text, own))
+                told.push(ranges::note_of_unit(text, own))
             }
             (typed, _) => set.show_in(name, typed),
         }
@@ -159,12 +161,12 @@ fn units_taken(common: &Common) -> Result<Vec<String>> {
     Ok(told)
 }
 
-/// Tells what was understood in a way that a reader may not expect.
-fn said(words: &[String]) {
+/// Prints notes on how input was read.
+fn print_notes(words: &[String]) {
     words.iter().for_each(|words| note(words));
 }
 
-/// Tells it in a line.
+/// Prints a note.
 fn note(words: &str) {
     eprintln!("note: {words}");
 }

@@ -6,7 +6,7 @@ use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which};
 use crate::ranges::{ParameterRange, in_option, shown};
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::special_points::SpecialPoint;
-use vibro::studies::{self, Curve, Study};
+use vibro::studies::{self, LocusCurve, Study};
 use vibro::{Error, Result};
 use vibro_analysis::stroboscopic::moving_block;
 use vibro_analysis::{Name, ParameterSet, find_group, numbers};
@@ -17,12 +17,12 @@ use vibro_orbits::{
 
 /// Guesses of the phases from which the orbits of a word are sought.
 const TRIES: u32 = 400;
-/// Drive periods in which the transient of a motion dies out whose orbit is sought.
+/// Drive periods discarded before the orbit of a settled motion is sought.
 const SETTLE: u32 = 2000;
 
 impl Which {
-    /// The orbits of the word, those that no shorter word has first, and of these those nearest to
-    /// stability; or the one of the settled motion.
+    /// The orbits of the word; first those without a shorter word, nearest to stability first.
+    /// Without a word, the orbit of the settled motion.
     fn orbits(&self, system: &System) -> Result<Vec<Orbit>> {
         let Some(text) = &self.word else {
             let state = settle(system, &moving_block(system.parameters()), SETTLE)?;
@@ -59,7 +59,7 @@ fn family(set: &ParameterSet, a: &Orbits) -> Result<Family> {
     Ok(Family::new(set, span(&range)?)?)
 }
 
-/// The values that are marked.
+/// Values at which branches get a point.
 fn marks(a: &Orbits, along: &Span) -> Result<Vec<f64>> {
     let texts: Vec<&str> = a.mark.iter().map(String::as_str).collect();
     let (marks, _) = numbers(along.name, &texts).map_err(in_option("--mark"))?;
@@ -74,7 +74,7 @@ fn marks(a: &Orbits, along: &Span) -> Result<Vec<f64>> {
     }
 }
 
-/// All branches, in parts that are kept until they are finished.
+/// Computes all branches, in parts that are kept until the study is finished.
 fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
     let family = family(set, a)?;
     let span = *family.span();
@@ -92,8 +92,8 @@ fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
     perform_as(&LongStudy::new("orbits", kind, set), common, &common.invocation, None)
 }
 
-/// The branches of single orbits; `None` where all branches are asked for, which are computed and
-/// written in parts.
+/// The branches of single orbits; `None` with `--tree`, whose branches [`whole_tree`] computes and
+/// writes.
 pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<Study>> {
     if a.tree {
         return whole_tree(set, common, a).map(|()| None);
@@ -144,14 +144,14 @@ pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
             }
             let from = format!("{}:{row}", selection.path.display());
             let what = format!("{from} ({} of {} at {})", start.label, start.word, start.values[0]);
-            let known = |curve: &&Curve| curve.start.is_same(&start, &family).unwrap_or(false);
-            if let Some(same) = curves.iter_mut().find(|c: &&mut Curve| known(&&**c)) {
+            let known = |curve: &&LocusCurve| curve.start.is_same(&start, &family).unwrap_or(false);
+            if let Some(same) = curves.iter_mut().find(|c: &&mut LocusCurve| known(&&**c)) {
                 same.also.push(row);
                 continue;
             }
             let found = start.shortest(&family).and_then(|start| Ok((locus(&family, &start)?, start)));
             match found {
-                Ok((points, start)) => curves.push(Curve { from, row, start, points, also: Vec::new() }),
+                Ok((points, start)) => curves.push(LocusCurve { from, row, start, points, also: Vec::new() }),
                 Err(error) => problems.push(format!("{what}: {error}")),
             }
         }

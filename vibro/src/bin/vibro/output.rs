@@ -1,4 +1,4 @@
-//! Writes text to the screen.
+//! Output to the screen.
 
 use crate::common_arguments::Common;
 use std::fmt::Write as _;
@@ -6,10 +6,10 @@ use std::io::Write as _;
 use std::path::Path;
 use vibro::studies::Study;
 use vibro::subject::Subject;
-use vibro::table::Table;
+use vibro::table::TextTable;
 use vibro::{Error, Result};
 
-/// Says what was drawn and where, in the first line; then the numbers worth reading.
+/// Prints what was drawn and where, remarks, parameters, and tables for the screen.
 pub fn print(studies: &[Study], subject: &dyn Subject, folder: &Path, common: &Common) -> Result<()> {
     let mut text = String::new();
     let drawn: Vec<&str> = studies.iter().filter(|s| s.figure.is_some()).map(|s| s.name.as_str()).collect();
@@ -36,7 +36,7 @@ pub fn print(studies: &[Study], subject: &dyn Subject, folder: &Path, common: &C
     say(text.trim_end_matches('\n'))
 }
 
-/// Why results are not where they would be expected, in a line; nothing where they are.
+/// A line that says why results have a folder of their own; empty where they have none.
 pub fn apart(folder: &Path, common: &Common) -> String {
     if folder == common.out {
         return String::new();
@@ -45,10 +45,10 @@ pub fn apart(folder: &Path, common: &Common) -> String {
     format!("{out} holds results of other parameters, so these have the folder {}\n", folder.display())
 }
 
-/// Writes a line to standard output.
+/// Prints a line to standard output.
 pub fn say(words: &str) -> Result<()> {
     match std::io::stdout().write_all(format!("{words}\n").as_bytes()) {
-        // The reader has closed the pipe, as `head` does.
+        // The reader closed the pipe, as `head` does.
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => other.map_err(Error::file("writing", Path::new("standard output"))),
     }
@@ -67,7 +67,7 @@ fn first_line(study: &Study, folder: &Path) -> String {
 }
 
 /// The long table (quantity, unit, theory, root, value) with a column for each theory and root.
-fn side_by_side(table: &Table) -> String {
+fn side_by_side(table: &TextTable) -> String {
     let mut columns: Vec<(&str, &str)> = Vec::new();
     let mut quantities: Vec<(&str, &str)> = Vec::new();
     for row in &table.rows {
@@ -104,7 +104,7 @@ fn side_by_side(table: &Table) -> String {
     text
 }
 
-/// Ten digits of a number; other text as it is.
+/// A number with ten digits; other text unchanged.
 fn readable(value: &str) -> String {
     match value.parse::<f64>() {
         Ok(x) if x == 0.0 || (1e-4..1e6).contains(&x.abs()) => format!("{x:.9}"),

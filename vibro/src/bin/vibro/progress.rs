@@ -1,4 +1,4 @@
-//! A progress bar on the terminal for work that takes longer than a second.
+//! Progress bar on the terminal for work of more than a second.
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,16 +7,16 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Shorter work shows no bar.
+/// Time before a bar is shown.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// The unit of a length of time, of which parts are done.
+/// Unit of work that is a length of time.
 pub const TIME: &str = "s";
-/// Parts of a length of time.
+/// Steps of a bar over a length of time.
 const PARTS: f64 = 1e6;
-/// How often a clock is drawn.
+/// Interval at which the clock is drawn.
 const TICK: Duration = Duration::from_millis(250);
 
-/// Counts steps; shows them after [`PATIENCE`].
+/// Counts steps, and shows a bar after [`PATIENCE`].
 pub struct Progress {
     begin: Instant,
     patience: Duration,
@@ -28,9 +28,9 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Over so many steps.
+    /// A bar over `total` steps.
     pub fn new(total: usize, unit: &'static str) -> Self {
-        // Hidden by itself where standard error is no terminal.
+        // The bar is hidden where standard error is no terminal.
         Self::onto(ProgressDrawTarget::stderr(), PATIENCE, total, unit)
     }
 
@@ -46,7 +46,7 @@ impl Progress {
         }
     }
 
-    /// One more is done.
+    /// Counts one more step.
     pub fn step(&self) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         if self.begin.elapsed() > self.patience {
@@ -54,7 +54,7 @@ impl Progress {
         }
     }
 
-    /// So many are done of a total that may grow in the course of the work.
+    /// Sets the steps done and their total, which may grow.
     pub fn at(&self, done: usize, total: usize) {
         if self.begin.elapsed() > self.patience {
             let bar = self.bar.get_or_init(|| self.bar());
@@ -63,7 +63,7 @@ impl Progress {
         }
     }
 
-    /// So much of all is done, from 0 to 1, where `total` is a length of time in s.
+    /// Sets the share done, from 0 to 1, of work that is a length of time.
     pub fn part(&self, part: f64) {
         if self.begin.elapsed() > self.patience {
             let bar = self.bar.get_or_init(|| self.bar());
@@ -75,7 +75,7 @@ impl Progress {
         }
     }
 
-    /// Shows itself with its clock also while no step ends.
+    /// Keeps the clock running while no step ends.
     pub fn ticking(self) -> Ticking {
         let progress = Arc::new(self);
         let (over, ended) = std::sync::mpsc::channel::<()>();
@@ -129,7 +129,7 @@ impl std::ops::Deref for Ticking {
 impl Drop for Ticking {
     fn drop(&mut self) {
         drop(self.over.take());
-        // Its bar goes with the last of the two.
+        // The bar is removed with the last of the two.
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn a_terminal_shows_count_and_time_left_and_is_left_clean() {
         let (terminal, progress) = after(3, Duration::ZERO);
-        // Drawn at once for the first step; later steps are drawn at most some times a second.
+        // The first step is drawn at once; later ones a few times a second at most.
         progress.bar.get().expect("a bar").tick();
         let shown = terminal.contents();
         assert!(shown.contains("3/8 parts") && shown.ends_with("left"), "{shown}");

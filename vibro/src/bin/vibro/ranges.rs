@@ -6,10 +6,10 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
-pub use vibro::assembly::read_in;
+pub use vibro::assembly::note_of_unit;
 use vibro::{Error, Result};
 use vibro_analysis::parts::Shard;
-use vibro_analysis::plane::ParameterAxis;
+use vibro_analysis::plane::{AxisName, ParameterAxis};
 use vibro_analysis::{Name, ParameterSet, Unit, numbers};
 
 /// A share of a long study.
@@ -22,11 +22,12 @@ pub struct Share {
 
 /// A parameter of either form and a range of it, as `name=from:to` or `name=from:to:count`.
 #[derive(Clone, Copy, Debug)]
-pub struct ParameterRange {
+pub struct ParameterRange<N = Name> {
     /// The parameter.
-    pub name: Name,
+    pub name: N,
     /// Its ends in its SI unit, the lower one first; both are allowed values. Ends without a unit
-    /// are as typed until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit).
+    /// are as typed until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit) converts
+    /// them.
     pub ends: (f64, f64),
     /// The number of values, if it was given.
     pub count: Option<usize>,
@@ -36,9 +37,9 @@ pub struct ParameterRange {
 
 /// A parameter of either form and some of its values, as `name=value,value,…`.
 #[derive(Clone, Debug)]
-pub struct ParameterValues {
+pub struct ParameterValues<N = Name> {
     /// The parameter.
-    pub name: Name,
+    pub name: N,
     /// The values in its SI unit, as given; all are allowed. Those without a unit are as typed, as
     /// in a range.
     pub values: Vec<f64>,
@@ -55,7 +56,7 @@ pub struct ParameterPair {
     pub y: Name,
 }
 
-/// Reads a whole number in a range. What is none is refused with the range too.
+/// Parser of a whole number in a range; errors state the range.
 pub fn whole<T>(
     allowed: RangeInclusive<T>,
 ) -> impl Fn(&str) -> std::result::Result<T, String> + Clone + Send + Sync + 'static
@@ -69,13 +70,20 @@ where
     }
 }
 
-/// For `map_err` on a value that is read after the command line: what is wrong with it, with the
-/// option that it was given for.
+/// For `map_err` on a value that is parsed after the command line: adds the option's name to the
+/// error.
 pub fn in_option<E: fmt::Display>(option: &'static str) -> impl FnOnce(E) -> Error {
     move |error| Error::Refused { what: option.into(), problem: error.to_string() }
 }
 
-/// Reads a finite number in a range, which `words` tell. What is none is refused with them too.
+/// Parses the texts of an option whose form depends on the machine.
+///
+/// # Errors The first text that cannot be parsed, with the option.
+pub fn texts<T: FromStr<Err: fmt::Display>>(option: &'static str, given: &[String]) -> Result<Vec<T>> {
+    given.iter().map(|text| text.parse().map_err(in_option(option))).collect()
+}
+
+/// Parser of a finite number in a range; errors state `words`.
 pub fn real(
     allowed: RangeInclusive<f64>,
     words: &'static str,
@@ -135,17 +143,17 @@ impl FromStr for ParameterPair {
 
 // In SI and by the parameter's own name, so that the same range has the same words however it was
 // typed.
-impl fmt::Display for ParameterRange {
+impl<N: AxisName> fmt::Display for ParameterRange<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}={}:{}", self.name.name(), self.ends.0, self.ends.1)?;
+        write!(f, "{}={}:{}", self.name.text(), self.ends.0, self.ends.1)?;
         self.count.map_or(Ok(()), |count| write!(f, ":{count}"))
     }
 }
 
-impl fmt::Display for ParameterValues {
+impl<N: AxisName> fmt::Display for ParameterValues<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let values: Vec<String> = self.values.iter().map(f64::to_string).collect();
-        write!(f, "{}={}", self.name.name(), values.join(","))
+        write!(f, "{}={}", self.name.text(), values.join(","))
     }
 }
 
@@ -155,8 +163,7 @@ impl fmt::Display for ParameterPair {
     }
 }
 
-/// A range that pictures show unless told otherwise, widened so that it holds the value that was
-/// set.
+/// Default range of pictures, widened to contain the value that was set.
 pub fn shown(set: &ParameterSet, name: Name, default: (f64, f64)) -> ParameterRange {
     let own = if set.is_set(name) { name.value(set) } else { default.0 };
     ParameterRange { name, ends: (default.0.min(own), default.1.max(own)), count: None, unit: None }
@@ -174,11 +181,10 @@ pub trait InWrittenUnit: fmt::Display {
     /// The values.
     fn values(&mut self) -> Vec<&mut f64>;
 
-    /// Takes the values for numbers in the unit in which the parameter was written, if they have
-    /// none of their own; returns words that say so where it makes a difference.
+    /// Converts values without a unit from the unit in which the parameter was written; returns a
+    /// note where this is not SI.
     ///
-    /// # Errors
-    /// The range of a value.
+    /// # Errors A value out of its parameter's range.
     fn read_in_written_unit(&mut self, set: &ParameterSet) -> Result<Option<String>> {
         let (name, typed) = (self.name(), self.to_string());
         let written = set.unit(name).filter(|unit| self.unit().is_none() && !unit.is_si());
@@ -189,7 +195,7 @@ pub trait InWrittenUnit: fmt::Display {
         for value in self.values() {
             name.check(*value).map_err(vibro_analysis::Error::from)?;
         }
-        Ok(written.map(|unit| read_in(&typed, unit)))
+        Ok(written.map(|unit| note_of_unit(&typed, unit)))
     }
 }
 
@@ -228,19 +234,19 @@ fn check_if_certain(name: Name, unit: Option<&Unit>, values: &[f64]) -> Result<(
     if certain { values.iter().try_for_each(check) } else { Ok(()) }
 }
 
-impl ParameterRange {
+impl<N: AxisName> ParameterRange<N> {
     /// The axis over this range, of the given resolution unless the range has its own count.
     ///
     /// # Errors
     /// A count outside `allowed`.
-    pub fn axis(&self, resolution: usize, allowed: RangeInclusive<usize>) -> Result<ParameterAxis> {
+    pub fn axis(&self, resolution: usize, allowed: RangeInclusive<usize>) -> Result<ParameterAxis<N>> {
         let count = self.count.unwrap_or(resolution);
         if !allowed.contains(&count) {
-            let text = format!("{}: {count} values", self.name.name());
+            let text = format!("{}: {count} values", self.name.text());
             let problem = format!("allowed are {} to {}", allowed.start(), allowed.end());
             return Err(Error::Refused { what: text, problem });
         }
-        Ok(ParameterAxis::new(self.name, self.ends, count)?)
+        Ok(ParameterAxis::of(self.name.clone(), self.ends, count)?)
     }
 }
 

@@ -1,8 +1,11 @@
-//! `vibro run`: from its arguments to the library's study.
+//! `vibro run`: its arguments, and from those of the paper's machine to the library's study.
 
+use crate::common_arguments::{WITH_FILE, WITHOUT_FILE, time};
 use crate::ranges::{in_option, whole};
+use clap::builder::ArgPredicate::IsPresent;
 use clap::{Args, ValueEnum};
 use std::fmt;
+use std::path::PathBuf;
 use std::str::FromStr;
 use vibro::load_file::{LoadArgument, LoadFile, files};
 use vibro::studies::{self, RunLength, RunRequest, Study};
@@ -11,9 +14,46 @@ use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, quantity_in};
 use vibro_impact::load::Interpolation;
 
+/// Most rows of the table in a drive period.
+const MOST_SAMPLES: u32 = 10_000;
+
 /// Arguments of `run`.
 #[derive(Args, Debug)]
-pub struct Run {
+pub struct RunArguments {
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// paper's machine
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Rows of the table: in each drive period, at most 10000; with FILE in all, after that of time
+    /// 0 [default: 100; with FILE 1000]
+    #[arg(long, value_name = "N", default_value = "100", default_value_if("file", IsPresent, "1000"))]
+    #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
+    pub samples: u32,
+    /// Options of a machine's file.
+    #[command(flatten, next_help_heading = WITH_FILE)]
+    pub of_file: RunOfFile,
+    /// Options of the paper's machine.
+    #[command(flatten, next_help_heading = WITHOUT_FILE)]
+    pub of_paper: RunOfPaper,
+}
+
+/// Options of a motion of a machine's file.
+#[derive(Args, Debug)]
+pub struct RunOfFile {
+    /// End of the motion, in s or with a unit (2s, 500 ms)
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
+    pub until: Option<f64>,
+    /// Times of the rows instead: a number in s a line
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["samples", "until"])]
+    pub times: Option<PathBuf>,
+    /// List the knots of signals in events.csv too: a record has one at each of its times
+    #[arg(long)]
+    pub knots: bool,
+}
+
+/// Options of a motion of the paper's machine.
+#[derive(Args, Debug)]
+pub struct RunOfPaper {
     /// Drive periods recorded [default: 20, or up to the last sample of a load from a file]
     #[arg(long, value_name = "N", conflicts_with = "duration", value_parser = whole(1..=u32::MAX))]
     pub periods: Option<u32>,
@@ -37,9 +77,6 @@ pub struct Run {
     /// Interpolation of the force between two samples
     #[arg(long, value_enum, default_value_t = InterpolationName::Linear)]
     pub interpolation: InterpolationName,
-    /// Rows of the table for each drive period
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u16>(1..=10_000))]
-    pub samples: u16,
 }
 
 /// How long a run is.
@@ -89,7 +126,11 @@ pub enum InterpolationName {
 }
 
 /// Constant loads are among the parameters of the set.
-pub fn run(set: &ParameterSet, a: &Run) -> Result<Study> {
+pub fn run(set: &ParameterSet, RunArguments { samples, of_paper: a, .. }: &RunArguments) -> Result<Study> {
+    if *samples > MOST_SAMPLES {
+        let problem = format!("allowed are 1 to {MOST_SAMPLES} in each drive period");
+        return Err(Error::Refused { what: format!("--samples {samples}"), problem });
+    }
     let length = match (a.periods, a.duration) {
         (Some(n), _) => RunLength::Periods(n.into()),
         (None, Some(Duration::Seconds(s))) => RunLength::Seconds(s),
@@ -102,7 +143,7 @@ pub fn run(set: &ParameterSet, a: &Run) -> Result<Study> {
     };
     let read = |file: &LoadFile| file.read(interpolation).map_err(in_option("--load"));
     let loads = files(&a.load).map(read).collect::<Result<Vec<_>>>()?;
-    let request = RunRequest { length, discard: a.discard, start: a.start, samples: a.samples.into(), loads };
+    let request = RunRequest { length, discard: a.discard, start: a.start, samples: *samples, loads };
     studies::run(set, &request)
 }
 

@@ -1,4 +1,4 @@
-//! Studies of seconds, which need no parts on disk: from their arguments to the library's studies.
+//! Short studies, without parts on disk: from arguments to the library's studies.
 
 use crate::arguments::Command;
 use crate::progress::Progress;
@@ -14,14 +14,15 @@ use vibro_analysis::{Name, ParameterSet, Unit};
 /// Values on an axis of a plane.
 const PLANE: RangeInclusive<usize> = 2..=10_000;
 
-/// The last given range of a parameter; else the default, widened to hold the value that was set.
+/// The last given range of a parameter, else the default range, widened to contain the value that
+/// was set.
 fn range_of(set: &ParameterSet, given: &[ParameterRange], name: Name, default: (f64, f64)) -> ParameterRange {
     let found = given.iter().rev().find(|range| range.name == name);
     found.copied().unwrap_or_else(|| shown(set, name, default))
 }
 
-/// The members of a family of curves: the value that was set, and those listed; the default where
-/// there is neither.
+/// Values of a family of curves: the one that was set, and those listed; the default without
+/// either.
 fn members<'a>(
     set: &ParameterSet,
     name: Name,
@@ -54,7 +55,7 @@ fn check_useful(
     }
 }
 
-/// Refuses a value that was set where a figure holds values of its own for these groups.
+/// Refuses a set value of a group for which the figure has values of its own.
 pub fn check_used(set: &ParameterSet, figure: &str, unused: &[&str], instead: &str) -> Result<()> {
     match set.first_set(unused) {
         Some(name) => Err(Error::Refused {
@@ -65,14 +66,13 @@ pub fn check_used(set: &ParameterSet, figure: &str, unused: &[&str], instead: &s
     }
 }
 
-/// Whether a figure was asked for; all are where none is named.
+/// Whether a figure was asked for; without names all are.
 fn wants(figures: &[String], figure: &str) -> bool {
     figures.is_empty() || figures.iter().any(|f| f == figure)
 }
 
-/// The results of a command whose names are known before it has worked; those of long studies are
-/// looked at with their parts. The result for figure 19 has parameters of its own and is looked at
-/// when it is there.
+/// Names of the results of a short command. Results of long studies are checked with their parts,
+/// and the result for figure 19, which has parameters of its own, when it is written.
 pub fn names(command: &Command) -> Vec<String> {
     let figures = |stem: &str, all: &[&str], asked: &[String]| {
         all.iter().filter(|f| wants(asked, f)).map(|f| format!("{stem}-{f}")).collect()
@@ -100,8 +100,8 @@ pub fn names(command: &Command) -> Vec<String> {
     }
 }
 
-/// The parameters of the command's ranges and lists with the units in which these were written, for
-/// labels; where there are several of one parameter, the last holds.
+/// Parameters of the command's ranges and lists with the units in which these were written, for
+/// labels; the last of several holds.
 pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
     let (ranges, values): (&[ParameterRange], &[ParameterValues]) = match command {
         Command::Response(a) => (&a.range, &a.values),
@@ -109,9 +109,11 @@ pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
         Command::Plane(a) => (&a.planes.range, &[]),
         Command::Isoperiodic(a) => (&a.planes.range, &[]),
         Command::Compare(a) => (a.range.as_slice(), a.values.as_slice()),
-        Command::Bifurcation(a) => (a.range.as_slice(), &[]),
-        Command::Lyapunov(a) => (a.sweep.range.as_slice(), &[]),
-        Command::Sweep(a) => return a.vary.iter().chain(&a.over).map(AxisArgument::written).collect(),
+        Command::Bifurcation(a) => (a.of_paper.range.as_slice(), &[]),
+        Command::Lyapunov(a) => (a.sweep.of_paper.range.as_slice(), &[]),
+        Command::Sweep(a) => {
+            return a.of_paper.vary.iter().chain(&a.of_paper.over).map(AxisArgument::written).collect();
+        }
         _ => (&[], &[]),
     };
     values.iter().map(|v| (v.name, v.unit)).chain(ranges.iter().map(|r| (r.name, r.unit))).collect()
@@ -228,7 +230,7 @@ pub fn plane(set: &ParameterSet, a: &Plane) -> Result<Study> {
     studies::planes(set, &axes, a.method.into(), &|| progress.step())
 }
 
-/// `strong` makes the parameter set of figures 18 and 19.
+/// Comparisons of theory and simulation; `strong` makes the parameter set of figures 18 and 19.
 pub fn compare(
     set: &ParameterSet,
     strong: &dyn Fn() -> Result<ParameterSet>,
@@ -244,7 +246,7 @@ pub fn compare(
         let given: Vec<_> = a.range.into_iter().collect();
         let range = range_of(set, &given, Name::find("f10")?, (0.5, 3.0));
         let axis = range.axis(a.resolution.into(), PLANE)?;
-        // Eight values are a part, each direction has its own.
+        // A part has eight values of one direction.
         let progress = Progress::new(2 * axis.count.div_ceil(8), "parts of the simulated maxima");
         let done = || progress.step();
         found.push(studies::force_overlay(set, range.ends, axis.count, &done)?);

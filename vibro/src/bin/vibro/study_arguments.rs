@@ -1,7 +1,9 @@
-//! Arguments of the studies of the 3-DOF machine that have no file of their own.
+//! Arguments of diagrams, and of the studies of the paper's machine that have no module of their
+//! own.
 
-use crate::common_arguments::ConstantLoads;
+use crate::common_arguments::{ConstantLoads, SectionArguments, WITH_FILE, WITHOUT_FILE};
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, real, whole};
+use clap::builder::ArgPredicate::IsPresent;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use vibro_analysis::basin::InitialValueRange;
@@ -12,18 +14,68 @@ use vibro_analysis::start::StartRule;
 /// Arguments of `bifurcation`.
 #[derive(Args, Debug)]
 pub struct Bifurcation {
-    /// Parameter and range [default: f10=0.5:5]
-    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
-    pub range: Option<ParameterRange>,
-    /// Values in the range
-    #[arg(long, value_name = "N", default_value_t = 451, value_parser = whole::<u16>(2..=20_000))]
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// paper's machine
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Parameter and range, such as f10=0.5:5 or, with FILE, stop.upper.gap=1mm:8mm:200. Repeated
+    /// for planes [default without FILE: f10=0.5:5]
+    #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO[:COUNT]")]
+    #[arg(allow_hyphen_values = true)]
+    pub vary: Vec<String>,
+    /// Values in a range without a count [default: 451; with FILE 200, of a plane 60]
+    #[arg(long, value_name = "N", default_value = "451")]
+    #[arg(default_value_ifs = [("pair", IsPresent, "60"), ("file", IsPresent, "200")])]
+    #[arg(hide_default_value = true, value_parser = whole::<u16>(2..=20_000))]
     pub resolution: u16,
-    /// Drive periods discarded at each value
-    #[arg(long, value_name = "N", default_value_t = 400, value_parser = whole(0..=u32::MAX))]
+    /// Periods discarded at each value; with FILE, unless the motion has settled before
+    /// [default: 400; with FILE 300]
+    #[arg(long, value_name = "N", default_value = "400", default_value_if("file", IsPresent, "300"))]
+    #[arg(hide_default_value = true, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
-    /// Displacement whose local maxima are drawn: x1, x2, x3 or w
-    #[arg(long, value_name = "NAME", default_value_t = Displacement::X2)]
-    pub of: Displacement,
+    /// Periods kept at each value [default: 800; with FILE 100]
+    #[arg(long, value_name = "N", default_value = "800", default_value_if("file", IsPresent, "100"))]
+    #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
+    pub keep: u32,
+    /// Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity: box.s,
+    /// box.v, box.a, upper.e, upper.rate, upper.f
+    /// [default: x2; with FILE the first free body's coordinate]
+    #[arg(long, value_name = "NAME", default_value = "x2")]
+    #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
+    pub of: Option<String>,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+    /// Options of a machine's file.
+    #[command(flatten, next_help_heading = WITH_FILE)]
+    pub of_file: DiagramOfFile,
+    /// Options of the paper's machine.
+    #[command(flatten, next_help_heading = WITHOUT_FILE)]
+    pub of_paper: DiagramOfPaper,
+}
+
+/// Options of a diagram of a machine's file.
+#[derive(Args, Debug)]
+pub struct DiagramOfFile {
+    /// Where motions are looked at.
+    #[command(flatten)]
+    pub section: SectionArguments,
+    /// Draw the values where the motion is looked at (a Poincaré section) instead of local maxima
+    #[arg(long)]
+    pub at_section: bool,
+    /// Draw classes and contacts over a plane of two parameters instead, of which --vary tells the
+    /// ranges: stop.upper.gap,body.block.mass. Each motion starts as the file says. May be repeated
+    #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
+    pub pair: Vec<String>,
+    /// Start each value as the file says, at time 0, and not from the last state of the value
+    /// before: for a machine with steps or records that go on. There is then one direction
+    #[arg(long, conflicts_with = "pair")]
+    pub anew: bool,
+}
+
+/// Options of a diagram of the paper's machine.
+#[derive(Args, Debug)]
+pub struct DiagramOfPaper {
     /// Start of the motion at the first value of either direction: x1 x2 x3 in L, v1 v2 v3 in L
     /// omega10; box.s block.s secondary.s box.v block.v secondary.v in SI; each also with a unit
     /// (block.s=5mm). A coordinate that is not named is zero. "orbit" starts on the exact orbit
@@ -35,33 +87,35 @@ pub struct Bifurcation {
     /// the branches alone and has more options
     #[arg(long)]
     pub orbits: bool,
-    /// Drive periods kept at each value
-    #[arg(long, value_name = "N", default_value_t = 800, value_parser = whole(1..=u32::MAX))]
-    pub keep: u32,
     /// Constant loads.
     #[command(flatten)]
     pub loads: ConstantLoads,
-    /// For many machines.
-    #[command(flatten)]
-    pub share: Share,
+    /// The parsed range of --vary.
+    #[arg(skip)]
+    pub range: Option<ParameterRange>,
 }
 
 /// Arguments of `lyapunov`.
 #[derive(Args, Debug)]
 pub struct Lyapunov {
-    /// The sweep.
+    /// Most periods over which exponents are computed; with FILE 8 to 1000000, after 32 in which
+    /// the variation turns into its direction [default: 1500; with FILE 400]
+    #[arg(long, value_name = "N", default_value = "1500", default_value_if("file", IsPresent, "400"))]
+    #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
+    pub periods: u32,
+    /// The diagram.
     #[command(flatten)]
     pub sweep: Bifurcation,
-    /// Most drive periods over which exponents are computed
-    #[arg(long, value_name = "N", default_value_t = 1500, value_parser = whole(1..=u32::MAX))]
-    pub periods: u32,
     /// End a spectrum once the standard deviation of the running exponents over 200 periods is
     /// below this, per unit of tau
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = real(0.0..=f64::MAX, "a finite number >= 0"))]
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(value_parser = real(0.0..=f64::MAX, "a finite number >= 0"), help_heading = WITHOUT_FILE)]
     pub threshold: f64,
     /// Values at which spectra are listed and running exponents shown
-    /// [default: of f10 0.6,1.5,2.45,3.6 or the value that was set; of other parameters the quarters of the range]
+    /// [default: of f10 0.6,1.5,2.45,3.6 or the value that was set; of other parameters the
+    /// quarters of the range]
     #[arg(long, value_name = "V,V,…", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(help_heading = WITHOUT_FILE)]
     pub at: Vec<String>,
 }
 

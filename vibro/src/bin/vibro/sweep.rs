@@ -1,87 +1,99 @@
-//! `vibro sweep`: from its arguments to the library's study.
+//! `vibro sweep`: from its arguments to the library's study, for either machine.
 
 use crate::common_arguments::Common;
 use crate::long::perform_as;
+use crate::ranges::texts;
 use crate::sweep_arguments::{AxisArgument, Sweep};
+use std::fmt::Display;
 use vibro::design_file;
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::{Error, Result};
 use vibro_analysis::ParameterSet;
-use vibro_analysis::design_sweep::{Designs, SweepRequest, spread_starts};
+use vibro_analysis::design_sweep::{DesignMachine, Designs, SweepRequest, spread_starts};
 use vibro_analysis::measures::Measure;
+use vibro_analysis::plane::AxisName;
 use vibro_analysis::sobol::DIMENSIONS;
 use vibro_analysis::start::StartRule;
 
-/// The designs that were asked for.
-fn designs(set: &ParameterSet, a: &Sweep) -> Result<Designs> {
-    if let Some(path) = &a.design {
-        return design_file::read(path, set);
-    }
+/// The designs of `--vary`: a grid, or a Sobol sequence.
+fn designs<N: AxisName>(a: &Sweep, vary: &[AxisArgument<N>]) -> Result<Designs<N>> {
     match a.sobol {
-        None => {
-            Ok(Designs::Grid(a.vary.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<_>>()?))
-        }
-        Some(count) if (1..=DIMENSIONS).contains(&a.vary.len()) => {
-            let intervals = a.vary.iter().map(AxisArgument::interval).collect::<Result<_>>()?;
+        None => Ok(Designs::Grid(vary.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<_>>()?)),
+        Some(count) if (1..=DIMENSIONS).contains(&vary.len()) => {
+            let intervals = vary.iter().map(AxisArgument::interval).collect::<Result<_>>()?;
             Ok(Designs::Sobol { intervals, count })
         }
         Some(_) => {
-            let what = format!("--sobol with {} parameters", a.vary.len());
-            Err(Error::Refused {
-                what,
-                problem: format!("allowed are 1 to {DIMENSIONS}, each by --vary NAME=FROM:TO"),
-            })
+            let what = format!("--sobol with {} parameters", vary.len());
+            let problem = format!("allowed are 1 to {DIMENSIONS}, each by --vary NAME=FROM:TO");
+            Err(Error::Refused { what, problem })
         }
     }
 }
 
-fn request(set: &ParameterSet, a: &Sweep) -> Result<SweepRequest> {
-    let over = a.over.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<Vec<_>>>()?;
-    let mut starts = if a.start.is_empty() { vec![StartRule::default()] } else { a.start.clone() };
-    starts.extend(spread_starts(a.starts));
-    let mut measures: Vec<Measure> = Vec::new();
-    for measure in &a.output {
-        if !measures.contains(measure) {
-            measures.push(*measure);
+/// The request of either machine, with the default start and each measure once; not yet checked.
+///
+/// # Errors
+/// A range that is none, or of too many values.
+pub fn request<M: DesignMachine>(
+    a: &Sweep,
+    vary: &[AxisArgument<M::Name>],
+    over: &[AxisArgument<M::Name>],
+    asked: Vec<M::Measure>,
+) -> Result<SweepRequest<M>> {
+    let ranges = over.iter().filter_map(|axis| axis.range().map(|range| range.name.clone()));
+    let between = ranges.collect();
+    let mut measures: Vec<M::Measure> = Vec::new();
+    for measure in asked {
+        if !measures.contains(&measure) {
+            measures.push(measure);
         }
     }
-    let ranges = a.over.iter().zip(&over).filter(|(axis, _)| axis.is_range());
-    let between = ranges.map(|(_, axis)| axis.name).collect();
-    let request = SweepRequest {
-        designs: designs(set, a)?,
-        over,
-        starts,
+    Ok(SweepRequest {
+        designs: designs(a, vary)?,
+        over: over.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<_>>()?,
         discard: a.discard,
         periods: a.periods,
         measures,
         between,
         again: a.again,
-    };
-    request.check()?;
-    Ok(request)
+        ..SweepRequest::default()
+    })
 }
 
+/// Axes or measures in words, in SI, for manifests.
+pub fn in_words<T: Display>(axes: &[T]) -> String {
+    axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// The sweep of the paper's machine.
+///
+/// # Errors
+/// Designs, measures and starts that are not allowed; what [`perform_as`] refuses.
 pub fn sweep(set: &ParameterSet, common: &Common, a: &Sweep) -> Result<()> {
-    let request = request(set, a)?;
+    let own = &a.of_paper;
+    let measures: Vec<Measure> = texts("--output", &a.output)?;
+    let mut request = request::<ParameterSet>(a, &own.vary, &own.over, measures)?;
+    if let Some(path) = &own.design {
+        request.designs = design_file::read(path, set)?;
+    }
+    request.starts = if own.start.is_empty() { vec![StartRule::default()] } else { own.start.clone() };
+    request.starts.extend(spread_starts(own.starts));
+    request.check()?;
     let mut invocation = common.invocation.clone();
-    let words = |axes: &[AxisArgument]| axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
-    for (option, axes) in [("vary", &a.vary), ("over", &a.over)] {
+    for (option, axes) in [("vary", &own.vary), ("over", &own.over)] {
         if !axes.is_empty() {
-            invocation.options.insert(option.into(), words(axes));
+            invocation.options.insert(option.into(), in_words(axes));
         }
     }
     if let Designs::Rows { names, rows } = &request.designs {
         invocation.options.insert("design".into(), design_file::in_words(names, rows));
     }
-    perform_as(
-        &LongStudy::new("sweep", StudyKind::DesignSweep(request), set),
-        common,
-        &invocation,
-        a.share.shard,
-    )
+    let study = LongStudy::new("sweep", StudyKind::DesignSweep(request), set);
+    perform_as(&study, common, &invocation, a.share.shard)
 }
 
-/// All outputs with unit and meaning.
+/// All outputs of the paper's machine with unit and meaning.
 pub fn list() -> String {
     let mut text = String::from("outputs of `vibro sweep --output NAME,…`, in SI:\n");
     for measure in Measure::all() {

@@ -1,4 +1,4 @@
-//! Numbers without a unit on a command's axes: they are in the units in which the machine was
+//! Numbers without a unit on a command's axes, which are in the units in which the machine was
 //! written.
 
 use crate::arguments::Command;
@@ -6,21 +6,20 @@ use crate::ranges::{self, InWrittenUnit, ParameterRange};
 use vibro::Result;
 use vibro_analysis::{Name, ParameterSet, number, typed_unit};
 
-/// An option whose numbers were read.
+/// An option whose numbers were converted.
 pub struct Words {
-    /// The option, as manifests name it.
+    /// The option's name in manifests.
     pub name: &'static str,
     /// Its values in SI.
     pub words: String,
-    /// What is to be said of it.
+    /// A note for the user.
     pub remark: Option<String>,
 }
 
-/// Reads the numbers on the axes of a command in the units in which its machine was written, where
-/// they have none.
+/// Converts the numbers without a unit on a command's axes from the units in which its machine was
+/// written.
 ///
-/// # Errors
-/// The range of a value.
+/// # Errors A value out of its parameter's range.
 pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> {
     let mut found = Vec::new();
     let axes: Vec<(&'static str, Vec<&mut dyn InWrittenUnit>)> = match command {
@@ -29,9 +28,11 @@ pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> 
         Command::Plane(a) => vec![("range", dynamic(&mut a.planes.range))],
         Command::Isoperiodic(a) => vec![("range", dynamic(&mut a.planes.range))],
         Command::Compare(a) => vec![("range", dynamic(&mut a.range)), ("values", dynamic(&mut a.values))],
-        Command::Bifurcation(a) => vec![("range", dynamic(&mut a.range))],
-        Command::Lyapunov(a) => vec![("range", dynamic(&mut a.sweep.range))],
-        Command::Sweep(a) => vec![("vary", dynamic(&mut a.vary)), ("over", dynamic(&mut a.over))],
+        Command::Bifurcation(a) => vec![("range", dynamic(&mut a.of_paper.range))],
+        Command::Lyapunov(a) => vec![("range", dynamic(&mut a.sweep.of_paper.range))],
+        Command::Sweep(a) => {
+            vec![("vary", dynamic(&mut a.of_paper.vary)), ("over", dynamic(&mut a.of_paper.over))]
+        }
         Command::Orbits(a) => vec![("vary", dynamic(&mut a.vary))],
         Command::Locus(a) => vec![("vary", dynamic(&mut a.vary))],
         _ => Vec::new(),
@@ -50,7 +51,7 @@ pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> 
         }
     }
     let (option, range, texts) = match command {
-        Command::Lyapunov(a) => ("at", a.sweep.range, &mut a.at),
+        Command::Lyapunov(a) => ("at", a.sweep.of_paper.range, &mut a.at),
         Command::Orbits(a) => ("mark", a.vary, &mut a.mark),
         _ => return Ok(found),
     };
@@ -66,8 +67,8 @@ fn dynamic<'a, T: InWrittenUnit + 'a>(
     axes.into_iter().map(|axis| axis as &mut dyn InWrittenUnit).collect()
 }
 
-/// Gives the numbers of a list that is read later the unit of their axis, where none of them has
-/// one.
+/// Appends the axis' unit to the numbers of a list that is parsed later, where none of them has a
+/// unit.
 fn read_list(
     option: &'static str,
     name: Name,
@@ -83,6 +84,6 @@ fn read_list(
     texts.iter_mut().for_each(|text| text.push_str(unit.plain()));
     let words: Vec<String> =
         texts.iter().filter_map(|text| number(name, text).ok()).map(|v| v.to_string()).collect();
-    let remark = Some(ranges::read_in(&format!("--{option} {typed}"), unit));
+    let remark = Some(ranges::note_of_unit(&format!("--{option} {typed}"), unit));
     Some(Words { name: option, words: words.join(" "), remark })
 }

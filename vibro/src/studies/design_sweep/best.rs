@@ -1,14 +1,14 @@
-//! What is said of the best design of a sweep.
+//! The best design of a sweep, in words.
 
 use super::collected::value_in_words;
-use super::words::Told;
+use super::words::Labelled;
 use vibro_analysis::design_sweep::{Choice, DesignRow, SweepRequest, row};
 
-/// Most designs that are told one by one.
+/// Most designs that are listed one by one.
 const TOLD: usize = 8;
 
-/// The best design, or those that are not told apart; and what was done to find it.
-pub(super) fn best_in_words<M: Told>(
+/// The best design, or the designs that error bars do not separate, and how it was sought.
+pub(super) fn best_in_words<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,
     choice: &Choice,
@@ -45,13 +45,13 @@ pub(super) fn best_in_words<M: Told>(
     lines
 }
 
-/// The numbers of the designs that are told.
+/// The numbers of the designs that are listed.
 pub(super) fn told(choice: &Choice) -> &[usize] {
     &choice.possible[..choice.possible.len().min(TOLD)]
 }
 
 /// How many designs were measured again, and how.
-fn what_was_done<M: Told>(request: &SweepRequest<M>, choice: &Choice) -> Vec<String> {
+fn what_was_done<M: Labelled>(request: &SweepRequest<M>, choice: &Choice) -> Vec<String> {
     let again = || choice.rows.values().filter_map(|row| row.again.as_ref());
     let mut lines = Vec::new();
     if let Some(periods) = again().map(|again| again.periods).max() {
@@ -78,8 +78,8 @@ fn what_was_done<M: Told>(request: &SweepRequest<M>, choice: &Choice) -> Vec<Str
     lines
 }
 
-/// What the best design does from other starts, where that is more.
-fn from_more_starts<M: Told>(
+/// The best design's measure from other starts, where that is larger.
+fn from_more_starts<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,
     choice: &Choice,

@@ -1,30 +1,30 @@
-//! What is kept of a sweep's rows while they pass: values for the picture, and what is worth
-//! saying.
+//! Summary of a sweep, collected row by row: values for the picture, extremes and counts for the
+//! remarks.
 
-use super::words::Told;
+use super::words::Labelled;
 use vibro_analysis::design_sweep::{DesignRow, Summary, SweepRequest};
 use vibro_analysis::significant;
 
-/// Most designs of a picture.
+/// Most designs in a picture.
 const MOST_DRAWN: usize = 100_000;
 
-/// Least and largest of a measure over the motions of a design; `None` where it has no value.
+/// Least and largest value of a measure over the motions of a design; `None` where it has no value.
 pub(super) type Reach = Option<(f64, f64)>;
 
 /// One measure of all designs.
-pub(super) struct MeasureRecord<M: Told> {
+pub(super) struct MeasureRecord<M: Labelled> {
     pub measure: M::Measure,
-    /// Its place among the request's measures.
+    /// Index among the request's measures.
     index: usize,
-    /// For the picture, design by design.
+    /// Values for the picture, by design.
     pub reaches: Vec<Reach>,
-    /// The designs of the least and of the largest value.
-    least: Option<Found>,
-    largest: Option<Found>,
+    /// Designs with the least and the largest value.
+    least: Option<Extremum>,
+    largest: Option<Extremum>,
 }
 
-impl<M: Told> MeasureRecord<M> {
-    /// The least value in a unit, with the digits that it has.
+impl<M: Labelled> MeasureRecord<M> {
+    /// The least value in a unit, rounded to its spread.
     pub fn least_in(&self, factor: f64) -> Option<String> {
         let least = self.least.as_ref()?;
         Some(with_spread(factor * least.value, factor * least.spread))
@@ -33,29 +33,29 @@ impl<M: Told> MeasureRecord<M> {
 
 /// A value with its spread, and the parameters of its design.
 #[derive(Clone)]
-struct Found {
+struct Extremum {
     value: f64,
     spread: f64,
     design: Vec<f64>,
 }
 
-/// What is this part of a value and less is rounding, and no spread.
+/// Relative spread below which a value is exact but for rounding.
 const REGULAR: f64 = 1e-6;
 
-/// What is kept of a sweep.
-pub(super) struct Collected<M: Told> {
-    /// For the units in which parameters are told.
+/// Summary of a sweep.
+pub(super) struct Collected<M: Labelled> {
+    /// The machine, for the units of parameters.
     set: M,
     names: Vec<M::Name>,
     motions: usize,
-    /// Values of the parameters, design by design, for the picture.
+    /// Values of the parameters by design, for the picture.
     pub values: Vec<Vec<f64>>,
     /// The measures that are numbers.
     pub records: Vec<MeasureRecord<M>>,
     draws: bool,
     count: usize,
-    /// Designs that lack values, that have none at all, that were measured before they had settled,
-    /// and the first reasons.
+    /// Counts of designs that lack values, that have none, and that had not settled, and the first
+    /// reasons.
     bad: usize,
     empty: usize,
     unsettled: usize,
@@ -64,7 +64,7 @@ pub(super) struct Collected<M: Told> {
     has_class: bool,
 }
 
-impl<M: Told> Collected<M> {
+impl<M: Labelled> Collected<M> {
     pub fn new(set: &M, request: &SweepRequest<M>) -> Self {
         let numbers = request.measures.iter().enumerate().filter(|(_, m)| !M::is_class(m));
         let record = |(index, measure): (usize, &M::Measure)| MeasureRecord {
@@ -90,12 +90,12 @@ impl<M: Told> Collected<M> {
         }
     }
 
-    /// Whether the designs are few enough for a picture.
+    /// Whether there are few enough designs for a picture.
     pub fn draws(&self) -> bool {
         self.draws
     }
 
-    /// Takes up the next row.
+    /// Adds the next row.
     pub fn take(&mut self, row: &DesignRow) {
         self.count += 1;
         let has_class = !row.classes.is_empty();
@@ -114,7 +114,7 @@ impl<M: Told> Collected<M> {
             let output = row.outputs.get(record.index).copied().flatten();
             if let Some(found) = output {
                 let here =
-                    || Found { value: found.largest, spread: found.spread, design: row.values.clone() };
+                    || Extremum { value: found.largest, spread: found.spread, design: row.values.clone() };
                 if record.least.as_ref().is_none_or(|other| found.largest < other.value) {
                     record.least = Some(here());
                 }
@@ -131,7 +131,7 @@ impl<M: Told> Collected<M> {
         }
     }
 
-    /// What to say, line by line.
+    /// Remarks, line by line.
     pub fn remarks(&self) -> Vec<String> {
         let mut lines = Vec::new();
         let [lacking, unsettled] = &self.reasons;
@@ -146,7 +146,7 @@ impl<M: Told> Collected<M> {
         for record in &self.records {
             let (Some(least), Some(largest)) = (&record.least, &record.largest) else { continue };
             let unit = unit_of(self.set.measure_unit(&record.measure));
-            let told = |found: &Found| {
+            let told = |found: &Extremum| {
                 let at = if self.count > 1 {
                     design_in_words(&self.set, &self.names, &found.design)
                 } else {
@@ -159,7 +159,7 @@ impl<M: Told> Collected<M> {
                 1 => record.measure.to_string(),
                 n => format!("{}, largest of {n} motions", record.measure),
             };
-            // The same but for rounding.
+            // Equal but for rounding.
             if significant(least.value) == significant(largest.value) {
                 lines.push(format!("{what}: {}", told(least)));
             } else {
@@ -173,8 +173,8 @@ impl<M: Told> Collected<M> {
     }
 }
 
-impl<M: Told> Collected<M> {
-    /// Why there is nothing to show of any design, where that is so.
+impl<M: Labelled> Collected<M> {
+    /// Reason why no design has a value, where that is so.
     pub fn nothing(&self) -> Option<String> {
         let [lacking, _] = &self.reasons;
         let all_of = |reason: &String| match self.count {
@@ -185,8 +185,8 @@ impl<M: Told> Collected<M> {
     }
 }
 
-/// A measure of a row with the digits that it has, its unit, and its design.
-pub(super) fn value_in_words<M: Told>(
+/// A measure of a row, rounded to its spread, with unit and design.
+pub(super) fn value_in_words<M: Labelled>(
     set: &M,
     measure: &M::Measure,
     found: Summary,
@@ -198,7 +198,7 @@ pub(super) fn value_in_words<M: Told>(
     format!("{value}{unit} at {}", design_in_words(set, names, &row.values))
 }
 
-/// The unit of a measure, with a space before it.
+/// Unit of a measure with a space before it.
 fn unit_of(unit: &str) -> String {
     match unit {
         "1" => String::new(),
@@ -206,26 +206,26 @@ fn unit_of(unit: &str) -> String {
     }
 }
 
-/// A number to the digits that its spread leaves: `0.0248 ± 0.0003`.
+/// A number rounded to its spread: `0.0248 ± 0.0003`.
 fn with_spread(value: f64, spread: f64) -> String {
     if spread <= REGULAR * value.abs() {
         return significant(value);
     }
-    // One digit of the spread, two where it begins with 1.
+    // The spread has one digit, two where it begins with 1.
     let power = spread.log10().floor();
     let digits = if spread / 10f64.powf(power) < 2.0 { 1 } else { 0 };
     let decimals = (digits - power as i32).max(0) as usize;
     format!("{value:.decimals$} ± {spread:.decimals$}").replace('-', "−")
 }
 
-/// A reason without the empty name of the one design there is.
+/// Reason without the empty name of a single design.
 fn design_or_none(reason: &str) -> &str {
     reason.strip_prefix(": ").unwrap_or(reason)
 }
 
 /// A design in words, in the units in which the machine was written:
 /// `block.m = 1.2 kg, stop.gap = 10 mm`.
-fn design_in_words<M: Told>(set: &M, names: &[M::Name], values: &[f64]) -> String {
+fn design_in_words<M: Labelled>(set: &M, names: &[M::Name], values: &[f64]) -> String {
     let told =
         |(name, value): (&M::Name, &f64)| format!("{} = {}", M::name(name), set.with_unit(name, *value));
     names.iter().zip(values).map(told).collect::<Vec<_>>().join(", ")

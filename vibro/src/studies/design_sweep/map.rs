@@ -1,13 +1,13 @@
 //! Maps of a measure over two parameters, in steps of colour.
 
-use super::words::Told;
+use super::words::Labelled;
 use vibro_analysis::design_sweep::SampledAxis;
 use vibro_analysis::significant;
 use vibro_figures::canvas::palette::{BLACK, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Layer, Mark, Panel, Shape};
 
-/// Colours from the least to the largest value: darker and darker, so that they are told apart in
-/// grey too (viridis).
+/// Colours from the least to the largest value (viridis): ever darker, so that grey separates them
+/// too.
 const SCALE: [Colour; 8] = [
     Colour(253, 231, 37),
     Colour(160, 218, 57),
@@ -20,13 +20,12 @@ const SCALE: [Colour; 8] = [
 ];
 /// Beginning of the legend of the least value.
 pub(super) const LEAST: &str = "least, ";
-/// Where there is no value.
+/// Colour of a cell without a value.
 const NOTHING: Colour = Colour(200, 200, 200);
-/// Values of an axis have equal distances to this part of its length.
+/// Tolerance of equal distances on an axis, relative to its length.
 const EVEN: f64 = 1e-9;
 
-/// Round numbers at equal distances that enclose a range in at most as many steps as there are
-/// colours.
+/// Equally spaced round numbers that enclose a range in at most as many steps as there are colours.
 fn steps(least: f64, largest: f64) -> Vec<f64> {
     if least >= largest {
         return vec![least];
@@ -38,15 +37,14 @@ fn steps(least: f64, largest: f64) -> Vec<f64> {
         let limits = || (0..=count as u32).map(|k| (from + f64::from(k)) * step).collect();
         (count <= SCALE.len() as f64).then(limits)
     };
-    // 20 times the power is at least twice the range's eighth, which suffices wherever the range
-    // lies.
+    // 20 times the power is at least two eighths of the range: enough wherever the range lies.
     let found = [1.0, 2.0, 5.0, 10.0, 20.0].into_iter().find_map(|times| enclosing(times * power));
     found.unwrap_or_else(|| vec![least, largest])
 }
 
-/// The axis of a map, the range of its cells, and the place of each value. Values at unequal
-/// distances have cells of equal size with their names.
-fn axis<M: Told>(set: &M, of: &SampledAxis<M::Name>) -> (Axis, (f64, f64), Vec<f64>) {
+/// The axis of a map, the range of its cells, and the position of each value. Unequally spaced
+/// values have cells of equal size, labelled one by one.
+fn axis<M: Labelled>(set: &M, of: &SampledAxis<M::Name>) -> (Axis, (f64, f64), Vec<f64>) {
     let (values, count) = (&of.values, of.values.len());
     let (first, last) = (values[0], values[count - 1]);
     let part = |k: usize| k as f64 / (count - 1).max(1) as f64;
@@ -66,21 +64,21 @@ fn axis<M: Told>(set: &M, of: &SampledAxis<M::Name>) -> (Axis, (f64, f64), Vec<f
     (Axis { names, ..Axis::over(label, range.0, range.1) }, range, places)
 }
 
-/// The range of the values that are there.
+/// Range of the values that are present.
 fn range<'a>(values: impl IntoIterator<Item = &'a Option<f64>>) -> (f64, f64) {
     let met = values.into_iter().flatten();
     met.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)))
 }
 
-/// The limits of the steps for values of one or several maps; none where there is no value.
+/// Limits of the colour steps for values of one or several maps; empty without a value.
 pub(in crate::studies) fn limits<'a>(values: impl IntoIterator<Item = &'a Option<f64>>) -> Vec<f64> {
     let (least, largest) = range(values);
     if least <= largest { steps(least, largest) } else { Vec::new() }
 }
 
-/// A map: `values` by the second axis within the first, as designs are numbered, in steps between
-/// these limits.
-pub(in crate::studies) fn map<M: Told>(
+/// Map of `values` in steps between these limits. Values are numbered as designs are, the second
+/// axis fastest.
+pub(in crate::studies) fn map<M: Labelled>(
     set: &M,
     title: String,
     unit: &str,
@@ -92,7 +90,7 @@ pub(in crate::studies) fn map<M: Told>(
     let (columns, rows) = (x_places.len(), y_places.len());
     let least = range(values).0;
     let count = limits.len().saturating_sub(1).max(1);
-    // The last step takes its upper limit too.
+    // The last step includes its upper limit.
     let step = |v: f64| limits.iter().skip(1).take(count - 1).filter(|limit| v >= **limit).count();
     let colour =
         |step: usize| SCALE[(step * (SCALE.len() - 1)).div_ceil((count - 1).max(1)).min(SCALE.len() - 1)];
@@ -119,7 +117,7 @@ pub(in crate::studies) fn map<M: Told>(
     }
     let least_at =
         (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j))).find(|&(i, j)| value(i, j) == Some(least));
-    // Of equal values none is the least.
+    // Of equal values none is marked as the least.
     if let (Some((i, j)), true) = (least_at, limits.len() > 1) {
         let name = format!("{LEAST}{}{unit}", significant(least));
         layers.push(Layer::marks(&name, VERMILLION, Mark::Disc, vec![(x_places[i], y_places[j])]));

@@ -1,9 +1,9 @@
-//! The picture of a sweep: lines over one parameter, maps over two, for more the best over the
-//! others, marks over each parameter for designs that are no grid.
+//! The picture of a sweep: lines over one parameter, maps over two, for more parameters maps of the
+//! best over the others; marks over each parameter for designs that are not a grid.
 
 use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{LEAST, limits, map};
-use super::words::Told;
+use super::words::Labelled;
 use super::{method, varied};
 use vibro_analysis::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 use vibro_figures::canvas::palette::BLACK;
@@ -11,11 +11,11 @@ use vibro_figures::chart::{Axis, Dash, Figure, Layer, MARK, Mark, Panel, Path, T
 
 /// Most panels of a picture.
 const PANELS: usize = 6;
-/// Values that differ by less than this part are the same.
+/// Relative difference below which values are equal.
 const SAME: f64 = 1e-9;
 
-/// The picture; `None` for a single design and for too many.
-pub(super) fn figure<M: Told>(
+/// The picture; `None` for a single design and for too many designs.
+pub(super) fn figure<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,
     found: &Collected<M>,
@@ -42,7 +42,7 @@ pub(super) fn figure<M: Told>(
         _ if request.designs.count() < 2 => return None,
         _ => (clouds(set, &names, request, (found, records[0])), 2.min(names.len()), (1500, 1000)),
     };
-    // Projections have one scale.
+    // All projections share one scale.
     let is_projection = matches!(&request.designs, Designs::Grid(axes) if axes.iter().filter(|a| a.values.len() > 1).count() > 2);
     let symbols: Vec<_> = names.iter().map(|n| set.symbol(n)).collect();
     let several = panels.len() > 1;
@@ -63,24 +63,27 @@ pub(super) fn figure<M: Told>(
     })
 }
 
-/// What a panel shows of a measure.
-fn title<M: Told>(measure: &M::Measure, request: &SweepRequest<M>) -> String {
+/// Title of a panel.
+fn title<M: Labelled>(measure: &M::Measure, request: &SweepRequest<M>) -> String {
     match request.motions() {
         1 => M::words(measure),
         motions => format!("{}, largest of {motions} motions", M::words(measure)),
     }
 }
 
-/// Whether a measure is the same at all designs, and what it is. Where a design has no value, it is
-/// not.
-fn constant<M: Told>(record: &MeasureRecord<M>) -> Option<f64> {
+/// The value of a measure that is equal at all designs; `None` where a design has another value or
+/// none.
+fn constant<M: Labelled>(record: &MeasureRecord<M>) -> Option<f64> {
     let all: Option<Vec<(f64, f64)>> = record.reaches.iter().copied().collect();
     let ends = all?.into_iter().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
     (ends.1 - ends.0 <= SAME * ends.0.abs().max(ends.1.abs())).then_some(ends.1)
 }
 
-/// The measures whose value changes from design to design, and the others in a sentence.
-fn changing<'a, M: Told>(set: &M, found: &'a Collected<M>) -> (Vec<&'a MeasureRecord<M>>, Option<String>) {
+/// The measures that change from design to design, and a sentence on the others.
+fn changing<'a, M: Labelled>(
+    set: &M,
+    found: &'a Collected<M>,
+) -> (Vec<&'a MeasureRecord<M>>, Option<String>) {
     let (same, changing): (Vec<_>, Vec<_>) = found.records.iter().partition(|r| constant(r).is_some());
     let told = same.iter().filter_map(|record| {
         let value = set.measure_shown(&record.measure).told(constant(record)?);
@@ -90,22 +93,22 @@ fn changing<'a, M: Told>(set: &M, found: &'a Collected<M>) -> (Vec<&'a MeasureRe
     (changing, (!told.is_empty()).then(|| format!("Not drawn, since it is the same at all designs: {told}.")))
 }
 
-/// The kind of a measure: measures of one kind and unit share a panel.
-fn kind<M: Told>(set: &M, measure: &M::Measure) -> (String, &'static str) {
+/// Kind and unit of a measure: equal ones share a panel.
+fn kind<M: Labelled>(set: &M, measure: &M::Measure) -> (String, &'static str) {
     let name = measure.to_string();
     let kind = name.split('.').next().unwrap_or_default().to_owned();
     // Speed and impulse have units of their own.
     (kind, set.measure_unit(measure))
 }
 
-/// An axis of a parameter, in the unit in which it was written, over the range of the data.
-fn unbounded_axis<M: Told>(set: &M, name: &M::Name) -> Axis {
+/// Axis of a parameter over the range of the data, in the unit in which it was written.
+fn unbounded_axis<M: Labelled>(set: &M, name: &M::Name) -> Axis {
     Axis { range: None, ..set.axis(name) }
 }
 
-/// Over one parameter: a panel for each kind of measure. Of several motions the largest value is
-/// drawn over the pale area down to the least.
-fn lines<M: Told>(
+/// Panels over one parameter, one for each kind of measure. Of several motions the largest value is
+/// a curve, over a pale area down to the least.
+fn lines<M: Labelled>(
     set: &M,
     axis: &SampledAxis<M::Name>,
     request: &SweepRequest<M>,
@@ -151,7 +154,7 @@ fn lines<M: Told>(
 }
 
 /// The layers of one measure over one parameter.
-fn curve<M: Told>(
+fn curve<M: Labelled>(
     set: &M,
     axis: &SampledAxis<M::Name>,
     order: &[usize],
@@ -172,7 +175,7 @@ fn curve<M: Told>(
     pieces.retain(|piece| !piece.is_empty());
     let (name, colour) = (M::words(&record.measure), set.colour(&record.measure));
     let dash = if M::is_closed_form(&record.measure) { Dash::Dashed } else { Dash::Solid };
-    // A design between two without values would not show as a line.
+    // A design between two without values is a mark: a line would not show.
     let lonely: Path = pieces.iter().filter(|p| p.len() == 1).flatten().copied().collect();
     let mut layers = Vec::new();
     if several && pieces.len() == 1 {
@@ -189,7 +192,7 @@ fn largest(reach: &Reach) -> Option<f64> {
     reach.map(|r| r.1)
 }
 
-/// A map whose least value is told with the digits that it has.
+/// A map whose legend has the least value with its spread.
 fn with_least(mut panel: Panel, least: Option<String>, unit: &str) -> Panel {
     let marked =
         panel.layers.iter_mut().find(|layer| layer.name.as_ref().is_some_and(|name| name.starts_with(LEAST)));
@@ -199,8 +202,8 @@ fn with_least(mut panel: Panel, least: Option<String>, unit: &str) -> Panel {
     panel
 }
 
-/// Over two parameters: a map of each measure.
-fn maps<M: Told>(
+/// Maps over two parameters, one for each measure.
+fn maps<M: Labelled>(
     set: &M,
     axes: [&SampledAxis<M::Name>; 2],
     request: &SweepRequest<M>,
@@ -218,9 +221,9 @@ fn maps<M: Told>(
     records.iter().take(PANELS).map(panel).collect()
 }
 
-/// Over more parameters: for each pair the least of the first measure over the others, all on one
-/// scale.
-fn projections<M: Told>(
+/// Maps for more than two parameters: for each pair the least of the first measure over all other
+/// parameters, all on one scale.
+fn projections<M: Labelled>(
     set: &M,
     axes: &[&SampledAxis<M::Name>],
     request: &SweepRequest<M>,
@@ -243,7 +246,7 @@ fn projections<M: Told>(
     best.into_iter().map(panel).collect()
 }
 
-/// The least value over all axes but a pair, by the second of the pair within the first.
+/// The least value over all axes but a pair, the second of the pair fastest.
 fn best_over_others<N>(axes: &[&SampledAxis<N>], [i, j]: [usize; 2], reaches: &[Reach]) -> Vec<Option<f64>> {
     let counts: Vec<usize> = axes.iter().map(|a| a.values.len()).collect();
     let place = |design: usize, axis: usize| {
@@ -261,8 +264,8 @@ fn best_over_others<N>(axes: &[&SampledAxis<N>], [i, j]: [usize; 2], reaches: &[
     best
 }
 
-/// The first measure over each parameter.
-fn clouds<M: Told>(
+/// Panels of the first measure over each parameter.
+fn clouds<M: Labelled>(
     set: &M,
     names: &[M::Name],
     request: &SweepRequest<M>,

@@ -1,6 +1,6 @@
 //! The table of a sweep, as CSV and as Parquet, written row by row.
 
-use super::words::Told;
+use super::words::Labelled;
 use crate::part_folder::write_whole_by;
 use crate::subject::Subject;
 use crate::table::{column_in, exact, shown};
@@ -18,17 +18,17 @@ use vibro_analysis::Unit;
 use vibro_analysis::design_sweep::{Again, Choice, DesignRow, SweepRequest, choice, each_final_row};
 use vibro_analysis::parts::Task;
 
-/// Rows that are kept in memory to be written to Parquet together.
+/// Rows of a Parquet row group, which are in memory together.
 const ROW_GROUP: usize = 65_536;
 
-/// A column of the table.
-struct Column {
+/// Column of the table.
+struct SweepColumn {
     name: String,
     /// SI unit; `None` for text.
     unit: Option<String>,
 }
 
-/// One cell.
+/// Cell of the table.
 enum Cell {
     Number(f64),
     Text(String),
@@ -37,7 +37,7 @@ enum Cell {
 
 impl Cell {
     fn number(value: Option<f64>) -> Self {
-        // An exponent may be -inf, which is another thing than none.
+        // -inf is a value (an exponent); NaN is none.
         value.filter(|v| !v.is_nan()).map_or(Self::Empty, Self::Number)
     }
 
@@ -46,14 +46,14 @@ impl Cell {
     }
 }
 
-/// The columns: parameters, outputs, reason; the spreads of outputs, the periods over which they
-/// were measured and how many values between those asked for were looked at. Of several motions an
-/// output has its least, mean and largest value and says where the largest is.
-fn columns<M: Told>(set: &M, request: &SweepRequest<M>) -> Vec<Column> {
-    let number = |name: String, unit: &str| Column { name, unit: Some(unit.into()) };
-    let text = |name: String| Column { name, unit: None };
+/// Columns: parameters; outputs; reason; spreads of the outputs; periods of the window; number of
+/// values between those of `over`. With several motions a design an output has its least, mean and
+/// largest value, and where the largest is.
+fn columns<M: Labelled>(set: &M, request: &SweepRequest<M>) -> Vec<SweepColumn> {
+    let number = |name: String, unit: &str| SweepColumn { name, unit: Some(unit.into()) };
+    let text = |name: String| SweepColumn { name, unit: None };
     let names = request.designs.names();
-    let mut all: Vec<Column> = names.iter().map(|n| number(M::name(n), &set.si_unit(n))).collect();
+    let mut all: Vec<SweepColumn> = names.iter().map(|n| number(M::name(n), &set.si_unit(n))).collect();
     for measure in &request.measures {
         let (name, unit) = (measure.to_string(), set.measure_unit(measure));
         match (M::is_class(measure), request.motions()) {
@@ -80,10 +80,10 @@ fn columns<M: Told>(set: &M, request: &SweepRequest<M>) -> Vec<Column> {
     all
 }
 
-/// The columns of parameters that were written in another unit than SI, by their places, with that
-/// unit and the name of the column in it.
-fn written(set: &dyn Subject, columns: &[Column]) -> Vec<(usize, &'static Unit, String)> {
-    let unit = |(i, c): (usize, &Column)| {
+/// The columns of parameters that were written in another unit than SI: index, unit, name of the
+/// column in that unit.
+fn written(set: &dyn Subject, columns: &[SweepColumn]) -> Vec<(usize, &'static Unit, String)> {
+    let unit = |(i, c): (usize, &SweepColumn)| {
         let unit = set.unit_of_column(&c.name)?;
         Some((i, unit, column_in(&c.name, unit)))
     };
@@ -91,7 +91,7 @@ fn written(set: &dyn Subject, columns: &[Column]) -> Vec<(usize, &'static Unit, 
 }
 
 /// The cells of a row, in the order of the [`columns`].
-fn cells<M: Told>(
+fn cells<M: Labelled>(
     request: &SweepRequest<M>,
     written: &[(usize, &'static Unit, String)],
     row: DesignRow,
@@ -137,8 +137,8 @@ fn cells<M: Told>(
 ///
 /// # Errors
 /// [`Error::File`], [`Error::Output`].
-pub fn write_tables<M: Told>(set: &M, request: &SweepRequest<M>, task: &Task, stem: &Path) -> Result<()> {
-    // Endings are appended, since a stem may hold a point.
+pub fn write_tables<M: Labelled>(set: &M, request: &SweepRequest<M>, task: &Task, stem: &Path) -> Result<()> {
+    // Endings are appended: a stem may contain a point.
     let path = |ending: &str| {
         let name = stem.file_name().unwrap_or_default().to_string_lossy();
         stem.with_file_name(format!("{name}.{ending}"))
@@ -149,13 +149,13 @@ pub fn write_tables<M: Told>(set: &M, request: &SweepRequest<M>, task: &Task, st
     write_whole_by(&path("parquet"), |file| write_parquet(set, request, rows, file))
 }
 
-/// The parts of the rows, and what was measured again.
-type Rows<'a> = (&'a Task<'a>, Option<&'a Choice>);
+/// The store with the rows' parts, and the choice with the rows measured again.
+type MeasuredRows<'a> = (&'a Task<'a>, Option<&'a Choice>);
 
-fn write_csv<M: Told>(
+fn write_csv<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,
-    rows: Rows<'_>,
+    rows: MeasuredRows<'_>,
     file: &mut impl Write,
 ) -> Result<()> {
     let mut csv = csv::Writer::from_writer(file);
@@ -174,7 +174,7 @@ fn write_csv<M: Told>(
     csv.flush().map_err(Error::output("a table"))
 }
 
-/// Rows that wait to be written, by columns.
+/// Rows of the next row group, by columns.
 struct Waiting {
     columns: Vec<Vec<Cell>>,
 }
@@ -192,10 +192,10 @@ impl Waiting {
         self.columns.iter_mut().zip(row).for_each(|(column, cell)| column.push(cell));
     }
 
-    /// Writes the rows as a row group, and forgets them.
+    /// Writes the rows as a row group and clears them.
     fn write<W: Write + Send>(
         &mut self,
-        about: &[Column],
+        about: &[SweepColumn],
         writer: &mut SerializedFileWriter<W>,
     ) -> parquet::errors::Result<()> {
         let mut group = writer.next_row_group()?;
@@ -224,9 +224,9 @@ impl Waiting {
     }
 }
 
-/// The columns as Parquet has them; every cell may be null.
-fn schema(columns: &[Column]) -> parquet::errors::Result<Type> {
-    let field = |column: &Column| {
+/// Parquet schema of the columns; every cell may be null.
+fn schema(columns: &[SweepColumn]) -> parquet::errors::Result<Type> {
+    let field = |column: &SweepColumn| {
         let (physical, logical) = match column.unit {
             Some(_) => (PhysicalType::DOUBLE, None),
             None => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String)),
@@ -238,10 +238,10 @@ fn schema(columns: &[Column]) -> parquet::errors::Result<Type> {
     Type::group_type_builder("sweep").with_fields(fields).build()
 }
 
-fn write_parquet<M: Told>(
+fn write_parquet<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,
-    rows: Rows<'_>,
+    rows: MeasuredRows<'_>,
     file: &mut (impl Write + Send),
 ) -> Result<()> {
     let problem = Error::output("a Parquet file");
@@ -270,7 +270,7 @@ fn write_parquet<M: Told>(
 mod tests {
     use super::*;
 
-    /// An impact with restitution 0 takes all of a variation.
+    /// An impact with restitution 0 ends every variation: the exponent is -inf.
     #[test]
     fn an_exponent_of_minus_infinity_is_no_empty_cell() {
         assert!(matches!(Cell::number(Some(f64::NEG_INFINITY)), Cell::Number(v) if v == f64::NEG_INFINITY));

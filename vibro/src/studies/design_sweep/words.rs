@@ -1,4 +1,4 @@
-//! Measures as pictures name them, and the units in which they show them.
+//! Names and units of parameters and measures in tables and pictures of a sweep.
 
 use crate::studies::lengths::LengthUnit;
 use crate::subject::Subject;
@@ -10,40 +10,40 @@ use vibro_figures::canvas::palette::{
 };
 use vibro_figures::chart::{Axis, Colour};
 
-/// How tables and pictures of a sweep speak of a machine's parameters and measures.
-pub trait Told: DesignMachine + Subject {
+/// A machine whose parameters and measures have names, units and colours in tables and pictures.
+pub trait Labelled: DesignMachine + Subject {
     /// A parameter's symbol in pictures.
     fn symbol(&self, name: &Self::Name) -> String;
     /// A parameter's axis, over the range of the data.
     fn axis(&self, name: &Self::Name) -> Axis;
-    /// How many of the unit in which a parameter is shown are in one of SI.
+    /// Factor from SI to the unit in which a parameter is shown.
     fn shown(&self, name: &Self::Name) -> f64;
     /// A parameter's SI unit.
     fn si_unit(&self, name: &Self::Name) -> String;
     /// A value of a parameter with its symbol: `L = 4 mm`.
     fn symbol_is(&self, name: &Self::Name, value: f64) -> String;
-    /// The machine's parameters in a line, without some.
+    /// The machine's parameters in one line, without these.
     fn caption_but(&self, names: &[Self::Name]) -> String;
-    /// The machine in a line, where these parameters vary and so make that of the machine as it is
-    /// wrong.
+    /// Description of the machine in one line where these parameters vary; `None` where the
+    /// machine's own caption holds.
     fn caption_of_all(&self, names: &[Self::Name]) -> Option<String>;
     /// A measure in words.
     fn words(measure: &Self::Measure) -> String;
     /// A measure's SI unit; `1` where it has none.
     fn measure_unit(&self, measure: &Self::Measure) -> &'static str;
     /// The unit in which pictures show a measure.
-    fn measure_shown(&self, measure: &Self::Measure) -> Unit;
-    /// Whether it is a text and no number.
+    fn measure_shown(&self, measure: &Self::Measure) -> MeasureUnit;
+    /// Whether a measure is a text, not a number.
     fn is_class(measure: &Self::Measure) -> bool;
-    /// Whether it does not depend on the motion.
+    /// Whether a measure does not depend on the motion.
     fn is_closed_form(measure: &Self::Measure) -> bool;
-    /// Its colour.
+    /// Colour of a measure.
     fn colour(&self, measure: &Self::Measure) -> Colour;
-    /// What the periods are by which motions are counted.
+    /// Name of the periods in which motions are counted.
     fn periods() -> &'static str;
 }
 
-impl Told for ParameterSet {
+impl Labelled for ParameterSet {
     fn symbol(&self, name: &Name) -> String {
         self.symbol(*name)
     }
@@ -80,8 +80,8 @@ impl Told for ParameterSet {
         measure.unit()
     }
 
-    fn measure_shown(&self, measure: &Measure) -> Unit {
-        Unit::of(self, *measure)
+    fn measure_shown(&self, measure: &Measure) -> MeasureUnit {
+        MeasureUnit::of(self, *measure)
     }
 
     fn is_class(measure: &Measure) -> bool {
@@ -92,7 +92,7 @@ impl Told for ParameterSet {
         *measure == Measure::AmplitudeWithoutBlock
     }
 
-    /// Its body's.
+    /// Colour of the measure's body.
     fn colour(&self, measure: &Measure) -> Colour {
         use Coordinate::{Dw, V1, V2, V3, W, X1, X2, X3};
         match measure {
@@ -118,12 +118,12 @@ impl Told for ParameterSet {
     }
 }
 
-/// Lengths under this, in m, are shown in mm.
+/// Lengths below this, m, are shown in mm.
 const SMALL: f64 = 0.1;
-/// Colours of bodies and elements by their places.
+/// Colours of bodies and elements by index.
 const COLOURS: [Colour; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, GREY];
 
-impl Told for assembly::Machine {
+impl Labelled for assembly::Machine {
     fn symbol(&self, name: &String) -> String {
         name.clone()
     }
@@ -171,13 +171,13 @@ impl Told for assembly::Machine {
         measure.unit(&self.description)
     }
 
-    fn measure_shown(&self, measure: &assembly::Measure) -> Unit {
+    fn measure_shown(&self, measure: &assembly::Measure) -> MeasureUnit {
         let gaps = self.description.stops.iter().map(|s| s.gap.abs());
         let small = gaps.fold(0.0, f64::max) < SMALL;
         match self.measure_unit(measure) {
-            "m" if small => Unit { factor: 1e3, symbol: "mm".into() },
-            "1" => Unit { factor: 1.0, symbol: String::new() },
-            unit => Unit { factor: 1.0, symbol: unit.replace('.', "·").replace("s2", "s²") },
+            "m" if small => MeasureUnit { factor: 1e3, symbol: "mm".into() },
+            "1" => MeasureUnit { factor: 1.0, symbol: String::new() },
+            unit => MeasureUnit { factor: 1.0, symbol: unit.replace('.', "·").replace("s2", "s²") },
         }
     }
 
@@ -205,7 +205,7 @@ impl Told for assembly::Machine {
     }
 }
 
-/// A measure in words; tables and commands have its name.
+/// A measure in words, for pictures.
 fn words(measure: Measure) -> String {
     match measure {
         Measure::Amplitude(c) => format!("amplitude of {}", c.symbol()),
@@ -227,14 +227,14 @@ fn words(measure: Measure) -> String {
     }
 }
 
-/// The unit in which a picture shows a measure, of which one SI unit has so many.
+/// Unit in which a picture shows a measure, with its factor from SI.
 #[derive(Clone, Debug)]
-pub struct Unit {
+pub struct MeasureUnit {
     factor: f64,
     symbol: String,
 }
 
-impl Unit {
+impl MeasureUnit {
     /// Lengths in the unit of the machine's lengths, speeds in that of its speeds, all others in
     /// SI.
     fn of(set: &ParameterSet, measure: Measure) -> Self {
@@ -250,22 +250,22 @@ impl Unit {
         }
     }
 
-    /// How many of this unit a value in the SI unit is.
+    /// A value in this unit, from one in SI.
     pub fn number(&self, si: f64) -> f64 {
         si * self.factor
     }
 
-    /// Its symbol with a space before it, for legends.
+    /// Symbol with a space before it, for legends.
     pub fn spaced(&self) -> String {
         if self.symbol.is_empty() { String::new() } else { format!(" {}", self.symbol) }
     }
 
-    /// A value in the SI unit, in words.
+    /// A value, given in SI, with this unit.
     pub fn told(&self, si: f64) -> String {
         format!("{}{}", significant(self.number(si)), self.spaced())
     }
 
-    /// The axis of values in the SI unit.
+    /// Axis in this unit for data in SI.
     pub fn axis(&self, name: &str) -> Axis {
         match self.symbol.as_str() {
             "" => Axis::new(name),

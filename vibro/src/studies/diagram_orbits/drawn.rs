@@ -1,4 +1,4 @@
-//! How branches look over a diagram: curves of their local maxima, stable and unstable, and marks
+//! Branches drawn over a diagram: curves of their local maxima, stable and unstable, and marks
 //! where stability changes.
 
 use crate::Result;
@@ -14,27 +14,27 @@ use vibro_figures::canvas::palette::{BLACK, WHITE};
 use vibro_figures::chart::{Colour, Dash, LINE, Layer, Mark, Panel, Path, Shape, THIN};
 use vibro_orbits::{Branch, Family};
 
-/// Part of white in the points under the branches, so that the branches stand out.
+/// Part of white mixed into the diagram's points, so that the branches stand out.
 const PALE: f64 = 0.55;
-/// The longest period of an orbit that is drawn where it is unstable: there are hundreds of longer
-/// ones, and they hide all.
+/// Longest period of an orbit that is drawn where it is unstable: the hundreds of longer ones would
+/// hide everything.
 pub(super) const UNSTABLE: u32 = 2;
-/// The same for a branch that is stable nowhere.
+/// Longest period of an orbit that is drawn if its branch is stable nowhere.
 pub(super) const NEVER_STABLE: u32 = 1;
 
 /// A curve of a local maximum along a piece of a branch.
-struct Curve {
+struct BranchCurve {
     branch: usize,
     stable: bool,
     points: Path,
 }
 
-/// A mark: its kind as an index into [`MARKS`], and where it is.
-type Place = (usize, (f64, f64));
+/// A mark of a change of stability: index into [`MARKS`] and position.
+type StabilityMark = (usize, (f64, f64));
 
 /// What is drawn of the branches.
 pub(super) struct Drawn {
-    curves: Vec<Curve>,
+    curves: Vec<BranchCurve>,
     /// Places where stability changes.
     marks: Vec<Path>,
 }
@@ -51,11 +51,11 @@ impl Drawn {
         };
         let is_drawn = |b: &&Branch| b.word.period() <= NEVER_STABLE || b.points.iter().any(|p| p.stable);
         let shown: Vec<&Branch> = branches.iter().filter(is_drawn).collect();
-        let found: Vec<(Vec<Curve>, Vec<Place>)> = shown
+        let found: Vec<(Vec<BranchCurve>, Vec<StabilityMark>)> = shown
             .par_iter()
             .map(|branch| {
-                // Of an orbit without symmetry the mirror image is another one, of which the maxima
-                // are minima of this one. Under constant loads there is none.
+                // The mirror image of an unsymmetric orbit is another orbit; its maxima are the
+                // minima of this one with the opposite sign. Under constant loads there is none.
                 let mut sides = vec![scaled(branch, weights)];
                 if branch.word.closing() > 0 && family.is_symmetric() {
                     sides.push(scaled(branch, weights.map(|w| -w)));
@@ -83,7 +83,7 @@ impl Drawn {
         let mut panel = maxima_panel(set, sweep, diagram, &diagram.apart());
         panel.title = String::new();
         panel.layers.iter_mut().for_each(pale);
-        // By period, unstable ones below.
+        // Drawn by period, unstable curves below.
         let mut pieces: BTreeMap<(bool, Colour), Vec<Path>> = BTreeMap::new();
         for curve in &self.curves {
             let tint = colour(branches[curve.branch].word.period());
@@ -102,7 +102,7 @@ impl Drawn {
         panel.layers.push(Layer::lines("unstable", BLACK, Dash::Dashed, Vec::new()).stroke(THIN));
         for ((_, name, mark), points) in MARKS.into_iter().zip(&self.marks) {
             if !points.is_empty() {
-                // With a white edge, for it lies on curves of any colour.
+                // A white edge shows the mark on curves of any colour.
                 if matches!(mark, Mark::Disc | Mark::Square | Mark::Triangle) {
                     panel.layers.push(Layer::marks("", WHITE, mark, points.clone()).stroke(12));
                 }
@@ -112,7 +112,7 @@ impl Drawn {
         panel
     }
 
-    /// The curves as they are drawn, in units of L of the set's own gap.
+    /// Table of the drawn curves, in units of the set's own gap.
     pub(super) fn table(&self, sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
         let maximum = format!("{}_maximum", sweep.of.name());
         let mut table = CsvRows::new([
@@ -144,7 +144,7 @@ impl Drawn {
     }
 }
 
-/// The points of a diagram in a pale tint.
+/// Makes the points of a diagram pale.
 fn pale(layer: &mut Layer) {
     match &mut layer.shape {
         Shape::Cells { colours, .. } => {
@@ -159,9 +159,9 @@ fn period_name(period: u32) -> String {
     if period as usize <= COLOURED { format!("{period}T") } else { "longer".into() }
 }
 
-/// The ends of a branch's stable ranges with their kind: at the largest maximum of the orbit and of
-/// its mirror image.
-fn marks(branch: &Branch, sides: &[Vec<Vec<f64>>]) -> Vec<Place> {
+/// Marks at the ends of a branch's stable ranges, at the largest maximum of the orbit and of its
+/// mirror image.
+fn marks(branch: &Branch, sides: &[Vec<Vec<f64>>]) -> Vec<StabilityMark> {
     let ranges = branch.stable_ranges();
     let ends = ranges.iter().flat_map(|range| [range.points.0, range.points.1]);
     let placed = ends.filter_map(|point| {
@@ -179,13 +179,13 @@ fn marks(branch: &Branch, sides: &[Vec<Vec<f64>>]) -> Vec<Place> {
 
 /// Connects the local maxima along a branch to curves, which end where stability changes and where
 /// a maximum appears or vanishes.
-fn curves(branch: &Branch, maxima: &[Vec<f64>]) -> Vec<Curve> {
+fn curves(branch: &Branch, maxima: &[Vec<f64>]) -> Vec<BranchCurve> {
     let mut found = Vec::new();
     let mut open: Vec<Path> = Vec::new();
     let mut state = None;
-    let close = |open: &mut Vec<Path>, stable: bool, found: &mut Vec<Curve>| {
+    let close = |open: &mut Vec<Path>, stable: bool, found: &mut Vec<BranchCurve>| {
         let curves = std::mem::take(open).into_iter().filter(|points| points.len() > 1);
-        found.extend(curves.map(|points| Curve { branch: branch.id, stable, points }));
+        found.extend(curves.map(|points| BranchCurve { branch: branch.id, stable, points }));
     };
     for (pair, tops) in branch.points.windows(2).zip(maxima.windows(2)) {
         let stable = pair[0].stable;
@@ -211,8 +211,8 @@ fn curves(branch: &Branch, maxima: &[Vec<f64>]) -> Vec<Curve> {
     found
 }
 
-/// For each of the maxima at a point the one at the point before that continues into it, the
-/// nearest pairs first; both lists fall.
+/// For each maximum at a point, the index of the maximum at the point before that continues into
+/// it; nearest pairs are matched first. Both lists are in falling order.
 fn partners(before: &[f64], after: &[f64]) -> Vec<Option<usize>> {
     if before.len() == after.len() {
         return (0..after.len()).map(Some).collect();

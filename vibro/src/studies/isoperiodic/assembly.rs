@@ -1,6 +1,6 @@
-//! A plane of a machine of the user's own.
+//! Planes of a described machine.
 
-use super::{Shown, ShownPlane, number, word};
+use super::{ClassifiedMotion, ShownPlane, number, word};
 use crate::studies::design_sweep::{limits, map};
 use std::borrow::Cow;
 use vibro_analysis::assembly::{Machine, PlanePoint};
@@ -15,9 +15,9 @@ impl ShownPlane for Machine {
     const CONTACTS: &str = "Impacts and first touches a period";
     const COLUMNS: &[&str] = &["class", "contacts", "rests", "interval", "exponent", "error"];
 
-    fn motion(point: &Option<PlanePoint>) -> Option<Shown> {
+    fn motion(point: &Option<PlanePoint>) -> Option<ClassifiedMotion> {
         let PlanePoint { class, contacts, rests, .. } = (*point)?;
-        Some(Shown { class, contacts, rests, is_two_impact: false })
+        Some(ClassifiedMotion { class, contacts, rests, is_two_impact: false })
     }
 
     fn cells(point: &Option<PlanePoint>) -> Vec<Cow<'static, str>> {
@@ -31,7 +31,7 @@ impl ShownPlane for Machine {
         format!(" Exponents over {periods} periods.")
     }
 
-    /// The machine as its file has it, where that lies in the plane.
+    /// Mark at the file's own values, where these lie in the plane.
     fn over(&self, request: &IsoperiodicRequest<Self>, _: &Isoperiodic<Option<PlanePoint>>) -> Vec<Layer> {
         let own = |axis: &ParameterAxis<String>| {
             let value = self.description.parameter(&axis.name).ok()?.value;
@@ -42,7 +42,7 @@ impl ShownPlane for Machine {
         vec![mark("", WHITE).stroke(MARK + 5), mark("the machine as it is", HERE)]
     }
 
-    /// The exponents, where those of all motions were asked for.
+    /// Panel of the exponents, where those of all motions were asked for.
     fn more(
         &self,
         request: &IsoperiodicRequest<Self>,
@@ -53,7 +53,7 @@ impl ShownPlane for Machine {
         }
         let (x, y) = (&request.x, &request.y);
         let exponent = |i: usize, j: usize| plane.points[j * x.count + i]?.exponent.map(|e| e[0]);
-        // By the second axis within the first, as designs of a sweep are numbered.
+        // Numbered as designs of a sweep are: the second axis fastest.
         let places = (0..x.count).flat_map(|i| (0..y.count).map(move |j| (i, j)));
         let values: Vec<Option<f64>> =
             places.map(|(i, j)| exponent(i, j).filter(|value| value.is_finite())).collect();

@@ -1,6 +1,6 @@
-//! A plane of the 3-DOF machine: its impacts at both stops, and the exact orbit beside the motions.
+//! Planes of the 3-DOF machine: impacts at both stops, and the exact orbit beside the motions.
 
-use super::{Shown, ShownPlane, number, percent, word};
+use super::{ClassifiedMotion, ShownPlane, number, percent, word};
 use crate::studies::here;
 use std::borrow::Cow;
 use vibro_analysis::ParameterSet;
@@ -9,8 +9,8 @@ use vibro_analysis::plane::SteadyStateClass;
 use vibro_figures::canvas::palette::HERE;
 use vibro_figures::chart::{Colour, Dash, LINE, Layer, Panel, Path, THIN};
 
-/// The most that a point takes in the table and in the codes of the two pictures, bytes: a row with
-/// all numbers in full has 167.
+/// Largest size of a point in the table and in the codes of the two pictures, bytes: a row with all
+/// digits has 167.
 pub const POINT_IN_TABLE: usize = 180;
 
 impl ShownPlane for ParameterSet {
@@ -28,9 +28,9 @@ impl ShownPlane for ParameterSet {
         "on_exact_orbit",
     ];
 
-    fn motion(point: &PlanePoint) -> Option<Shown> {
+    fn motion(point: &PlanePoint) -> Option<ClassifiedMotion> {
         let motion = point.motion?;
-        Some(Shown {
+        Some(ClassifiedMotion {
             class: motion.class,
             contacts: motion.impacts[0] + motion.impacts[1],
             rests: motion.rests,

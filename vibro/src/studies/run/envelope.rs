@@ -1,5 +1,5 @@
-//! What a panel keeps of a long record: envelopes, thinned curves, and whether a quantity changes
-//! at all.
+//! Reduction of a long record to what a panel can show: envelopes, thinned curves, constant
+//! quantities.
 
 use vibro_figures::chart::Path;
 
@@ -7,19 +7,18 @@ use vibro_figures::chart::Path;
 const WINDOWS: f64 = 400.0;
 /// Most columns into which a curve is thinned; a panel has fewer pixels.
 pub(super) const COLUMNS: usize = 1500;
-/// A quantity that changes by less than this part of its scale is told in words: a panel has fewer
-/// pixels.
+/// Relative change below which a quantity counts as constant: a panel has fewer pixels.
 const CHANGE: f64 = 1e-3;
 
-/// Least and largest value from a time on: a point of an envelope.
+/// A point of an envelope: time, and the least and largest value from then on.
 pub(super) type Extremes = (f64, f64, f64);
 
-/// Whole drive periods in a window of a run of that length.
+/// Whole drive periods in a window of a run that ends at `end`.
 fn periods_of_a_window(period: f64, end: f64) -> f64 {
     (end / period / WINDOWS - 1e-9).ceil().max(1.0)
 }
 
-/// How long a window is, in words.
+/// The length of a window, in words.
 pub(super) fn in_words(period: f64, end: f64) -> String {
     match periods_of_a_window(period, end) {
         1.0 => "in each drive period".into(),
@@ -39,7 +38,7 @@ pub(super) fn envelope(
     let mut windows: Vec<Option<(f64, f64)>> = vec![None; (end / width - 1e-9).ceil().max(1.0) as usize];
     let last = windows.len() - 1;
     for (time, value) in points {
-        // An instant that is a window's beginning but for rounding belongs to it.
+        // An instant at a window's beginning, but for rounding, belongs to that window.
         let window = &mut windows[((time / width + 1e-9) as usize).min(last)];
         let (low, high) = window.unwrap_or((value, value));
         *window = Some((low.min(value), high.max(value)));
@@ -54,8 +53,8 @@ pub(super) fn envelope(
     runs.map(|run| run.iter().flat_map(steps).collect::<Vec<_>>()).filter(|p| !p.is_empty()).collect()
 }
 
-/// A curve with, in each of many columns, its first, lowest, highest and last point only: it looks
-/// the same.
+/// A curve reduced to its first, lowest, highest and last point in each of [`COLUMNS`] columns: no
+/// pixel changes.
 pub(super) fn thinned(path: Path) -> Path {
     let (Some(first), Some(last)) = (path.first(), path.last()) else { return path };
     if path.len() <= 4 * COLUMNS {
@@ -76,8 +75,8 @@ pub(super) fn thinned(path: Path) -> Path {
     found
 }
 
-/// The value of a quantity that does not change by more than a picture of that scale could show;
-/// `None` where it does, and where there is no value.
+/// The value of a quantity that changes by less than a picture of that scale can show; `None` where
+/// it changes more, and without a value.
 pub(super) fn constant(values: impl Iterator<Item = f64>, scale: f64) -> Option<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     (low <= high && high - low <= CHANGE * scale.abs()).then_some(0.5 * (low + high))

@@ -1,13 +1,12 @@
-//! The record of a run: the motion sampled and cut at its events, its impacts, and what follows
-//! from them.
+//! The record of a run: the motion sampled and cut at its events, impacts, extents and energies.
 
 use crate::Result;
 use vibro_impact::load::Load;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{AdvanceOutcome, Contact, EnergyAccounts, Event, Pause, Simulator};
 
-/// Nodes of Gauss and Legendre on [0, 1] and their weights: exact up to degree 7, and the square of
-/// a cubic has 6.
+/// Gauss-Legendre nodes on [0, 1] and their weights: exact up to degree 7; the square of a cubic
+/// has degree 6.
 const NODES: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
@@ -26,7 +25,8 @@ pub struct RunInstant {
     pub v: [f64; 4],
     /// The smooth mode.
     pub contact: Contact,
-    /// Whether it is a row of the table; the others are between rows or on either side of an event.
+    /// Whether it is a row of the table; other instants lie between rows or on either side of an
+    /// event.
     pub row: bool,
 }
 
@@ -56,11 +56,11 @@ pub struct History {
     pub energy: EnergyAccounts,
     /// Mechanical energy at its beginning, J.
     pub initial_energy: f64,
-    /// Its duration, s.
+    /// Duration, s.
     pub duration: f64,
 }
 
-/// Largest size and root mean square of one displacement.
+/// Amplitude and root mean square of one displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// Largest |x|, m.
@@ -74,7 +74,7 @@ pub struct Extent {
 pub struct Grid {
     /// Steps over the whole run.
     pub steps: u32,
-    /// Every so many steps there is a row of the table.
+    /// Steps between two rows of the table.
     pub every: u32,
 }
 
@@ -114,7 +114,8 @@ pub fn record(simulator: &mut Simulator, loads: &[Load], duration: f64, grid: Gr
     Ok(History { pieces, impacts, rests, energy: simulator.energy_accounts(), initial_energy, duration })
 }
 
-/// The cubic on [0, 1] with these values, and slopes times the interval's length, at its ends.
+/// The cubic on [0, 1] with these values and slopes at its ends; slopes are multiplied by the
+/// interval's length.
 fn hermite(x0: f64, v0: f64, x1: f64, v1: f64) -> [f64; 4] {
     [x0, v0, 3.0 * (x1 - x0) - 2.0 * v0 - v1, v0 + v1 - 2.0 * (x1 - x0)]
 }
@@ -123,7 +124,7 @@ fn at([c0, c1, c2, c3]: [f64; 4], u: f64) -> f64 {
     c0 + u * (c1 + u * (c2 + u * c3))
 }
 
-/// The largest |x| of a cubic on [0, 1]: at an end or where its slope is zero.
+/// The largest |x| of a cubic on [0, 1], which is at an end or where its slope is zero.
 fn largest(c: [f64; 4]) -> f64 {
     let ends = c[0].abs().max(at(c, 1.0).abs());
     let (a, b) = (3.0 * c[3], c[2]);
@@ -163,14 +164,14 @@ impl History {
         [upper, self.impacts.len() - upper]
     }
 
-    /// What the balance (90) of docs/theory.md is off by, J.
+    /// Error of the energy balance, docs/theory.md (90), J.
     pub fn balance_error(&self) -> f64 {
         let e = &self.energy;
         e.mechanical - (self.initial_energy + e.input - e.damped - e.impact)
     }
 }
 
-/// Steps and rows: `samples` rows in a drive period, and at least `least` steps.
+/// The grid with `samples` rows and at least `least` steps in a drive period.
 ///
 /// # Errors
 /// More steps than are allowed in memory.

@@ -1,6 +1,6 @@
 //! The picture of a run: histories with impacts marked, the phase portrait between the stops,
-//! impact speeds, loads. Of a run of many drive periods the whole is drawn by envelopes and its end
-//! in detail. What does not change is told in the caption.
+//! impact speeds, loads. A long run is drawn by envelopes, and its end in detail. What does not
+//! change is stated in the caption.
 
 use super::envelope::{Extremes, constant, envelope, thinned};
 use super::history::{History, RunImpact, RunInstant};
@@ -13,50 +13,50 @@ use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel,
 use vibro_impact::load::Load;
 use vibro_impact::simulator::Contact;
 
-/// Drive periods up to which a run is drawn as a whole; more would run into one black bar.
+/// Drive periods up to which a run is drawn in detail as a whole; more would be one black bar.
 const DRAWN: f64 = 40.0;
-/// Drive periods at the end of a longer run that are drawn in detail, and those of its phase
-/// portrait.
+/// Drive periods at the end of a longer run that are drawn in detail.
 const DETAIL: f64 = 10.0;
+/// Drive periods at the end of a longer run that are in its phase portrait.
 const PORTRAIT: f64 = 60.0;
 /// Most instants of a portrait.
 const INSTANTS: usize = 12_000;
-/// Most marks of a panel: more impacts are drawn by their least and largest speeds. Many are drawn
-/// small.
+/// Most marks of a panel; more impacts are drawn by their least and largest speeds.
 const MARKS: usize = 1500;
+/// Most marks of the usual size; more are drawn smaller.
 const MANY: usize = 200;
 /// Half the size of the marks of impacts.
 const SMALL: u32 = 8;
-/// How strong the area of an envelope is.
+/// Opacity of the area of an envelope.
 const AREA: f64 = 0.3;
 
 /// The bodies: symbol, name, colour.
 const BODIES: [(&str, &str, Colour); 3] =
     [("x₁", "box", BOX), ("x₂", "block", BLOCK), ("x₃", "secondary", SECONDARY)];
 
-/// What is shown of a run.
-struct Shown<'a> {
+/// The picture of a run while it is drawn.
+struct RunPicture<'a> {
     history: &'a History,
     set: &'a ParameterSet,
     unit: LengthUnit,
-    /// The unit of length of rates.
+    /// Unit of length for rates.
     rate: LengthUnit,
     gap: f64,
     period: f64,
     /// Indices of the bodies that move.
     moving: Vec<usize>,
-    /// What is not drawn since it does not change, in words.
+    /// What is not drawn because it does not change, in words.
     left_out: Vec<String>,
 }
 
-/// The title of a figure's panel, without its letter, and the panel.
+/// A panel and its title without the letter.
 type Titled = (String, Panel);
 
 fn titled(title: impl Into<String>, x: Axis, y: Axis, layers: Vec<Layer>) -> Titled {
     (title.into(), Panel { title: String::new(), x, y, layers })
 }
 
-/// An envelope as its area and both edges; the edges carry the name.
+/// Layers of an envelope: area and both edges; the edges have the name.
 fn enveloped(name: &str, colour: Colour, pieces: Vec<Vec<Extremes>>) -> Vec<Layer> {
     let edge = |pick: fn(&Extremes) -> (f64, f64)| pieces.iter().map(move |p| p.iter().map(pick).collect());
     let edges: Vec<Path> = edge(|p| (p.0, p.2)).chain(edge(|p| (p.0, p.1))).collect();
@@ -64,7 +64,7 @@ fn enveloped(name: &str, colour: Colour, pieces: Vec<Vec<Extremes>>) -> Vec<Laye
     areas.chain([Layer::lines("", colour, Dash::Solid, edges).stroke(THIN).labelled(name)]).collect()
 }
 
-impl<'a> Shown<'a> {
+impl<'a> RunPicture<'a> {
     fn new(set: &'a ParameterSet, history: &'a History) -> Self {
         let p = set.parameters();
         let unit = LengthUnit::of(set);
@@ -89,7 +89,7 @@ impl<'a> Shown<'a> {
         format!("{} {}/s", short4(self.rate.per_metre * speed), self.rate.symbol)
     }
 
-    /// A body that does not move, in words.
+    /// A body at rest, in words.
     fn told_still(&self, body: usize, place: f64) -> String {
         let (symbol, name, _) = BODIES[body];
         let why = if body == 2 && self.set.parameters().coupling_stiffness == 0.0 {
@@ -109,7 +109,7 @@ impl<'a> Shown<'a> {
         self.end() > DRAWN * self.period * (1.0 + 1e-9)
     }
 
-    /// The time from which so many drive periods remain; 0 for a run that is drawn as a whole.
+    /// Time at which the last `periods` drive periods begin; 0 for a run that is drawn as a whole.
     fn last(&self, periods: f64) -> f64 {
         if self.is_long() { self.end() - periods * self.period } else { 0.0 }
     }
@@ -141,7 +141,7 @@ impl<'a> Shown<'a> {
     fn whole(&self) -> Option<Titled> {
         let size = |i: &usize| self.history.extent(*i).amplitude;
         let mut bodies = self.moving.clone();
-        // The largest lies below the others.
+        // The largest is drawn first, below the others.
         bodies.sort_by(|a, b| size(b).total_cmp(&size(a)));
         let body = |i: usize| {
             let (symbol, name, colour) = BODIES[i];
@@ -169,12 +169,13 @@ impl<'a> Shown<'a> {
             .then(|| titled(title, self.time(from), Axis::new(self.lengths("displacement")), layers))
     }
 
-    /// What is added to a title where only the end of the run is shown.
+    /// Addition to a title where only the end of the run is shown.
     fn of_the_last(&self, periods: f64) -> String {
         if self.is_long() { format!(", the last {periods} drive periods") } else { String::new() }
     }
 
-    /// Block in the box; nothing where it does not move there, which is told.
+    /// Panels of the block in the box; none where it does not move there, which the caption then
+    /// states.
     fn relative(&mut self) -> Vec<Titled> {
         if let Some(w) = constant(self.instants(0.0).map(|i| i.x[3]), self.gap) {
             let rests = self.instants(0.0).all(|i| i.contact != Contact::Flight);
@@ -211,7 +212,7 @@ impl<'a> Shown<'a> {
             let shown = piece.iter().filter(|i| i.time >= from);
             let path: Path =
                 shown.map(|i| (self.unit.per_metre * i.x[3], self.rate.per_metre * i.v[3])).collect();
-            // A motion without events is one piece.
+            // A motion without events is a single piece.
             let skip = path.len().saturating_sub(INSTANTS);
             count += path.len();
             pieces.push(path[skip..].to_vec());
@@ -238,7 +239,8 @@ impl<'a> Shown<'a> {
         self.history.impacts.iter().filter(at).map(point).collect()
     }
 
-    /// The speeds of the impacts; nothing where those at each stop are all the same, which is told.
+    /// Panel of the impact speeds; none where those at each stop are equal, which the caption then
+    /// states.
     fn speeds(&mut self) -> Option<Titled> {
         let sides = [1, -1].map(|side| self.speeds_at(side));
         let top = sides.iter().flatten().map(|p| p.1).fold(0.0, f64::max);
@@ -291,7 +293,7 @@ impl<'a> Shown<'a> {
         }
     }
 
-    /// The loads that change.
+    /// Panel of the loads that change.
     fn loads(&mut self, loads: &[Load]) -> Option<Titled> {
         let mut layers = Vec::new();
         for load in loads {
@@ -315,13 +317,13 @@ impl<'a> Shown<'a> {
         (!layers.is_empty()).then(|| titled(title, self.time(0.0), Axis::new("force (N)"), layers))
     }
 
-    /// What is not drawn, as a sentence.
+    /// Sentence on what is not drawn.
     fn told_left_out(&self) -> Option<String> {
         let words = self.left_out.join("; ");
         (!words.is_empty()).then(|| format!("Not drawn, since it does not change: {words}."))
     }
 
-    /// How long windows of envelopes are, as a sentence.
+    /// Sentence on the windows of envelopes.
     fn told_windows(&self) -> Option<String> {
         self.is_long().then(|| {
             format!(
@@ -333,7 +335,7 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// Four digits, for captions.
+/// A number with four digits, for captions.
 fn short4(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     short(rounded + 0.0).replace('-', "−")
@@ -346,7 +348,7 @@ pub(super) fn figure(
     loads: &[Load],
     beginning: String,
 ) -> Option<Figure> {
-    let mut shown = Shown::new(set, history);
+    let mut shown = RunPicture::new(set, history);
     let mut found = Vec::new();
     if shown.is_long() {
         found.extend(shown.whole());

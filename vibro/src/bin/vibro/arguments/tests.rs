@@ -1,11 +1,13 @@
 use super::*;
 
-/// What is no number, and no text of any other form that an option takes.
+/// Texts that no option accepts.
 const NONE: [&str; 8] = ["abc", "1.5.2", "-", "1e", "0x1", "½", "1 000", "nan"];
-/// Options that are read once the machine and its axis are known, or a file: the tests of the whole
-/// program have their errors.
+/// Options that are parsed after the machine, its axis or a file is known; tests of the whole
+/// program cover their errors.
 const READ_LATER: [&str; 4] = ["at", "mark", "set", "from"];
-/// How help names what options take that are read with the command line, besides numbers.
+/// Axes whose parameters depend on the machine.
+const AXES: [&str; 2] = ["vary", "over"];
+/// Value names of options, besides numbers, that are parsed with the command line.
 const FORMS: [&str; 11] = [
     "TIME",
     "I/N",
@@ -20,14 +22,13 @@ const FORMS: [&str; 11] = [
     "FILE[:ROW|:LABEL@VALUE]",
 ];
 
-/// The words of the program's error for an option with a value.
+/// The program's error for an option with a value.
 fn error(path: &[String], option: &str, value: &str) -> String {
     let words = path.iter().cloned().chain([format!("--{option}"), value.to_owned()]);
     command().try_get_matches_from(words).map_or_else(|error| error.to_string(), |_| "taken".into())
 }
 
-/// Calls `look` for each option of each command that takes a value, with the words that lead to the
-/// command.
+/// Calls `look` for each option with a value of each command, with the words that name the command.
 fn each_option(command: &clap::Command, path: &[String], look: &mut dyn FnMut(&[String], &clap::Arg)) {
     let path: Vec<String> = path.iter().cloned().chain([command.get_name().to_owned()]).collect();
     let takes = |arg: &&clap::Arg| arg.get_action().takes_values() && !arg.is_positional();
@@ -41,13 +42,13 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
     each_option(&command(), &[], &mut |path, arg| {
         let (Some(option), Some([form])) = (arg.get_long(), arg.get_value_names()) else { return };
         let number = ["N", "X"].contains(&form.as_str());
-        // The axes of a described machine are named in its file.
-        let later = READ_LATER.contains(&option) || path.iter().any(|word| word == "assembly");
+        let takes_file = |word: &String| ["sweep", "bifurcation", "lyapunov"].contains(&word.as_str());
+        let later = READ_LATER.contains(&option) || AXES.contains(&option) && path.iter().any(takes_file);
         if !number && (later || !FORMS.contains(&form.as_str())) {
             return;
         }
         *(if number { &mut numbers } else { &mut others }) += 1;
-        // Below zero it is a word of its own that must not pass for an option.
+        // A number below zero must not be taken for an option.
         for value in NONE.into_iter().chain(number.then_some("-5")) {
             let told = error(path, option, value);
             let named = told.contains(&format!("invalid value '{value}' for '--{option} <{form}>'"));
@@ -56,4 +57,17 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
         }
     });
     assert!(numbers > 30 && others > 20, "{numbers} {others}");
+}
+
+/// The defaults of `sweep --again`, which the command line has as text.
+#[test]
+fn second_method_defaults_of_either_machine_are_the_librarys() {
+    use vibro_analysis::design_sweep::DesignMachine as _;
+    let again = |line: &str| {
+        let found = Arguments::try_parse_from(line.split(' ')).unwrap();
+        let Command::Sweep(sweep) = found.command else { panic!("{line}") };
+        sweep.again
+    };
+    assert_eq!(again("vibro sweep"), vibro_analysis::ParameterSet::AGAIN);
+    assert_eq!(again("vibro sweep machine.toml"), vibro_analysis::assembly::Machine::AGAIN);
 }
