@@ -194,3 +194,6 @@ impl Contact {
         format!("stop.{}", d.stops[self.stop].name)
     }
 }
+
+#[cfg(test)]
+mod tests;

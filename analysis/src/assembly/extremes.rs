@@ -99,3 +99,6 @@ impl Extreme {
         points
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -303,3 +303,6 @@ impl Record {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

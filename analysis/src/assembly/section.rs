@@ -209,3 +209,6 @@ impl Section {
         if met { Ok(()) } else { Err(self.missed(motion)) }
     }
 }
+
+#[cfg(test)]
+mod tests;

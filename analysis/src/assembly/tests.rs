@@ -6,6 +6,7 @@ use crate::parts::Task;
 use crate::plane::ParameterAxis;
 use vibro_impact::{Parameters, Simulator, State};
 
+mod measured;
 mod verdicts;
 
 /// Rounding of a motion that has settled to 1e-9 of its size.
@@ -17,16 +18,16 @@ const TURNED: f64 = 1e-4;
 /// Exponents of chaos over 400 periods of motions that part after some tens: three standard errors of either are under this part.
 const CHAOS: f64 = 0.2;
 
-fn example(name: &str) -> Machine {
+pub(super) fn example(name: &str) -> Machine {
     let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly")).join(name);
     Machine::new(file::read(&path).unwrap())
 }
 
-fn text(text: &str) -> Machine {
+pub(super) fn text(text: &str) -> Machine {
     Machine::new(file::parse(text, "m.toml", &file::no_records).unwrap())
 }
 
-const OSCILLATOR: &str = "name = \"O\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
+pub(super) const OSCILLATOR: &str = "name = \"O\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
     damping = 8.0\n[load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"5 Hz\"\n";
 
 /// Discards and measures.
