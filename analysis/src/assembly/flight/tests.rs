@@ -142,12 +142,12 @@ fn second_method_flights_and_passages_are_the_engines_motion() {
         let mut motion = started(&example(name));
         let mut by_engine = motion.clone();
         let mut events = Vec::new();
-        by_engine.advance_observed(2.0, &mut |event| events.push(event.clone())).unwrap();
+        by_engine.advance_observed(4.0, &mut |event| events.push(event.clone())).unwrap();
         let mut seen = Seen::default();
         let stopped =
-            follow(&mut motion, &mut Flows::default(), 2.0, &mut [&mut seen], &mut |_| false).unwrap();
+            follow(&mut motion, &mut Flows::default(), 4.0, &mut [&mut seen], &mut |_| false).unwrap();
         assert!(
-            !stopped && (motion.time() - 2.0).abs() < ROUNDING && (seen.time - 2.0).abs() < ROUNDING,
+            !stopped && (motion.time() - 4.0).abs() < ROUNDING && (seen.time - 4.0).abs() < ROUNDING,
             "{name}"
         );
         assert_eq!((&seen.told, &seen.passed), (&events, &events), "{name}");
