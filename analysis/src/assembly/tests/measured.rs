@@ -185,3 +185,31 @@ fn stops_are_violated_by_more_than_rounding_of_their_terms() {
         .collect();
     assert_eq!(violated, [Some(true); 3]);
 }
+
+#[test]
+fn a_motion_begins_where_it_is_told_or_else_at_the_machines_own_start() {
+    let file = "name = \"J\"\n[body.table]\nmotion = { amplitude = 3e-3, frequency = 1.0 }\n[body.a]\nmass = 1.0\n[stop.wall]\n\
+        between = [\"ground\", \"a\"]\ngap = 1e-3\nrestitution = 0.5\n[stop.table]\nbetween = [\"a\", \"table\"]\n\
+        gap = 1e-3\nrestitution = 0.5\n";
+    let at = |time: f64| {
+        let start = Start { time, bodies: Some(vec![(0.0, 0.0), (5e-4, 0.1)]) };
+        let (motion, _) = text(file).motion(&start).unwrap();
+        (motion.time(), motion.body(1)[0], motion.body(1)[1])
+    };
+    assert_eq!(at(0.5), (0.5, 5e-4, 0.1));
+    // The table leaves no room.
+    assert_eq!(at(0.25), (0.0, 0.0, 0.0));
+    let (motion, _) = text(file).motion(&Start::default()).unwrap();
+    assert_eq!(now(&motion).time, 0.0);
+    assert_eq!(now(&motion).bodies.unwrap().len(), 2);
+}
+
+#[test]
+fn resonances_are_those_of_frequencies_alone() {
+    use crate::design_sweep::Machine as _;
+    let machine = text(OSCILLATOR);
+    let [own] = machine.resonances(&"load.f.frequency".to_owned())[..] else { panic!() };
+    // √(ω² - δ²) with ω = 20/s and δ = 2/s.
+    near(own, 396f64.sqrt() / TAU, 1e-9);
+    assert!(machine.resonances(&"body.a.mass".to_owned()).is_empty());
+}
