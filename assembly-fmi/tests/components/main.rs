@@ -3,6 +3,7 @@
 
 mod dependencies;
 mod events;
+mod lists;
 mod protocol;
 mod signs;
 mod solver;
