@@ -2,6 +2,7 @@
 //! element, in every mode that is met.
 
 mod dependencies;
+mod energy;
 mod events;
 mod lists;
 mod protocol;
