@@ -292,4 +292,26 @@ mod tests {
         let axis = ParameterAxis::of("spring.k.damping".to_owned(), (-1.0, 8.0), 3).unwrap();
         assert!(Request { axis, ..request(3) }.check(&machine).is_err());
     }
+
+    /// Between soft stops resonance bends to higher frequencies: from below the motion stays in contact where from above it has none.
+    #[test]
+    fn invariant_each_direction_goes_on_from_the_value_before() {
+        let stop = |name: &str, a: &str, b: &str| {
+            format!("[stop.{name}]\nbetween = [\"{a}\", \"{b}\"]\ngap = 0.02\nstiffness = 3e3\n")
+        };
+        let file = OSCILLATOR
+            .replace("damping = 8.0", "damping = 1.0")
+            .replace("amplitude = 10.0", "amplitude = 2.0");
+        let machine = text(&format!("{file}{}{}", stop("r", "ground", "a"), stop("l", "a", "ground")));
+        let axis = ParameterAxis::of("load.f.frequency".to_owned(), (3.0, 5.0), 9).unwrap();
+        let request = Request { axis, at_section: false, ..request(9) };
+        let found = diagram(&machine, &request, &Task::ALL).unwrap().unwrap();
+        let contacts = |points: &[Option<Point>]| -> Vec<f64> {
+            points.iter().map(|point| point.as_ref().unwrap().settled.contacts).collect()
+        };
+        let (up, down) = (contacts(&found.up), contacts(&found.down));
+        let apart = (0..9).filter(|&i| up[i] > 0.0 && down[i] == 0.0).count();
+        assert!(apart > 0 && found.hysteresis().iter().any(|h| *h), "{up:?} {down:?}");
+        assert!(up[8] == down[8] && up[0] == down[0], "{up:?} {down:?}");
+    }
 }

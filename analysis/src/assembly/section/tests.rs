@@ -110,6 +110,22 @@ fn closed_form_an_event_among_others_of_its_instant_is_a_return() {
 }
 
 #[test]
+fn harmonics_without_a_common_period_beside_constant_signals_are_refused() {
+    let friction = "[friction.g]\nbetween = [\"ground\", \"a\"]\nforce = 0.1\n";
+    let two = with_frequencies(&[1.0, 1.0001]);
+    let machine = text(&format!("{}{friction}", two.description.to_toml()));
+    let error = Section::of(&machine.description, &SectionRule::Auto).unwrap_err().to_string();
+    assert!(error.contains("no common period"), "{error}");
+    // Without harmonics the first stop, or else the first friction.
+    let steady = OSCILLATOR.replace("amplitude = 10.0\nfrequency = \"5 Hz\"", "constant = 1.0");
+    let stop = "[stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 1.0\nrestitution = 0.5\n";
+    let of = |more: &str| Section::of(&text(&format!("{steady}{more}")).description, &SectionRule::Auto);
+    assert_eq!(of(friction).unwrap(), Section::Friction(0));
+    assert_eq!(of(&format!("{friction}{stop}")).unwrap(), Section::Stop(0));
+    assert!(of("").unwrap_err().to_string().contains("give a period"));
+}
+
+#[test]
 fn an_element_without_events_is_waited_for_a_hundred_seconds() {
     let mut machine = example("bouncing_ball.toml");
     machine.description = machine.description.with([("stop.floor.gap", 1e6)]).unwrap();

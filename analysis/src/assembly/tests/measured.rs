@@ -147,7 +147,7 @@ fn closed_form_own_oscillations() {
         format!(
             "name = \"O\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n{damping}[stop.s]\n\
              between = [\"ground\", \"a\"]\ngap = -0.1\nstiffness = 1e6\n[stop.r]\nbetween = [\"a\", \"ground\"]\ngap = 5.0\n\
-             restitution = 0.5\n[friction.f]\nbetween = [\"ground\", \"a\"]\nforce = 1e3\n"
+             restitution = 0.5\n[friction.f]\nbetween = [\"ground\", \"a\"]\nforce = 1e3\n[load.l]\non = \"a\"\namplitude = 1.0\nfrequency = 3.7\n"
         )
     };
     let [free] = frequencies(&one(""))[..] else { panic!() };
@@ -212,4 +212,55 @@ fn resonances_are_those_of_frequencies_alone() {
     // √(ω² - δ²) with ω = 20/s and δ = 2/s.
     near(own, 396f64.sqrt() / TAU, 1e-9);
     assert!(machine.resonances(&"body.a.mass".to_owned()).is_empty());
+}
+
+#[test]
+fn a_class_has_no_spread_and_what_a_sweep_measures_has_its_accounts() {
+    let machine = text(OSCILLATOR);
+    let (mut motion, section) = machine.motion(&Start::default()).unwrap();
+    discard(&mut motion, &section, 200).unwrap();
+    let names = ["class", "exponent", "power.k"].map(|name| name.parse().unwrap());
+    let found = measure(&mut motion, &section, &names, 12).unwrap();
+    assert_eq!(
+        (found.class, found.numbers[0], found.spreads[0]),
+        (Some(MotionClass::Periodic(1)), None, 0.0)
+    );
+    assert!((found.numbers[1].unwrap() + 2.0).abs() < SETTLED && found.spreads[1] < SETTLED, "{found:?}");
+    let row = swept(&machine, &["power.k"], 200, 12);
+    near(row.outputs[0].unwrap().largest, found.numbers[2].unwrap(), SETTLED);
+    // Without what needs them, too.
+    let row = swept(&machine, &["maximum.a.s"], 200, 12);
+    near(row.outputs[0].unwrap().largest, measured(&machine, &["maximum.a.s"])[0], SETTLED);
+}
+
+/// After a step the middle is 2 m, where a soft stop is met once a period; before it nothing is.
+#[test]
+fn closed_form_a_point_of_a_plane_is_the_motion_after_what_is_discarded() {
+    use crate::isoperiodic::{PlaneMachine, Request};
+    let stop = "[stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 2.0\nstiffness = 1.0\n";
+    let file =
+        OSCILLATOR.replace("frequency = \"5 Hz\"", "frequency = \"5 Hz\"\nsteps = [[\"20 s\", 1600.0]]");
+    let machine = text(&format!("{file}{stop}"));
+    let axis = |name: &str, ends: (f64, f64)| ParameterAxis::of(name.to_owned(), ends, 2).unwrap();
+    let x = axis("spring.k.damping", (8.0, 9.0));
+    let y = axis("load.f.amplitude", (9.0, 10.0));
+    let request = Request::<Machine> { x, y, start: FileStart::File, discard: 200, exponents: Some(16) };
+    machine.check_plane(&request).unwrap();
+    let points = machine.points(&request, 0..2, &mut ());
+    assert_eq!(points.len(), 4);
+    for (k, point) in points.into_iter().enumerate() {
+        let point = point.unwrap();
+        assert_eq!(
+            (point.class, point.contacts, point.rests),
+            (MotionClass::Periodic(1), 1.0, false),
+            "{point:?}"
+        );
+        assert!((point.interval - 0.2).abs() < 1e-9);
+        // -c/(2 m), by the first axis.
+        let damping = [8.0, 9.0][k % 2];
+        assert!((point.exponent.unwrap()[0] + damping / 4.0).abs() < 1e-3, "{k}: {point:?}");
+    }
+    // A step beyond what is discarded is refused by name.
+    let short = Request { discard: 99, ..request };
+    assert!(machine.check_plane(&short).unwrap_err().to_string().starts_with("load.f has a step at 20 s"));
 }
