@@ -147,3 +147,24 @@ fn closed_form_exponents_by_multipliers_say_their_period_and_error() {
     let is_whole = |state: &Vec<f64>| whole.iter().zip(state).all(|(a, b)| (a - b).abs() < 1e-8);
     assert!(thirds.states.iter().any(is_whole), "{whole:?} {:?}", thirds.states);
 }
+
+/// Beside its doubling a ball comes to its 1T motion from both sides in turn: what seems 2T is still on its way.
+#[test]
+fn closed_form_what_comes_nearer_from_two_sides_is_no_doubled_period() {
+    let (mut motion, section) =
+        crate::assembly::tests::verdicts::ball(0.605e-3).motion(&Start::default()).unwrap();
+    let mut follower = Follower::new(&mut motion, &section);
+    follower.begin();
+    let (mut seemed, mut found) = (0, None);
+    for _ in 0..3000 {
+        follower.advance().unwrap();
+        follower.next_look = 0;
+        seemed += u32::from(follower.record.period(RETURN) == Some(2));
+        found = follower.period(RETURN).unwrap();
+        if found.is_some() {
+            break;
+        }
+    }
+    assert!(seemed > 0, "it never seemed 2T");
+    assert_eq!(found.map(|found| found.0), Some(1));
+}
