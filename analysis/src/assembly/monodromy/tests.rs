@@ -160,6 +160,23 @@ fn second_method_the_distance_is_what_a_long_motion_goes() {
 }
 
 #[test]
+fn second_method_a_small_distance_is_as_exact() {
+    /// 64 roundings of the state beside e^(-18) of it, which is the way that is left.
+    const NEAR: f64 = 1e-3;
+    let (mut motion, section) = started(&text(OSCILLATOR));
+    let record = record(&mut motion, &section, 45);
+    let start = motion.state().clone();
+    let period = Period::follow(&mut motion, &section, &record, 1).unwrap();
+    for _ in 0..60 {
+        section.advance(&mut motion, &mut |_| ()).unwrap();
+    }
+    let change = motion.state() - start;
+    let expected = record.size_of_change(&change.as_slice()[..2]);
+    assert!(expected > 1e-9 && expected < 1e-7, "{expected}");
+    assert!((period.distance - expected).abs() < NEAR * expected, "{period:?} {expected}");
+}
+
+#[test]
 fn what_no_even_motion_carries_has_no_period() {
     let parted = OSCILLATOR.replace(
         "[spring.k]\nbetween = [\"ground\"",

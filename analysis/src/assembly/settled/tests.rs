@@ -123,6 +123,12 @@ fn closed_form_a_motion_is_followed_until_it_has_settled_and_no_longer_than_aske
         (motion.time() / 0.2).round() as u32
     };
     assert_eq!((of(0), of(1), of(10), of(30)), (0, 1, 10, 30));
+    // What has settled is followed for no more than shows that: four returns and those between two looks, and a period.
+    let (mut motion, section) = text(OSCILLATOR).motion(&Start::default()).unwrap();
+    discard(&mut motion, &section, 100).unwrap();
+    let from = motion.time();
+    assert_eq!(settled(&mut motion, &section, None).unwrap().period, Some(1));
+    assert!((0.8..2.0).contains(&(motion.time() - from)), "{}", motion.time() - from);
     // It has returned to 1e-9 of its size after some 50, of which four must be seen, and looks are four apart.
     assert!((48..80).contains(&of(400)), "{}", of(400));
 }
