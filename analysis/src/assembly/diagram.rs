@@ -293,7 +293,8 @@ mod tests {
         assert!(Request { axis, ..request(3) }.check(&machine).is_err());
     }
 
-    /// Between soft stops resonance bends to higher frequencies: from below the motion stays in contact where from above it has none.
+    /// Between soft stops resonance bends to higher frequencies: from below the motion stays in
+    /// contact where from above it has none.
     #[test]
     fn invariant_each_direction_goes_on_from_the_value_before() {
         let stop = |name: &str, a: &str, b: &str| {

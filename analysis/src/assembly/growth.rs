@@ -147,7 +147,8 @@ mod tests {
         assert_eq!(growth.sign(1e-2), ExponentSign::Zero);
     }
 
-    /// Growth of so many returns of 0.5 s that count, after the first ones, by the number of the return.
+    /// Growth of so many returns of 0.5 s that count, after the first ones, by the number of the
+    /// return.
     fn grown(counted: u32, of: impl Fn(u32) -> f64) -> Growth {
         let mut growth = Growth::default();
         (0..ALIGN).for_each(|_| growth.add(3.0, 0.5));
@@ -184,7 +185,8 @@ mod tests {
             let found = grown(counted, swing).scatter();
             assert!((found - expected).abs() < SUMMED, "{counted}: {found} {expected}");
         }
-        // Of 128 returns that swing in fours the 32 blocks of four cancel; in eights there are 32 blocks of ±1.2.
+        // Of 128 returns that swing in fours the 32 blocks of four cancel; in eights there are 32
+        // blocks of ±1.2.
         let [fours, eights] = [2, 4]
             .map(|half| grown(128, |k| if (k / half).is_multiple_of(2) { 0.3 } else { -0.3 }).scatter());
         let expected = 1.2 * (32.0f64 * 32.0 / 31.0).sqrt() / 64.0;
@@ -201,7 +203,8 @@ mod tests {
             assert_eq!(grown(100, |_| 0.19 * rate).sign(0.01), Undecided, "too little growth");
             assert_eq!(grown(64, even).sign(1.1), Zero, "under the threshold");
             assert_eq!(grown(64, even).sign(0.99), sign, "beyond it");
-            // Growth of 40 in 80 s with a scatter of ±0.9 in blocks of eight: six times that is more than it.
+            // Growth of 40 in 80 s with a scatter of ±0.9 in blocks of eight: six times that is
+            // more than it.
             let scattered = |k: u32| 0.25 * rate + if (k / 8).is_multiple_of(2) { 0.9 } else { -0.9 };
             assert_eq!(grown(160, scattered).sign(0.1), Undecided, "it scatters");
             assert_eq!(grown(160, |_| 0.25 * rate).sign(0.1), sign);

@@ -223,7 +223,8 @@ mod tests {
             (&[0.0, 1.0, 0.5, 2.0, -1.0, -0.5, -3.0][..], &[1.0, 2.0, -0.5][..]),
             // What falls from the start on, and what rises at the end, has no maximum there.
             (&[3.0, 1.0, 2.0], &[]),
-            // A plateau counts once where it falls after it, whatever rounding is on it, and not where it goes on.
+            // A plateau counts once where it falls after it, whatever rounding is on it, and not
+            // where it goes on.
             (&[0.0, 1.0, 1.0 + 1e-14, 1.0, 1.0 - 1e-14, 0.5], &[1.0]),
             (&[2.0, 0.5, 0.5 + 1e-14, 0.5, 0.0, 1.0], &[]),
             (&[-2.0, 0.5, 0.5 - 1e-14, 0.5, 1.0], &[]),

@@ -1,4 +1,5 @@
-//! The lists of dependencies of a machine with one element of each kind, written out: what is listed too much, or as less than it is,
+//! The lists of dependencies of a machine with one element of each kind, written out: what is
+//! listed too much, or as less than it is,
 //! no difference of values shows.
 
 use fmi_doors::description::Unknown;

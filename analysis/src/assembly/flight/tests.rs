@@ -79,7 +79,8 @@ fn closed_form_a_flight_is_an_oscillation_by_series_of_bounded_length() {
         assert_eq!(f64::from(count), flow.stretches_of(span));
         assert!((end[0] - 0.1 * (20.0 * span).cos()).abs() < ROUNDING, "{span}");
     }
-    // A stretch is at most two, and a sub-step three, of the rate's inverse; the rate is at least 20/s.
+    // A stretch is at most two, and a sub-step three, of the rate's inverse; the rate is at least
+    // 20/s.
     let steps = flow.sub_steps_of(30.0);
     assert!(steps >= 200.0 && flow.stretches_of(30.0) == (1.5 * steps).ceil(), "{steps}");
     assert_eq!(flow.stretches_of(1e-9), 1.0);
@@ -166,7 +167,8 @@ fn second_method_flights_and_passages_are_the_engines_motion() {
     }
 }
 
-/// The row of a quantity in the mode in force is what the motion says of it, in flights, rests and contacts.
+/// The row of a quantity in the mode in force is what the motion says of it, in flights, rests and
+/// contacts.
 #[test]
 fn second_method_values_by_rows_are_the_columns_of_the_motion() {
     for name in [

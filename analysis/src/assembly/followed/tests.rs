@@ -171,7 +171,8 @@ fn closed_form_extremes_lie_between_samples() {
     assert!(points.iter().all(|p| p.1 > 0.01), "{points:?}");
 }
 
-/// A ball of 100 m/s between walls 2 mm apart meets one each 20 µs and loses nothing; a body lies on a buffer beside it.
+/// A ball of 100 m/s between walls 2 mm apart meets one each 20 µs and loses nothing; a body lies
+/// on a buffer beside it.
 #[test]
 fn closed_form_what_is_beyond_the_work_of_one_advance_is_counted_and_left_out() {
     let machine = "name = \"W\"\n[body.ball]\nmass = 1.0\nstart = { v = 100.0 }\n[stop.right]\nbetween = [\"ground\", \"ball\"]\n\
@@ -196,7 +197,8 @@ fn closed_form_what_is_beyond_the_work_of_one_advance_is_counted_and_left_out() 
     near(one.impulse.unwrap(), 0.5 * end.sin(), 0.5, CUT);
 }
 
-/// Long flights use up what may be looked at beyond the usual, and are left out when it is used up; short ones are looked at always.
+/// Long flights use up what may be looked at beyond the usual, and are left out when it is used up;
+/// short ones are looked at always.
 #[test]
 fn closed_form_flights_of_many_stretches_are_looked_at_up_to_a_limit() {
     let mut motion = text(

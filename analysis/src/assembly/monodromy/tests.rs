@@ -51,8 +51,8 @@ fn closed_form_exponents_are_logarithms_a_second_and_marginal_ones_zero() {
         (of(None), of(Some(1.0)), of(Some(1.0 - 5e-7)), of(Some(1.0 + 5e-7))),
         (None, Some(0.0), Some(0.0), Some(0.0))
     );
-    for exponent in [-4.0, 3.0, -1e-5] {
-        assert!((of(Some((0.5 * exponent as f64).exp())).unwrap() - exponent).abs() < ROUNDING);
+    for exponent in [-4.0f64, 3.0, -1e-5] {
+        assert!((of(Some((0.5 * exponent).exp())).unwrap() - exponent).abs() < ROUNDING);
     }
 }
 
@@ -188,7 +188,8 @@ fn what_no_even_motion_carries_has_no_period() {
     assert_eq!((period.distance, period.multiplier), (f64::INFINITY, None));
 }
 
-/// Free of its drive, the stick-slip of a block on a belt is one cycle, whatever its phase: the shift in time is left out of the derivative.
+/// Free of its drive, the stick-slip of a block on a belt is one cycle, whatever its phase: the
+/// shift in time is left out of the derivative.
 #[test]
 fn invariant_a_shift_in_time_is_no_distance_to_a_cycle() {
     let mut belt = example("brake_squeal.toml");
@@ -203,7 +204,8 @@ fn invariant_a_shift_in_time_is_no_distance_to_a_cycle() {
     assert!(period.distance < 1e-9, "{period:?}");
 }
 
-/// Two ends that swing by hundreds of metres return to the rounding of these, which is no motion that parts them.
+/// Two ends that swing by hundreds of metres return to the rounding of these, which is no motion
+/// that parts them.
 #[test]
 fn invariant_roundings_of_large_motions_are_no_change() {
     let file = "name = \"L\"\n[body.p]\nmotion = { amplitude = 1000.0, frequency = 5.0, phase = \"20 deg\" }\n\

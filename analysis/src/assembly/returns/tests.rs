@@ -247,7 +247,8 @@ fn closed_form_sizes_are_taken_between_returns() {
     record.arrive(&motion, false);
     assert!(record.extents[0][1] < ROUNDING);
     record.look_between(&motion, 0.5);
-    // Of nine parts the second is at 80° and the seventh at 280°; of the rate the fourth is at 160°.
+    // Of nine parts the second is at 80° and the seventh at 280°; of the rate the fourth is at
+    // 160°.
     let omega = TAU / 0.5;
     let top = (80f64).to_radians().sin() / omega;
     near(&record.extents[0], &[-top, top]);

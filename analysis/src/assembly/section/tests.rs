@@ -84,7 +84,8 @@ fn a_period_is_a_finite_time_above_zero() {
     }
 }
 
-/// Two balls that fall by 0.2 m at 10 m/s² onto two floors reach them together: each floor's event is a return.
+/// Two balls that fall by 0.2 m at 10 m/s² onto two floors reach them together: each floor's event
+/// is a return.
 #[test]
 fn closed_form_an_event_among_others_of_its_instant_is_a_return() {
     let ball = |name: &str| {

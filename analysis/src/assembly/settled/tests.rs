@@ -3,7 +3,8 @@ use crate::assembly::tests::{OSCILLATOR, example, text};
 use crate::assembly::{Machine, SectionRule, Start};
 use vibro_assembly::file;
 
-/// Two coupled oscillators with random numbers, of which the second hits a stop in every second machine.
+/// Two coupled oscillators with random numbers, of which the second hits a stop in every second
+/// machine.
 fn machine(draw: &mut impl FnMut(f64, f64) -> f64, hits: bool) -> Machine {
     let stop =
         if hits { "[stop.s]\nbetween = [\"ground\", \"b\"]\ngap = 0.002\nrestitution = 0.6\n" } else { "" };
@@ -23,7 +24,8 @@ fn machine(draw: &mut impl FnMut(f64, f64) -> f64, hits: bool) -> Machine {
     Machine::new(file::parse(&text, "m.toml", &file::no_records).unwrap())
 }
 
-/// Of 200 machines with a period the multipliers are known; a variation's growth, counted as if they were not, must be as near as it says.
+/// Of 200 machines with a period the multipliers are known; a variation's growth, counted as if
+/// they were not, must be as near as it says.
 #[test]
 fn second_method_errors_of_growth_cover_the_exponents_by_multipliers() {
     /// 95 % of normal errors are within two of them; growth that swings regularly is nearer.
@@ -123,13 +125,15 @@ fn closed_form_a_motion_is_followed_until_it_has_settled_and_no_longer_than_aske
         (motion.time() / 0.2).round() as u32
     };
     assert_eq!((of(0), of(1), of(10), of(30)), (0, 1, 10, 30));
-    // What has settled is followed for no more than shows that: four returns and those between two looks, and a period.
+    // What has settled is followed for no more than shows that: four returns and those between two
+    // looks, and a period.
     let (mut motion, section) = text(OSCILLATOR).motion(&Start::default()).unwrap();
     discard(&mut motion, &section, 100).unwrap();
     let from = motion.time();
     assert_eq!(settled(&mut motion, &section, None).unwrap().period, Some(1));
     assert!((0.8..2.0).contains(&(motion.time() - from)), "{}", motion.time() - from);
-    // It has returned to 1e-9 of its size after some 50, of which four must be seen, and looks are four apart.
+    // It has returned to 1e-9 of its size after some 50, of which four must be seen, and looks are
+    // four apart.
     assert!((48..80).contains(&of(400)), "{}", of(400));
 }
 
@@ -154,7 +158,8 @@ fn closed_form_exponents_by_multipliers_say_their_period_and_error() {
     assert!(thirds.states.iter().any(is_whole), "{whole:?} {:?}", thirds.states);
 }
 
-/// Beside its doubling a ball comes to its 1T motion from both sides in turn: what seems 2T is still on its way.
+/// Beside its doubling a ball comes to its 1T motion from both sides in turn: what seems 2T is
+/// still on its way.
 #[test]
 fn closed_form_what_comes_nearer_from_two_sides_is_no_doubled_period() {
     let (mut motion, section) =

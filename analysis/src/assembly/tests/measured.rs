@@ -1,4 +1,5 @@
-//! Measures, quantities, own oscillations and starts of machines whose numbers are known in closed form.
+//! Measures, quantities, own oscillations and starts of machines whose numbers are known in closed
+//! form.
 
 use super::*;
 use crate::assembly::oscillations::oscillations;
@@ -164,7 +165,8 @@ fn closed_form_own_oscillations() {
     near(high, 20.0 * 3f64.sqrt() / TAU, 1e-9);
 }
 
-/// A body that a table presses against a wall a fourth of a period after the start, with so much less room than it needs, m.
+/// A body that a table presses against a wall a fourth of a period after the start, with so much
+/// less room than it needs, m.
 fn jammed(overlap: f64) -> Option<Motion> {
     let file = format!(
         "name = \"J\"\n[body.table]\nmotion = {{ amplitude = {:?}, frequency = 1.0 }}\n[body.a]\nmass = 1.0\n[stop.wall]\n\

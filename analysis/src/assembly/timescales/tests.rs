@@ -3,7 +3,8 @@ use crate::assembly::tests::{OSCILLATOR, text};
 use crate::assembly::{Machine, Start};
 use vibro_assembly::Motion;
 
-/// An undamped oscillation of 2.5 s beside a ripple of so many hertz: a window has four of them, 10 s.
+/// An undamped oscillation of 2.5 s beside a ripple of so many hertz: a window has four of them, 10
+/// s.
 fn slow(frequency: f64) -> (Motion, Section) {
     // (2π/2.5)² N/m for a kilogram.
     let stiffness = (std::f64::consts::TAU / 2.5).powi(2);

@@ -72,7 +72,8 @@ fn closed_form_what_is_neutral_is_taken_away_whole() {
     let metric = Metric::by_frequency(1, 3.0);
     let mut variation = Variation::new(system, motion.mode(), metric.clone(), &Neutral::of(system));
     assert_eq!(variation.grown(None), f64::NEG_INFINITY);
-    // Of an oscillator nothing is; along a shift, what is left has the length one, and is orthogonal to it.
+    // Of an oscillator nothing is; along a shift, what is left has the length one, and is
+    // orthogonal to it.
     let (motion, _) = text(OSCILLATOR).motion(&Start::default()).unwrap();
     let system = motion.assembly().system();
     let mut variation = Variation::new(system, motion.mode(), metric.clone(), &Neutral::of(system));
@@ -140,7 +141,8 @@ fn changed(start: &Start, body: usize, (s, v): (f64, f64)) -> Start {
 
 #[test]
 fn second_method_columns_are_differences_of_motions() {
-    /// The step of differences, and the part of them that its square and roundings make: a stop of 2 MN/m bends them most.
+    /// The step of differences, and the part of them that its square and roundings make: a stop of
+    /// 2 MN/m bends them most.
     const STEP: f64 = 1e-7;
     const NEAR: f64 = 2e-3;
     for (name, free) in [("damper_with_buffer.toml", &[0, 1, 2][..]), ("impact_pair.toml", &[0])] {
