@@ -205,3 +205,54 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
         }
     }
 }
+
+/// What hosts may do with a machine: each is done in the tests of the C interface.
+#[test]
+fn golden_capabilities_are_those_of_the_component() {
+    let plan = Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap();
+    let attributes = |version: Version, element: &str| -> Vec<String> {
+        let text = plan.xml(version, None);
+        let from = text.find(&format!("<{element}")).unwrap();
+        let tag = &text[from..from + text[from..].find('>').unwrap()];
+        let words = tag.split_whitespace().map(|word| word.trim_end_matches('/').replace('"', ""));
+        let mut words: Vec<String> = words.filter(|word| word.contains('=')).collect();
+        // The library, not the machine, says the others.
+        words.retain(|word| !["modelI", "canBeI", "canNot", "needsE"].contains(&&word[..6]));
+        words.sort();
+        words
+    };
+    for (version, element, expected) in [
+        (
+            Version::Fmi2,
+            "ModelExchange",
+            "canGetAndSetFMUstate=true canSerializeFMUstate=true \
+             completedIntegratorStepNotNeeded=false providesDirectionalDerivative=true",
+        ),
+        (
+            Version::Fmi2,
+            "CoSimulation",
+            "canGetAndSetFMUstate=true canHandleVariableCommunicationStepSize=true \
+             canInterpolateInputs=true canRunAsynchronuously=false canSerializeFMUstate=true \
+             maxOutputDerivativeOrder=3 providesDirectionalDerivative=true",
+        ),
+        (
+            Version::Fmi3,
+            "ModelExchange",
+            "canGetAndSetFMUState=true canSerializeFMUState=true needsCompletedIntegratorStep=true \
+             providesAdjointDerivatives=true providesDirectionalDerivatives=true \
+             providesPerElementDependencies=false",
+        ),
+        (
+            Version::Fmi3,
+            "CoSimulation",
+            "canGetAndSetFMUState=true canHandleVariableCommunicationStepSize=true \
+             canReturnEarlyAfterIntermediateUpdate=true canSerializeFMUState=true \
+             hasEventMode=true maxOutputDerivativeOrder=3 mightReturnEarlyFromDoStep=true \
+             providesAdjointDerivatives=true providesDirectionalDerivatives=true \
+             providesIntermediateUpdate=true providesPerElementDependencies=false \
+             recommendedIntermediateInputSmoothness=3",
+        ),
+    ] {
+        assert_eq!(attributes(version, element).join(" "), expected, "{version:?} {element}");
+    }
+}

@@ -194,6 +194,16 @@ mod tests {
     }
 
     #[test]
+    fn closed_form_even_growth_over_unequal_times_has_no_scatter() {
+        let mut growth = Growth::default();
+        for k in 0..ALIGN as u32 + 40 {
+            let seconds = 0.5 + f64::from(k * k % 7);
+            growth.add(-0.3 * seconds, seconds);
+        }
+        assert!((growth.value() + 0.3).abs() < SUMMED && growth.scatter() < SUMMED);
+    }
+
+    #[test]
     fn closed_form_a_sign_is_told_by_returns_growth_and_scatter_together() {
         use ExponentSign::{Negative, Positive, Undecided, Zero};
         for (rate, sign) in [(1.0, Positive), (-1.0, Negative)] {

@@ -6,13 +6,17 @@ use vibro_assembly::Motion;
 /// An undamped oscillation of 2.5 s beside a ripple of so many hertz: a window has four of them, 10
 /// s.
 fn slow(frequency: f64) -> (Motion, Section) {
+    slow_machine(frequency).motion(&Start::default()).unwrap()
+}
+
+fn slow_machine(frequency: f64) -> Machine {
     // (2π/2.5)² N/m for a kilogram.
     let stiffness = (std::f64::consts::TAU / 2.5).powi(2);
     let file = format!(
         "name = \"S\"\n[body.a]\nmass = 1.0\nstart = {{ s = 1.0 }}\n[spring.k]\nbetween = [\"ground\", \"a\"]\n\
          stiffness = {stiffness:?}\n[load.f]\non = \"a\"\namplitude = 1e-9\nfrequency = {frequency:?}\n"
     );
-    text(&file).motion(&Start::default()).unwrap()
+    text(&file)
 }
 
 /// Roundings of the eigenvalues that the period is read off.
@@ -42,6 +46,11 @@ fn closed_form_what_comes_before_a_window_lasts_as_long() {
     let (mut motion, section) = slow(10.0);
     settle(&mut motion, &section, 150).unwrap();
     assert!((10.0..15.0 + ROUNDING).contains(&motion.time()), "{}", motion.time());
+    // Of a motion that begins later it is counted from there on.
+    let later = Start { time: 7.0, bodies: Some(vec![(1.0, 0.0)]) };
+    let (mut motion, section) = slow_machine(100.0).motion(&later).unwrap();
+    settle(&mut motion, &section, 11).unwrap();
+    assert!((17.0..17.5).contains(&motion.time()), "{}", motion.time());
     let (mut motion, section) = slow(10.0);
     settle(&mut motion, &section, 0).unwrap();
     assert_eq!(motion.time(), 0.0);
@@ -50,6 +59,8 @@ fn closed_form_what_comes_before_a_window_lasts_as_long() {
 /// How many returns a window of at least 12 has, of which each has so many events.
 fn returns(needed: f64, events: u32, repeats: bool) -> u32 {
     let (mut motion, section) = slow(10.0);
+    // Time goes from the window's begin on.
+    motion.advance_to(0.7).unwrap();
     let mut passed = Passed::new(&motion, needed, 12);
     for k in 1.. {
         section.advance(&mut motion, &mut |_| ()).unwrap();
