@@ -177,3 +177,23 @@ fn second_method_columns_are_differences_of_motions() {
         }
     }
 }
+
+/// A ball falls by 0.2 m, bounces and lies still after 0.6 s: wherever it began, it ends there.
+#[test]
+fn closed_form_what_an_event_takes_whole_is_no_variation_after_it() {
+    let file = LYING.replace("gap = 0.0", "gap = 0.2");
+    let (mut motion, _) = text(&file).motion(&Start::default()).unwrap();
+    let assembly = motion.assembly().clone();
+    let system = assembly.system();
+    let metric = Metric::by_frequency(1, 3.0);
+    let mut frame = Frame::new(system, motion.mode(), &metric);
+    let mut variation = Variation::new(system, motion.mode(), metric, &Neutral::of(system));
+    let mut flows = Flows::default();
+    let observers: &mut [&mut dyn Observer] = &mut [&mut frame, &mut variation];
+    crate::assembly::flight::follow(&mut motion, &mut flows, 0.5, observers, &mut |_| false).unwrap();
+    assert!(frame.columns.iter().flatten().any(|x| x.abs() > 0.1));
+    let observers: &mut [&mut dyn Observer] = &mut [&mut frame, &mut variation];
+    crate::assembly::flight::follow(&mut motion, &mut flows, 1.0, observers, &mut |_| false).unwrap();
+    assert!(frame.columns.iter().flatten().all(|x| *x == 0.0), "{frame:?}");
+    assert_eq!(variation.grown(None), f64::NEG_INFINITY);
+}
