@@ -157,3 +157,72 @@ pub(crate) fn enumerations() -> [Type; 2] {
         },
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibro_impact::quantities::quantity_in;
+
+    /// The engine's own names of its states, and whose they are.
+    #[test]
+    fn invariant_the_value_of_a_state_is_the_place_of_its_name() {
+        let [stops, frictions] = enumerations().map(|declared| match declared.kind {
+            TypeKind::Enumeration(items) => items,
+            _ => panic!("{}", declared.name),
+        });
+        let name = |items: &[Item], value: f64| {
+            let found: Vec<&Item> = items.iter().filter(|item| f64::from(item.value) == value).collect();
+            assert_eq!(found.len(), 1, "{value}");
+            found[0].name.to_string()
+        };
+        use StopState::{Below, Capped, Closed, Free, Open, Pressed};
+        for state in [Open, Closed, Below, Pressed, Free, Capped] {
+            assert_eq!(name(&stops, stop_state(state)), format!("{state:?}"));
+        }
+        use FrictionState::{Down, HeldDown, HeldUp, Off, Stuck, Up};
+        for (state, expected) in [
+            (Off, "Off"),
+            (Up, "SlippingUp"),
+            (Down, "SlippingDown"),
+            (Stuck, "Sticking"),
+            (HeldUp, "Sticking"),
+            (HeldDown, "Sticking"),
+        ] {
+            assert_eq!(name(&frictions, friction_state(state)), expected);
+        }
+        assert_eq!((stops.len(), frictions.len()), (6, 4));
+    }
+
+    #[test]
+    fn second_method_display_units_are_as_large_as_files_have_them() {
+        let mut read = 0;
+        for declared in DECLARED {
+            for (name, factor) in declared.display {
+                let written = name
+                    .replace("rev/min", "rpm")
+                    .replace("s2", "s²")
+                    .replace("cm2", "cm²")
+                    .replace('.', " ");
+                let plain = name.replace("rev/min", "rpm").replace('.', " ");
+                let Some(one) =
+                    [plain, written].iter().find_map(|unit| quantity_in(declared.unit, &format!("1 {unit}")))
+                else {
+                    continue;
+                };
+                read += 1;
+                assert!((one.value * factor - 1.0).abs() < 1e-12, "{name}: {} {factor}", one.value);
+            }
+        }
+        assert!(read >= 12, "{read}");
+        let shown = |unit: &str| match Declared::of(unit).declared_type().kind {
+            TypeKind::Real { display_unit, .. } => display_unit.map(|unit| unit.to_string()),
+            _ => None,
+        };
+        assert_eq!(
+            (shown("m").as_deref(), shown("rad").as_deref(), shown("N"), shown("")),
+            (Some("mm"), Some("deg"), None, None)
+        );
+        assert_eq!((Declared::of("kg").unit, Declared::of("no unit").unit), ("kg", "1"));
+        assert!(Declared::of(NO_UNIT).unit().is_none());
+    }
+}

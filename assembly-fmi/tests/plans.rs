@@ -70,6 +70,11 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
     // Thrown 40 cm at 20 m/s: 20 ms.
     let thrown = "[body.b]\nmass = 1.0\nstart = { v = 20.0 }\n[stop.wall]\nbetween = [\"ground\", \"b\"]\ngap = 0.4\nrestitution = 0.5\n";
     let alone = "[body.b]\nmass = 1.0\n";
+    let falling = "gravity = 9.81\n[body.b]\nmass = 1.0\ngravity = 1.0\n";
+    let floor = "[stop.floor]\nbetween = [\"ground\", \"b\"]\ngap = 1.0\nrestitution = 0.5\n";
+    let friction = "[friction.f]\nbetween = [\"ground\", \"b\"]\n";
+    let held = "[spring.h]\nbetween = [\"p\", \"b\"]\nstiffness = 1e-3\n";
+    let (swing, step) = ("amplitude = 0.1, frequency = 0.5", "steps = [[12.0, 0.1]]");
     // Turning freely with a second body: no period of the pair.
     let pair =
         "[body.b]\nmass = 1.0\n[body.c]\nmass = 1.0\n[spring.s]\nbetween = [\"b\", \"c\"]\nstiffness = 5e3\n";
@@ -83,6 +88,24 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
         (format!("{alone}{bumper}"), 0.063, 1000..=1024),
         (thrown.to_owned(), 0.4, 1000..=1024),
         (format!("{alone}[load.l]\non = \"b\"\nconstant = 1.0\n"), 10.0, 1000..=1024),
+        // Ten steps in each 10 ms of 1.3 s.
+        (format!("{own}{}", drive.replace("1000.0", "100.0")), 1.3, 2000..=2048),
+        // Four times the mass, in twice the time.
+        (format!("{}{bumper}", alone.replace("1.0", "4.0")), 0.13, 1000..=1024),
+        // A metre of fall: √(2/9.81) s; with 1 m/s (√(1 + 2 · 9.81) - 1)/9.81 s.
+        (format!("{falling}{floor}"), 9.1, 1000..=1024),
+        (format!("{falling}start = {{ v = 1.0 }}\n{floor}"), 7.3, 1000..=1024),
+        // Signals of every kind count by their harmonics and by their last change.
+        (format!("{own}{}force = {{ constant = 1.0, {swing} }}\n", friction), 40.0, 4000..=4096),
+        (
+            format!("{own}{}force = 1.0\nstatic = {{ constant = 2.0, {swing} }}\n", friction),
+            40.0,
+            4000..=4096,
+        ),
+        (format!("{own}[body.p]\nmotion = {{ {swing} }}\n{held}"), 40.0, 4000..=4096),
+        (format!("{own}{}force = {{ constant = 1.0, {step} }}\n", friction), 12.0, 2000..=2048),
+        (format!("{own}{}force = 1.0\nstatic = {{ constant = 2.0, {step} }}\n", friction), 12.0, 2000..=2048),
+        (format!("{own}[body.p]\nmotion = {{ {step} }}\n{held}"), 12.0, 2000..=2048),
     ] {
         let experiment =
             Plan::new(format!("name = \"A\"\n{text}"), "a.toml").unwrap().description().experiment;
@@ -181,5 +204,56 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
             assert_eq!(variable.min.is_some(), range.min > f64::MIN, "{}", row.name);
             assert_eq!(variable.max.is_some(), range.max < f64::MAX, "{}", row.name);
         }
+    }
+}
+
+/// What hosts may do with a machine: each is done in the tests of the C interface.
+#[test]
+fn golden_capabilities_are_those_of_the_component() {
+    let plan = Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap();
+    let attributes = |version: Version, element: &str| -> Vec<String> {
+        let text = plan.xml(version, None);
+        let from = text.find(&format!("<{element}")).unwrap();
+        let tag = &text[from..from + text[from..].find('>').unwrap()];
+        let words = tag.split_whitespace().map(|word| word.trim_end_matches('/').replace('"', ""));
+        let mut words: Vec<String> = words.filter(|word| word.contains('=')).collect();
+        // The library, not the machine, says the others.
+        words.retain(|word| !["modelI", "canBeI", "canNot", "needsE"].contains(&&word[..6]));
+        words.sort();
+        words
+    };
+    for (version, element, expected) in [
+        (
+            Version::Fmi2,
+            "ModelExchange",
+            "canGetAndSetFMUstate=true canSerializeFMUstate=true \
+             completedIntegratorStepNotNeeded=false providesDirectionalDerivative=true",
+        ),
+        (
+            Version::Fmi2,
+            "CoSimulation",
+            "canGetAndSetFMUstate=true canHandleVariableCommunicationStepSize=true \
+             canInterpolateInputs=true canRunAsynchronuously=false canSerializeFMUstate=true \
+             maxOutputDerivativeOrder=3 providesDirectionalDerivative=true",
+        ),
+        (
+            Version::Fmi3,
+            "ModelExchange",
+            "canGetAndSetFMUState=true canSerializeFMUState=true needsCompletedIntegratorStep=true \
+             providesAdjointDerivatives=true providesDirectionalDerivatives=true \
+             providesPerElementDependencies=false",
+        ),
+        (
+            Version::Fmi3,
+            "CoSimulation",
+            "canGetAndSetFMUState=true canHandleVariableCommunicationStepSize=true \
+             canReturnEarlyAfterIntermediateUpdate=true canSerializeFMUState=true \
+             hasEventMode=true maxOutputDerivativeOrder=3 mightReturnEarlyFromDoStep=true \
+             providesAdjointDerivatives=true providesDirectionalDerivatives=true \
+             providesIntermediateUpdate=true providesPerElementDependencies=false \
+             recommendedIntermediateInputSmoothness=3",
+        ),
+    ] {
+        assert_eq!(attributes(version, element).join(" "), expected, "{version:?} {element}");
     }
 }

@@ -188,3 +188,6 @@ impl StopContact {
         assembly.name_of_stop(self.stop)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -103,3 +103,6 @@ impl Extreme {
         points
     }
 }
+
+#[cfg(test)]
+mod tests;

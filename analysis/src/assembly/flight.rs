@@ -282,3 +282,6 @@ pub fn follow(
 fn own(z: &DVector<f64>) -> Vec<f64> {
     z.iter().copied().collect()
 }
+
+#[cfg(test)]
+mod tests;

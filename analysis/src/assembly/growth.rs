@@ -150,4 +150,92 @@ mod tests {
         assert!(found.value > 0.0 && found.value < 1.1 * found.error, "{found:?}");
         assert_eq!(growth.sign(1e-2), ExponentSign::Zero);
     }
+
+    /// Growth of so many returns of 0.5 s that count, after the first ones, by the number of the
+    /// return.
+    fn grown(counted: u32, of: impl Fn(u32) -> f64) -> Growth {
+        let mut growth = Growth::default();
+        (0..ALIGN).for_each(|_| growth.add(3.0, 0.5));
+        (0..counted).for_each(|k| growth.add(of(k), 0.5));
+        growth
+    }
+
+    /// Rounding of sums of some dozen numbers.
+    const SUMMED: f64 = 1e-13;
+
+    #[test]
+    fn closed_form_of_even_growth_the_error_is_the_bias_alone() {
+        for rate in [0.4, -0.4] {
+            let found = grown(96, |_| 0.5 * rate).exponent();
+            assert_eq!(found.periods, 96);
+            assert!((found.value - rate).abs() < SUMMED, "{found:?}");
+            // ln(1 + T/T0)/T: 48 s are counted after 16 s of turning.
+            assert!((found.error - 4f64.ln() / 48.0).abs() < SUMMED, "{found:?}");
+        }
+        // Nothing has been counted, or there was no time in it.
+        assert_eq!((grown(0, |_| 1.0).value(), grown(0, |_| 1.0).exponent().error), (0.0, 0.0));
+    }
+
+    #[test]
+    fn closed_form_the_scatter_is_that_of_blocks_of_which_there_are_8_to_63() {
+        let swing = |k: u32| if k.is_multiple_of(2) { 0.3 } else { -0.3 };
+        for (counted, expected) in [
+            (7, 0.0),
+            // √(n Σx²/(n - 1))/T of 16 single returns; pairs cancel.
+            (16, 0.3 * (16.0f64 * 16.0 / 15.0).sqrt() / 8.0),
+            (62, 0.3 * (62.0f64 * 62.0 / 61.0).sqrt() / 31.0),
+            (64, 0.0),
+        ] {
+            let found = grown(counted, swing).scatter();
+            assert!((found - expected).abs() < SUMMED, "{counted}: {found} {expected}");
+        }
+        // Of 128 returns that swing in fours the 32 blocks of four cancel; in eights there are 32
+        // blocks of ±1.2.
+        let [fours, eights] = [2, 4]
+            .map(|half| grown(128, |k| if (k / half).is_multiple_of(2) { 0.3 } else { -0.3 }).scatter());
+        let expected = 1.2 * (32.0f64 * 32.0 / 31.0).sqrt() / 64.0;
+        assert!(fours < SUMMED && (eights - expected).abs() < SUMMED, "{fours} {eights} {expected}");
+    }
+
+    #[test]
+    fn closed_form_even_growth_over_unequal_times_has_no_scatter() {
+        let mut growth = Growth::default();
+        for k in 0..ALIGN as u32 + 40 {
+            let seconds = 0.5 + f64::from(k * k % 7);
+            growth.add(-0.3 * seconds, seconds);
+        }
+        assert!((growth.value() + 0.3).abs() < SUMMED && growth.scatter() < SUMMED);
+    }
+
+    #[test]
+    fn closed_form_a_sign_is_told_by_returns_growth_and_scatter_together() {
+        use ExponentSign::{Negative, Positive, Undecided, Zero};
+        for (rate, sign) in [(1.0, Positive), (-1.0, Negative)] {
+            let even = |_| 0.5 * rate;
+            assert_eq!(grown(64, even).sign(0.1), sign);
+            assert_eq!(grown(63, even).sign(0.1), Undecided, "too few returns");
+            assert_eq!(grown(100, |_| 0.19 * rate).sign(0.01), Undecided, "too little growth");
+            assert_eq!(grown(64, even).sign(1.1), Zero, "under the threshold");
+            assert_eq!(grown(64, even).sign(0.99), sign, "beyond it");
+            // Growth of 40 in 80 s with a scatter of ±0.9 in blocks of eight: six times that is
+            // more than it.
+            let scattered = |k: u32| 0.25 * rate + if (k / 8).is_multiple_of(2) { 0.9 } else { -0.9 };
+            assert_eq!(grown(160, scattered).sign(0.1), Undecided, "it scatters");
+            assert_eq!(grown(160, |_| 0.25 * rate).sign(0.1), sign);
+        }
+        assert_eq!(grown(64, |_| 0.0).sign(0.6), Undecided, "32 s at 0.6/s are less than the least growth");
+        assert_eq!(grown(64, |_| 0.0).sign(0.7), Zero);
+    }
+
+    #[test]
+    fn what_is_lost_has_the_exponent_minus_infinity_at_once() {
+        let mut growth = Growth::default();
+        growth.add(0.5, 1.0);
+        assert!(!growth.is_lost());
+        growth.add(f64::NEG_INFINITY, 1.0);
+        assert!(growth.is_lost());
+        let found = growth.exponent();
+        assert_eq!((found.value, found.error, found.periods), (f64::NEG_INFINITY, 0.0, 1));
+        assert_eq!(growth.sign(f64::INFINITY), ExponentSign::Negative);
+    }
 }

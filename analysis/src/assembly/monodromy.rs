@@ -187,3 +187,6 @@ fn largest_multiplier(m: DMatrix<f64>) -> Option<f64> {
     let largest = values.iter().map(|value| value.re.hypot(value.im)).fold(0.0, f64::max);
     (largest > LEAST_MULTIPLIER * size.max(1.0)).then_some(largest)
 }
+
+#[cfg(test)]
+mod tests;

@@ -302,3 +302,6 @@ impl ReturnRecord {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

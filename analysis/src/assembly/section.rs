@@ -203,3 +203,6 @@ impl Section {
         if met { Ok(()) } else { Err(self.missed(motion)) }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,7 +6,8 @@ use crate::parts::Task;
 use crate::plane::ParameterAxis;
 use vibro_impact::{Parameters, Simulator, State};
 
-mod verdicts;
+mod measured;
+pub(super) mod verdicts;
 
 /// Rounding of a motion that has settled to 1e-9 of its size.
 const SETTLED: f64 = 1e-8;
@@ -20,16 +21,16 @@ const TURNED: f64 = 1e-4;
 /// tens, relative to the exponent.
 const CHAOS: f64 = 0.2;
 
-fn example(name: &str) -> Machine {
+pub(super) fn example(name: &str) -> Machine {
     let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly")).join(name);
     Machine::new(file::read(&path).unwrap())
 }
 
-fn text(text: &str) -> Machine {
+pub(super) fn text(text: &str) -> Machine {
     Machine::new(file::parse(text, "m.toml", &file::no_records).unwrap())
 }
 
-const OSCILLATOR: &str = "name = \"O\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
+pub(super) const OSCILLATOR: &str = "name = \"O\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
     damping = 8.0\n[load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"5 Hz\"\n";
 
 /// Discards and measures.

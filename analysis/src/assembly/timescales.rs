@@ -159,3 +159,6 @@ pub fn settle(motion: &mut Motion, section: &Section, returns: u32) -> Result<()
     }
     discard(motion, section, returns)
 }
+
+#[cfg(test)]
+mod tests;

@@ -193,3 +193,6 @@ impl Observer for Variation {
         pass(system, passage, &mut self.v, &self.metric);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -191,7 +191,8 @@ impl Observer for Watcher {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Machine, Measure, discard, measure};
+    use super::super::{Machine, Measure, QuantityName, discard, measure};
+    use super::*;
     use vibro_assembly::file::no_records;
 
     /// The wall stands where the spring has no force, so that the largest coordinate is 0 at every
@@ -212,5 +213,61 @@ mod tests {
         assert_eq!(found, [Some(0.0), Some(0.0), Some(1.0)]);
         let found = measured(text, &["impacts", "impact.rate"]);
         assert!(found.iter().all(|x| x.is_some_and(|x| x == 0.0 && x.is_sign_positive())), "{found:?}");
+    }
+
+    fn maxima(values: &[f64]) -> Vec<f64> {
+        let d =
+            Machine::parse(crate::assembly::tests::OSCILLATOR, "m.toml", &no_records).unwrap().description;
+        let mut maxima = Maxima::new("a.s".parse::<QuantityName>().unwrap().find(&d).unwrap().quantity);
+        values.iter().for_each(|x| maxima.meet(*x));
+        maxima.found
+    }
+
+    #[test]
+    fn closed_form_maxima_of_sequences() {
+        for (values, expected) in [
+            (&[0.0, 1.0, 0.5, 2.0, -1.0, -0.5, -3.0][..], &[1.0, 2.0, -0.5][..]),
+            // What falls from the start on, and what rises at the end, has no maximum there.
+            (&[3.0, 1.0, 2.0], &[]),
+            // A plateau counts once where it falls after it, whatever rounding is on it, and not
+            // where it goes on.
+            (&[0.0, 1.0, 1.0 + 1e-14, 1.0, 1.0 - 1e-14, 0.5], &[1.0]),
+            (&[2.0, 0.5, 0.5 + 1e-14, 0.5, 0.0, 1.0], &[]),
+            (&[-2.0, 0.5, 0.5 - 1e-14, 0.5, 1.0], &[]),
+            // Under 1e-10 of the largest that was met it is zero.
+            (&[-5.0, 4e-10, -5.0, 6e-10, -5.0], &[0.0, 6e-10]),
+        ] {
+            assert_eq!(maxima(values), expected, "{values:?}");
+        }
+    }
+
+    #[test]
+    fn closed_form_joined_extents_are_those_of_the_whole() {
+        let part = |least: f64, largest: f64, square: f64, (count, speed): (u32, f64)| {
+            let machine = Machine::parse(crate::assembly::tests::OSCILLATOR, "m.toml", &no_records).unwrap();
+            let place = "a.s".parse::<QuantityName>().unwrap().find(&machine.description).unwrap().quantity;
+            let mut watcher = Watcher::of(&[place], 1);
+            let own = &mut watcher.extents[0];
+            assert!(own.least == f64::INFINITY && own.largest == f64::NEG_INFINITY && own.square == 0.0);
+            (own.least, own.largest, own.square) = (least, largest, square);
+            watcher.contacts[0] = ContactSummary { count, speed, impulse: 2.0 * speed, lost: 3.0 * speed };
+            watcher.events = count;
+            watcher
+        };
+        for (a, b) in [((-1.0, 2.0), (0.0, 3.0)), ((0.0, 3.0), (-1.0, 2.0))] {
+            let mut whole = part(a.0, a.1, 0.5, (2, 4.0));
+            whole.join(&part(b.0, b.1, 0.25, (3, 1.0)));
+            let own = &whole.extents[0];
+            assert_eq!((own.least, own.largest, own.square), (-1.0, 3.0, 0.75));
+            let own = whole.contacts[0];
+            assert_eq!((own.count, own.speed, own.impulse, own.lost), (5, 4.0, 8.0, 15.0));
+            whole.clear();
+            let (extent, contacts) = (&whole.extents[0], whole.contacts[0]);
+            assert!(
+                extent.least == f64::INFINITY && extent.largest == f64::NEG_INFINITY && extent.square == 0.0
+            );
+            assert_eq!((contacts.count, contacts.speed, contacts.impulse, contacts.lost), (0, 0.0, 0.0, 0.0));
+            assert_eq!(whole.events, 0);
+        }
     }
 }

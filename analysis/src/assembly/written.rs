@@ -180,4 +180,21 @@ mod tests {
         assert!(refused.contains("body.a.start.s = \"far\""), "{refused}");
         assert!(machine.quantity("body.a.maß", "3").is_err());
     }
+
+    #[test]
+    fn a_file_that_is_read_is_its_text() {
+        let path =
+            Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/damper_with_buffer.toml"));
+        let read = Machine::read(path).unwrap();
+        assert_eq!(
+            read,
+            Machine::parse(&std::fs::read_to_string(path).unwrap(), "m.toml", &no_records).unwrap()
+        );
+        assert_eq!(read.told("stop.steel.gap", 4.5e-3), "4.5 mm");
+        assert_eq!(read.unit("spring.mount.stiffness"), (1e-3, "kN/m".to_owned()));
+        // In SI, and without a unit.
+        let plain = Machine::new(read.description);
+        assert_eq!(plain.told("spring.mount.damping", 60.0), "60 N·s/m");
+        assert_eq!(plain.told("stop.steel.restitution", 0.7), "0.7");
+    }
 }

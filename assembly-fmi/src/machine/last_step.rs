@@ -85,7 +85,7 @@ fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
             break;
         }
         if outcome == Outcome::End {
-            break;
+            return Ok(variations);
         }
         if motion.time() >= now - late {
             // The last event counts once its law is shown.

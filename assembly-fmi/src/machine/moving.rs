@@ -238,3 +238,60 @@ impl Shown {
         self.stops.len() == other.stops.len() && self.frictions.len() == other.frictions.len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAIR: &str = "name = \"Pair\"\n[body.a]\nmass = 2.0\nstart = { s = 0.1 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\n\
+        stiffness = 9.0\n[load.push]\non = \"a\"\ninput = true\n";
+
+    fn moving(plan: &Plan) -> Moving {
+        let numbers: Vec<f64> = plan.table.parameters.iter().map(|parameter| parameter.value).collect();
+        let motion = Motion::new(plan.machine(&numbers, false).unwrap()).unwrap();
+        let mut moving = Moving::new(motion, numbers);
+        moving.motion.advance_to(0.5).unwrap();
+        moving
+    }
+
+    #[test]
+    fn a_saved_motion_is_resumed_where_each_part_fits_and_refused_otherwise() {
+        let plan = Plan::new(PAIR.into(), crate::plan::FILE).unwrap();
+        let own = moving(&plan);
+        let saved = own.save();
+        let mut other_numbers = saved.clone();
+        other_numbers.numbers[0] += 1e-3;
+        for present in [None, Some(&own)] {
+            for fit in [&saved, &other_numbers] {
+                let resumed = Moving::resumed(present, &plan, fit).unwrap();
+                assert_eq!(&resumed.save(), fit);
+            }
+            let refused = |change: &dyn Fn(&mut SavedMoving)| {
+                let mut wrong = saved.clone();
+                change(&mut wrong);
+                Moving::resumed(present, &plan, &wrong).is_err()
+            };
+            assert!(
+                refused(&|wrong| wrong.origin = f64::NAN) && refused(&|wrong| wrong.origin = f64::INFINITY)
+            );
+            assert!(refused(&|wrong| _ = wrong.numbers.pop()) && refused(&|wrong| wrong.numbers.push(1.0)));
+            let second = format!(
+                "{PAIR}[body.b]\nmass = 1.0\n[spring.b]\nbetween = [\"a\", \"b\"]\nstiffness = 1.0\n"
+            );
+            let larger = moving(&Plan::new(second, crate::plan::FILE).unwrap()).save();
+            assert!(refused(&|wrong| wrong.hybrid = larger.hybrid.clone()), "another machine's");
+        }
+    }
+
+    /// The balance at a start is its own origin, whatever it is.
+    #[test]
+    fn invariant_the_energy_of_a_start_is_no_residual() {
+        let own = moving(&Plan::new(PAIR.into(), crate::plan::FILE).unwrap());
+        // ½ · 9 · 0.1².
+        let stored =
+            own.value(Quantity::Energy(Energy::Stored)) + own.value(Quantity::Energy(Energy::Kinetic));
+        assert!(
+            (stored - 0.045).abs() < 1e-12 && own.value(Quantity::Energy(Energy::Residual)).abs() < 1e-12
+        );
+    }
+}

@@ -2,7 +2,9 @@
 //! element, in every mode that is met.
 
 mod dependencies;
+mod energy;
 mod events;
+mod lists;
 mod protocol;
 mod signs;
 mod solver;

@@ -1,6 +1,6 @@
 //! Steps in pieces, and time in Model Exchange.
 
-use crate::solver::{Silent, Solver, get};
+use crate::solver::{Silent, Solver, get, set};
 use fmi_doors::{Component, EventHandling, Interface, Life, Piece};
 use std::path::Path;
 use std::sync::Arc;
@@ -91,5 +91,27 @@ fn closed_form_derivatives_of_an_input_that_are_not_set_are_zero() {
         sled.set_input_derivatives(&[plan.table.inputs[0]], &[order], &[1.0]).unwrap();
         sled.advance(0.0, 0.5, &mut Silent).unwrap();
         assert!((get(&mut sled, rate).unwrap() - v).abs() < ROUNDING, "{order}");
+    }
+}
+
+#[test]
+fn closed_form_an_input_is_zero_until_it_is_set() {
+    let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
+    let plan = Arc::new(Plan::new(text.into(), FILE).unwrap());
+    let input = plan.table.inputs[0];
+    for interface in [Interface::CoSimulation, Interface::ModelExchange] {
+        let mut sled = Solver::instance(&plan, interface);
+        assert_eq!(get(&mut sled, input), Some(0.0));
+        sled.set_experiment(None, 0.0, None).unwrap();
+        sled.enter_initialization();
+        assert_eq!(get(&mut sled, input), Some(0.0));
+        assert!(set(&mut sled, input, 8.0));
+        let acceleration = plan.table.reference("sled.a").unwrap();
+        assert_eq!((get(&mut sled, input), get(&mut sled, acceleration)), (Some(8.0), Some(2.0)));
+        sled.exit_initialization(&mut Silent).unwrap();
+        assert_eq!((get(&mut sled, input), get(&mut sled, acceleration)), (Some(8.0), Some(2.0)));
+        // As it was made.
+        sled.reset();
+        assert_eq!(get(&mut sled, input), Some(0.0));
     }
 }

@@ -170,3 +170,57 @@ fn closed_form_extremes_lie_between_samples() {
     let points = followed(&mut motion, 0.1, 1).extremes.all[0].points();
     assert!(points.iter().all(|p| p.1 > 0.01), "{points:?}");
 }
+
+/// A ball of 100 m/s between walls 2 mm apart meets one each 20 µs and loses nothing; a body lies
+/// on a buffer beside it.
+#[test]
+fn closed_form_what_is_beyond_the_work_of_one_advance_is_counted_and_left_out() {
+    let machine = "name = \"W\"\n[body.ball]\nmass = 1.0\nstart = { v = 100.0 }\n[stop.right]\nbetween = [\"ground\", \"ball\"]\n\
+        gap = 1e-3\nrestitution = 1.0\n[stop.left]\nbetween = [\"ball\", \"ground\"]\ngap = 1e-3\nrestitution = 1.0\n\
+        [body.a]\nmass = 1.0\nstart = { s = 0.5 }\n[stop.buffer]\nbetween = [\"ground\", \"a\"]\ngap = 0.0\nstiffness = 1.0\n";
+    let impacts = |contacts: &[StopContact]| contacts.iter().filter(|c| c.stop < 2).count();
+    let resting = |contacts: &[StopContact]| *contacts.iter().find(|c| c.stop == 2).unwrap();
+    let end = 0.5 + 5e-6;
+    let whole = followed(&mut text(machine), end, 1);
+    let all = whole.contacts.all();
+    assert_eq!(impacts(&all), 25_000);
+    // 20,000 of them in 0.4 s are looked at.
+    near(whole.left_out, 0.1, 0.1, 1e-2);
+    let one = resting(&all);
+    assert_eq!((one.peak, one.impulse, one.lost, one.end), (None, None, None, None));
+    let parts = followed(&mut text(machine), end, 10);
+    let all = parts.contacts.all();
+    assert_eq!((impacts(&all), parts.left_out), (25_000, 0.0));
+    // 0.5 cos t.
+    let one = resting(&all);
+    near(one.peak.unwrap(), 0.5, 0.5, CUT);
+    near(one.impulse.unwrap(), 0.5 * end.sin(), 0.5, CUT);
+}
+
+/// Long flights use up what may be looked at beyond the usual, and are left out when it is used up;
+/// short ones are looked at always.
+#[test]
+fn closed_form_flights_of_many_stretches_are_looked_at_up_to_a_limit() {
+    let mut motion = text(
+        "name = \"O\"\n[body.a]\nmass = 1.0\nstart = { s = 0.02 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 400.0\n",
+    );
+    let mut follower = followed(&mut motion, 0.1, 1);
+    assert_eq!(follower.left, MOST, "a short flight uses up nothing");
+    let mut advance = |follower: &mut Followed, span: f64| {
+        let end = motion.time() + span;
+        follower.advance(&mut motion, end, &mut |_| (), &mut |_| ()).unwrap();
+    };
+    advance(&mut follower, 10.0);
+    let used = MOST - follower.left;
+    // The rate is 20/s at least, and a stretch two of its inverse.
+    assert!((36.0..1000.0).contains(&used), "{used}");
+    follower.left = 2.5 * used;
+    for (left, left_out) in [(1.5, 0.0), (0.5, 0.0), (0.5, 10.0), (0.5, 20.0)] {
+        advance(&mut follower, 10.0);
+        // Rounding of the time may make a stretch more or less.
+        near(follower.left, left * used, 1.0, 4.0);
+        near(follower.left_out, left_out, 10.0, ROUNDING);
+    }
+    advance(&mut follower, 0.1);
+    near(follower.left_out, 20.0, 10.0, ROUNDING);
+}
