@@ -306,3 +306,6 @@ impl Signals {
         self.one + 1 + 2 * self.frequencies.len()
     }
 }
+
+#[cfg(test)]
+mod tests;
