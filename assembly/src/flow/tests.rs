@@ -256,3 +256,22 @@ fn closed_form_the_order_with_which_a_functional_leaves_zero() {
         assert!((value / turn(order as i32) - 1.0).abs() < ROUNDING, "{value} {}", turn(order as i32));
     }
 }
+
+#[test]
+fn closed_form_signals_add_a_quarter_to_the_rate() {
+    // Weight, cosine and sine act on an undamped oscillator: balanced rows have the sum ω, and what the three signals add is a
+    // third of a quarter each, whatever their amplitudes.
+    for (stiffness, amplitude) in [(100.0, 3.0), (2.5e3, 1e-3)] {
+        let text = format!(
+            "name = \"O\"\ngravity = 9.81\n[body.b]\nmass = 1.0\ngravity = 1.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\n\
+             stiffness = {stiffness}\n[load.l]\non = \"b\"\namplitude = {amplitude}\nfrequency = 0.1\nphase = {}\n",
+            std::f64::consts::FRAC_PI_4
+        );
+        let machine = Arc::new(Assembly::new(parse(&text, "o.toml", &no_records).unwrap()).unwrap());
+        let motion = Motion::new(machine.clone()).unwrap();
+        let system = machine.system();
+        let rate = rate_bound(&system.linear(motion.mode()).a, system.signals.one);
+        let exact = 1.25 * f64::sqrt(stiffness);
+        assert!((rate / exact - 1.0).abs() < ROUNDING, "{rate} {exact}");
+    }
+}
