@@ -308,3 +308,6 @@ impl Signals {
         self.one + 1 + 2 * self.frequencies.len()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -289,6 +289,21 @@ fn invariant_an_impact_without_impulse_ends_the_sequence() {
 }
 
 #[test]
+fn closed_form_shares_of_impulses_that_cancel() {
+    // The heavy body's 2 N s go through the light one into the wall: of its speed, which stays
+    // nothing, each of the two impulses makes 2 N s / 0.01 kg.
+    let machine = Assembly::new(anvil(0.01, 2.0)).unwrap();
+    let system = machine.system();
+    let mut z = DVector::zeros(system.signals.size);
+    z[system.coordinates + 1] = 2.0;
+    let sizes = Sizes(z.clone());
+    let instant = Instant { system, sizes: &sizes, touching: &[0, 1], restitution: &[0.5, 0.0] };
+    let impacts = instant.collide(&mut z, &mut |_, stops, _, _| Ok(vec![true; stops.len()])).unwrap();
+    let [light, heavy] = [impacts.shares[0], impacts.shares[1]];
+    assert!((light - 400.0).abs() < 400.0 * ROUNDING && (heavy - 2.0).abs() < ROUNDING, "{light} {heavy}");
+}
+
+#[test]
 fn closed_form_bounces_that_follow_one_another_ever_faster() {
     // Two equal bodies fall, the lower one drawn down faster: restitution 1/2 at the ground, 0
     // between them. Where both fall with v, the lower one bounces with v/2 and meets the upper one,

@@ -282,3 +282,26 @@ fn closed_form_belts_that_move_rub_with_the_level_of_slipping_not_with_the_stati
         assert_eq!(m.body(2)[0], 0.0);
     }
 }
+
+#[test]
+fn closed_form_records_below_zero_that_a_lever_sets_against_each_other() {
+    // b goes the other way than a, so that equal forces on both leave nothing, and a third one of
+    // -6 N on a stretches the spring of 50 N/m by -0.12 m. Their sizes count, not their signs.
+    let record = |force: f64| Signal {
+        table: Some(Record { knots: vec![(0.0, force), (2.0, force)], cubic: false }),
+        ..Signal::default()
+    };
+    let load = |body: usize, force: f64| Load { name: "load".into(), body, force: record(force) };
+    for size in [-27.0, 27.0, -2.7e6] {
+        let d = Description {
+            bodies: vec![body("a", 1.0, 0.0, 0.0), body("b", 1.0, 0.0, 0.0)],
+            links: vec![Link { name: "l".into(), arms: arms(&[(0, 1.0), (1, 1.0)]) }],
+            springs: vec![spring(&[(0, 1.0)], 50.0, 1.0)],
+            loads: vec![load(0, size), load(1, size), load(0, -6.0)],
+            ..Description::default()
+        };
+        let m = motion(at_rest(d));
+        assert!((m.body(0)[0] + 0.12).abs() < ROUNDING * size.abs(), "{size}: {:?}", m.body(0));
+        assert!((m.body(0)[0] + m.body(1)[0]).abs() < ROUNDING, "{size}: {:?}", m.body(1));
+    }
+}

@@ -266,3 +266,6 @@ fn at_nodes(coefficients: &[f64; TERMS]) -> AtNodes {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests;

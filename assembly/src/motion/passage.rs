@@ -350,3 +350,6 @@ fn sum_behind(c: &[f64; LOCAL], part: impl Fn(f64) -> f64) -> f64 {
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,277 @@
+//! The flow of chains that hold, press, rub and are driven, against the matrix exponential by Padé's approximants.
+
+use super::*;
+use crate::file::{no_records, parse};
+use crate::mode::Watch;
+use crate::{Assembly, Motion};
+use nalgebra::DVector;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Some hundreds of roundings of both methods, beside the largest coordinate's share.
+const ROUNDING: f64 = 1e-12;
+/// Roundings of a stiff rate's flow: rate times time is up to some hundreds.
+const STIFF_ROUNDING: f64 = 1e-10;
+/// Places where a bound is compared with what it bounds.
+const PLACES: usize = 24;
+
+/// A chain from the ground: its first body presses a buffer, its last one comes to a rigid stop, and where `holds` its second one sticks
+/// to the ground. A load turns once in a second.
+fn chain(count: usize, stiffness: f64, holds: bool) -> (Table, usize) {
+    let mut text = "name = \"C\"\ngravity = 9.81\n".to_owned();
+    for i in 0..count {
+        let (mass, s) = (1.0 + 0.3 * i as f64, if i == 0 { 0.02 } else { 0.0 });
+        text += &format!("[body.b{i}]\nmass = {mass}\ngravity = 1.0\nstart = {{ s = {s}, v = 0.0 }}\n");
+        let before = if i == 0 { "ground".into() } else { format!("b{}", i - 1) };
+        let (k, c) = (if i == 1 { stiffness } else { 40.0 + 3.0 * i as f64 }, 0.5 + 0.1 * i as f64);
+        text +=
+            &format!("[spring.k{i}]\nbetween = [\"{before}\", \"b{i}\"]\nstiffness = {k}\ndamping = {c}\n");
+    }
+    let last = count - 1;
+    text += "[stop.buffer]\nbetween = [\"ground\", \"b0\"]\ngap = 0.01\nstiffness = 90.0\ndamping = 2.0\n";
+    text += &format!("[stop.end]\nbetween = [\"ground\", \"b{last}\"]\ngap = 0.5\nrestitution = 0.5\n");
+    text += "[load.l]\non = \"b0\"\namplitude = 3.0\nfrequency = 1.0\n";
+    if holds {
+        text += "[friction.f]\nbetween = [\"ground\", \"b1\"]\nforce = 1000.0\n";
+    }
+    let machine = Arc::new(Assembly::new(parse(&text, "c.toml", &no_records).unwrap()).unwrap());
+    let motion = Motion::new(machine.clone()).unwrap();
+    let (system, mode) = (machine.system(), motion.mode());
+    assert_eq!(mode.basis.len(), usize::from(holds));
+    (Table::new(system.linear(mode), system.signals.one), system.signals.one)
+}
+
+/// Chains with tables, with a stiff spring that is found apart, and of so many coordinates that a series takes the tables' place.
+fn tables() -> Vec<(Table, usize)> {
+    let mut all = Vec::new();
+    for holds in [false, true] {
+        for (count, stiffness) in [(3, 60.0), (3, 4e4), (12, 60.0), (12, 4e4)] {
+            all.push(chain(count, stiffness, holds));
+        }
+    }
+    assert!(all.iter().any(|(t, _)| t.is_dense() && t.apart.is_some() && t.loose.is_some()));
+    assert!(all.iter().any(|(t, _)| t.is_dense() && t.apart.is_none()));
+    assert!(all.iter().any(|(t, _)| !t.is_dense()));
+    all
+}
+
+/// A as a matrix.
+fn dense(a: &SparseMatrix) -> DMatrix<f64> {
+    DMatrix::from_fn(a.len(), a.len(), |i, j| a.entry(i, j))
+}
+
+/// States of which no coordinate is another's multiple, some of them with one large coordinate.
+fn states(size: usize, one: usize) -> Vec<DVector<f64>> {
+    let of = |k: usize| {
+        let mut z = DVector::from_fn(size, |i, _| ((3 * i + 7 * k) as f64 * 0.77 + 0.3).sin());
+        z[one] = 1.0;
+        z[k % one] *= [1.0, 30.0, -30.0][k % 3];
+        z
+    };
+    (0..6).map(of).collect()
+}
+
+/// The largest difference of two states, as a part of the largest coordinate.
+fn apart(a: &[f64], b: &DVector<f64>) -> f64 {
+    a.iter().zip(b.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / b.amax().max(1.0)
+}
+
+#[test]
+fn second_method_states_and_functionals_within_a_sub_step() {
+    for (table, one) in tables() {
+        let (a, size, step) = (dense(&table.a), table.a.len(), table.interval());
+        let flow = |t: f64| (&a * t).exp();
+        let ends: Vec<_> = (0..=INTERVALS).map(|i| flow(i as f64 * step)).collect();
+        let part = flow(0.37 * step);
+        for z in states(size, one) {
+            let (mut rates, mut second, mut ahead, mut heads) = (vec![], vec![], Ahead::default(), vec![]);
+            table.look_ahead(z.as_slice(), table.length, [&mut rates, &mut second], &mut ahead, &mut heads);
+            let mut to = z.as_slice().to_vec();
+            table.at_end(z.as_slice(), [&rates, &second], &ahead, &mut to);
+            assert!(apart(&to, &(&ends[INTERVALS] * &z)) < ROUNDING, "{size}: end");
+            for i in [0, 3, INTERVALS - 1] {
+                let from = &ends[i] * &z;
+                table.at_interval_start(i, z.as_slice(), &ahead, &mut to);
+                assert!(apart(&to, &from) < ROUNDING, "{size}: interval {i}");
+                table.begin_interval(from.as_slice(), &mut ahead);
+                let exact = &part * &from;
+                for all in [true, false] {
+                    to.copy_from_slice(from.as_slice());
+                    table.within(from.as_slice(), 0.37 * step, all, &mut ahead, &mut to);
+                    let known = if all { size } else { one };
+                    let off = apart(&to[..known], &exact.rows(0, known).into_owned());
+                    assert!(off < ROUNDING * exact.amax().max(1.0), "{size}: {off} within {i}, {all}");
+                }
+                table.begin_interval(from.as_slice(), &mut ahead);
+                for (place, w) in table.watched.iter().enumerate() {
+                    let c = table.local(place, from.as_slice(), &ahead);
+                    let sum = c.iter().rev().fold(0.0, |sum, c| sum * 0.37 + c);
+                    let scale = w.row.size(exact.abs().as_slice()).max(1.0) * table.rate.max(1.0);
+                    assert!((sum - w.row.at(exact.as_slice())).abs() < ROUNDING * scale, "{size}: {place}");
+                }
+            }
+            table.look_ahead(z.as_slice(), table.length, [&mut rates, &mut second], &mut ahead, &mut heads);
+            for (place, w) in table.watched.iter().enumerate() {
+                let head = head_of(&heads, place);
+                let rate = &a * &z;
+                let scale = w.row.size(rate.abs().as_slice()).max(1.0) * table.rate.max(1.0);
+                assert!((head.value - w.row.at(z.as_slice())).abs() < ROUNDING * scale);
+                assert!((head.slope - w.row.at(rate.as_slice())).abs() < ROUNDING * scale, "{size}: {place}");
+                let bow = w.row.at((&a * &rate).as_slice());
+                assert!((table.bow(w, z.as_slice()) - bow).abs() < ROUNDING * scale * table.rate.powi(2));
+                for (k, sample) in table.samples(place, z.as_slice(), &ahead).into_iter().enumerate() {
+                    let exact = w.row.at((&ends[k + 1] * &z).as_slice());
+                    assert!(
+                        (sample - exact).abs() < ROUNDING * scale,
+                        "{size}: {place} {k}: {sample} {exact}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn invariant_bends_stay_within_their_bounds() {
+    // In single coordinates, of which nothing else covers what a bound leaves out, and in all together. A bound is no
+    // more than what |A| makes of sizes, which is e³ times them at most.
+    for (table, one) in tables() {
+        let (a, size) = (dense(&table.a), table.a.len());
+        let single = (0..size).map(|j| DVector::from_fn(size, |i, _| if i == j { 1.0 } else { 0.0 }));
+        let all: Vec<_> = single.chain(states(size, one)).collect();
+        let flows: Vec<_> =
+            (0..=PLACES).map(|k| (&a * (table.length * k as f64 / PLACES as f64)).exp()).collect();
+        for z in &all {
+            let (mut rates, mut second, mut ahead, mut heads) = (vec![], vec![], Ahead::default(), vec![]);
+            table.look_ahead(z.as_slice(), table.length, [&mut rates, &mut second], &mut ahead, &mut heads);
+            let bow = &a * (&a * z);
+            for (place, w) in table.watched.iter().enumerate() {
+                let bend = head_of(&heads, place).bend;
+                let row: &DVector<f64> = &w.row;
+                let bound =
+                    row.abs().dot(&((a.abs() * table.length).exp() * (a.abs() * (a.abs() * z.abs()))));
+                assert!(bend <= bound * (1.0 + ROUNDING) + ROUNDING, "{size}: {bend} of {bound}");
+                for (k, flow) in flows.iter().enumerate() {
+                    let there = row.dot(&(flow * &bow)).abs();
+                    let rounding = ROUNDING * row.amax() * flow.amax() * bow.amax();
+                    assert!(there <= bend + rounding, "{size}: {there} beyond {bend} at {k}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn second_method_long_steps_and_their_bounds() {
+    for (table, one) in tables() {
+        let (a, size) = (dense(&table.a), table.a.len());
+        for k in 0..5 {
+            let rung = table.rung(k);
+            assert_eq!(rung.length, table.long_length(k));
+            let end = (&a * rung.length).exp();
+            let after = rung.after(&DMatrix::identity(size, size));
+            assert!((after - &end).amax() < STIFF_ROUNDING * end.amax(), "{size}: {k}");
+            for z in states(size, one) {
+                let (mut rates, mut to) = (vec![0.0; size], vec![0.0; size]);
+                table.rates(z.as_slice(), &mut rates);
+                rung.at_end(z.as_slice(), &rates, &mut to);
+                assert!(apart(&to, &(&end * &z)) < STIFF_ROUNDING, "{size}: {k}");
+                // Not a whole number of sub-steps.
+                let time = 1.3 * rung.length;
+                let exact = (&a * time).exp() * &z;
+                to.copy_from_slice(z.as_slice());
+                table.carry(&mut to, time);
+                assert!(apart(&to, &exact) < STIFF_ROUNDING, "{size}: {k}, carried");
+            }
+            for part in 0..=PLACES {
+                let flow = (&a * (rung.length * part as f64 / PLACES as f64)).exp();
+                for (place, w) in table.watched.iter().enumerate() {
+                    let row = flow.tr_mul(&*w.row);
+                    for j in 0..size {
+                        let unit: Vec<f64> = (0..size).map(|i| if i == j { -1.0 } else { 0.0 }).collect();
+                        let bound = rung.bend(place, &unit);
+                        assert!(
+                            row[j].abs() <= bound * (1.0 + ROUNDING) + ROUNDING,
+                            "{size}: {k} {part} {j}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn invariant_the_rate_bounds_the_flow() {
+    // No eigenvalue is larger, and of an oscillator of ω and damping δ it is ω + 2δ at most by balanced weights.
+    for (table, _) in tables() {
+        let fastest = dense(&table.a).complex_eigenvalues().iter().map(|x| x.norm()).fold(0.0, f64::max);
+        assert!(table.rate >= fastest * (1.0 - ROUNDING), "{} {fastest}", table.rate);
+        assert!(table.rate < 8.0 * fastest, "{} {fastest}", table.rate);
+    }
+    for (stiffness, damping, frequency) in
+        [(100.0, 0.0, 0.1), (100.0, 6.0, 0.1), (1.0, 0.0, 7.0), (0.0, 0.0, 3.0)]
+    {
+        let text = format!(
+            "name = \"O\"\n[body.b]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = {stiffness}\n\
+             damping = {damping}\n[load.l]\non = \"b\"\namplitude = 3.0\nfrequency = {frequency}\n"
+        );
+        let machine = Arc::new(Assembly::new(parse(&text, "o.toml", &no_records).unwrap()).unwrap());
+        let motion = Motion::new(machine.clone()).unwrap();
+        let system = machine.system();
+        let rate = rate_bound(&system.linear(motion.mode()).a, system.signals.one);
+        let omega = f64::sqrt(stiffness);
+        let least = omega.max(TAU * frequency);
+        // Signals add a quarter at most.
+        let most = 1.25 * (omega + damping).max(TAU * frequency) * (1.0 + ROUNDING);
+        assert!((least..most).contains(&rate) || rate == least, "{rate}: {least} to {most}");
+    }
+}
+
+#[test]
+fn closed_form_the_order_with_which_a_functional_leaves_zero() {
+    // A load turns up from zero: its force t, the first body's way t³/6, of a chain's k-th body two orders more.
+    let text = "name = \"D\"\n[body.a]\nmass = 1.0\n[body.b]\nmass = 1.0\n\
+                [spring.k]\nbetween = [\"a\", \"b\"]\nstiffness = 1.0\n\
+                [stop.a]\nbetween = [\"ground\", \"a\"]\ngap = 0.0\nrestitution = 0.5\n\
+                [stop.b]\nbetween = [\"ground\", \"b\"]\ngap = 0.0\nrestitution = 0.5\n\
+                [load.l]\non = \"a\"\namplitude = -1.0\nfrequency = 1.0\n";
+    let machine = Arc::new(Assembly::new(parse(text, "d.toml", &no_records).unwrap()).unwrap());
+    let motion = Motion::new(machine.clone()).unwrap();
+    let system = machine.system();
+    let (mut mode, one) = (motion.mode().clone(), system.signals.one);
+    mode.stops.fill(crate::mode::StopState::Open);
+    mode.basis.clear();
+    let table = Table::new(system.linear(&mode), one);
+    let mut z = DVector::zeros(system.signals.size);
+    (z[one], z[one + 1]) = (1.0, 1.0);
+    let sizes = z.map(|_| 1.0);
+    // In units of the sub-step: ω h³/3! of e, ω h⁵/5! of the other one's.
+    let turn = |order: i32| -TAU * table.length.powi(order) / (1..=order).map(f64::from).product::<f64>();
+    for (stop, order) in [(0, 3), (1, 5)] {
+        let w = table.watched.iter().find(|w| w.watch == Watch::Meets(stop)).unwrap();
+        let found = table.departure(w, z.as_slice(), sizes.as_slice(), 1.0, &mut Rows::default());
+        let (at, value) = found.unwrap();
+        assert_eq!(at, order);
+        assert!((value / turn(order as i32) - 1.0).abs() < ROUNDING, "{value} {}", turn(order as i32));
+    }
+}
+
+#[test]
+fn closed_form_signals_add_a_quarter_to_the_rate() {
+    // Weight, cosine and sine act on an undamped oscillator: balanced rows have the sum ω, and what the three signals add is a
+    // third of a quarter each, whatever their amplitudes.
+    for (stiffness, amplitude) in [(100.0, 3.0), (2.5e3, 1e-3)] {
+        let text = format!(
+            "name = \"O\"\ngravity = 9.81\n[body.b]\nmass = 1.0\ngravity = 1.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\n\
+             stiffness = {stiffness}\n[load.l]\non = \"b\"\namplitude = {amplitude}\nfrequency = 0.1\nphase = {}\n",
+            std::f64::consts::FRAC_PI_4
+        );
+        let machine = Arc::new(Assembly::new(parse(&text, "o.toml", &no_records).unwrap()).unwrap());
+        let motion = Motion::new(machine.clone()).unwrap();
+        let system = machine.system();
+        let rate = rate_bound(&system.linear(motion.mode()).a, system.signals.one);
+        let exact = 1.25 * f64::sqrt(stiffness);
+        assert!((rate / exact - 1.0).abs() < ROUNDING, "{rate} {exact}");
+    }
+}
