@@ -4,7 +4,7 @@ use crate::experiment::experiment;
 use crate::machine::OUTPUT_ORDER;
 use crate::plan::Plan;
 use crate::structure::{Structure, of_roles};
-use crate::table::{Quantity, Role, Row};
+use crate::table::{Quantity, Role, VariableRow};
 use crate::units::{self, Declared};
 use fmi_doors::Base;
 use fmi_doors::description::{
@@ -89,7 +89,7 @@ impl Plan {
 
     /// The row of a state or of the derivative of one: the derivative's state, and the nominal
     /// value.
-    fn in_exchange(&self, row: &Row, variable: Variable) -> Variable {
+    fn in_exchange(&self, row: &VariableRow, variable: Variable) -> Variable {
         let Some((body, order)) = row.quantity.as_body() else { return variable };
         let states = self.assembly.states();
         let Some(place) = states.iter().position(|&state| state == body) else { return variable };
@@ -107,7 +107,7 @@ impl Plan {
         variable
     }
 
-    fn variable(&self, reference: u32, row: &Row) -> Variable {
+    fn variable(&self, reference: u32, row: &VariableRow) -> Variable {
         let causality = match row.role {
             Role::Independent => Causality::Independent,
             Role::Parameter | Role::Tunable => Causality::Parameter,

@@ -27,4 +27,4 @@ pub use machine::Machine;
 pub use plan::{FILE, Plan};
 pub use problem::MachineProblem;
 pub use saved_state::SavedState;
-pub use table::{Energy, Quantity, Role, Row, Table};
+pub use table::{Energy, Quantity, Role, VariableRow, VariableTable};

@@ -2,7 +2,7 @@
 //! from others.
 
 use crate::problem::MachineProblem;
-use crate::table::Table;
+use crate::table::VariableTable;
 use fmi_doors::identifier::identifier;
 use fmi_doors::{Instantiation, Version};
 use std::io::Read;
@@ -22,7 +22,7 @@ const MOST_BYTES: u64 = 64 << 20;
 #[derive(Debug)]
 pub struct Plan {
     /// Its variables.
-    pub table: Table,
+    pub table: VariableTable,
     /// The machine with all parameters at their start values.
     pub assembly: Arc<Assembly>,
     /// Usual sizes of the continuous states.
@@ -41,7 +41,7 @@ impl Plan {
         let machine = parse(&text, file, &no_records)?;
         let assembly = Arc::new(Assembly::new(machine)?);
         let token = token(&text);
-        let table = Table::new(&assembly.description);
+        let table = VariableTable::new(&assembly.description);
         let nominals = assembly.nominals();
         Ok(Self { table, assembly, nominals, token, text })
     }

@@ -101,7 +101,7 @@ pub enum Role {
 
 /// A variable.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct VariableRow {
     /// Its name.
     pub name: String,
     /// What it is, for people.
@@ -118,7 +118,7 @@ pub struct Row {
     pub dimensions: Vec<usize>,
 }
 
-impl Row {
+impl VariableRow {
     /// Whether hosts may read or set it within a step (`intermediateUpdate`).
     pub fn is_seen_within_steps(&self) -> bool {
         matches!(self.role, Role::Input | Role::Output)
@@ -127,9 +127,9 @@ impl Row {
 
 /// The variables of a machine.
 #[derive(Debug)]
-pub struct Table {
+pub struct VariableTable {
     /// By value reference less 1.
-    pub rows: Vec<Row>,
+    pub rows: Vec<VariableRow>,
     /// The parameters, in the order of their rows.
     pub parameters: Vec<Parameter>,
     /// The value references of the inputs, in their order.
@@ -147,7 +147,7 @@ fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
 pub(crate) const NO_UNIT: &str = "";
 const IMPULSE: [&str; 2] = ["N.s", "N.m.s"];
 
-impl Table {
+impl VariableTable {
     /// The variables of a machine.
     pub fn new(machine: &Description) -> Self {
         let parameters = machine.parameters();
@@ -177,7 +177,7 @@ impl Table {
             Quantity::StopState(_) | Quantity::FrictionState(_) => Base::Enumeration,
             _ => Base::Real,
         };
-        self.rows.push(Row {
+        self.rows.push(VariableRow {
             name,
             meaning: meaning.into(),
             unit,
@@ -301,7 +301,7 @@ impl Table {
     ///
     /// # Errors
     /// [`Problem::Reference`].
-    pub fn row(&self, reference: u32, bases: Bases) -> Result<&Row, Problem> {
+    pub fn row(&self, reference: u32, bases: Bases) -> Result<&VariableRow, Problem> {
         let row = self.rows.get((reference as usize).wrapping_sub(1));
         if let Some(row) = row.filter(|row| bases.contains(row.base)) {
             return Ok(row);

@@ -7,7 +7,7 @@ mod powers;
 
 pub use powers::{Account, Powers, Samples};
 
-use crate::flow::Table;
+use crate::flow::FlowTable;
 pub use crate::kernel::NODES;
 use crate::system::System;
 use nalgebra::DVector;
@@ -82,7 +82,7 @@ impl Accounts {
     }
 
     /// A flight from `z` of 2^`k` sub-steps in a mode with these powers.
-    pub fn add_long(&mut self, powers: &Powers, k: usize, table: &Table, z: &[f64]) {
+    pub fn add_long(&mut self, powers: &Powers, k: usize, table: &FlowTable, z: &[f64]) {
         powers.for_each_work(k, table, z, |account, work| self.put(account, work));
     }
 

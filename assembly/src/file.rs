@@ -36,7 +36,7 @@ use crate::description::{Description, Dimension};
 use crate::elements::SECTIONS;
 use crate::kinds;
 use crate::refusal::{Problem, Refusal};
-use reading::{Reading, Table};
+use reading::{FileTable, Reading};
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -79,7 +79,7 @@ pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Re
         return Err(refusal(broken));
     }
     let mut reading = Reading::new(text, records);
-    let machine = machine(&mut reading, &Table::root(root.get_ref()));
+    let machine = machine(&mut reading, &FileTable::root(root.get_ref()));
     if reading.problems.is_empty() {
         let found = check(&machine);
         found.into_iter().for_each(|problem| reading.place(problem));
@@ -90,7 +90,7 @@ pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Re
     }
 }
 
-fn machine(reading: &mut Reading, root: &Table) -> Description {
+fn machine(reading: &mut Reading, root: &FileTable) -> Description {
     let mut keys = vec!["name", "gravity", "start", "body"];
     keys.extend(SECTIONS.iter().map(|(section, _)| section));
     reading.known(root, &keys);

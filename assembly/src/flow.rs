@@ -21,7 +21,7 @@ pub use watched::{Group, Head, WatchTable, head_of};
 use crate::law::ZERO;
 use crate::mode::Linear;
 use crate::signals::SMALL;
-use crate::system::Row;
+use crate::system::StateRow;
 use apart::Apart;
 use exponential::{LEAST_RATE, series_orders};
 use kept::Kept;
@@ -51,7 +51,7 @@ const ENDS: [f64; INTERVALS] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0
 
 /// The flow of a mode.
 #[derive(Debug)]
-pub struct Table {
+pub struct FlowTable {
     /// A of z' = A z, by its entries.
     pub a: SparseMatrix,
     /// The sizes of the terms of A's entries.
@@ -75,12 +75,12 @@ pub struct Table {
     /// What is watched.
     pub watched: Vec<WatchTable>,
     /// The forces of the basis.
-    pub lambda: Vec<Row>,
+    pub lambda: Vec<StateRow>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: DMatrix<f64>,
 }
 
-impl Table {
+impl FlowTable {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
         let Linear { mut a, terms: sizes, lambda, triangle, watched, elastic, loose } = linear;
@@ -288,7 +288,7 @@ impl Table {
         z: &[f64],
         sizes: &[f64],
         doubt: f64,
-        rows: &mut Rows,
+        rows: &mut DepartureRows,
     ) -> Option<(usize, f64)> {
         let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;
         let value = w.row.at(z);
@@ -300,7 +300,7 @@ impl Table {
             return Some((1, slope));
         }
         let size = w.row.len();
-        let Rows { row, next_row, terms, next_terms } = rows;
+        let DepartureRows { row, next_row, terms, next_terms } = rows;
         [&mut *row, next_row, terms, next_terms].into_iter().for_each(|memory| memory.resize(size, 0.0));
         row.copy_from_slice(w.row.as_slice());
         terms.iter_mut().zip(w.row.iter()).for_each(|(term, x)| *term = x.abs());
@@ -335,7 +335,7 @@ impl Table {
     /// leave of a velocity the rounding of this size, but for what contacts keep at zero. `all` is
     /// memory.
     #[inline(always)]
-    pub fn flown(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
+    pub fn flight_sizes(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
         let time = time.min(self.length);
         match &self.loose {
             None => self.sizes.rows_times_to(self.one / 2, sizes, time, to),
@@ -367,7 +367,7 @@ impl Table {
 
 /// Memory for a functional's derivative and for the sizes of its terms.
 #[derive(Clone, Debug, Default)]
-pub struct Rows {
+pub struct DepartureRows {
     row: Vec<f64>,
     next_row: Vec<f64>,
     terms: Vec<f64>,

@@ -8,7 +8,7 @@ pub use linear::{Elastic, Linear};
 pub use states::{FrictionState, StopState};
 
 use crate::law::box_qp::independent;
-use crate::system::{Elongation, Row, System};
+use crate::system::{Elongation, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -116,7 +116,7 @@ impl System {
     }
 
     /// The force of a stop in a state in which the state determines it: compliant ones.
-    pub fn stop_force(&self, i: usize, state: StopState) -> Option<Row> {
+    pub fn stop_force(&self, i: usize, state: StopState) -> Option<StateRow> {
         match state {
             StopState::Pressed => Some((*self.stops[i].force).clone()),
             StopState::Capped => Some(2.0 * &*self.stops[i].spring),
@@ -126,7 +126,7 @@ impl System {
 
     /// The force of a friction in a state in which the state determines it: slipping, or at its
     /// level while it sticks.
-    pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<Row> {
+    pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<StateRow> {
         let friction = &self.frictions[i];
         match state {
             FrictionState::Up => Some(friction.level.clone()),
@@ -224,7 +224,7 @@ impl System {
 }
 
 /// Takes a force in a direction from the forces on the coordinates.
-fn add_outer(forces: &mut DMatrix<f64>, w: &DVector<f64>, force: &Row) {
+fn add_outer(forces: &mut DMatrix<f64>, w: &DVector<f64>, force: &StateRow) {
     for (i, &w) in w.iter().enumerate().filter(|(_, w)| **w != 0.0) {
         forces.row_mut(i).iter_mut().zip(force.iter()).for_each(|(sum, f)| *sum -= w * f);
     }

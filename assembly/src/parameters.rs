@@ -9,7 +9,7 @@
 
 use crate::check::{check, check_under_way};
 use crate::description::{Description, Dimension};
-use crate::kinds::Kind;
+use crate::kinds::NumberKind;
 use crate::refusal::{Problem, Refusal, advice};
 use crate::slots::{Slot, slots};
 use vibro_impact::parameters::Range;
@@ -26,7 +26,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// In the SI unit.
     pub value: f64,
-    kind: Kind,
+    kind: NumberKind,
     dimension: Dimension,
 }
 
@@ -52,7 +52,7 @@ impl Parameter {
 const LONGEST_NUMBER: usize = 100;
 
 /// Reads an allowed number of a kind, with or without a unit.
-pub(crate) fn read(kind: Kind, dimension: Dimension, text: &str) -> Option<f64> {
+pub(crate) fn read(kind: NumberKind, dimension: Dimension, text: &str) -> Option<f64> {
     let short = Some(text.trim()).filter(|text| text.len() <= LONGEST_NUMBER)?;
     quantity_in(kind.unit(dimension), short).map(|q| q.value).filter(|&v| kind.contains(v))
 }

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use vibro_assembly::Motion;
 use vibro_assembly::description::{Description, Dimension};
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::system::{Elongation, Part, Row, System};
+use vibro_assembly::system::{Elongation, Part, StateRow, System};
 
 /// Contacts slower than this part of the fastest are chatter, of which the number does not make a
 /// period.
@@ -32,7 +32,7 @@ const SAMPLES: u32 = 8;
 /// The numbers that must return.
 #[derive(Clone, Debug)]
 pub struct Functionals {
-    rows: Vec<Row>,
+    rows: Vec<StateRow>,
     /// The kind of each: elongation or rate, of translation or rotation.
     kinds: Vec<usize>,
     /// Of a rate the place of its elongation, where a stiffness makes forces of it, and the
@@ -46,7 +46,7 @@ impl Functionals {
     /// Those of a machine that is looked at in a section.
     pub fn of(d: &Description, system: &System, section: &Section) -> Self {
         let (mut all, mut kinds, mut stiff) = (Vec::new(), Vec::new(), Vec::new());
-        let mut push = |row: &Row, kind: usize, stiffness: Option<(&Elongation, f64)>| {
+        let mut push = |row: &StateRow, kind: usize, stiffness: Option<(&Elongation, f64)>| {
             let frequency = |(e, k): (&Elongation, f64)| (k * e.w.dot(&e.mobility)).max(0.0).sqrt();
             stiff.push(stiffness.map(|own| (all.len() - 1, frequency(own))));
             all.push(row.clone());
@@ -77,7 +77,7 @@ impl Functionals {
     /// Their values, cosine and sine of the phases last, and the sums of their terms' sizes.
     fn at(&self, motion: &Motion) -> (Vec<f64>, Vec<f64>) {
         let z = motion.state();
-        let size = |row: &Row| row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum::<f64>();
+        let size = |row: &StateRow| row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum::<f64>();
         let mut values: Vec<f64> = self.rows.iter().map(|row| row.dot(z)).collect();
         let mut sizes: Vec<f64> = self.rows.iter().map(size).collect();
         for (i, stiff) in self.stiff.iter().enumerate() {
@@ -94,7 +94,7 @@ impl Functionals {
 
     /// How a change of the state (q, q') changes each, phases left out.
     fn changes(&self, change: &[f64]) -> Vec<f64> {
-        let along = |row: &Row| row.iter().zip(change).map(|(r, x)| r * x).sum();
+        let along = |row: &StateRow| row.iter().zip(change).map(|(r, x)| r * x).sum();
         self.rows.iter().map(along).collect()
     }
 }

@@ -8,9 +8,9 @@ use nalgebra::DMatrix;
 /// The integral of the product of two functionals: the scalar product of two vectors that are
 /// linear in the state.
 #[derive(Clone, Debug)]
-pub(super) struct Work([DMatrix<f64>; 2]);
+pub(super) struct WorkIntegral([DMatrix<f64>; 2]);
 
-impl Work {
+impl WorkIntegral {
     /// Over a length, from two functionals' values at its nodes, by coordinate.
     pub(super) fn new(rows: [&[AtNodes]; 2], length: f64) -> Self {
         let matrix = |rows: &[AtNodes], weight: &dyn Fn(usize) -> f64| {

@@ -1,13 +1,13 @@
 //! The powers in a mode: each is a product of two functionals of the state, and its mean over a
 //! flight is found by Gauss's rule.
 
-use super::long::Work;
+use super::long::WorkIntegral;
 use super::{AtNodes, NODES};
 use crate::description::StopLaw;
-use crate::flow::{Ladder, Series, Table, taylor};
+use crate::flow::{FlowTable, Ladder, Series, taylor};
 use crate::kernel::{Sparse, SparseColumns};
 use crate::mode::{Mode, StopState};
-use crate::system::{Row, System};
+use crate::system::{StateRow, System};
 
 /// Taylor coefficients of a functional over a sub-step. With rate times length at most 3 the first
 /// one left out is under 3³²/32! < 8e-21 of the largest coordinate.
@@ -71,12 +71,12 @@ pub struct Powers {
     columns: Vec<SparseColumns<TERMS>>,
     all: Vec<Power>,
     /// The same over long sub-steps, by the rung of the ladder; made when they are first needed.
-    long: Ladder<Vec<Work>>,
+    long: Ladder<Vec<WorkIntegral>>,
 }
 
 impl Powers {
     /// Of a machine in a mode.
-    pub fn new(system: &System, mode: &Mode, table: &Table) -> Self {
+    pub fn new(system: &System, mode: &Mode, table: &FlowTable) -> Self {
         let mut powers = Self::default();
         powers.add_losses(system, mode);
         if system.has_motions {
@@ -91,13 +91,13 @@ impl Powers {
     }
 
     /// The work of each power over 2^`k` sub-steps from `z`, with its account.
-    pub fn for_each_work(&self, k: usize, table: &Table, z: &[f64], mut take: impl FnMut(Account, f64)) {
+    pub fn for_each_work(&self, k: usize, table: &FlowTable, z: &[f64], mut take: impl FnMut(Account, f64)) {
         for (power, work) in self.all.iter().zip(self.works(k, table)) {
             take(power.account, power.factor * work.of(z));
         }
     }
 
-    fn works(&self, k: usize, table: &Table) -> &[Work] {
+    fn works(&self, k: usize, table: &FlowTable) -> &[WorkIntegral] {
         self.long.at(k).get_or_init(|| match k.checked_sub(1) {
             Some(below) => {
                 let rung = table.rung(below);
@@ -110,12 +110,15 @@ impl Powers {
                     columns.iter().map(|c: &[f64; TERMS]| at_nodes(c)).collect::<Vec<_>>()
                 };
                 let rows: Vec<_> = self.rows.iter().map(at_nodes).collect();
-                self.all.iter().map(|power| Work::new(power.of.map(|i| &rows[i][..]), table.length)).collect()
+                self.all
+                    .iter()
+                    .map(|power| WorkIntegral::new(power.of.map(|i| &rows[i][..]), table.length))
+                    .collect()
             }
         })
     }
 
-    fn add(&mut self, account: Account, factor: f64, left: &Row, right: &Row) {
+    fn add(&mut self, account: Account, factor: f64, left: &StateRow, right: &StateRow) {
         let rows = [left, right].map(|row| Sparse::of(row.as_slice()));
         if factor == 0.0 || rows.iter().any(|row| row.terms().is_empty()) {
             return;
@@ -157,9 +160,9 @@ impl Powers {
     }
 
     /// What prescribed bodies put in (docs/assembly-law.md (A17)).
-    fn add_motions(&mut self, system: &System, mode: &Mode, table: &Table) {
+    fn add_motions(&mut self, system: &System, mode: &Mode, table: &FlowTable) {
         let n = system.coordinates;
-        let mut add = |factor: f64, force: &Row, rate: &Row| {
+        let mut add = |factor: f64, force: &StateRow, rate: &StateRow| {
             let mut prescribed = rate.clone();
             prescribed.rows_mut(n, n).fill(0.0);
             self.add(Account::Motions, factor, force, &prescribed);
@@ -202,7 +205,7 @@ impl Powers {
     /// Numbers that they hold.
     pub fn numbers(&self) -> usize {
         self.columns.iter().map(SparseColumns::numbers).sum::<usize>()
-            + self.long.made().flatten().map(Work::numbers).sum::<usize>()
+            + self.long.made().flatten().map(WorkIntegral::numbers).sum::<usize>()
     }
 
     /// The mean of each power over a flight, with its account; `values` is memory.

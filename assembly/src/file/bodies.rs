@@ -1,10 +1,10 @@
 //! Bodies: what has mass or inertia, and what moves as prescribed.
 
-use super::reading::{Reading, Table};
+use super::reading::{FileTable, Reading};
 use super::signals::{self, Values};
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Signal};
 use crate::elements::SECTIONS;
-use crate::kinds::{self, Kind};
+use crate::kinds::{self, NumberKind};
 use crate::parameters::has_unit;
 use crate::refusal::Problem;
 use toml::de::DeValue;
@@ -31,8 +31,8 @@ impl Names {
 /// Reads the bodies. One with problems keeps its place, so that what refers to it can be read.
 pub(super) fn read(
     reading: &mut Reading,
-    root: &Table,
-    section: &[(String, Table)],
+    root: &FileTable,
+    section: &[(String, FileTable)],
     machine: &mut Description,
 ) -> Names {
     let mut names = Vec::new();
@@ -49,8 +49,8 @@ pub(super) fn read(
 fn body(
     reading: &mut Reading,
     name: &str,
-    table: &Table,
-    root: &Table,
+    table: &FileTable,
+    root: &FileTable,
     at_rest: bool,
 ) -> Option<(Dimension, BodyKind)> {
     let given: Vec<_> = ["mass", "inertia", "motion"].into_iter().filter(|key| table.has(key)).collect();
@@ -74,7 +74,13 @@ fn body(
     }
 }
 
-fn free(reading: &mut Reading, table: &Table, key: &str, dimension: Dimension, at_rest: bool) -> BodyKind {
+fn free(
+    reading: &mut Reading,
+    table: &FileTable,
+    key: &str,
+    dimension: Dimension,
+    at_rest: bool,
+) -> BodyKind {
     match dimension {
         Dimension::Translation => reading.known(table, &[key, "gravity", "start"]),
         Dimension::Rotation => reading.known(table, &[key, "start"]),
@@ -105,8 +111,8 @@ fn free(reading: &mut Reading, table: &Table, key: &str, dimension: Dimension, a
 fn prescribed(
     reading: &mut Reading,
     name: &str,
-    table: &Table,
-    root: &Table,
+    table: &FileTable,
+    root: &FileTable,
 ) -> Option<(Dimension, BodyKind)> {
     reading.known(table, &["motion", "dimension"]);
     let dimension = dimension(reading, name, table, root)?;
@@ -127,7 +133,7 @@ fn prescribed(
 /// What a prescribed body's coordinate is measured in: what its key says; else the dimension of the
 /// first unit in its motion; else that of a body with mass or inertia that an element stands
 /// `between` with it; else a length.
-fn dimension(reading: &mut Reading, name: &str, table: &Table, root: &Table) -> Option<Dimension> {
+fn dimension(reading: &mut Reading, name: &str, table: &FileTable, root: &FileTable) -> Option<Dimension> {
     if let Some(entry) = reading.optional(table, "dimension") {
         let said = match entry.value.as_str() {
             Some("translation") => Some(Dimension::Translation),
@@ -149,7 +155,7 @@ fn dimension(reading: &mut Reading, name: &str, table: &Table, root: &Table) -> 
 fn unit_of(motion: &DeValue) -> Option<Dimension> {
     match motion {
         DeValue::String(text) => {
-            let is = |kind: Kind, dimension| has_unit(kind.unit(dimension), text);
+            let is = |kind: NumberKind, dimension| has_unit(kind.unit(dimension), text);
             let all = [Dimension::Translation, Dimension::Rotation];
             all.into_iter().find(|&d| is(kinds::POSITION, d) || is(kinds::RATE, d))
         }
@@ -166,7 +172,7 @@ fn unit_of(motion: &DeValue) -> Option<Dimension> {
 }
 
 /// The dimension of a body with mass or inertia that an element stands `between` with this one.
-fn neighbour(name: &str, root: &Table) -> Option<Dimension> {
+fn neighbour(name: &str, root: &FileTable) -> Option<Dimension> {
     let sections = SECTIONS.into_iter().filter_map(|(section, _)| root.entries.get(section));
     let elements =
         sections.filter_map(|section| section.get_ref().as_table()).flat_map(|section| section.values());

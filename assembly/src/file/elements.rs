@@ -1,7 +1,7 @@
 //! Springs, dampers, stops, friction, links and loads.
 
 use super::bodies::Names;
-use super::reading::{Entry, Reading, Table, number};
+use super::reading::{Entry, FileTable, Reading, number};
 use super::signals::{self, Values};
 use crate::description::{
     Arms, Damper, DampingLimit, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
@@ -14,7 +14,7 @@ use vibro_impact::quantities::symbols;
 const NO_BODY: &str = "no body has this name";
 
 /// Reads the elements. One with problems is left out, since the file is refused then.
-pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: &mut Description) {
+pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machine: &mut Description) {
     for (name, table) in reading.section(root, "spring") {
         machine.springs.extend(spring(reading, name, &table, names));
     }
@@ -41,7 +41,7 @@ pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: 
 /// with it, so that all problems are told at once.
 fn with_arms<T>(
     reading: &mut Reading,
-    table: &Table,
+    table: &FileTable,
     names: &Names,
     read: impl Fn(&mut Reading, Dimension) -> Option<T>,
 ) -> Option<(Arms, T)> {
@@ -59,7 +59,7 @@ fn with_arms<T>(
     None
 }
 
-fn spring(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Spring> {
+fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
     reading.known(table, &["between", "arms", "stiffness", "damping", "preload"]);
     let (arms, (stiffness, damping, preload)) = with_arms(reading, table, names, |reading, dimension| {
         let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
@@ -70,7 +70,7 @@ fn spring(reading: &mut Reading, name: String, table: &Table, names: &Names) -> 
     Some(Spring { name, arms, stiffness, damping, preload })
 }
 
-fn damper(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Damper> {
+fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {
     reading.known(table, &["between", "arms", "damping"]);
     let (arms, damping) = with_arms(reading, table, names, |reading, dimension| {
         reading.required_number(table, "damping", kinds::DASHPOT, dimension)
@@ -78,7 +78,7 @@ fn damper(reading: &mut Reading, name: String, table: &Table, names: &Names) -> 
     Some(Damper { name, arms, damping })
 }
 
-fn stop(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Stop> {
+fn stop(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Stop> {
     reading.known(table, &["between", "arms", "gap", "restitution", "stiffness", "damping", "law"]);
     let (arms, (gap, law)) = with_arms(reading, table, names, |reading, dimension| {
         let gap = reading.required_number(table, "gap", kinds::GAP, dimension);
@@ -88,7 +88,7 @@ fn stop(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Op
     Some(Stop { name, arms, gap, law })
 }
 
-fn law(reading: &mut Reading, table: &Table, dimension: Dimension) -> Option<StopLaw> {
+fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<StopLaw> {
     if !table.has("restitution") && !table.has("stiffness") {
         let text = "has no law; allowed is restitution (a rigid stop) or stiffness (a compliant one)";
         reading.refuse_table(table, text);
@@ -122,7 +122,7 @@ fn law(reading: &mut Reading, table: &Table, dimension: Dimension) -> Option<Sto
     Some(StopLaw::Compliant { stiffness: stiffness?, damping: damping?, limit: limit? })
 }
 
-fn friction(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Friction> {
+fn friction(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Friction> {
     reading.known(table, &["between", "arms", "force", "static"]);
     let (arms, (force, static_force)) = with_arms(reading, table, names, |reading, dimension| {
         let values = Values { kind: kinds::FORCE, alone: kinds::LEVEL, dimension };
@@ -138,7 +138,7 @@ fn friction(reading: &mut Reading, name: String, table: &Table, names: &Names) -
     Some(Friction { name, arms, force, static_force })
 }
 
-fn load(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Load> {
+fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Load> {
     reading.known(table, &[&["on"], &signals::KEYS[..]].concat());
     let on = reading.required(table, "on", "allowed is the name of a body")?;
     let (body, dimension) = body(reading, &on, names)?;
@@ -159,7 +159,7 @@ fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, O
 
 /// The elongation of an element: `between` two ends or by lever `arms`. `None` also where a body
 /// that it needs has problems of its own.
-fn arms(reading: &mut Reading, table: &Table, names: &Names) -> Option<Arms> {
+fn arms(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Arms> {
     match (reading.optional(table, "between"), reading.optional(table, "arms")) {
         (Some(ends), None) => between(reading, &ends, names),
         (None, Some(arms)) => levers(reading, &arms, names),

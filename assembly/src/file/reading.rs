@@ -3,7 +3,7 @@
 
 use super::Records;
 use crate::description::Dimension;
-use crate::kinds::Kind;
+use crate::kinds::NumberKind;
 use crate::parameters;
 use crate::refusal::{Problem, SHOWN, advice, cut};
 use std::collections::HashMap;
@@ -78,14 +78,14 @@ fn quoted(text: &str, span: &Range<usize>) -> String {
 
 /// A table of the file by its dotted name.
 #[derive(Clone)]
-pub(super) struct Table<'a> {
+pub(super) struct FileTable<'a> {
     /// Empty for the whole file.
     pub name: String,
     pub line: usize,
     pub entries: &'a DeTable<'a>,
 }
 
-impl<'a> Table<'a> {
+impl<'a> FileTable<'a> {
     pub fn root(entries: &'a DeTable<'a>) -> Self {
         Self { name: String::new(), line: 1, entries }
     }
@@ -162,7 +162,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Notes a problem of a table.
-    pub fn refuse_table(&mut self, table: &Table, text: impl Into<String>) {
+    pub fn refuse_table(&mut self, table: &FileTable, text: impl Into<String>) {
         let (line, name) = (Some(table.line), table.name.clone());
         self.problems.push(Problem { line, name, value: None, text: text.into() });
     }
@@ -198,7 +198,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The value of a key, if it is there.
-    pub fn optional<'t>(&mut self, table: &Table<'t>, key: &str) -> Option<Entry<'t>> {
+    pub fn optional<'t>(&mut self, table: &FileTable<'t>, key: &str) -> Option<Entry<'t>> {
         let (found, value) = table.entries.get_key_value(key)?;
         let line = self.lines.of_byte(found.span().start);
         let (name, key) = (table.dotted(key), key.into());
@@ -208,7 +208,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The value of a key that must be there.
-    pub fn required<'t>(&mut self, table: &Table<'t>, key: &str, allowed: &str) -> Option<Entry<'t>> {
+    pub fn required<'t>(&mut self, table: &FileTable<'t>, key: &str, allowed: &str) -> Option<Entry<'t>> {
         let found = self.optional(table, key);
         if found.is_none() {
             self.missing(table, key, allowed);
@@ -216,14 +216,14 @@ impl<'a> Reading<'a> {
         found
     }
 
-    fn missing(&mut self, table: &Table, key: &str, allowed: &str) {
+    fn missing(&mut self, table: &FileTable, key: &str, allowed: &str) {
         let text = format!("missing; {allowed}");
         let name = table.dotted(key);
         self.problems.push(Problem { line: Some(table.line), name, value: None, text });
     }
 
     /// All entries of a table.
-    pub fn all<'t>(&mut self, table: &Table<'t>) -> Vec<Entry<'t>> {
+    pub fn all<'t>(&mut self, table: &FileTable<'t>) -> Vec<Entry<'t>> {
         let keys: Vec<String> = table.entries.keys().map(|key| key.get_ref().to_string()).collect();
         keys.iter().filter_map(|key| self.optional(table, key)).collect()
     }
@@ -246,7 +246,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Refuses every key of a table that is not among these.
-    pub fn known(&mut self, table: &Table, keys: &[&str]) {
+    pub fn known(&mut self, table: &FileTable, keys: &[&str]) {
         for entry in self.all(table) {
             if !keys.contains(&entry.key.as_str()) {
                 self.refuse_name(&entry, &entry.key, "no such key", keys.iter().copied());
@@ -255,9 +255,9 @@ impl<'a> Reading<'a> {
     }
 
     /// A value as a table.
-    pub fn table<'t>(&mut self, entry: &Entry<'t>, allowed: &str) -> Option<Table<'t>> {
+    pub fn table<'t>(&mut self, entry: &Entry<'t>, allowed: &str) -> Option<FileTable<'t>> {
         match entry.value.as_table() {
-            Some(entries) => Some(Table { name: entry.name.clone(), line: entry.line, entries }),
+            Some(entries) => Some(FileTable { name: entry.name.clone(), line: entry.line, entries }),
             None => {
                 self.refuse(entry, allowed);
                 None
@@ -266,7 +266,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The tables of a section, each with its name.
-    pub fn section<'t>(&mut self, root: &Table<'t>, section: &str) -> Vec<(String, Table<'t>)> {
+    pub fn section<'t>(&mut self, root: &FileTable<'t>, section: &str) -> Vec<(String, FileTable<'t>)> {
         let Some(whole) = self.optional(root, section) else { return Vec::new() };
         let allowed = format!("allowed are tables with names, such as [{section}.NAME]");
         let Some(whole) = self.table(&whole, &allowed) else { return Vec::new() };
@@ -285,7 +285,7 @@ impl<'a> Reading<'a> {
     }
 
     /// A value as a number of a kind, in SI.
-    pub fn number(&mut self, entry: &Entry, kind: Kind, dimension: Dimension) -> Option<f64> {
+    pub fn number(&mut self, entry: &Entry, kind: NumberKind, dimension: Dimension) -> Option<f64> {
         let found = number(entry.value, kind, dimension);
         if found.is_none() {
             self.refuse(entry, kind.allowed(dimension));
@@ -296,9 +296,9 @@ impl<'a> Reading<'a> {
     /// The number of a key that must be there.
     pub fn required_number(
         &mut self,
-        table: &Table,
+        table: &FileTable,
         key: &str,
-        kind: Kind,
+        kind: NumberKind,
         dimension: Dimension,
     ) -> Option<f64> {
         let entry = self.required(table, key, &kind.allowed(dimension))?;
@@ -308,9 +308,9 @@ impl<'a> Reading<'a> {
     /// The number of a key that may be left out.
     pub fn number_or(
         &mut self,
-        table: &Table,
+        table: &FileTable,
         key: &str,
-        kind: Kind,
+        kind: NumberKind,
         dimension: Dimension,
         default: f64,
     ) -> Option<f64> {
@@ -322,7 +322,7 @@ impl<'a> Reading<'a> {
 }
 
 /// A value as an allowed number of a kind.
-pub(super) fn number(value: &DeValue, kind: Kind, dimension: Dimension) -> Option<f64> {
+pub(super) fn number(value: &DeValue, kind: NumberKind, dimension: Dimension) -> Option<f64> {
     match value {
         DeValue::Integer(digits) => integer(digits).filter(|&v| kind.contains(v)),
         DeValue::Float(digits) => digits.as_str().parse().ok().filter(|&v| kind.contains(v)),

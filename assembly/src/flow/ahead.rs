@@ -4,7 +4,7 @@
 //! what holds for every state.
 
 use super::watched::{BOUND_MARGIN, WHOLE, put_head};
-use super::{ENDS, Group, Head, INTERVALS, LOCAL, Table};
+use super::{ENDS, FlowTable, Group, Head, INTERVALS, LOCAL};
 
 /// The states within a span as a power series in the part of it that has passed; its memory is used
 /// again.
@@ -18,7 +18,7 @@ impl Series {
     /// The states within a time `dt` from `z`, by so many orders. A function of its own, as its
     /// entries that are not zero have no use for vectors.
     #[inline(never)]
-    pub fn expand(&mut self, table: &Table, z: &[f64], dt: f64, orders: usize) {
+    pub fn expand(&mut self, table: &FlowTable, z: &[f64], dt: f64, orders: usize) {
         let (size, own) = (z.len(), table.one);
         self.size = size;
         self.terms.resize((orders + 1) * size, 0.0);
@@ -66,7 +66,7 @@ impl Ahead {
     /// Finds it for a state, as far as `orders` of the series reach, with the heads of all watched
     /// functionals.
     #[inline(never)]
-    pub(super) fn find(&mut self, table: &Table, z: &[f64], orders: usize, heads: &mut Vec<Group>) {
+    pub(super) fn find(&mut self, table: &FlowTable, z: &[f64], orders: usize, heads: &mut Vec<Group>) {
         let Self { series, ways, .. } = self;
         series.expand(table, z, table.length, orders);
         ways.clear();
@@ -99,14 +99,14 @@ impl Ahead {
     }
 
     /// Goes on to an interval, at whose start the state is `from`.
-    pub(super) fn begin_interval(&mut self, table: &Table, from: &[f64]) {
+    pub(super) fn begin_interval(&mut self, table: &FlowTable, from: &[f64]) {
         self.interval.expand(table, from, table.interval(), LOCAL - 1);
     }
 
     /// The Taylor coefficients of the watched functional at a place about this interval's start, in
     /// units of an interval.
     #[inline(never)]
-    pub(super) fn local(&self, table: &Table, place: usize) -> [f64; LOCAL] {
+    pub(super) fn local(&self, table: &FlowTable, place: usize) -> [f64; LOCAL] {
         let mut c = [0.0; LOCAL];
         let row = &table.watched[place].row;
         c.iter_mut().zip(self.interval.terms()).for_each(|(c, term)| *c = row.at(term));

@@ -3,7 +3,7 @@
 
 use super::exponential::{exponentials, second_integral};
 use super::watched::{Heads, WatchColumns, taylor, watch_columns};
-use super::{ENDS, Group, INTERVALS, LOCAL, Table, WatchTable};
+use super::{ENDS, FlowTable, Group, INTERVALS, LOCAL, WatchTable};
 use crate::kernel::{Blocks, SparseColumns};
 
 /// Taylor coefficients of the velocities within an interval, behind the constant ones: the first
@@ -39,7 +39,7 @@ pub(super) struct Kept {
 
 impl Kept {
     /// Of a mode.
-    pub(super) fn of(table: &Table) -> Self {
+    pub(super) fn of(table: &FlowTable) -> Self {
         let (a, one, step) = (&table.a, table.one, table.interval());
         let abs = a.abs();
         let columns =

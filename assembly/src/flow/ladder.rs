@@ -6,7 +6,7 @@
 use super::exact::Exact;
 use super::exponential::{exponentials, series_orders};
 use super::watched::BOUND_MARGIN;
-use super::{INTERVALS, RADIUS, Table};
+use super::{FlowTable, INTERVALS, RADIUS};
 use crate::kernel::Blocks;
 use nalgebra::DMatrix;
 use std::sync::OnceLock;
@@ -62,7 +62,7 @@ pub struct Rung {
 
 impl Rung {
     /// A sub-step.
-    pub(super) fn first(table: &Table) -> Self {
+    pub(super) fn first(table: &FlowTable) -> Self {
         let (a, length) = (&table.a, table.length);
         // Transposed until the end.
         let mut term = DMatrix::identity(a.len(), a.len());
@@ -78,7 +78,7 @@ impl Rung {
         let starts = exponentials(a, table.rate, length, &starts);
         let spreads = starts.iter().map(|start| start.abs() * &within);
         let spread = spreads.reduce(|a, b| a.zip_map(&b, f64::max)).expect("there are intervals");
-        let reach = |row: &super::Row| (spread.tr_mul(&row.abs()) * BOUND_MARGIN).as_slice().to_vec();
+        let reach = |row: &super::StateRow| (spread.tr_mul(&row.abs()) * BOUND_MARGIN).as_slice().to_vec();
         let reaches = table.watched.iter().map(|w| reach(&w.row)).collect();
         let apart = table.apart.as_ref().filter(|_| a.len() <= EXACT);
         let exact = apart.map(|apart| Exact::first(apart, a.len(), length, RADIUS));
@@ -98,7 +98,7 @@ impl Rung {
     }
 
     /// Twice the length.
-    pub(super) fn doubled(&self, table: &Table) -> Self {
+    pub(super) fn doubled(&self, table: &FlowTable) -> Self {
         let Self { length, integral, change, exact, spread, reaches, .. } = self;
         let end = DMatrix::identity(change.nrows(), change.ncols()) + change;
         let later = end.abs() * spread * BOUND_MARGIN;

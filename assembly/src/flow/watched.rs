@@ -4,7 +4,7 @@
 use super::{INTERVALS, LOCAL};
 use crate::kernel::{Sparse, SparseMatrix, combine};
 use crate::mode::Watch;
-use crate::system::{Functional, Row};
+use crate::system::{Functional, StateRow};
 
 /// Covers the rounding of a bound.
 pub(super) const BOUND_MARGIN: f64 = 1.0 + 1e-9;
@@ -22,7 +22,7 @@ pub struct WatchTable {
 
 impl WatchTable {
     /// Of a functional of a mode, from A.
-    pub(super) fn new(watch: Watch, row: Row, a: &SparseMatrix) -> Self {
+    pub(super) fn new(watch: Watch, row: StateRow, a: &SparseMatrix) -> Self {
         let mut slope = vec![0.0; row.len()];
         a.after_row(row.as_slice(), 1.0, &mut slope);
         Self { watch, slope: Sparse::of(&slope), row: Functional::of(row) }

@@ -21,7 +21,7 @@ const NEIGHBOURS: usize = 2;
 
 /// The contacts' problem. Bounds may be infinite; an equality has both infinite.
 #[derive(Clone, Debug)]
-pub struct Problem {
+pub struct BoxProblem {
     /// L⁻¹ w_i, one column a contact.
     pub columns: DMatrix<f64>,
     /// The residual at λ = 0.
@@ -34,7 +34,7 @@ pub struct Problem {
     pub zero: DVector<f64>,
 }
 
-/// What solves a [`Problem`].
+/// What solves a [`BoxProblem`].
 #[derive(Clone, Debug)]
 pub struct Solution {
     /// The forces or impulses.
@@ -141,12 +141,12 @@ impl Basis {
 }
 
 /// The columns' entries without signs, and their squared norms.
-struct Sizes {
+struct ColumnSizes {
     sizes: DMatrix<f64>,
     norms: Vec<f64>,
 }
 
-impl Sizes {
+impl ColumnSizes {
     fn of(columns: &DMatrix<f64>) -> Self {
         let sizes = columns.abs();
         let norms = sizes.column_iter().map(|c| c.norm_squared().max(f64::MIN_POSITIVE)).collect();
@@ -173,7 +173,7 @@ pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(count, count, |i, j| if i <= j { basis.r[j][i] } else { 0.0 })
 }
 
-impl Problem {
+impl BoxProblem {
     /// Below this a contact's λ counts as zero: it makes no more of a residual than what counts as
     /// zero there.
     pub fn zero_force(&self, contact: usize, solution: &Solution) -> f64 {
@@ -184,7 +184,7 @@ impl Problem {
     /// Below this a residual counts as zero for given λ. What is given, and the rounding of the λ,
     /// are errors of forces on the coordinates; what they change at a contact is passed on to those
     /// that share a coordinate with it.
-    fn zero(&self, lambda: &DVector<f64>, Sizes { sizes, norms }: &Sizes) -> DVector<f64> {
+    fn zero(&self, lambda: &DVector<f64>, ColumnSizes { sizes, norms }: &ColumnSizes) -> DVector<f64> {
         let errors = |i: usize, residual: f64| residual / norms[i];
         let own = DVector::from_fn(lambda.len(), |i, _| errors(i, self.zero[i]) + ROUNDING * lambda[i].abs());
         let mut forces = sizes * own;
@@ -243,7 +243,7 @@ impl Problem {
         &self,
         lambda: &DVector<f64>,
         [residual, zero]: [&DVector<f64>; 2],
-        sizes: &Sizes,
+        sizes: &ColumnSizes,
         first: bool,
     ) -> Option<usize> {
         let mut best: Option<(usize, f64)> = None;
@@ -279,7 +279,7 @@ impl Problem {
         let mut lambda = DVector::from_fn(m, |i, _| 0.0f64.max(self.lo[i]).min(self.hi[i]));
         let equality = |i: usize| self.lo[i] == f64::NEG_INFINITY && self.hi[i] == f64::INFINITY;
         let mut free = independent(&self.columns, &(0..m).filter(|&i| equality(i)).collect::<Vec<_>>());
-        let (sizes, mut basis) = (Sizes::of(&self.columns), Basis::new());
+        let (sizes, mut basis) = (ColumnSizes::of(&self.columns), Basis::new());
         for turn in 0..100 * (m + 1) {
             // Free contacts at their stationary point, or as far as bounds allow.
             loop {

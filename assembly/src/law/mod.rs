@@ -6,7 +6,7 @@ pub mod impact;
 pub mod selection;
 
 use crate::mode::Contact;
-use crate::system::{Elongation, Functional, Row, System};
+use crate::system::{Elongation, Functional, StateRow, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub struct Sizes(#[serde(with = "crate::motion::saved::vector")] pub DVector<f64
 
 impl Sizes {
     /// The sum of the sizes of a row's terms.
-    pub fn of(&self, row: &Row) -> f64 {
+    pub fn of(&self, row: &StateRow) -> f64 {
         row.iter().zip(self.0.iter()).map(|(r, s)| r.abs() * s).sum()
     }
 
@@ -30,7 +30,7 @@ impl Sizes {
     }
 
     /// Below this a row's value counts as zero.
-    pub fn zero(&self, row: &Row) -> f64 {
+    pub fn zero(&self, row: &StateRow) -> f64 {
         ZERO * self.of(row)
     }
 

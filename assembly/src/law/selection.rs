@@ -7,7 +7,7 @@ mod order;
 use super::Sizes;
 use super::box_qp::Jam;
 use crate::mode::{Contact, FrictionState, Mode, StopState};
-use crate::system::{Row, System};
+use crate::system::{StateRow, System};
 use nalgebra::{DMatrix, DVector};
 
 /// What is not yet known of an element.
@@ -56,7 +56,7 @@ pub struct Selection<'a> {
 }
 
 /// Rigid stops that touch, by stop; and whether each friction has e' = 0 by an event's verdict.
-pub struct Touching<'a> {
+pub struct EventVerdict<'a> {
     /// By stop.
     pub stops: &'a [bool],
     /// By friction.
@@ -79,11 +79,11 @@ impl<'a> Selection<'a> {
         system: &'a System,
         z: &DVector<f64>,
         sizes: &Sizes,
-        touching: &Touching,
+        verdict: &EventVerdict,
     ) -> Result<Mode, Jam> {
         let mut released = vec![false; system.frictions.len()];
         loop {
-            let mut selection = Self::begin(system, z, sizes, touching, &released);
+            let mut selection = Self::begin(system, z, sizes, verdict, &released);
             let leaving = selection.run()?;
             if leaving.is_empty() {
                 return Ok(selection.finish());
@@ -96,7 +96,7 @@ impl<'a> Selection<'a> {
         system: &'a System,
         z: &DVector<f64>,
         sizes: &Sizes,
-        touching: &Touching,
+        verdict: &EventVerdict,
         released: &[bool],
     ) -> Self {
         let mut selection = Self {
@@ -110,11 +110,11 @@ impl<'a> Selection<'a> {
             released: released.to_vec(),
         };
         for i in 0..system.stops.len() {
-            let state = selection.classify_stop(i, touching);
+            let state = selection.classify_stop(i, verdict);
             selection.stops.push(state);
         }
         for i in 0..system.frictions.len() {
-            let state = selection.classify_friction(i, touching.resting[i]);
+            let state = selection.classify_friction(i, verdict.resting[i]);
             selection.frictions.push(state);
         }
         selection
@@ -269,7 +269,7 @@ impl<'a> Selection<'a> {
             size[n + k] = terms + shares[k];
         }
         for j in signals.one..signals.size {
-            let mut unit = Row::zeros(signals.size);
+            let mut unit = StateRow::zeros(signals.size);
             unit[j] = 1.0;
             let row = signals.derivative(&unit);
             next[j] = row.dot(z);

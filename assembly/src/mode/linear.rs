@@ -6,7 +6,7 @@ use crate::flow::DENSE;
 use crate::kernel::SparseMatrix;
 use crate::law::ZERO;
 use crate::law::box_qp::triangle;
-use crate::system::{Elongation, Functional, Row, System};
+use crate::system::{Elongation, Functional, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 
 /// The linear system of a mode.
@@ -18,11 +18,11 @@ pub struct Linear {
     /// leaves rounding of these.
     pub terms: SparseMatrix,
     /// The forces of the basis, by its order.
-    pub lambda: Vec<Row>,
+    pub lambda: Vec<StateRow>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: DMatrix<f64>,
     /// What ends the mode, each negative inside it.
-    pub watched: Vec<(Watch, Row)>,
+    pub watched: Vec<(Watch, StateRow)>,
     /// The elastic forces that may be found apart.
     pub elastic: Option<Elastic>,
     /// Where there are contacts, the sizes of what they leave of the velocities: of the projection
@@ -39,7 +39,7 @@ pub struct Elastic {
     /// Where there are contacts, the sizes of the terms of its entries.
     pub rest_terms: Option<SparseMatrix>,
     /// The forces, and what a unit of each takes from z'.
-    pub forces: Vec<(Functional, Row)>,
+    pub forces: Vec<(Functional, StateRow)>,
     /// In a machine that keeps tables, whether they tie what is moved by much softer ones; else
     /// they may still be what makes the mode fast.
     pub are_stiff: bool,
@@ -170,8 +170,8 @@ impl System {
     /// stops that press.
     fn elastic(&self, mode: &Mode, held: &Held) -> Option<Elastic> {
         let mut forces = Vec::new();
-        let mut put = |force: Row, e: &Elongation| {
-            let mut by = Row::zeros(self.signals.size);
+        let mut put = |force: StateRow, e: &Elongation| {
+            let mut by = StateRow::zeros(self.signals.size);
             by.rows_mut(self.coordinates, self.coordinates).copy_from(&held.moved(e));
             forces.push((Functional::of(force), by));
         };
@@ -202,7 +202,7 @@ impl System {
     }
 
     /// The functionals that end a mode.
-    fn watched(&self, mode: &Mode, lambda: &[Row]) -> Vec<(Watch, Row)> {
+    fn watched(&self, mode: &Mode, lambda: &[StateRow]) -> Vec<(Watch, StateRow)> {
         let mut watched = Vec::new();
         for (i, &state) in mode.stops.iter().enumerate() {
             let stop = &self.stops[i];

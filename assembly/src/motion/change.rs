@@ -67,8 +67,8 @@ impl Motion {
             due: None,
             ..old.hybrid
         };
-        let (late, is_general, most_work) = (old.late, old.is_general, old.most_work);
-        let mut motion = Self { late, is_general, most_work, ..Self::of(assembly, hybrid) };
+        let (overshoot, is_general, most_work) = (old.overshoot, old.is_general, old.most_work);
+        let mut motion = Self { overshoot, is_general, most_work, ..Self::of(assembly, hybrid) };
         motion.tables.most = old.tables.most;
         let parted = stood.map_or_else(Parted::default, |stood| motion.jump(&stood));
         motion.open_what_is_off()?;

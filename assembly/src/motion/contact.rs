@@ -9,7 +9,7 @@ use crate::flow::ORDERS;
 use crate::law::Sizes;
 use crate::law::box_qp::{Jam, triangle};
 use crate::law::impact::{Impacts, Instant};
-use crate::law::selection::{Selection, Touching};
+use crate::law::selection::{EventVerdict, Selection};
 use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
@@ -35,9 +35,9 @@ pub(super) struct Flags {
 
 impl Flags {
     /// What the law asks, with places of stops that are open whatever their speed.
-    fn touching<'a>(&'a self, open: &'a [usize]) -> Touching<'a> {
+    fn verdict<'a>(&'a self, open: &'a [usize]) -> EventVerdict<'a> {
         let Self { stops, resting, edges, limits } = self;
-        Touching { stops, resting, edges, limits, open }
+        EventVerdict { stops, resting, edges, limits, open }
     }
 
     /// What is left of it after impacts that changed the velocities by `kick`: friction whose rate
@@ -104,13 +104,13 @@ impl Motion {
             *size = x.abs();
         }
         rates.resize(start.len(), 0.0);
-        let flown = &mut rates[..one - one / 2];
-        self.tables.at(self.place).table.flown(start, time - hybrid.since, second, flown);
+        let flight_sizes = &mut rates[..one - one / 2];
+        self.tables.at(self.place).table.flight_sizes(start, time - hybrid.since, second, flight_sizes);
         let flight = STANDING * (time - hybrid.since).min(self.tables.at(self.place).table.length);
         let (places, rates) = sizes.split_at_mut(one / 2);
-        for ((place, rate), flown) in places.iter_mut().zip(rates).zip(flown) {
-            *place = place.max(flight * *flown);
-            *rate = rate.max(*flown);
+        for ((place, rate), flight_sizes) in places.iter_mut().zip(rates).zip(flight_sizes) {
+            *place = place.max(flight * *flight_sizes);
+            *rate = rate.max(*flight_sizes);
         }
         hybrid.since = time;
     }
@@ -256,7 +256,7 @@ impl Motion {
                 }
                 let kick = (z - &before).rows(system.coordinates, system.coordinates).into_owned();
                 let after = flags.after(&kick, system, &self.hybrid.sizes);
-                let mode = Selection::select(system, z, &self.hybrid.sizes, &after.touching(closing))?;
+                let mode = Selection::select(system, z, &self.hybrid.sizes, &after.verdict(closing))?;
                 let stays = |i: usize| mode.stops[i] == StopState::Closed || (before_it == 0 && !was_open(i));
                 Ok(stops.iter().map(|&i| stays(i)).collect())
             };
@@ -322,7 +322,7 @@ impl Motion {
 
     pub(super) fn select(&self, flags: &Flags) -> Result<Mode, Error> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
-        Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.touching(&[]))
+        Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.verdict(&[]))
             .map_err(|jam| self.jammed(&jam))
     }
 

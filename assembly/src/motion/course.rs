@@ -3,7 +3,7 @@
 //! motion.
 //!
 //! A solver's states are a little off. So that the law finds at an event what it must decide on, an
-//! indicator passes zero a little late: where its functional has passed zero by [`LATE`] of its
+//! indicator passes zero a little late: where its functional has passed zero by [`OVERSHOOT`] of its
 //! size. Just after an event an indicator is then positive, which hosts that look for a change of
 //! sign need.
 
@@ -17,7 +17,7 @@ use crate::kernel::NODES;
 use crate::law::ZERO;
 use crate::mode::Watch;
 use crate::signals::Input;
-use crate::system::{Row, System};
+use crate::system::{StateRow, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -26,7 +26,7 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 /// By this part of its size a watched functional has passed zero where its indicator passes zero.
 /// Above the rounding of roots that solvers find, and so small that an impact at this depth is as
 /// exact as a solver's tolerance.
-pub(super) const LATE: f64 = 1e-11;
+pub(super) const OVERSHOOT: f64 = 1e-11;
 /// Modes that may follow one another at one instant, for each element and one more.
 const CHAIN: usize = 10;
 
@@ -92,9 +92,9 @@ impl Assembly {
     /// by the springs and the weights that hold against them. All are positive.
     pub fn nominals(&self) -> Vec<f64> {
         let (system, n) = (&self.system, self.system.coordinates);
-        let mut z: Row = DVector::from_element(system.signals.size, 1.0);
+        let mut z: StateRow = DVector::from_element(system.signals.size, 1.0);
         z.rows_mut(0, system.signals.one).fill(0.0);
-        let given = |row: &Row| row.abs().dot(&z);
+        let given = |row: &StateRow| row.abs().dot(&z);
         let stiffness = |k: usize| -system.forces[(k, k)];
         let mut lengths: Vec<f64> = (0..n)
             .map(|k| {
@@ -130,7 +130,7 @@ impl Motion {
     /// As [`apply_event`](Self::apply_event).
     pub fn begin_course(&mut self) -> Result<Course, Error> {
         self.pass_event(&mut None)?;
-        self.late = LATE;
+        self.overshoot = OVERSHOOT;
         for (size, nominal) in self.hybrid.sizes.0.iter_mut().zip(self.assembly.nominals()) {
             *size = size.max(nominal);
         }
@@ -139,7 +139,7 @@ impl Motion {
 
     /// Goes on with a course that was saved with this motion.
     pub fn resume_course(&mut self) {
-        self.late = LATE;
+        self.overshoot = OVERSHOOT;
     }
 
     /// As [`changed`](Self::changed), on a course.
@@ -222,7 +222,7 @@ impl Motion {
         let system = &self.assembly.system;
         let mut indicators = vec![1.0; system.indicators()];
         for (place, value) in self.watched_now() {
-            indicators[place] = LATE - value;
+            indicators[place] = OVERSHOOT - value;
         }
         indicators
     }
@@ -241,7 +241,7 @@ impl Motion {
 
     /// What has passed zero, by more than half of what an indicator is late.
     fn passed(&self) -> Vec<Watch> {
-        let passed = self.watched_now().map(|(_, value)| value > 0.5 * LATE);
+        let passed = self.watched_now().map(|(_, value)| value > 0.5 * OVERSHOOT);
         passed.zip(&self.table().watched).filter(|(passed, _)| *passed).map(|(_, w)| w.watch).collect()
     }
 

@@ -3,7 +3,7 @@
 
 use super::contact::DOUBTFUL;
 use super::{Hybrid, Scratch};
-use crate::flow::{Ahead, Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, head_of};
+use crate::flow::{Ahead, FlowTable, Group, Head, INTERVALS, LOCAL, ORDERS, Series, head_of};
 use crate::mode::Watch;
 use vibro_impact::events::{crossing_after_start, first_crossing};
 
@@ -24,20 +24,20 @@ pub(super) const LEAVES_ZERO: f64 = 16.0;
 const PASSES: f64 = LEAVES_ZERO + 1.0;
 /// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6!
 /// < 4e-6 of its size.
-const LATE: usize = 6;
+const HIGH_ORDER: usize = 6;
 
 /// Where a sub-step ends, or is searched: a part of an interval.
 #[derive(Clone, Copy)]
-pub(super) struct Point {
+pub(super) struct StepPoint {
     /// The interval.
     pub(super) interval: usize,
     /// Time from its start, s.
     pub(super) dt: f64,
 }
 
-impl Point {
+impl StepPoint {
     /// The end of a span of a sub-step.
-    pub(super) fn end(span: f64, table: &Table) -> Self {
+    pub(super) fn end(span: f64, table: &FlowTable) -> Self {
         let step = table.interval();
         if span == table.length {
             return Self { interval: INTERVALS - 1, dt: step };
@@ -47,30 +47,30 @@ impl Point {
     }
 
     /// Time from the sub-step's start, s.
-    pub(super) fn time(&self, table: &Table) -> f64 {
+    pub(super) fn time(&self, table: &FlowTable) -> f64 {
         self.interval as f64 * table.interval() + self.dt
     }
 }
 
 /// The first passage of a watched functional in a sub-step.
 pub(super) struct Passage {
-    pub(super) at: Point,
+    pub(super) at: StepPoint,
     /// The functional's place.
     pub(super) place: usize,
 }
 
 /// Whether a functional leaves zero so late that it is searched in one piece.
-fn is_late(order: usize) -> bool {
-    (LATE..ORDERS).contains(&order)
+fn is_high_order(order: usize) -> bool {
+    (HIGH_ORDER..ORDERS).contains(&order)
 }
 
 /// A sub-step's start in a mode.
-pub(super) struct Flight<'a> {
-    pub(super) table: &'a Table,
+pub(super) struct PassageSearch<'a> {
+    pub(super) table: &'a FlowTable,
     pub(super) hybrid: &'a Hybrid,
 }
 
-impl Flight<'_> {
+impl PassageSearch<'_> {
     /// Whether a functional is zero throughout the mode.
     #[inline(always)]
     pub(super) fn is_unwatched(&self, place: usize) -> bool {
@@ -140,8 +140,8 @@ impl Flight<'_> {
     #[inline(always)]
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
-        let has_late = self.hybrid.departing.iter().copied().any(is_late);
-        let late = if has_late { self.late_passage(span, scratch.ahead.memory()) } else { None };
+        let has_high_order = self.hybrid.departing.iter().copied().any(is_high_order);
+        let high = if has_high_order { self.high_order_passage(span, scratch.ahead.memory()) } else { None };
         let Scratch { heads, near, start, interval: begun, ahead, .. } = scratch;
         let start = start.as_mut_slice();
         near.clear();
@@ -155,7 +155,7 @@ impl Flight<'_> {
             any |= intervals;
             near.push(intervals);
         }
-        let end = Point::end(span, table);
+        let end = StepPoint::end(span, table);
         for interval in (0..=end.interval).filter(|i| any & (1 << i) != 0) {
             table.at_interval_start(interval, z, ahead, start);
             table.begin_interval(start, ahead);
@@ -172,11 +172,11 @@ impl Flight<'_> {
                 length = 2.0 * dt;
             }
             let Some((dt, place)) = found else { continue };
-            let at = Point { interval, dt };
+            let at = StepPoint { interval, dt };
             let first = Passage { at, place };
-            return Some(late.filter(|late| late.at.time(table) < at.time(table)).unwrap_or(first));
+            return Some(high.filter(|high| high.at.time(table) < at.time(table)).unwrap_or(first));
         }
-        late
+        high
     }
 
     /// Whether a passage is one at the knot at the end of its span, but for rounding: there nothing
@@ -197,7 +197,7 @@ impl Flight<'_> {
         if span - time > AT_KNOT * table.length {
             return false;
         }
-        let (end, Scratch { start, interval, ahead, .. }) = (Point::end(span, table), scratch);
+        let (end, Scratch { start, interval, ahead, .. }) = (StepPoint::end(span, table), scratch);
         let (start, mut there) = (start.as_mut_slice(), hybrid.z.as_slice().to_vec());
         table.at_interval_start(end.interval, &there, ahead, start);
         table.begin_interval(start, ahead);
@@ -210,14 +210,14 @@ impl Flight<'_> {
     /// first intervals it may still be rounding, so that it is searched in one piece, with the zero
     /// at its start divided out.
     #[inline(never)]
-    fn late_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
+    fn high_order_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
         let table = self.table;
-        let last = Point::end(span, table).interval;
+        let last = StepPoint::end(span, table).interval;
         let z = self.hybrid.z.as_slice();
         series.expand(table, z, span, table.orders_to(last));
         let mut first: Option<(f64, usize)> = None;
         for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
-            if is_late(order) {
+            if is_high_order(order) {
                 let mut c = [0.0; ORDERS];
                 let coefficients = series.terms().skip(order).map(|z| w.row.at(z));
                 c.iter_mut().zip(coefficients).for_each(|(c, x)| *c = x);
@@ -226,7 +226,7 @@ impl Flight<'_> {
                 first = first_crossing(&c, 0.0, hi, &mut 0).map(|u| (u, place)).or(first);
             }
         }
-        first.map(|(u, place)| Passage { at: Point::end(u * span, table), place })
+        first.map(|(u, place)| Passage { at: StepPoint::end(u * span, table), place })
     }
 
     /// The first passage within a time `length` from the start of an interval, with its time, among
@@ -315,7 +315,7 @@ fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
 /// their chord, where M bounds its second derivative. With `order` it leaves zero at the start.
 #[inline(always)]
 fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -> [f64; INTERVALS]) -> u8 {
-    if order >= LATE {
+    if order >= HIGH_ORDER {
         return 0; // searched in one piece
     }
     let Head { value, slope, bend } = *head;

@@ -2,14 +2,14 @@
 
 use super::{Friction, Selection, Stop, slipping};
 use crate::law::ZERO;
-use crate::law::box_qp::{Jam, Problem, Solution};
+use crate::law::box_qp::{BoxProblem, Jam, Solution};
 use crate::mode::{Contact, FrictionState, StopState};
-use crate::system::Row;
+use crate::system::StateRow;
 use nalgebra::{DMatrix, DVector};
 
 impl Selection<'_> {
     /// The contacts' problem at an order.
-    pub(super) fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>) -> Problem {
+    pub(super) fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>) -> BoxProblem {
         let m = contacts.len();
         let z = &self.derivatives[order];
         let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
@@ -49,10 +49,10 @@ impl Selection<'_> {
                 }
             }
         }
-        Problem { columns: self.system.columns(contacts), b, lo, hi, zero }
+        BoxProblem { columns: self.system.columns(contacts), b, lo, hi, zero }
     }
 
-    pub(super) fn solved(&self, problem: &Problem, contacts: &[Contact]) -> Result<Solution, Jam> {
+    pub(super) fn solved(&self, problem: &BoxProblem, contacts: &[Contact]) -> Result<Solution, Jam> {
         problem.solve().map_err(|jam| Jam {
             contacts: jam
                 .contacts
@@ -63,7 +63,7 @@ impl Selection<'_> {
     }
 
     /// The level up to which a friction that rests holds.
-    pub(super) fn level(&self, i: usize) -> &Row {
+    pub(super) fn level(&self, i: usize) -> &StateRow {
         let friction = &self.system.frictions[i];
         if self.released[i] { &friction.level } else { &friction.static_level }
     }
@@ -85,7 +85,7 @@ impl Selection<'_> {
         &mut self,
         order: usize,
         contacts: &[Contact],
-        problem: &Problem,
+        problem: &BoxProblem,
         solution: &Solution,
     ) {
         for (k, &contact) in contacts.iter().enumerate() {
@@ -130,7 +130,7 @@ impl Selection<'_> {
 
     /// The contacts whose force lies strictly inside its bounds come before those that leave a
     /// bound at a later order.
-    pub(super) fn prefer(&mut self, contacts: &[Contact], problem: &Problem, solution: &Solution) {
+    pub(super) fn prefer(&mut self, contacts: &[Contact], problem: &BoxProblem, solution: &Solution) {
         for &k in &solution.free {
             let (contact, force) = (contacts[k], solution.lambda[k]);
             let zero = problem.zero_force(k, solution);
@@ -144,13 +144,13 @@ impl Selection<'_> {
 
 /// The accelerations' rows along a direction. Of one or two terms, as most directions have, the
 /// others are left out, which are zeros.
-fn along(free: &DMatrix<f64>, w: &DVector<f64>) -> Row {
+fn along(free: &DMatrix<f64>, w: &DVector<f64>) -> StateRow {
     let mut terms = w.iter().enumerate().filter(|(_, w)| **w != 0.0);
     let two = [terms.next(), terms.next()];
     if terms.next().is_some() {
         return free.tr_mul(w);
     }
-    let mut row = Row::zeros(free.ncols());
+    let mut row = StateRow::zeros(free.ncols());
     for (c, &w) in two.into_iter().flatten() {
         row.iter_mut().zip(free.row(c).iter()).for_each(|(sum, f)| *sum += f * w);
     }
