@@ -22,7 +22,8 @@ impl Description {
     /// a program's may have as well.
     ///
     /// ```
-    /// let refused = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() }.check().unwrap_err();
+    /// let machine = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() };
+    /// let refused = machine.check().unwrap_err();
     /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies");
     /// ```
     ///

@@ -1,8 +1,8 @@
 //! The elements of a machine in one list, and its signals in another, whatever their kinds.
 //!
-//! What every kind has — a name, a section of the file, an elongation, quantities, signals — is asked
-//! here, so that columns, FMU variables, checks and sketches name no kind. `docs/adding-an-element.md`
-//! lists what a further kind needs.
+//! Columns, FMU variables, checks and sketches ask here for what every element has (name, section
+//! of the file, elongation, quantities, signals), so that they name no kind of element.
+//! `docs/adding-an-element.md` lists what a further kind needs.
 
 use crate::description::{
     Arms, BodyKind, Damper, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,

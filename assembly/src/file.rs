@@ -14,10 +14,12 @@
 //! gap = "1 N"
 //! restitution = 0.9
 //! "#;
-//! let refused = vibro_assembly::file::parse(text, "ball.toml", &vibro_assembly::file::no_records).unwrap_err();
+//! use vibro_assembly::file::{no_records, parse};
+//! let refused = parse(text, "ball.toml", &no_records).unwrap_err();
 //! assert_eq!(
 //!     refused.to_string(),
-//!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; the nearest is `ball`\n\
+//!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; \
+//!      the nearest is `ball`\n\
 //!      ball.toml:7: stop.floor.gap = \"1 N\": allowed is a finite number, in m, cm, mm, um"
 //! );
 //! ```
@@ -124,7 +126,14 @@ impl Description {
     /// ```
     /// use vibro_assembly::file::{no_records, parse};
     ///
-    /// let text = "name = \"A\"\n[body.b]\nmass = \"3 g\"\n[spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = \"1 N/mm\"\n";
+    /// let text = r#"
+    ///     name = "A"
+    ///     [body.b]
+    ///     mass = "3 g"
+    ///     [spring.s]
+    ///     between = ["ground", "b"]
+    ///     stiffness = "1 N/mm"
+    /// "#;
     /// let machine = parse(text, "a.toml", &no_records)?;
     /// assert!(machine.to_toml().contains("mass = 0.003\n"));
     /// assert_eq!(parse(&machine.to_toml(), "written.toml", &no_records)?, machine);
