@@ -1,8 +1,8 @@
-//! The file of a machine: TOML text to a checked [`Description`], and back.
+//! The file of a machine: from TOML text to a checked [`Description`], and back.
 //!
-//! `docs/assemblies.md` is the reference of what may stand in it. Every problem of a file is told
-//! at once, with line, dotted name, value, what is allowed and, for a name that is not known, the
-//! nearest:
+//! `docs/assemblies.md` is the reference of the format. All problems of a file are reported at
+//! once, each with line, dotted name, value, the allowed values and, for an unknown name, the
+//! nearest known one:
 //!
 //! ```
 //! let text = r#"
@@ -42,17 +42,17 @@ use reading::{FileTable, Reading};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a record by its path as the machine's file gives it, which is relative and leads to no
-/// folder above.
+/// Reads the text of a record. The path is that of the machine's file: relative and not above its
+/// folder.
 pub type Records<'a> = &'a dyn Fn(&str) -> io::Result<String>;
 
-/// Bytes of a file or of a record, at most.
+/// Largest size of a file or record, bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Reads the machine in a file; records are read from its folder.
+/// Reads a machine from a file, and its records from the file's folder.
 ///
 /// # Errors
-/// A [`Refusal`] with every problem found, or why the file cannot be read.
+/// A [`Refusal`] with every problem found, or with the reason why the file cannot be read.
 pub fn read(path: &Path) -> Result<Description, Refusal> {
     let name = path.display().to_string();
     let cannot = |e: io::Error| Refusal::one(Problem::new("", None, format!("{name}: cannot be read: {e}")));
@@ -70,7 +70,7 @@ fn read_text(path: &Path) -> io::Result<String> {
     Ok(text)
 }
 
-/// Reads a machine from TOML text. `file` is what messages call it.
+/// Reads a machine from TOML text; messages call it `file`.
 ///
 /// # Errors
 /// A [`Refusal`] with every problem found.
@@ -119,9 +119,8 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
 }
 
 impl Description {
-    /// The machine as the text of a file that reads back to an equal machine: SI units, every
-    /// number to its last digit, records within the text. The description is one that
-    /// [`check`](Self::check) accepts.
+    /// The text of a file that reads back to an equal machine: SI units, numbers with all digits,
+    /// records within the text. Requires a description that [`check`](Self::check) accepts.
     ///
     /// ```
     /// use vibro_assembly::file::{no_records, parse};

@@ -1,6 +1,5 @@
-//! The kinds of numbers that a machine consists of: meaning, units and allowed range. The file and
-//! the table of parameters both use them, so that a number is refused for the same reason wherever
-//! it comes from.
+//! Kinds of a machine's numbers: meaning, units and allowed range. The file's reader and the
+//! setting of parameters share them, so that both refuse a number for the same reason.
 
 use crate::description::Dimension;
 use vibro_impact::parameters::Range;
@@ -9,13 +8,13 @@ use vibro_impact::quantities::symbols;
 /// A kind of number.
 #[derive(Clone, Copy, Debug)]
 pub struct NumberKind {
-    /// What it is.
+    /// Description.
     pub meaning: &'static str,
-    /// SI units, of translation and of rotation.
+    /// SI units for translation and for rotation.
     pub units: [&'static str; 2],
-    /// Allowed values, but for zero.
+    /// Allowed values, apart from zero.
     pub range: Range,
-    /// Whether zero is refused although it lies in the range.
+    /// Whether zero is refused even within the range.
     pub not_zero: bool,
 }
 
@@ -63,7 +62,7 @@ const PLAIN_ARM: NumberKind = arm("1");
 const LENGTH_ARM: NumberKind = arm("m");
 const INVERSE_ARM: NumberKind = arm("1/m");
 
-/// The arm of a body's coordinate in an elongation.
+/// The kind of a body's arm in an elongation, by both dimensions.
 pub fn arm_of(body: Dimension, elongation: Dimension) -> NumberKind {
     match (body, elongation) {
         (Dimension::Rotation, Dimension::Translation) => LENGTH_ARM,
@@ -73,7 +72,7 @@ pub fn arm_of(body: Dimension, elongation: Dimension) -> NumberKind {
 }
 
 impl NumberKind {
-    /// Its SI unit.
+    /// The SI unit for a dimension.
     pub fn unit(&self, dimension: Dimension) -> &'static str {
         self.units[usize::from(dimension == Dimension::Rotation)]
     }
@@ -83,7 +82,7 @@ impl NumberKind {
         self.range.contains(value) && !(self.not_zero && value == 0.0)
     }
 
-    /// What is allowed in a file, in words.
+    /// The allowed values in a file, in words.
     pub fn allowed(&self, dimension: Dimension) -> String {
         let units: Vec<_> = symbols(self.unit(dimension)).collect();
         match units[0] {

@@ -1,4 +1,4 @@
-//! Bodies: what has mass or inertia, and what moves as prescribed.
+//! Reading of bodies: those with mass or inertia, and those with prescribed motion.
 
 use super::reading::{FileTable, Reading};
 use super::signals::{self, Values};
@@ -9,11 +9,10 @@ use crate::parameters::has_unit;
 use crate::refusal::Problem;
 use toml::de::DeValue;
 
-/// The keys of which a body has exactly one.
+/// The keys of which a body has exactly one, in words.
 const KINDS: &str = "allowed is one of mass, inertia, motion";
 
-/// The bodies' names with what their coordinates are measured in, where that is known, in the
-/// file's order.
+/// Names of the bodies in the file's order, with their dimensions where these are known.
 pub(super) struct Names(Vec<(String, Option<Dimension>)>);
 
 impl Names {
@@ -28,7 +27,8 @@ impl Names {
     }
 }
 
-/// Reads the bodies. One with problems keeps its place, so that what refers to it can be read.
+/// Reads the bodies. A body with problems keeps its name, so that elements that refer to it can be
+/// read.
 pub(super) fn read(
     reading: &mut Reading,
     root: &FileTable,
@@ -98,7 +98,8 @@ fn free(
         free.s = reading.number_or(&start, "s", kinds::START, dimension, 0.0).unwrap_or(0.0);
         free.v = reading.number_or(&start, "v", kinds::START_RATE, dimension, 0.0).unwrap_or(0.0);
         if at_rest && (free.s, free.v) == (0.0, 0.0) {
-            // Two starts that agree by chance would disagree after the next change of a number.
+            // A zero start beside "rest" is refused as well: it would contradict the equilibrium
+            // after a change of a parameter.
             reading.refuse_table(
                 &start,
                 "the machine starts at rest; allowed is no start of a body beside start = \"rest\"",
@@ -130,9 +131,9 @@ fn prescribed(
     Some((dimension, BodyKind::Prescribed { motion, rate: rate.unwrap_or(f64::NAN) }))
 }
 
-/// What a prescribed body's coordinate is measured in: what its key says; else the dimension of the
-/// first unit in its motion; else that of a body with mass or inertia that an element stands
-/// `between` with it; else a length.
+/// The dimension of a prescribed body: that of its key `dimension`; else of the first unit in its
+/// motion; else of the body with mass or inertia at the other end of an element `between` both;
+/// else a length.
 fn dimension(reading: &mut Reading, name: &str, table: &FileTable, root: &FileTable) -> Option<Dimension> {
     if let Some(entry) = reading.optional(table, "dimension") {
         let said = match entry.value.as_str() {
@@ -150,8 +151,8 @@ fn dimension(reading: &mut Reading, name: &str, table: &FileTable, root: &FileTa
     Some(unit.or_else(|| neighbour(name, root)).unwrap_or(Dimension::Translation))
 }
 
-/// The dimension of the first value with a unit in a motion. Frequencies, phases and times are no
-/// such values.
+/// The dimension of the first value with a unit in a motion, where frequencies, phases and times do
+/// not count.
 fn unit_of(motion: &DeValue) -> Option<Dimension> {
     match motion {
         DeValue::String(text) => {
@@ -171,7 +172,8 @@ fn unit_of(motion: &DeValue) -> Option<Dimension> {
     }
 }
 
-/// The dimension of a body with mass or inertia that an element stands `between` with this one.
+/// The dimension of the first body with mass or inertia at the other end of an element `between` it
+/// and this body.
 fn neighbour(name: &str, root: &FileTable) -> Option<Dimension> {
     let sections = SECTIONS.into_iter().filter_map(|(section, _)| root.entries.get(section));
     let elements =
@@ -189,7 +191,7 @@ fn neighbour(name: &str, root: &FileTable) -> Option<Dimension> {
     })
 }
 
-/// Refuses gravity of bodies in a file that says nothing of gravity.
+/// Refuses bodies with gravity in a file without `gravity`.
 pub(super) fn without_gravity(reading: &mut Reading, machine: &Description) {
     for body in &machine.bodies {
         if let BodyKind::Free(Free { gravity, .. }) = body.kind

@@ -1,4 +1,4 @@
-//! Springs, dampers, stops, friction, links and loads.
+//! Reading of springs, dampers, stops, frictions, links and loads.
 
 use super::bodies::Names;
 use super::reading::{Entry, FileTable, Reading, number};
@@ -10,10 +10,10 @@ use crate::kinds;
 use crate::parameters::has_unit;
 use vibro_impact::quantities::symbols;
 
-/// What is said of a name that is no body's.
+/// Message for a name that is no body's.
 const NO_BODY: &str = "no body has this name";
 
-/// Reads the elements. One with problems is left out, since the file is refused then.
+/// Reads the elements. An element with problems is left out: the file is refused anyway.
 pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machine: &mut Description) {
     for (name, table) in reading.section(root, "spring") {
         machine.springs.extend(spring(reading, name, &table, names));
@@ -36,9 +36,9 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machi
     }
 }
 
-/// The elongation of an element with what `read` finds beside it in the elongation's dimension.
-/// Where the ends are wrong the rest is read all the same, in the dimension in which less is wrong
-/// with it, so that all problems are told at once.
+/// Reads the arms of an element, and by `read` its other keys in the arms' dimension. Where the
+/// arms are refused, the other keys are read in the dimension with fewer problems, so that all
+/// problems are reported at once.
 fn with_arms<T>(
     reading: &mut Reading,
     table: &FileTable,
@@ -147,7 +147,7 @@ fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -
     Some(Load { name, body, force })
 }
 
-/// The body that an entry names.
+/// The body named by an entry.
 fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, Option<Dimension>)> {
     let name = reading.string(entry, "allowed is the name of a body")?;
     let found = names.find(&name);
@@ -157,8 +157,8 @@ fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, O
     found
 }
 
-/// The elongation of an element: `between` two ends or by lever `arms`. `None` also where a body
-/// that it needs has problems of its own.
+/// Reads the elongation of an element, given by `between` or by `arms`. `None` without a new
+/// problem where a body that it needs was refused.
 fn arms(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Arms> {
     match (reading.optional(table, "between"), reading.optional(table, "arms")) {
         (Some(ends), None) => between(reading, &ends, names),
@@ -194,7 +194,7 @@ fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> 
     }
     let known = |end: End| end.map(|(_, dimension)| dimension);
     let dimension = match (known(a), known(b)) {
-        // A body with problems of its own says nothing of what stands between it and another.
+        // The dimension of a refused body is unknown.
         (Some(None), _) | (_, Some(None)) | (None, None) => return None,
         (Some(Some(a)), Some(Some(b))) if a != b => {
             let text = "one end moves along a line and one turns; allowed are ends alike, or arms with a lever such as \"50 mm\"";
@@ -218,8 +218,8 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     found.map(Some)
 }
 
-/// Lever arms: the unit of each says what its term is measured in, and all terms are measured in
-/// the same.
+/// Reads lever arms. The unit of an arm determines the dimension of its term, and all terms must
+/// have the same dimension.
 fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let table = reading
         .table(entry, "allowed is a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }")?;
@@ -263,7 +263,7 @@ fn called(dimension: Dimension) -> &'static str {
     }
 }
 
-/// An arm and what the term of a body of this dimension is measured in with it.
+/// Reads an arm of a body with a dimension; returns the arm and the dimension of its term.
 fn lever(reading: &mut Reading, entry: &Entry, body: Dimension) -> Option<(f64, Dimension)> {
     let other = match body {
         Dimension::Translation => Dimension::Rotation,

@@ -1,4 +1,5 @@
-//! Signals: a number, or a table of constant, harmonics, steps, record and input, which are added.
+//! Reading of signals: a number, or a table of constant, harmonics, steps, record and input, whose
+//! sum is the signal.
 
 use super::reading::{Entry, FileTable, Reading};
 use super::records;
@@ -9,12 +10,12 @@ use crate::kinds::{self, NumberKind};
 pub(super) const KEYS: [&str; 9] =
     ["constant", "harmonics", "amplitude", "frequency", "phase", "steps", "table", "interpolation", "input"];
 
-/// What a signal's values are.
+/// The kind of number of a signal's values.
 #[derive(Clone, Copy)]
 pub(super) struct Values {
-    /// The kind of each part.
+    /// Kind of each part.
     pub kind: NumberKind,
-    /// The kind of a number that is the whole signal.
+    /// Kind of a number that is the whole signal.
     pub alone: NumberKind,
     pub dimension: Dimension,
 }
@@ -30,8 +31,8 @@ pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Opt
     Some(Signal::constant(number))
 }
 
-/// Reads a signal whose keys stand in a table. One of them must, or one of `also`, which belong to
-/// the table otherwise; of those `offset` is another name of the constant.
+/// Reads a signal whose keys stand in a table together with the keys `also`; at least one of all
+/// these must be present. A key `offset` in `also` is another name of `constant`.
 pub(super) fn flat(
     reading: &mut Reading,
     table: &FileTable,
@@ -126,7 +127,7 @@ fn steps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec
     Some(pairs.into_iter().map(|(time, height)| Step { time, height }).collect())
 }
 
-/// The record of a signal, if it has one: `None` where there is a problem.
+/// The record of a signal, if it has one; the outer `None` stands for a problem.
 fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<Record>> {
     let interpolation = reading.optional(table, "interpolation");
     let cubic = match interpolation.as_ref().map(|entry| entry.value.as_str()) {
