@@ -1,6 +1,6 @@
 //! Products of small matrices with vectors for the inner loop: columns of fixed length, which
 //! compile to vector instructions, and lists of nonzero entries. Only constructors, and functions
-//! that return a `Vec` or a matrix, allocate.
+//! that return vectors or matrices, allocate.
 
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
