@@ -1,4 +1,4 @@
-//! What is known of each element before any order is solved.
+//! Classification of each element from its values, before any order is solved.
 
 use super::{EventVerdict, Friction, Selection, Stop, slipping};
 use crate::description::StopLaw;
@@ -6,7 +6,7 @@ use crate::mode::{FrictionState, StopState};
 use crate::system::StateRow;
 
 impl Selection<'_> {
-    /// -1, 0 or 1: the sign of a row's derivative of some order, zero where it is rounding.
+    /// The sign -1, 0 or 1 of a row's derivative of an order, 0 where it is rounding.
     pub(super) fn sign(&self, row: &StateRow, order: usize) -> f64 {
         let value = row.dot(&self.derivatives[order]);
         if value.abs() <= self.sizes[order].zero(row) { 0.0 } else { value.signum() }
@@ -31,8 +31,7 @@ impl Selection<'_> {
             if rate < 0.0 {
                 return Stop::Is(StopState::Below);
             }
-            // What has drifted further from its edge than counts as zero, however slowly, is no
-            // longer there.
+            // A stop that has drifted from its edge by more than rounding is no longer at it.
             if excess == 0.0 {
                 return Stop::AtEdge;
             }
@@ -69,7 +68,7 @@ impl Selection<'_> {
         let friction = &self.system.frictions[i];
         let mut level = friction.level.clone();
         let mut order = 0;
-        // The level is a signal, so that its derivatives are known at once.
+        // The level is a signal: all its derivatives are known.
         let sign = loop {
             let sign = self.sign(&level, 0);
             if sign != 0.0 || order >= self.system.signals.size {
