@@ -1,10 +1,10 @@
-//! What `modelDescription.xml` says of a machine, for both versions.
+//! The content of `modelDescription.xml` of a machine, for FMI 2.0 and 3.0.
 
 use crate::experiment::experiment;
 use crate::machine::OUTPUT_ORDER;
 use crate::plan::Plan;
 use crate::structure::{Structure, of_roles};
-use crate::table::{Quantity, Role, Row};
+use crate::table::{Quantity, Role, VariableRow};
 use crate::units::{self, Declared};
 use fmi_doors::Base;
 use fmi_doors::description::{
@@ -12,7 +12,7 @@ use fmi_doors::description::{
 };
 
 impl Plan {
-    /// What the model description says of this machine.
+    /// The model description of this machine.
     pub fn description(&self) -> Description {
         let machine = &self.assembly.description;
         let declared =
@@ -73,7 +73,7 @@ impl Plan {
         }
     }
 
-    /// What the machine is, in a line.
+    /// One line that describes the machine.
     fn summary(&self) -> String {
         let machine = &self.assembly.description;
         let bodies = machine.bodies.len();
@@ -81,15 +81,15 @@ impl Plan {
         format!("{}, a machine of {bodies} with {} states", machine.name, 2 * self.assembly.states().len())
     }
 
-    /// The states' coordinates, rates or accelerations, by the order of the derivative.
+    /// The states' coordinates (`order` 0), rates (1) or accelerations (2), with value references.
     fn states(&self, order: usize) -> impl Iterator<Item = (u32, Quantity)> {
         let quantities = self.assembly.states().iter().map(move |&body| Quantity::of_body(body, order));
         quantities.filter_map(|quantity| Some((self.table.reference_of(quantity)?, quantity)))
     }
 
-    /// The row of a state or of the derivative of one: the derivative's state, and the nominal
-    /// value.
-    fn in_exchange(&self, row: &Row, variable: Variable) -> Variable {
+    /// Adds to the variable of a body's quantity what concerns continuous states: whether it may be
+    /// reinitialized, the state it is the derivative of, the nominal value.
+    fn in_exchange(&self, row: &VariableRow, variable: Variable) -> Variable {
         let Some((body, order)) = row.quantity.as_body() else { return variable };
         let states = self.assembly.states();
         let Some(place) = states.iter().position(|&state| state == body) else { return variable };
@@ -107,7 +107,7 @@ impl Plan {
         variable
     }
 
-    fn variable(&self, reference: u32, row: &Row) -> Variable {
+    fn variable(&self, reference: u32, row: &VariableRow) -> Variable {
         let causality = match row.role {
             Role::Independent => Causality::Independent,
             Role::Parameter | Role::Tunable => Causality::Parameter,
@@ -152,7 +152,7 @@ impl Plan {
         }
     }
 
-    /// The text of `modelDescription.xml` of a version.
+    /// The text of `modelDescription.xml` for an FMI version.
     pub fn xml(&self, version: fmi_doors::Version, date: Option<String>) -> String {
         let date = date.map(Into::into);
         description::Description { generation_date_and_time: date, ..self.description() }.xml(version)

@@ -1,16 +1,16 @@
-//! A machine that is written as a text file, as an FMI component.
+//! An FMI component for machines described by text files.
 //!
 //! ```text
-//! resources/machine.toml ──▶ plan ──▶ table   variables by value reference: parameters, inputs, outputs
-//!                              │        └───▶ description   what modelDescription.xml says of them
+//! resources/machine.toml ──▶ plan ──▶ table          variables by value reference
+//!                              │        └───▶ description   modelDescription.xml
 //!                              ▼
-//!            host ── doors ──▶ machine   parameters, steps, events, saved states, on a motion of `vibro_assembly`
+//!            host ── doors ──▶ machine        parameters, steps, events, saved states,
+//!                                             on a motion of `vibro_assembly`
 //! ```
 //!
-//! One library serves every machine: which variables it has is known when an instance is made and
-//! the file in the FMU's resources is read. The token of the description is a hash of this file and
-//! of the library's version, so that neither another machine's file nor another version's
-//! description is taken.
+//! One library serves every machine: the variables follow from the file in the FMU's resources,
+//! which is read when an instance is made. The instantiation token is a hash of this file and of
+//! the library's version; it excludes another machine's file and another version's description.
 #![forbid(unsafe_code)]
 
 mod description;
@@ -27,4 +27,4 @@ pub use machine::Machine;
 pub use plan::{FILE, Plan};
 pub use problem::MachineProblem;
 pub use saved_state::SavedState;
-pub use table::{Energy, Quantity, Role, Row, Table};
+pub use table::{Energy, Quantity, Role, VariableRow, VariableTable};

@@ -1,8 +1,8 @@
-//! What is known of a machine before it moves: its file, its variables, and what tells it apart
-//! from others.
+//! The plan of a machine: its file, its checked assembly, its variables and its instantiation
+//! token.
 
 use crate::problem::MachineProblem;
-use crate::table::Table;
+use crate::table::VariableTable;
 use fmi_doors::identifier::identifier;
 use fmi_doors::{Instantiation, Version};
 use std::io::Read;
@@ -11,28 +11,28 @@ use std::sync::Arc;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::{Assembly, Description};
 
-/// The machine's file in the folder of the FMU's resources. It has its records within itself: no
-/// other file is read.
+/// Name of the machine's file in the FMU's `resources` folder. Records stand within it: no other
+/// file is read.
 pub const FILE: &str = "machine.toml";
 
-/// Bytes of the file, at most.
+/// Largest size of the file, bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// A machine and its variables.
+/// A machine that is ready to be instantiated, with its variables.
 #[derive(Debug)]
 pub struct Plan {
-    /// Its variables.
-    pub table: Table,
+    /// The variables.
+    pub table: VariableTable,
     /// The machine with all parameters at their start values.
     pub assembly: Arc<Assembly>,
-    /// Usual sizes of the continuous states.
+    /// Nominal values of the continuous states.
     pub nominals: Vec<f64>,
     token: String,
     text: String,
 }
 
 impl Plan {
-    /// The plan of the machine in the text of a [`FILE`]. `file` is what messages call it.
+    /// The plan of the machine in the text of a [`FILE`]; messages call the file `file`.
     ///
     /// # Errors
     /// [`MachineProblem::Machine`] with everything that is wrong; [`MachineProblem::Motion`] for a
@@ -41,12 +41,12 @@ impl Plan {
         let machine = parse(&text, file, &no_records)?;
         let assembly = Arc::new(Assembly::new(machine)?);
         let token = token(&text);
-        let table = Table::new(&assembly.description);
+        let table = VariableTable::new(&assembly.description);
         let nominals = assembly.nominals();
         Ok(Self { table, assembly, nominals, token, text })
     }
 
-    /// The plan of a machine whatever its file looks like: records are taken into the text.
+    /// The plan of a description, written as a file with its records included.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -54,8 +54,8 @@ impl Plan {
         Self::new(machine.to_toml(), FILE)
     }
 
-    /// The same machine with matrices of derivatives over a step, for a description of FMI 3.0 of
-    /// its own: several importers cannot read arrays.
+    /// Adds the matrices of derivatives over a step. They have a model description of their own,
+    /// for FMI 3.0 only, since several importers cannot read arrays.
     #[must_use]
     pub fn with_arrays(mut self) -> Self {
         self.token = token_with_arrays(&self.text);
@@ -63,19 +63,19 @@ impl Plan {
         self
     }
 
-    /// The plan that an instance is asked for: of the file in its resources, if it bears the token
-    /// of the description.
+    /// The plan that an instantiation asks for: of the file in its resources, whose token must be
+    /// the given one.
     ///
     /// # Errors
-    /// [`MachineProblem::File`] where there is no such file, neither where the host says nor beside
-    /// the library; [`MachineProblem::Door`] where the host says nothing; [`MachineProblem::Text`]
-    /// where it gives the token of another text; else as [`new`](Self::new).
+    /// [`MachineProblem::File`] where the file is neither in the host's folder nor beside the
+    /// library; [`MachineProblem::Door`] where the host names no folder; [`MachineProblem::Text`]
+    /// where the token is of another text; else as [`new`](Self::new).
     pub(crate) fn asked_for(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
         let places = request.resource_folders();
         let mut read = places.iter().map(|folder| folder.join(FILE)).map(|file| (read(&file), file));
         let found = read.by_ref().find_map(|(read, file)| Some((read.ok()?, file.display().to_string())));
         let Some((text, name)) = found else {
-            // What is wrong with the place that the host has named, or that it has named none.
+            // The reason is that of the host's folder, or that it named none.
             let file = request.resource_folder()?.join(FILE);
             let problem = self::read(&file).err().unwrap_or_default();
             return Err(MachineProblem::File { file: file.display().to_string(), problem });
@@ -84,24 +84,24 @@ impl Plan {
             return Ok(Self::new(text, &name)?.with_arrays());
         }
         request.check_token(&token(&text)).map_err(|token| {
-            // A damaged file shows where; one of another machine is sound.
+            // A damaged file is refused with a line; the file of another machine parses.
             let damage = parse(&text, &name, &no_records).err().map(|refusal| refusal.to_string());
             MachineProblem::Text { place: damage.unwrap_or(name.clone()), token }
         })?;
         Self::new(text, &name)
     }
 
-    /// The token of the machine whose [`FILE`] has this text.
+    /// The instantiation token of the machine whose [`FILE`] has this text.
     pub fn token_of(text: &str) -> String {
         token(text)
     }
 
-    /// What tells this machine's description and file apart from others.
+    /// The instantiation token, which depends on the file, the library's version and the arrays.
     pub fn token(&self) -> &str {
         &self.token
     }
 
-    /// What tells the machine apart from others, whichever of its descriptions was chosen.
+    /// The token without arrays, common to both model descriptions of a machine.
     pub(crate) fn machine_token(&self) -> String {
         token(&self.text)
     }
@@ -116,11 +116,12 @@ impl Plan {
         &self.assembly.description.name
     }
 
-    /// The machine with these values of all parameters, in their order; of a machine under way the
-    /// starts do not matter.
+    /// The machine with these values of all parameters, in the table's order. `under_way` leaves
+    /// the start values unchecked, since the motion has begun.
     ///
     /// # Errors
-    /// A refusal of what the values together are.
+    /// [`MachineProblem::Machine`] and [`MachineProblem::Motion`] for values that together are no
+    /// machine.
     pub(crate) fn machine(&self, values: &[f64], under_way: bool) -> Result<Arc<Assembly>, MachineProblem> {
         let start = self.table.parameters.iter().map(|parameter| parameter.value);
         if start.eq(values.iter().copied()) {
@@ -135,12 +136,12 @@ impl Plan {
     }
 }
 
-/// Hash of a file and of this version of the library, whose numbering of variables it goes with.
+/// Hash of a file's text and of the library's version, on which the numbering of variables depends.
 fn token(text: &str) -> String {
     identifier(&format!("{} {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
 }
 
-/// That of the description with arrays.
+/// The token of the model description with arrays.
 fn token_with_arrays(text: &str) -> String {
     identifier(&format!("{} with arrays {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
 }

@@ -1,4 +1,4 @@
-//! Why a described machine refuses.
+//! Reasons why a described machine refuses a call.
 
 use fmi_doors::{Problem, Refusal};
 
@@ -6,34 +6,34 @@ use fmi_doors::{Problem, Refusal};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MachineProblem {
-    /// What every component may say.
+    /// A problem of the common FMI layer.
     #[error(transparent)]
     Door(#[from] Problem),
     /// The machine's file cannot be read.
     #[error("{file}: {problem}; the FMU's archive has it among its resources")]
     File {
-        /// Where it was looked for.
+        /// Path of the file.
         file: String,
-        /// What is the matter.
+        /// Reason.
         problem: String,
     },
-    /// The file has another text than the one of which the description was made.
+    /// The file's text is not the one from which the model description was made.
     #[error("{place}: this is not the text of which the model description was made, {token}")]
     Text {
-        /// The file and, where its text is no machine at all, what is wrong in which line.
+        /// The file or, where its text is no machine, the refusal with its lines.
         place: String,
-        /// The token that was given, and that of the file.
+        /// The given token and the file's.
         token: Problem,
     },
-    /// The file says nothing that is a machine, or the parameters together are none.
+    /// The file's text, or the parameters together, are refused.
     #[error("{0}")]
     Machine(#[from] vibro_assembly::Refusal),
-    /// What was set under way does not go with the present state.
+    /// A value set during the motion contradicts the present state.
     #[error("{set}: {problem}")]
     Change {
-        /// Names and values.
+        /// Names and values that were set.
         set: String,
-        /// Why not.
+        /// Reason.
         problem: vibro_assembly::Error,
     },
     /// The machine has no motion, or its motion cannot go on.
@@ -51,7 +51,7 @@ impl Refusal for MachineProblem {
     }
 }
 
-/// Why bytes are no saved state of this machine.
+/// The problem of bytes that are no saved state of this machine.
 pub(crate) fn refused(what: impl Into<String>) -> Problem {
     Problem::SavedState { what: what.into().into() }
 }

@@ -1,7 +1,8 @@
-//! Saved states, and how they are laid out as bytes: "VIBROMCH", a checksum of what follows
-//! (FNV-1a, 64 bit, little-endian), then the machine's token and the state in postcard's format.
-//! The token holds the library's version, so that the layout may change with it. The checksum
-//! notices accidents; it is no signature, and what the bytes say is checked as well.
+//! Saved states and their serialization: "VIBROMCH", a checksum of the rest (FNV-1a, 64 bit,
+//! little-endian), then the machine's token and the state in postcard's format.
+//!
+//! The token depends on the library's version, so that the layout may change between versions. The
+//! checksum detects accidental damage and is no signature: the decoded state is checked as well.
 
 use crate::machine::{SavedMoving, Shown};
 use crate::problem::refused;
@@ -13,38 +14,38 @@ use vibro_impact::numerics::digest::fnv1a;
 /// First bytes of a serialized state.
 const MAGIC: [u8; 8] = *b"VIBROMCH";
 
-/// Everything that a machine needs to continue.
+/// The complete state of an instance, for `fmi2GetFMUstate` and `fmi3GetFMUState`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedState {
     pub(crate) life: Life,
-    /// Of all parameters.
+    /// Values of all parameters.
     pub(crate) values: Vec<f64>,
-    /// What is added to phases, by parameter.
+    /// Additions to phases, by parameter.
     pub(crate) phases: Vec<f64>,
-    /// Whether parameters were set and not yet taken over.
+    /// Whether parameters were set and do not act yet.
     pub(crate) changed: bool,
-    /// What was set of each input and not yet taken over.
+    /// Values of inputs that were set and do not act yet.
     pub(crate) pending: Vec<Option<Input>>,
-    /// The motion.
+    /// The motion, once initialized.
     pub(crate) moving: Option<SavedMoving>,
     pub(crate) latched: Option<Shown>,
 }
 
 impl SavedState {
-    /// Its bytes, of the machine of this token.
+    /// Serializes the state of the machine with this token.
     ///
     /// # Errors
-    /// [`Problem::SavedState`], which would be a mistake of ours.
+    /// [`Problem::SavedState`] where postcard fails, which would be a bug.
     pub(crate) fn to_bytes(&self, token: &str) -> Result<Vec<u8>, Problem> {
         let payload = postcard::to_stdvec(&(token, self)).map_err(|error| refused(error.to_string()))?;
         let sum = fnv1a(&payload).to_le_bytes();
         Ok([&MAGIC[..], &sum[..], &payload[..]].concat())
     }
 
-    /// The state of bytes that were written of the machine of this token.
+    /// Deserializes a state of the machine with this token.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] for bytes that are truncated, altered or of another machine.
+    /// [`Problem::SavedState`] for bytes that are truncated, altered or those of another machine.
     pub(crate) fn from_bytes(bytes: &[u8], token: &str) -> Result<Self, Problem> {
         let rest = bytes.strip_prefix(&MAGIC).ok_or_else(|| refused("it is not of a described machine"))?;
         let (sum, payload) = rest.split_first_chunk().ok_or_else(|| refused("it ends too early"))?;

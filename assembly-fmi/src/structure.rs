@@ -1,8 +1,8 @@
-//! What depends on what, by the machine's topology and never by its numbers (FMI 2.0, 2.2.8; FMI
-//! 3.0.2, 2.4.8).
+//! The dependencies of `ModelStructure` (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8), from the machine's
+//! topology and never from its numbers, which a host may change.
 //!
-//! Between events every coordinate, elongation and force is linear in states and inputs, by factors
-//! that change with the mode. Bodies that links, rigid stops or friction may hold to one another
+//! Between events every coordinate, elongation and force is linear in states and inputs, with
+//! factors that depend on the mode. Bodies that links, rigid stops or friction may hold together
 //! make a group: a force on one of them accelerates all.
 
 mod groups;
@@ -21,9 +21,8 @@ use vibro_assembly::description::{Arms, BodyKind, Description, Signal};
 use vibro_assembly::elements::Action;
 use vibro_assembly::{Element, Owner, What};
 
-/// Entries of all lists of one kind together, at most, so that a description stays readable: about
-/// 10 bytes each. Lists of an unknown that depends on most of a large machine are left out first,
-/// which stands for everything.
+/// Most entries of all dependency lists of one kind together, at about 10 bytes each. Beyond it the
+/// longest lists are left out, which by FMI means a dependency on every known.
 const ENTRIES: usize = 200_000;
 
 /// The dependencies of a machine's variables.
@@ -31,13 +30,13 @@ pub(crate) struct Structure<'a> {
     plan: &'a Plan,
     machine: &'a Description,
     elements: Vec<Element<'a>>,
-    /// By section and name, as `body.box`: value references of parameters, and what follows that in
+    /// By section and name, such as `body.box`: value references of parameters and the rest of
     /// their names.
     parameters: HashMap<&'a str, Vec<(u32, &'a str)>>,
     references: HashMap<Quantity, u32>,
     inputs: HashMap<&'a str, u32>,
     group_of: Vec<usize>,
-    /// The groups that links alone make.
+    /// By body: its group under links alone.
     linked: Vec<usize>,
     groups: HashMap<usize, Group>,
 }
@@ -76,7 +75,8 @@ impl<'a> Structure<'a> {
         structure
     }
 
-    /// Lists of the unknowns, none where they are too long together.
+    /// The dependency lists of unknowns, `initially` those of initialization; where all together
+    /// exceed [`ENTRIES`], lists longer than the share of each are left out.
     pub(crate) fn unknowns(&self, unknowns: &[(u32, Quantity)], initially: bool) -> Vec<Unknown> {
         let list = |&(reference, quantity): &(u32, Quantity)| {
             let knowns = if initially { self.initially(quantity) } else { self.of(quantity) };
@@ -92,7 +92,7 @@ impl<'a> Structure<'a> {
         lists.into_iter().map(unknown).collect()
     }
 
-    /// The parameters of a section, without starts.
+    /// Adds the parameters of a section except start values.
     fn of_section(&self, section: &str, into: &mut Knowns) {
         let all = self.parameters.get(section).into_iter().flatten();
         all.filter(|(_, rest)| !rest.starts_with(".start."))
@@ -106,7 +106,8 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// A signal's time derivative of an order; its parameters are the section's.
+    /// Adds the time and input on which a signal's time derivative of an `order` depends. Its
+    /// parameters are those of its section, which the caller adds.
     fn signal(&self, signal: &Signal, rate: f64, input: &str, order: usize, into: &mut Knowns) {
         let cubic = signal.table.as_ref().is_some_and(|table| table.cubic);
         let moves = match order {
@@ -131,7 +132,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// What the signals of an element depend on, and its numbers.
+    /// The knowns of an element's signals, and its parameters.
     fn signals(&self, element: Element) -> Knowns {
         let (mut knowns, section) = (Knowns::new(), element.dotted());
         for (key, signal) in element.signals() {
@@ -141,7 +142,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// A body's coordinate (order 0) or rate (1).
+    /// The knowns of a body's coordinate (`order` 0) or rate (1).
     fn coordinate(&self, body: usize, order: usize) -> Knowns {
         if !is_free(self.machine, body) {
             return self.prescribed(body, order);
@@ -159,7 +160,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// What links make of the others' coordinates.
+    /// Adds the knowns of the coordinate or rate of a body that follows from others by links.
     fn by_links(&self, body: usize, order: usize, knowns: &mut Knowns) {
         let own = self.linked[body];
         for &state in self.plan.assembly.states().iter().filter(|&&state| self.linked[state] == own) {
@@ -178,7 +179,7 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// The elongation (order 0) of an element or its rate (1).
+    /// Adds the knowns of an element's elongation (`order` 0) or its rate (1).
     fn elongation(&self, element: Element, order: usize, knowns: &mut Knowns) {
         let Some(arms) = element.arms() else { return };
         for &(body, _) in &arms.terms {
@@ -190,7 +191,7 @@ impl<'a> Structure<'a> {
         levers.for_each(|(reference, _)| put(knowns, *reference, Dependent));
     }
 
-    /// The force of an element.
+    /// The knowns of an element's force.
     fn force(&self, element: Element) -> Knowns {
         match element.action() {
             Action::Linear => self.elastic(element, Tunable),
@@ -205,7 +206,7 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// A force that follows from elongation and rate, by what its factors change with.
+    /// The knowns of a force that is linear in elongation and rate, with factors of a kind.
     fn elastic(&self, element: Element, times: DependencyKind) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         (0..2).for_each(|order| self.elongation(element, order, &mut own));
@@ -214,7 +215,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// A constraint force: what holds the accelerations of the bodies that it acts on.
+    /// The knowns of a constraint force: those of the accelerations of the bodies on which it acts.
     fn holding(&self, element: Element) -> Knowns {
         let mut knowns = Knowns::new();
         for &(body, _) in element.arms().iter().flat_map(|arms| &arms.terms) {
@@ -227,7 +228,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// Elongation, rate and force of an element, as orders 0 to 2.
+    /// The knowns of an element's elongation, rate and force, for `order` 0, 1 and 2.
     fn of_element(&self, element: Element, order: usize) -> Knowns {
         let mut knowns = Knowns::new();
         match order {
@@ -237,12 +238,12 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// The elements that are stops, and those that are frictions, by places of their own.
+    /// The i-th element that satisfies a condition.
     fn nth(&self, is: fn(&Element) -> bool, i: usize) -> Option<Element<'a>> {
         self.elements.iter().copied().filter(is).nth(i)
     }
 
-    /// What a variable depends on.
+    /// The knowns of a variable.
     pub(crate) fn of(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
         match quantity {
@@ -300,7 +301,7 @@ impl<'a> Structure<'a> {
                     }
                 }
             }
-            // Accounts of all that happens.
+            // The accounts depend on the whole motion.
             Energy::Work | Energy::Lost | Energy::Residual => {
                 let states = self.plan.assembly.states().iter();
                 let states = states.flat_map(|&body| [0, 1].map(|order| Quantity::of_body(body, order)));
@@ -311,14 +312,14 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// Inputs and all parameters but starts.
+    /// Adds the inputs and all parameters except start values.
     fn anything_set(&self, knowns: &mut Knowns) {
         self.inputs.values().for_each(|&input| put(knowns, input, Dependent));
         self.parameters.keys().for_each(|section| self.of_section(section, knowns));
     }
 
-    /// An indicator is measured by the sizes of what it watches, which follow from all numbers and
-    /// from what inputs have been.
+    /// Adds the knowns of an event indicator. It is relative to the size of its functional, which
+    /// depends on all parameters and on past inputs.
     fn indicator(&self, place: usize, knowns: &mut Knowns) {
         let of_element = |element: &Element<'a>| {
             let (count, first) = match element.action() {
@@ -337,7 +338,7 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// The unknowns of roles, in the table's order.
+/// The variables of some roles, in the table's order.
 pub(crate) fn of_roles(plan: &Plan, roles: &[Role]) -> Vec<(u32, Quantity)> {
     let rows = (1..).zip(&plan.table.rows).filter(|(_, row)| roles.contains(&row.role));
     rows.map(|(reference, row)| (reference, row.quantity)).collect()

@@ -11,15 +11,15 @@
 //! | `step.transition`, `step.response`: matrices, in FMI 3.0 with arrays | local |
 //! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
 //!
-//! Names of bodies and of elements are unique each, and what follows them differs: no two variables
-//! share a name.
+//! Names of bodies are unique, so are those of elements, and the suffixes of both differ: no two
+//! variables share a name.
 
 use fmi_doors::{Base, Bases, Problem};
 use vibro_assembly::description::{Dimension, Stop, StopLaw};
 use vibro_assembly::elements::NamedSignal;
 use vibro_assembly::{Description, Element, Owner, Parameter, What};
 
-/// What a variable is read from, by the places of bodies and elements in the description.
+/// The source of a variable's value, by the places of bodies and elements in the description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Time.
@@ -28,11 +28,11 @@ pub enum Quantity {
     Parameter(usize),
     /// An input, by its place among all.
     Input(usize),
-    /// A column of the motion.
+    /// A quantity of a body or an element.
     Column(vibro_assembly::Quantity),
     /// The state of a stop.
     StopState(usize),
-    /// Impacts of a stop so far.
+    /// The number of a stop's impacts so far.
     Impacts(usize),
     /// The impulse of a stop's last impact.
     Impulse(usize),
@@ -42,19 +42,19 @@ pub enum Quantity {
     Energy(Energy),
     /// An event indicator, by its place among all.
     Indicator(usize),
-    /// The derivatives of the states at the end of the last step by those at its begin.
+    /// Derivatives of the states at the end of the last step with respect to those at its start.
     Transition,
-    /// The same by the inputs.
+    /// Derivatives of the states at the end of the last step with respect to the inputs.
     Response,
 }
 
 impl Quantity {
-    /// A body's coordinate (order 0), its rate (1) or its acceleration.
+    /// A body's coordinate (`order` 0), its rate (1) or its acceleration (2).
     pub fn of_body(body: usize, order: usize) -> Self {
         Self::Column(vibro_assembly::Quantity::of_body(body, [What::S, What::V, What::A][order.min(2)]))
     }
 
-    /// The body and the order, of a body's quantity.
+    /// The body and the order of a body's quantity, the inverse of [`of_body`](Self::of_body).
     pub fn as_body(self) -> Option<(usize, usize)> {
         let Self::Column(vibro_assembly::Quantity { owner: Owner::Body(body), what }) = self else {
             return None;
@@ -66,34 +66,34 @@ impl Quantity {
 /// A part of the energy balance, J.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Energy {
-    /// Of motion.
+    /// Kinetic energy.
     Kinetic,
-    /// In springs, compliant stops and weight.
+    /// Energy stored in springs, compliant stops and weight.
     Stored,
-    /// Put in by loads and prescribed motions since the start.
+    /// Work of loads and prescribed motions since the start.
     Work,
-    /// Lost in dashpots, stops and friction since the start.
+    /// Energy lost in dashpots, stops and friction since the start.
     Lost,
-    /// Mechanical energy less what it must be by work and losses: rounding.
+    /// Mechanical energy less its value by work and losses: rounding.
     Residual,
 }
 
-/// Who sets a variable.
+/// The role of a variable, from which causality and variability follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Time.
     Independent,
-    /// A number of the file, set before the motion begins.
+    /// A number of the file that may be set before the motion begins.
     Parameter,
     /// A number of the file that may be set at events too.
     Tunable,
-    /// Added to a signal.
+    /// An addition to a signal, set by the host.
     Input,
-    /// Follows from the motion and changes at any time.
+    /// A result of the motion that changes at any time.
     Output,
-    /// Follows from the motion and changes at events only.
+    /// A result of the motion that changes at events only.
     Discrete,
-    /// Follows from the motion, and is of interest to a host's solver alone.
+    /// An event indicator, for a host's solver.
     Local,
     /// A matrix of derivatives over the last step.
     Sensitivity,
@@ -101,24 +101,24 @@ pub enum Role {
 
 /// A variable.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct VariableRow {
     /// Its name.
     pub name: String,
-    /// What it is, for people.
+    /// Description.
     pub meaning: String,
-    /// SI unit; of whole numbers `1`.
+    /// SI unit; `1` of whole numbers.
     pub unit: &'static str,
     /// Its type.
     pub base: Base,
-    /// Who sets it.
+    /// Role.
     pub role: Role,
-    /// What it is read from.
+    /// Source of its value.
     pub quantity: Quantity,
-    /// Rows and columns of a matrix; nothing of a scalar.
+    /// Rows and columns of a matrix; empty for a scalar.
     pub dimensions: Vec<usize>,
 }
 
-impl Row {
+impl VariableRow {
     /// Whether hosts may read or set it within a step (`intermediateUpdate`).
     pub fn is_seen_within_steps(&self) -> bool {
         matches!(self.role, Role::Input | Role::Output)
@@ -127,27 +127,27 @@ impl Row {
 
 /// The variables of a machine.
 #[derive(Debug)]
-pub struct Table {
-    /// By value reference less 1.
-    pub rows: Vec<Row>,
+pub struct VariableTable {
+    /// The variables; the value reference is the place plus 1.
+    pub rows: Vec<VariableRow>,
     /// The parameters, in the order of their rows.
     pub parameters: Vec<Parameter>,
     /// The value references of the inputs, in their order.
     pub inputs: Vec<u32>,
-    /// Those of the event indicators.
+    /// The value references of the event indicators.
     pub indicators: Vec<u32>,
 }
 
-/// In a unit of translation or of rotation.
+/// The one of two units that belongs to a dimension.
 fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
     units[usize::from(dimension == Dimension::Rotation)]
 }
 
-/// Of matrices whose elements have different units.
+/// The unit of matrices, whose elements have different units.
 pub(crate) const NO_UNIT: &str = "";
 const IMPULSE: [&str; 2] = ["N.s", "N.m.s"];
 
-impl Table {
+impl VariableTable {
     /// The variables of a machine.
     pub fn new(machine: &Description) -> Self {
         let parameters = machine.parameters();
@@ -177,7 +177,7 @@ impl Table {
             Quantity::StopState(_) | Quantity::FrictionState(_) => Base::Enumeration,
             _ => Base::Real,
         };
-        self.rows.push(Row {
+        self.rows.push(VariableRow {
             name,
             meaning: meaning.into(),
             unit,
@@ -188,7 +188,8 @@ impl Table {
         });
     }
 
-    /// The columns of the motion, each element's followed by what changes with its events.
+    /// Adds the quantities of bodies and elements, each element's followed by its state and
+    /// impacts.
     fn columns(&mut self, machine: &Description) {
         let mut columns = machine.named_quantities().into_iter().peekable();
         let mut push_those_of = |table: &mut Self, owner: Owner| {
@@ -240,7 +241,7 @@ impl Table {
         }
     }
 
-    /// In the engine's order.
+    /// Adds the event indicators in the order of `Motion::indicators`.
     fn indicators(&mut self, machine: &Description) {
         let mut push = |name: String, meaning: &str| {
             let place = self.indicators.len();
@@ -268,8 +269,7 @@ impl Table {
         }
     }
 
-    /// The matrices of derivatives over a step, of a machine with so many states; several importers
-    /// cannot read arrays.
+    /// Adds the matrices of derivatives over a step, for a machine with so many states.
     pub(crate) fn add_matrices(&mut self, states: usize) {
         const ROWS: &str = "Derivatives of the states (coordinates, then rates, in the order of the model structure) at the end of the \
                             last step";
@@ -287,21 +287,21 @@ impl Table {
         push("step.response", meaning.into(), inputs, Quantity::Response);
     }
 
-    /// The value reference of a name, where there is one.
+    /// The value reference of a name.
     pub fn reference(&self, name: &str) -> Option<u32> {
         self.rows.iter().position(|row| row.name == name).map(|place| place as u32 + 1)
     }
 
-    /// The value reference of what is read from a quantity.
+    /// The value reference of the variable with this source.
     pub(crate) fn reference_of(&self, quantity: Quantity) -> Option<u32> {
         self.rows.iter().position(|row| row.quantity == quantity).map(|place| place as u32 + 1)
     }
 
-    /// The variable of a value reference that has one of the types.
+    /// The variable of a value reference, which must have one of the types.
     ///
     /// # Errors
     /// [`Problem::Reference`].
-    pub fn row(&self, reference: u32, bases: Bases) -> Result<&Row, Problem> {
+    pub fn row(&self, reference: u32, bases: Bases) -> Result<&VariableRow, Problem> {
         let row = self.rows.get((reference as usize).wrapping_sub(1));
         if let Some(row) = row.filter(|row| bases.contains(row.base)) {
             return Ok(row);
@@ -314,8 +314,8 @@ impl Table {
     }
 }
 
-/// Whether a number may be set after the motion has begun: neither a start nor an arm, on which
-/// coordinates depend.
+/// Whether a parameter may be set after the motion has begun: neither a start value nor a lever
+/// arm, on which the choice of coordinates depends.
 fn is_tunable(name: &str) -> bool {
     !name.contains(".start.") && !name.contains(".arms.")
 }

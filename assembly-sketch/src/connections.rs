@@ -1,9 +1,9 @@
-//! What each element ties together, and how it is drawn.
+//! Elements as connections between bodies, with the symbol of each.
 
 use vibro_assembly::description::{Arms, StopLaw};
 use vibro_assembly::{Description, Element};
 
-/// How an element is drawn.
+/// The symbol of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Symbol {
     /// A zigzag, a dashpot, or both side by side.
@@ -16,21 +16,21 @@ pub(crate) enum Symbol {
     Link,
 }
 
-/// The ends of an element: e = `arm` s of the second less that of the first, where `None` is
-/// ground; or a sum over more bodies.
+/// The ends of an element. Between two ends e is that of the second less that of the first, each
+/// with its arm; `None` is ground. Else e is a sum over three bodies or more.
 #[derive(Clone, Debug)]
 pub(crate) enum Ends {
     Two([Option<usize>; 2]),
     Many(Vec<usize>),
 }
 
-/// An element.
+/// An element that acts between bodies.
 #[derive(Clone, Debug)]
 pub(crate) struct Connection {
     pub name: String,
     pub symbol: Symbol,
     pub ends: Ends,
-    /// What stands at the ends of lever arms, by body.
+    /// Texts of the lever arms, by body.
     pub arms: Vec<(usize, String)>,
 }
 
@@ -48,14 +48,14 @@ impl Connection {
     }
 }
 
-/// A number as it is written at a lever: three digits at most, so that it stays short.
+/// The text of a lever arm, with at most three decimals.
 fn number(x: f64) -> String {
     let text = format!("{x:.3}");
     let short = text.trim_end_matches('0').trim_end_matches('.').replace('-', "\u{2212}");
     if matches!(short.as_str(), "0" | "\u{2212}0") || x.abs() >= 1e5 { format!("{x:.2e}") } else { short }
 }
 
-/// Every element but loads.
+/// Connections of all elements except loads.
 pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
     let symbol = |element: Element| match element {
         Element::Spring(spring) => {

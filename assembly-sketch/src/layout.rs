@@ -1,6 +1,6 @@
-//! Where everything stands: bodies as boxes in a row; elements between neighbours in lanes of the
-//! gap between them, as are loads; elements to ground at the ends of the row in the gap there, else
-//! in lanes under the row; all others in lanes over the row.
+//! Places of all symbols. Bodies are boxes in a row. Elements between neighbours, and loads, stand
+//! in lanes of the gap between two boxes; elements to ground stand in the gaps at the ends of the
+//! row or in lanes under it; all others stand in lanes over the row.
 
 use crate::connections::{Connection, Ends, Symbol, connections};
 use crate::order::{Side, ground_side, order};
@@ -8,28 +8,30 @@ use vibro_assembly::Description;
 use vibro_assembly::description::{BodyKind, Dimension};
 use vibro_figures::canvas::text_width;
 
-/// Sizes of the fonts of bodies' and elements' names, and of lever arms.
+/// Font sizes of the names of bodies, the names of elements, and lever arms.
 pub(crate) const BODY_FONT: f64 = 46.0;
 pub(crate) const FONT: f64 = 40.0;
 pub(crate) const ARM_FONT: f64 = 34.0;
-/// Height of an element's name over its symbol, and the least length of a symbol.
+/// Height of an element's name over its symbol.
 pub(crate) const NAME: f64 = 52.0;
+/// Least length of a symbol.
 const SYMBOL: f64 = 230.0;
-/// Length of a symbol between numbers of lever arms.
+/// Length of a symbol between the texts of its lever arms.
 const BARE: f64 = 240.0;
-/// Room around the picture, between texts and what is beside them, and from a box to the lanes over
-/// and under it.
+/// Margin around the picture.
 pub(crate) const MARGIN: f64 = 40.0;
+/// Room between a text and what is beside it.
 const ROOM: f64 = 24.0;
+/// Distance from a box to the lanes over and under it.
 const OFF: f64 = 30.0;
-/// The least size of a box.
+/// Least width and height of a box.
 const BOX: (f64, f64) = (170.0, 190.0);
-/// Distance of legs on a box.
+/// Distance between legs on a box.
 const LEGS: f64 = 46.0;
 /// Width of a hatched wall.
 pub(crate) const WALL: f64 = 34.0;
 
-/// What a body looks like.
+/// The box of a body.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyBox {
     pub name: String,
@@ -41,23 +43,23 @@ pub(crate) struct BodyBox {
     pub gravity: f64,
 }
 
-/// A symbol in a lane.
+/// A symbol with its place in a lane.
 #[derive(Clone, Debug)]
 pub(crate) struct Placed {
     pub name: String,
-    /// None of a load.
+    /// `None` is a load's arrow.
     pub symbol: Option<Symbol>,
     pub from: f64,
     pub to: f64,
-    /// The middle of the symbol.
+    /// Height of the symbol's middle.
     pub y: f64,
-    /// Whether a stop's plates face one another.
+    /// Whether a stop is drawn as two plates that face one another, else as a clasp.
     pub faces: bool,
-    /// What stands at the ends.
+    /// Texts of the lever arms at both ends.
     pub arms: [Option<String>; 2],
 }
 
-/// The places of everything.
+/// Places of all symbols.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Layout {
     pub width: f64,
@@ -66,11 +68,11 @@ pub(crate) struct Layout {
     pub bottom: f64,
     pub bodies: Vec<BodyBox>,
     pub placed: Vec<Placed>,
-    /// Legs and bars: from, to.
+    /// Legs and bars, each from a point to a point.
     pub lines: Vec<[(f64, f64); 2]>,
-    /// Walls: where elements end, top, bottom, and whether they end there from the right.
+    /// Walls: x, top, bottom, and whether the hatching is on the right.
     pub walls: Vec<(f64, f64, f64, bool)>,
-    /// Texts at legs.
+    /// Texts of lever arms at legs, with their places.
     pub texts: Vec<((f64, f64), String)>,
 }
 
@@ -90,14 +92,14 @@ fn lane(item: &Item) -> f64 {
     NAME + height_of(item.symbol).max(2.0 * arms) + ROOM
 }
 
-/// The room that a lever arm's number takes at an end of a symbol.
+/// Width that the text of a lever arm takes at an end of a symbol.
 pub(crate) fn room_of(arm: Option<&str>) -> f64 {
     arm.map_or(0.0, |arm| text_width(arm, ARM_FONT) + 20.0)
 }
 
-/// The width that a symbol with its name needs.
+/// Width of a symbol with its name and lever arms.
 fn need(item: &Item) -> f64 {
-    // The symbol is in the middle, so that both ends have the room of the longer number.
+    // The symbol is centred, so that both ends have the room of the longer text.
     let arm = item.arms.iter().map(|arm| room_of(arm.as_deref())).fold(0.0, f64::max);
     (text_width(&item.name, FONT) + ROOM).max(SYMBOL).max(if arm > 0.0 { BARE + 2.0 * arm } else { 0.0 })
 }
@@ -115,16 +117,16 @@ struct Item {
 struct Long {
     item: Item,
     columns: Vec<usize>,
-    /// Whether its left end is at a wall.
+    /// Whether its left end is a wall.
     walled: bool,
     arms: Vec<(usize, String)>,
 }
 
-/// What stands in gaps, under bodies and over them.
+/// Items by where they stand: in gaps, under boxes and over the row.
 #[derive(Default)]
 struct Sorted {
     gaps: Vec<Vec<Item>>,
-    /// By column: those with a wall to the left and to the right.
+    /// By column: items with the wall on the left, and on the right.
     under: Vec<[Vec<Item>; 2]>,
     over: Vec<Long>,
 }
@@ -206,8 +208,8 @@ impl Layout {
         layout
     }
 
-    /// The boxes, with the legs that each has upwards: which of the long elements they belong to,
-    /// from left to right.
+    /// Places the boxes. Returns by column the long elements whose legs stand on the box, from left
+    /// to right.
     fn boxes(&mut self, machine: &Description, order: &[usize], sorted: &Sorted) -> Vec<Vec<usize>> {
         let count = order.len();
         let span = |long: &Long| long.columns[long.columns.len() - 1] - long.columns[0];
@@ -215,8 +217,8 @@ impl Layout {
             .map(|place| {
                 let ends = |(_, long): &(usize, &Long)| long.columns.contains(&place);
                 let mut own: Vec<_> = sorted.over.iter().enumerate().filter(ends).collect();
-                // To the left the short ones first, to the right last, so that legs do not cross
-                // lanes of the same box.
+                // Leftward elements the short ones first, rightward ones last: legs do not cross
+                // the lanes of other elements of their box.
                 own.sort_by_key(|(_, long)| {
                     let leftwards = long.columns[0] != place;
                     if leftwards { (0, span(long)) } else { (1, usize::MAX - span(long)) }
@@ -341,8 +343,8 @@ impl Layout {
             let height = lane(item);
             let (first, last) = (ports[0].1, ports[ports.len() - 1].1);
             let (from, to) = if *walled { (first - need(item), first) } else { (first, last) };
-            // The legs of those in the lanes above go through this one: the symbol stands in the
-            // widest part between them.
+            // Legs of elements in the lanes above cross this lane: the symbol stands in the widest
+            // part between them.
             let above = by_length[rank + 1..].iter().flat_map(|&above| ports_of(self, above));
             let mut cuts: Vec<f64> = above.map(|port| port.1).filter(|x| from < *x && *x < to).collect();
             cuts.extend([from, to]);
@@ -372,7 +374,7 @@ impl Layout {
         }
     }
 
-    /// Where the leg of a long element stands on a box.
+    /// The x of the leg of a long element on a box.
     fn port(&self, place: usize, long: usize, legs: &[Vec<usize>]) -> f64 {
         let BodyBox { left, right, .. } = self.bodies[place];
         let rank = legs[place].iter().position(|&i| i == long).unwrap_or(0);

@@ -1,9 +1,11 @@
-//! The sketch of a machine as an engineer draws it: bodies in a row along their coordinate, springs
-//! as zigzags, dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground
-//! hatched.
+//! Schematic sketch of a machine: bodies in a row along their coordinate, springs as zigzags,
+//! dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground hatched.
 //!
 //! ```text
-//! description ─▶ connections (what each element ties together) ─▶ order (of the bodies) ─▶ layout (places) ─▶ symbols (marks)
+//! description ─▶ connections   elements with their ends
+//!             ─▶ order         bodies from left to right
+//!             ─▶ layout        places of boxes and symbols
+//!             ─▶ symbols       marks on the canvas
 //! ```
 #![forbid(unsafe_code)]
 
@@ -16,12 +18,22 @@ use layout::Layout;
 use vibro_assembly::Description;
 use vibro_figures::canvas::{Canvas, Drawing};
 
-/// The sketch of a machine, to be drawn as SVG or PNG ([`vibro_figures::canvas::svg_and_png`]).
+/// The sketch of a machine, a drawing for SVG and PNG ([`vibro_figures::canvas::svg_and_png`]).
 ///
 /// ```
-/// let text = "name = \"A\"\n[body.b]\nmass = 1.0\n[spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = 1.0\n";
-/// let machine = vibro_assembly::file::parse(text, "a.toml", &vibro_assembly::file::no_records)?;
-/// let svg = vibro_figures::canvas::svg(&vibro_sketch::Sketch::new(&machine)).expect("all its places are finite");
+/// use vibro_assembly::file::{no_records, parse};
+///
+/// let text = r#"
+///     name = "A"
+///     [body.b]
+///     mass = 1.0
+///     [spring.s]
+///     between = ["ground", "b"]
+///     stiffness = 1.0
+/// "#;
+/// let machine = parse(text, "a.toml", &no_records)?;
+/// let sketch = vibro_sketch::Sketch::new(&machine);
+/// let svg = vibro_figures::canvas::svg(&sketch).expect("all its places are finite");
 /// assert!(svg.contains(">b<") && svg.contains(">s<"));
 /// # Ok::<(), vibro_assembly::Refusal>(())
 /// ```

@@ -1,14 +1,14 @@
-//! The order of the bodies in the row: neighbours are what elements tie together, ground is at the
+//! Order of the bodies in the row, such that elements act between neighbours and ground is at the
 //! ends.
 
 use crate::connections::{Connection, Ends, Symbol};
 
-/// Bodies of which every order is tried; of more, exchanges of two are tried until none is better.
+/// Up to this many bodies every order is tried; with more, exchanges of two until none is better.
 const ALL_ORDERS: usize = 7;
-/// Exchanges of two that are tried, in turns over all pairs.
+/// Most passes over all pairs in the search by exchanges.
 const TURNS: usize = 20;
 
-/// Which side of a body its ground is drawn on, if it is tied to ground: that on which a stop's
+/// The body of an element to ground, and the side on which ground is drawn: that on which a stop's
 /// plates face one another.
 pub(crate) fn ground_side(connection: &Connection) -> Option<(usize, Side)> {
     match (&connection.ends, connection.symbol) {
@@ -27,7 +27,7 @@ pub(crate) enum Side {
     Either,
 }
 
-/// Bodies by their columns.
+/// The bodies from left to right.
 pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
     let mut best: Vec<usize> = (0..count).collect();
     if count <= ALL_ORDERS {
@@ -45,8 +45,7 @@ pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
     for _ in 0..TURNS {
         let before = least;
         for i in 0..count {
-            // Of very many bodies only those nearby, so that a thousand of them take no longer than
-            // is worth it.
+            // With many bodies only nearby ones are exchanged, which bounds the time.
             for j in i + 1..count.min(i + 1 + 2000 / count) {
                 best.swap(i, j);
                 let changed = cost(&best, connections);
@@ -75,8 +74,8 @@ fn permute(order: &mut Vec<usize>, from: usize, try_one: &mut dyn FnMut(&[usize]
     }
 }
 
-/// How far an order is from a good one: elements over bodies between, plates that do not face,
-/// ground in the middle, and least of all another order than the file's.
+/// Cost of an order: elements that pass over bodies, stops that do not face, ground at inner bodies
+/// and, with the least weight, inversions of the file's order.
 fn cost(order: &[usize], connections: &[Connection]) -> usize {
     let mut column = vec![0; order.len()];
     order.iter().enumerate().for_each(|(place, &body)| column[body] = place);

@@ -1,4 +1,4 @@
-//! The marks of everything that has a place.
+//! Marks of the symbols of a [`Layout`].
 
 use crate::connections::Symbol;
 use crate::layout::{ARM_FONT, BODY_FONT, BodyBox, FONT, Layout, NAME, Placed, WALL, height_of, room_of};
@@ -6,15 +6,14 @@ use std::f64::consts::PI;
 use vibro_figures::canvas::palette::{BLACK, GREY, WHITE};
 use vibro_figures::canvas::{Across, Along, Canvas, Colour, Pen, Place, Writing};
 
-/// The inside of bodies.
+/// Fill of bodies.
 const BODY: Colour = Colour(214, 226, 242);
-/// Distance of a wall's strokes, and of those in a body that moves as prescribed.
+/// Distance between strokes of a wall and of a body with prescribed motion.
 const HATCH: f64 = 26.0;
 /// Distance between a stop's plates.
 const GAP: f64 = 34.0;
 
-/// The pen of everything, whether names are written, and the units of the drawing in one of the
-/// layout.
+/// The canvas, whether names are written, and the scale from the layout to the drawing.
 struct Hand<'c> {
     canvas: &'c mut Canvas,
     named: bool,
@@ -112,7 +111,7 @@ impl Hand<'_> {
         }
     }
 
-    /// The sign of a body that turns.
+    /// The arc that marks a body that turns.
     fn turn(&mut self, (x, y): Place) {
         let at = |k: u32| {
             let angle = PI * (1.15 + 0.65 * f64::from(k) / 12.0);
@@ -187,7 +186,7 @@ impl Hand<'_> {
         self.coil(from, to, y, 6);
     }
 
-    /// A zigzag of so many teeth in the middle of a line.
+    /// A zigzag with `teeth` in the middle of a line.
     fn coil(&mut self, from: f64, to: f64, y: f64, teeth: u32) {
         let length = (to - from).min(34.0 * f64::from(teeth));
         let (first, last) = (0.5 * (from + to - 0.8 * length), 0.5 * (from + to + 0.8 * length));
@@ -201,7 +200,7 @@ impl Hand<'_> {
         self.line(points);
     }
 
-    /// The zigzag behind a plate.
+    /// The zigzag of a compliant stop behind its plate.
     fn beside(&mut self, from: f64, to: f64, y: f64) {
         let end = to.min(from + 96.0);
         self.coil(from, end, y, 3);

@@ -1,5 +1,4 @@
-//! Whether a description is a machine: what no single number shows. The file's reader and the table
-//! of parameters both end here.
+//! Checks of a whole description. The file's reader and the setting of parameters both end here.
 
 mod links;
 mod names;
@@ -10,19 +9,19 @@ use crate::elements::Element;
 use crate::refusal::{Problem, Refusal};
 use crate::slots::slots;
 
-/// Bodies, elements, or harmonics and steps, at most; a machine of more is refused before anything
-/// is made of it.
+/// Most bodies, most elements, and most harmonics and steps of a machine, checked before memory is
+/// taken for them.
 pub(crate) const MOST: usize = 10_000;
 
-/// Knots of a record, at most.
+/// Most knots of a record.
 pub(crate) const MOST_KNOTS: usize = 1_000_000;
 
 impl Description {
-    /// Whether the description is a machine: what its file or its parameters would be refused for,
-    /// a program's may have as well.
+    /// Checks a description that a program has put together, as strictly as a file.
     ///
     /// ```
-    /// let refused = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() }.check().unwrap_err();
+    /// let machine = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() };
+    /// let refused = machine.check().unwrap_err();
     /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies");
     /// ```
     ///
@@ -36,8 +35,8 @@ impl Description {
     }
 }
 
-/// All problems of a machine, or none. Numbers outside their ranges and broken structure hide what
-/// would follow from them.
+/// All problems of a machine. Problems of names, numbers and structure come first; those that would
+/// follow from them are not sought.
 pub(crate) fn check(machine: &Description) -> Vec<Problem> {
     let mut problems = check_under_way(machine);
     if problems.is_empty() {
@@ -46,7 +45,7 @@ pub(crate) fn check(machine: &Description) -> Vec<Problem> {
     problems
 }
 
-/// The same but for problems of the start.
+/// All problems of a machine whose motion has begun: those of [`check`] without those of the start.
 pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     let mut problems = names::check(machine);
     if !problems.is_empty() {
@@ -73,7 +72,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     problems
 }
 
-/// A problem of a number.
+/// The problem of a number, with its value.
 fn refused(name: impl Into<String>, value: f64, text: impl Into<String>) -> Problem {
     Problem::new(name, Some(format!("{value:?}")), text)
 }
@@ -135,7 +134,7 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Loads act on bodies that forces move.
+/// Problems of loads: each acts on a free body.
 fn loads(machine: &Description, problems: &mut Vec<Problem>) {
     for load in &machine.loads {
         let name = format!("load.{}.on", load.name);
@@ -154,7 +153,8 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// A static level is at least the level while slipping, where both are constants.
+/// Problems of friction levels: a static level is at least the sliding level, where both are
+/// constants.
 fn levels(machine: &Description, problems: &mut Vec<Problem>) {
     for friction in &machine.frictions {
         let Some(largest) = &friction.static_force else { continue };
@@ -166,7 +166,7 @@ fn levels(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// A machine has a body, and none that nothing acts on; gravity turns nothing.
+/// Problems of bodies: there is one, an element acts on each, and gravity turns none.
 fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.bodies.is_empty() {
         problems.push(Problem::new("body", None, "allowed is a machine of one or more bodies"));

@@ -1,9 +1,9 @@
-//! What a machine consists of, as plain data in SI units: bodies, springs, stops, friction, links
-//! and loads.
+//! The description of a machine as plain data in SI units: bodies, springs, dampers, stops,
+//! friction, links and loads.
 //!
-//! A [`Description`] is what a file says ([`crate::file`]) or a program puts together;
-//! [`crate::Assembly`] is a description that was checked. Everything refers to bodies by their
-//! place in [`Description::bodies`].
+//! A [`Description`] is read from a file ([`crate::file`]) or built by a program;
+//! [`crate::Assembly`] is a checked description. Elements refer to bodies by their place in
+//! [`Description::bodies`].
 
 /// A machine of bodies with one coordinate each, and of elements between them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Description {
     pub starts_at_rest: bool,
     /// The bodies, in the file's order.
     pub bodies: Vec<Body>,
-    /// Springs with their dashpots.
+    /// Springs with dashpots.
     pub springs: Vec<Spring>,
     /// Dashpots alone.
     pub dampers: Vec<Damper>,
@@ -31,7 +31,7 @@ pub struct Description {
     pub loads: Vec<Load>,
 }
 
-/// How a coordinate or an elongation is measured.
+/// The dimension of a coordinate or an elongation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// Along a line: m, m/s, N.
@@ -43,35 +43,35 @@ pub enum Dimension {
 /// A body with one coordinate s, positive in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Its name, unique among the bodies; `ground` is none.
+    /// Its name, unique among the bodies and other than `ground`.
     pub name: String,
-    /// What its coordinate is measured in.
+    /// Dimension of its coordinate.
     pub dimension: Dimension,
-    /// Whether it moves freely or as prescribed.
+    /// Free or prescribed.
     pub kind: BodyKind,
 }
 
-/// Whether a body's motion follows from the forces on it or is given.
+/// How a body's motion is determined.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyKind {
-    /// It has inertia, and forces move it.
+    /// By inertia and forces.
     Free(Free),
-    /// Its coordinate is this signal of time, in m or rad, plus `rate` times the time in s.
+    /// By a signal of time plus `rate` times the time.
     Prescribed {
-        /// The coordinate but for the even motion.
+        /// The coordinate without the uniform motion, m or rad.
         motion: Signal,
-        /// The rate of an even motion that is added, m/s or rad/s.
+        /// Rate of the uniform motion that is added, m/s or rad/s.
         rate: f64,
     },
 }
 
-/// A body that forces move.
+/// Inertia and start of a free body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Free {
     /// Mass in kg, or moment of inertia in kg m²; positive.
     pub inertia: f64,
     /// Cosine of the angle between the coordinate's direction and gravity: 1 where s points
-    /// downwards, -1 where upwards.
+    /// downwards, -1 where it points upwards.
     pub gravity: f64,
     /// Coordinate at time 0, m or rad.
     pub s: f64,
@@ -79,17 +79,16 @@ pub struct Free {
     pub v: f64,
 }
 
-/// The weights of the bodies' coordinates in an elongation e = Σ arm · s, by the bodies' places; no
-/// body twice, no arm zero. Between ground and a body the arm is ±1; from body a to body b it is -1
-/// for a and +1 for b.
+/// The arms of an elongation e = Σ arm · s over bodies; each body at most once, no arm zero.
+/// Between ground and a body the arm is ±1; from body a to body b the arms are -1 for a and +1 for
+/// b.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arms {
     /// Place of the body and its arm.
     pub terms: Vec<(usize, f64)>,
-    /// What the elongation is measured in.
+    /// Dimension of the elongation.
     pub dimension: Dimension,
-    /// Whether the arms are levers, which may be varied, instead of the signs that follow from
-    /// `between`.
+    /// Whether the arms are levers, which are parameters, or the signs of `between`.
     pub levers: bool,
 }
 
@@ -117,8 +116,8 @@ pub struct Spring {
     pub preload: f64,
 }
 
-/// A dashpot alone. Its force f = damping · e' resists e'; no force depends on its elongation, so
-/// that a motion may repeat while e grows.
+/// A dashpot alone. Its force f = damping · e' resists e'. No force depends on its elongation, so
+/// that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
     /// Its name, unique among the elements.
@@ -129,69 +128,68 @@ pub struct Damper {
     pub damping: f64,
 }
 
-/// A contact that closes where e reaches the gap and pushes e back.
+/// A one-sided contact that closes where e reaches the gap and then resists e.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stop {
     /// Its name, unique among the stops.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// The value of e at which it closes, m or rad; of any sign.
+    /// The value of e at which it closes, m or rad, of either sign.
     pub gap: f64,
     /// Rigid or compliant.
     pub law: StopLaw,
 }
 
-/// What a stop does when it is closed.
+/// The law of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StopLaw {
-    /// e stays at most the gap; an impact reverses e' with the restitution coefficient, from 0 to
-    /// 1.
+    /// Unilateral constraint e ≤ gap; an impact reverses e' with a restitution coefficient.
     Rigid {
-        /// Speed after over speed before a single impact.
+        /// Restitution coefficient, from 0 to 1: separation speed over closing speed.
         restitution: f64,
     },
-    /// While e is beyond the gap a spring and a dashpot push back, and never pull.
+    /// While e is beyond the gap a spring and a dashpot resist it, and never pull.
     Compliant {
         /// N/m or N m/rad, not negative.
         stiffness: f64,
         /// N s/m or N m s/rad, not negative.
         damping: f64,
-        /// How the dashpot's share is limited.
+        /// Limit of the force.
         limit: DampingLimit,
     },
 }
 
-/// The limits of a compliant stop's force.
+/// The limit of a compliant stop's force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DampingLimit {
     /// f = max(0, stiffness (e - gap) + damping e'): it never pulls.
     NoPull,
-    /// The dashpot's share is at most the spring's in size, so that f lies between 0 and 2
+    /// The dashpot's force is at most the spring's in size, so that f lies between 0 and 2
     /// stiffness (e - gap): the law of the Modelica Standard Library's `ElastoGap`.
     Elastogap,
 }
 
-/// Coulomb friction that resists e': of the size `force` where it slips, up to `static_force` (or
-/// `force`) where it sticks.
+/// Coulomb friction that resists e': its force has the size `force` while it slips, and at most
+/// `static_force` (or `force`) while it sticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// Its name, unique among the frictions.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// The level while slipping, N or N m; where it is not positive there is no friction.
+    /// The sliding level, N or N m; there is no friction while it is not positive.
     pub force: Signal,
-    /// The level up to which it sticks, if it is another one; at least `force`.
+    /// The static level, where it differs from `force`; at least `force`.
     pub static_force: Option<Signal>,
 }
 
-/// A rigid link: e = 0 at all times, so that one coordinate follows from the others.
+/// A rigid link: e = 0 at all times, which determines one coordinate by the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// Its name, unique among the links.
     pub name: String,
-    /// What is kept at zero.
+    /// The elongation that is kept at zero.
     pub arms: Arms,
 }
 
@@ -206,28 +204,28 @@ pub struct Load {
     pub force: Signal,
 }
 
-/// A quantity as a function of time: the sum of all its parts.
+/// A function of time, the sum of its parts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Signal {
     /// A constant.
     pub constant: f64,
-    /// Sines of time.
+    /// Harmonics.
     pub harmonics: Vec<Harmonic>,
-    /// Jumps: from `time` (s) on, `height` is added. Each time is after the one before.
+    /// Jumps at rising times.
     pub steps: Vec<Step>,
-    /// A record.
+    /// A tabulated function.
     pub table: Option<Record>,
-    /// Whether a value from outside is added, which is 0 until it is set.
+    /// Whether an input is added, which is 0 until it is set.
     pub input: bool,
 }
 
 impl Signal {
-    /// The signal that always has this value.
+    /// A constant signal.
     pub fn constant(value: f64) -> Self {
         Self { constant: value, ..Self::default() }
     }
 
-    /// Whether the constant is all it consists of.
+    /// Whether it has no part besides the constant.
     pub fn is_constant(&self) -> bool {
         self.harmonics.is_empty() && self.steps.is_empty() && self.table.is_none() && !self.input
     }
@@ -249,15 +247,15 @@ pub struct Harmonic {
 pub struct Step {
     /// s.
     pub time: f64,
-    /// What is added from that time on, in the signal's unit.
+    /// The addition from that time on, in the signal's unit.
     pub height: f64,
 }
 
-/// A record: values at rising times; before the first and after the last it keeps their values.
+/// A tabulated function of time, constant before its first and after its last knot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// Time (s) and value at each knot, two or more, each time after the one before.
+    /// Time (s) and value of each knot: two or more, at rising times.
     pub knots: Vec<(f64, f64)>,
-    /// Between the knots a monotone cubic instead of a straight line.
+    /// Whether it is a monotone cubic between knots, else linear.
     pub cubic: bool,
 }

@@ -1,8 +1,8 @@
-//! The elements of a machine in one list, and its signals in another, whatever their kinds.
+//! All elements of a machine in one list, and all its signals in another.
 //!
-//! What every kind has — a name, a section of the file, an elongation, quantities, signals — is asked
-//! here, so that columns, FMU variables, checks and sketches name no kind. `docs/adding-an-element.md`
-//! lists what a further kind needs.
+//! Columns, FMU variables, checks and sketches ask here for what every element has (name, section
+//! of the file, elongation, quantities, signals), so that they name no kind of element.
+//! `docs/adding-an-element.md` lists what a further kind needs.
 
 use crate::description::{
     Arms, BodyKind, Damper, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
@@ -43,7 +43,8 @@ pub enum Action {
     Driving,
 }
 
-/// Sections of a file that hold elements, in their order in every list, each with its plural.
+/// Sections of a file that hold elements, in the order of every list of elements, each with its
+/// plural.
 pub const SECTIONS: [(&str, &str); 6] = [
     ("spring", "springs"),
     ("damper", "dampers"),
@@ -66,7 +67,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// The section of the file in which it stands.
+    /// Its section of the file.
     pub fn section(self) -> &'static str {
         match self {
             Self::Spring(_) => "spring",
@@ -95,7 +96,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// What its force and elongation are measured in.
+    /// Dimension of its force and elongation.
     pub fn dimension(self, machine: &Description) -> Dimension {
         let of_body = |load: &Load| machine.bodies.get(load.body).map(|body| body.dimension);
         match self {
@@ -116,7 +117,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// What of it is a column, an FMU variable and a measure.
+    /// Its quantities, each a column, an FMU variable and a measure of studies.
     pub fn quantities(self) -> &'static [What] {
         match self.action() {
             Action::Tying => &[],
@@ -125,7 +126,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// Its signals, each with what follows its dotted name: nothing, or a key.
+    /// Its signals, each with the key that follows its dotted name, empty for the only signal.
     pub fn signals(self) -> Vec<(&'static str, &'a Signal)> {
         match self {
             Self::Friction(friction) => {
@@ -143,16 +144,16 @@ impl<'a> Element<'a> {
 pub struct NamedSignal<'a> {
     /// Dotted name, such as `body.table.motion`, `load.shaker`, `friction.belt.static`.
     pub name: String,
-    /// Its values.
+    /// The signal.
     pub signal: &'a Signal,
-    /// What it is measured in.
+    /// Dimension of its values.
     pub dimension: Dimension,
-    /// Whether it is the motion of a body; else it is a force.
+    /// Whether it is the motion of a body, else a force.
     pub is_motion: bool,
 }
 
 impl Description {
-    /// Every element, by the order of [`SECTIONS`] and within a section that of the file.
+    /// All elements, in the order of [`SECTIONS`] and within a section in that of the file.
     pub fn elements(&self) -> impl Iterator<Item = Element<'_>> + Clone {
         let springs = self.springs.iter().map(Element::Spring);
         let stops = self.stops.iter().map(Element::Stop);
@@ -162,7 +163,7 @@ impl Description {
         springs.chain(stops).chain(frictions).chain(links).chain(self.loads.iter().map(Element::Load))
     }
 
-    /// How many bodies there are, and elements of each section, with the plural of what is counted.
+    /// Counts of the bodies and of the elements of each section, with plurals.
     pub fn counts(&self) -> Vec<(usize, &'static str)> {
         let of = |&(section, plural): &(&str, &'static str)| {
             (self.elements().filter(|element| element.section() == section).count(), plural)
@@ -170,7 +171,7 @@ impl Description {
         std::iter::once((self.bodies.len(), "bodies")).chain(SECTIONS.iter().map(of)).collect()
     }
 
-    /// Every signal in the order of the inputs: motions of bodies, loads, signals of the other
+    /// All signals in the order of the inputs: motions of bodies, loads, signals of the other
     /// elements.
     pub fn signals(&self) -> impl Iterator<Item = NamedSignal<'_>> {
         let motions = self.bodies.iter().filter_map(|body| match &body.kind {

@@ -1,11 +1,11 @@
-//! What can go wrong with a machine and its motion; every message names the quantity, its value and
-//! what is allowed.
+//! Errors of a machine and its motion. Every message names the quantity, its value and what is
+//! allowed.
 
 /// An error of a machine or its motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A link adds nothing to the others.
+    /// A link that the others imply, or that moves no free body.
     #[error(
         "link.{link}: it follows from the other links, or moves no free body; allowed are links of which each takes one coordinate away"
     )]
@@ -13,30 +13,31 @@ pub enum Error {
         /// Name of the link.
         link: String,
     },
-    /// The inertia's numbers are too far apart.
+    /// An inertia matrix that is not positive in double precision.
     #[error(
         "the inertias: not positive in double precision after the links; allowed are ratios up to about 1e15"
     )]
     Inertia,
-    /// Rates that are no numbers, or soon would make none.
+    /// A rate above 1e100 rad/s, whose powers would overflow.
     #[error("{name} = {value:e}: allowed are rates, with the inertias that move, of at most 1e100 rad/s")]
     TooFast {
-        /// What makes them.
+        /// Dotted name of the parameter.
         name: String,
         /// Its value in SI.
         value: f64,
     },
-    /// Stops close and nothing can give way.
+    /// Prescribed bodies drive stops together, and no body can yield.
     #[error(
         "jammed at t = {time} s: {stops} cannot give way; allowed are motions in which a body between them can"
     )]
     Jammed {
         /// s.
         time: f64,
-        /// The stops, as `stop.NAME`, with commas.
+        /// The stops, such as `stop.NAME`, separated by commas.
         stops: String,
     },
-    /// A rigid stop is violated by a jump of a prescribed motion or an input.
+    /// A rigid stop violated by a jump of a prescribed motion or an input, or by a changed
+    /// parameter.
     #[error(
         "{stop} at t = {time} s: e - gap = {excess} after a jump of a prescribed motion or a change of numbers; allowed is at most 0"
     )]
@@ -45,56 +46,56 @@ pub enum Error {
         stop: String,
         /// s.
         time: f64,
-        /// e - gap.
+        /// e - gap, m or rad.
         excess: f64,
     },
-    /// A machine that starts at rest has no equilibrium.
+    /// A machine that starts at rest without an equilibrium.
     #[error(
         "start = \"rest\": no equilibrium; body.{body} is accelerated with {acceleration:?} (SI) wherever it stands; allowed are \
          machines whose springs, stops and friction can bear weight and loads at time 0"
     )]
     NoEquilibrium {
-        /// Name of the body that is accelerated most.
+        /// Name of the body with the largest remaining acceleration.
         body: String,
         /// m/s² or rad/s².
         acceleration: f64,
     },
-    /// The modes change without end at one instant, or the events of one call have no end.
+    /// Modes that change without end at one instant, or events that accumulate.
     #[error("the motion cannot go on at t = {time} s: {cause}")]
     Stuck {
         /// s.
         time: f64,
-        /// What happens, with the elements.
+        /// The reason, with the elements.
         cause: String,
     },
-    /// A call that would take more sub-steps than it may; a further one goes on from the time
+    /// A call that needs more sub-steps than allowed; a further call continues from the time
     /// reached.
     #[error("the motion cannot go on at t = {time} s: {cause}")]
     TooStiff {
         /// s.
         time: f64,
-        /// What takes long, with the body.
+        /// The reason, with the fastest body.
         cause: String,
     },
-    /// Coordinates or rates whose energies would be beyond what a double holds.
+    /// A coordinate or rate above 1e100, whose energy would overflow.
     #[error(
         "the motion cannot go on at t = {time} s: {name} = {value:e} (SI); allowed are sizes up to 1e100, whose energies are numbers"
     )]
     Beyond {
         /// s.
         time: f64,
-        /// The body, and whether it is its place or its rate.
+        /// The body and its quantity.
         name: String,
-        /// m, rad, m/s or rad/s.
+        /// Its value, m, rad, m/s or rad/s.
         value: f64,
     },
-    /// Somebody asked for the end of the call; a further one goes on from the time reached.
+    /// A call that was interrupted; a further call continues from the time reached.
     #[error("interrupted at t = {time} s")]
     Interrupted {
         /// s.
         time: f64,
     },
-    /// An end before the present or not a number.
+    /// An end of a step that is before the present or not finite.
     #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]
     Step {
         /// s.
@@ -102,14 +103,14 @@ pub enum Error {
         /// s.
         end: f64,
     },
-    /// A number that is none.
+    /// A number outside its range.
     #[error("{name} = {value}: allowed is {allowed}")]
     OutOfRange {
-        /// What it is.
+        /// Name of the number.
         name: String,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// The allowed values, in words.
         allowed: String,
     },
 }

@@ -1,8 +1,8 @@
-//! The file of a machine: TOML text to a checked [`Description`], and back.
+//! The file of a machine: from TOML text to a checked [`Description`], and back.
 //!
-//! `docs/assemblies.md` is the reference of what may stand in it. Every problem of a file is told
-//! at once, with line, dotted name, value, what is allowed and, for a name that is not known, the
-//! nearest:
+//! `docs/assemblies.md` is the reference of the format. All problems of a file are reported at
+//! once, each with line, dotted name, value, the allowed values and, for an unknown name, the
+//! nearest known one:
 //!
 //! ```
 //! let text = r#"
@@ -14,10 +14,12 @@
 //! gap = "1 N"
 //! restitution = 0.9
 //! "#;
-//! let refused = vibro_assembly::file::parse(text, "ball.toml", &vibro_assembly::file::no_records).unwrap_err();
+//! use vibro_assembly::file::{no_records, parse};
+//! let refused = parse(text, "ball.toml", &no_records).unwrap_err();
 //! assert_eq!(
 //!     refused.to_string(),
-//!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; the nearest is `ball`\n\
+//!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; \
+//!      the nearest is `ball`\n\
 //!      ball.toml:7: stop.floor.gap = \"1 N\": allowed is a finite number, in m, cm, mm, um"
 //! );
 //! ```
@@ -36,21 +38,21 @@ use crate::description::{Description, Dimension};
 use crate::elements::SECTIONS;
 use crate::kinds;
 use crate::refusal::{Problem, Refusal};
-use reading::{Reading, Table};
+use reading::{FileTable, Reading};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a record by its path as the machine's file gives it, which is relative and leads to no
-/// folder above.
+/// Reads the text of a record. The path is that of the machine's file: relative and not above its
+/// folder.
 pub type Records<'a> = &'a dyn Fn(&str) -> io::Result<String>;
 
-/// Bytes of a file or of a record, at most.
+/// Largest size of a file or record, bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Reads the machine in a file; records are read from its folder.
+/// Reads a machine from a file, and its records from the file's folder.
 ///
 /// # Errors
-/// A [`Refusal`] with every problem found, or why the file cannot be read.
+/// A [`Refusal`] with every problem found, or with the reason why the file cannot be read.
 pub fn read(path: &Path) -> Result<Description, Refusal> {
     let name = path.display().to_string();
     let cannot = |e: io::Error| Refusal::one(Problem::new("", None, format!("{name}: cannot be read: {e}")));
@@ -68,7 +70,7 @@ fn read_text(path: &Path) -> io::Result<String> {
     Ok(text)
 }
 
-/// Reads a machine from TOML text. `file` is what messages call it.
+/// Reads a machine from TOML text; messages call it `file`.
 ///
 /// # Errors
 /// A [`Refusal`] with every problem found.
@@ -79,7 +81,7 @@ pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Re
         return Err(refusal(broken));
     }
     let mut reading = Reading::new(text, records);
-    let machine = machine(&mut reading, &Table::root(root.get_ref()));
+    let machine = machine(&mut reading, &FileTable::root(root.get_ref()));
     if reading.problems.is_empty() {
         let found = check(&machine);
         found.into_iter().for_each(|problem| reading.place(problem));
@@ -90,7 +92,7 @@ pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Re
     }
 }
 
-fn machine(reading: &mut Reading, root: &Table) -> Description {
+fn machine(reading: &mut Reading, root: &FileTable) -> Description {
     let mut keys = vec!["name", "gravity", "start", "body"];
     keys.extend(SECTIONS.iter().map(|(section, _)| section));
     reading.known(root, &keys);
@@ -117,14 +119,20 @@ fn machine(reading: &mut Reading, root: &Table) -> Description {
 }
 
 impl Description {
-    /// The machine as the text of a file that reads back to an equal machine: SI units, every
-    /// number to its last digit, records within the text. The description is one that
-    /// [`check`](Self::check) accepts.
+    /// The text of a file that reads back to an equal machine: SI units, numbers with all digits,
+    /// records within the text. Requires a description that [`check`](Self::check) accepts.
     ///
     /// ```
     /// use vibro_assembly::file::{no_records, parse};
     ///
-    /// let text = "name = \"A\"\n[body.b]\nmass = \"3 g\"\n[spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = \"1 N/mm\"\n";
+    /// let text = r#"
+    ///     name = "A"
+    ///     [body.b]
+    ///     mass = "3 g"
+    ///     [spring.s]
+    ///     between = ["ground", "b"]
+    ///     stiffness = "1 N/mm"
+    /// "#;
     /// let machine = parse(text, "a.toml", &no_records)?;
     /// assert!(machine.to_toml().contains("mass = 0.003\n"));
     /// assert_eq!(parse(&machine.to_toml(), "written.toml", &no_records)?, machine);

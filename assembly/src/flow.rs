@@ -1,7 +1,15 @@
-//! Exact flow of a mode: the transition over a sub-step and its intervals, and for each watched
-//! functional samples, a bound between them and its Taylor coefficients (docs/assembly-law.md (A5),
-//! (A6)). Machines of few coordinates keep columns for all this, which act on the augmented state;
-//! the others find it from each state anew.
+//! The exact flow of a mode, z' = A z, over a sub-step: transitions, and for each watched
+//! functional samples at interval ends, a bound between them and local Taylor coefficients
+//! (docs/assembly-law.md (A5), (A6)).
+//!
+//! One flow has two representations. Up to `DENSE` coordinates a mode stores matrices (`kept`);
+//! beyond, each state's power series is computed anew (`ahead`). Stiff forces are computed
+//! separately from the rest of A (`apart`), and stiff machines may advance many sub-steps at once
+//! (`ladder`).
+//!
+//! `RADIUS`, [`INTERVALS`], [`LOCAL`] and the other numbers of coefficients belong together: who
+//! changes one proves anew the error bound beside each. A new order of summation changes the last
+//! bits of motions, and with them the golden files.
 
 mod ahead;
 mod apart;
@@ -21,78 +29,81 @@ pub use watched::{Group, Head, WatchTable, head_of};
 use crate::law::ZERO;
 use crate::mode::Linear;
 use crate::signals::SMALL;
-use crate::system::Row;
+use crate::system::StateRow;
 use apart::Apart;
 use exponential::{LEAST_RATE, series_orders};
 use kept::Kept;
 use nalgebra::DMatrix;
 
-/// Derivatives of a functional that are looked at where a mode begins, and its Taylor coefficients
-/// from the first one on that is not zero.
+/// Number of derivatives of a functional that are examined at the start of a mode, and of its
+/// Taylor coefficients from the first nonzero one on.
 pub const ORDERS: usize = 26;
-/// Rate times the length of a sub-step. With 2 more whole sub-steps are made between events, with 4
-/// bounds throughout a sub-step are so wide that more is searched: both take longer.
+/// Rate times the length of a sub-step. Radius 2 needs more sub-steps; radius 4 loosens the bounds,
+/// so that more is searched; both are slower.
 const RADIUS: f64 = 3.0;
-/// Springs and buffers are stiff where they make the rate so many times what it is without them.
+/// A tie is stiff where the mode's rate is more than this many times the rate without it.
 pub(crate) const STIFF: f64 = 30.0;
-/// Intervals of a sub-step, at whose ends functionals are sampled.
+/// Number of equal intervals of a sub-step, at whose ends functionals are sampled.
 pub const INTERVALS: usize = 8;
-/// Taylor coefficients of a functional over an interval: with a radius of 3/8 the first one left
-/// out is under 0.375¹⁶/16! < 8e-21 of the largest coordinate. They fill whole vectors.
+/// Number of Taylor coefficients of a functional over an interval: with a radius of 3/8 the first
+/// omitted term is below 0.375¹⁶/16! < 8e-21 of the largest coordinate. A multiple of the vector
+/// length.
 pub const LOCAL: usize = 16;
-/// Up to this many coordinates tables of a sub-step are kept as dense matrices; beyond, a power
-/// series of the actual state takes their place. Measured on chains: the series needs less where
-/// modes are new, and up to half as much again where a few come back often, beyond 30 hardly more.
+/// Most coordinates with which a mode stores dense matrices of its sub-step; with more, a power
+/// series of the actual state replaces them. Measured on chains: the series takes less time where
+/// modes are new, and up to half as much again where few modes recur, beyond 30 coordinates hardly
+/// more.
 pub(crate) const DENSE: usize = 20;
-/// Within an interval no frequency turns farther than signals are carried on.
+/// Within an interval no harmonic turns by more than [`SMALL`] rad, as `Signals::carry_within`
+/// requires.
 const _: () = assert!(RADIUS / INTERVALS as f64 <= SMALL);
-/// Parts of a sub-step at its intervals' ends.
+/// Interval ends as fractions of a sub-step.
 const ENDS: [f64; INTERVALS] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
 /// The flow of a mode.
 #[derive(Debug)]
-pub struct Table {
-    /// A of z' = A z, by its entries.
+pub struct FlowTable {
+    /// A of z' = A z.
     pub a: SparseMatrix,
-    /// The sizes of the terms of A's entries.
+    /// By entry of A: the sum of the sizes of its terms.
     sizes: SparseMatrix,
-    /// The sizes of what contacts leave of the velocities, where there are such.
+    /// Absolute values of the projection of velocities past the contacts, where there are contacts.
     loose: Option<SparseMatrix>,
-    /// Coordinates and velocities of the machine, before the signals.
+    /// Number of coordinates and velocities, which precede the signals.
     one: usize,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
     pub rate: f64,
     /// Length of a sub-step, s.
     pub length: f64,
-    /// The forces of stiff springs and of buffers that press, where they are found apart.
+    /// Forces of stiff springs and pressed compliant stops, where they are computed separately.
     apart: Option<Apart>,
-    /// Tables of a sub-step, of machines of few coordinates.
+    /// Matrices of a sub-step, with at most [`DENSE`] coordinates.
     kept: Option<Kept>,
-    /// Longer sub-steps, each twice the one before, made when they are first needed.
+    /// Flows over 2^k sub-steps, made on first use.
     ladder: Ladder<Rung>,
-    /// Orders of a power series from the sub-step's start into each interval.
+    /// By interval: orders of a power series from the sub-step's start to the interval's end.
     orders: [usize; INTERVALS],
-    /// What is watched.
+    /// Watched functionals.
     pub watched: Vec<WatchTable>,
-    /// The forces of the basis.
-    pub lambda: Vec<Row>,
+    /// Contact forces of the basis, as rows.
+    pub lambda: Vec<StateRow>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: DMatrix<f64>,
 }
 
-impl Table {
+impl FlowTable {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
         let Linear { mut a, terms: sizes, lambda, triangle, watched, elastic, loose } = linear;
         let mut rate = rate_bound(&a, one).max(LEAST_RATE);
-        // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
+        // With stored matrices separate forces cost time, so that only stiff ones are separated.
         let is_small = a.len() <= DENSE;
         let apart = elastic.and_then(|elastic| {
             let is_stiff = !is_small || elastic.are_stiff || rate > STIFF * rate_bound(&elastic.rest, one);
             is_stiff.then(|| Apart::of(elastic))
         });
-        // What contacts hold against such a force would leave its rounding in A, a force from
-        // nowhere on all that they hold together.
+        // The contacts' reaction to such a force would leave its rounding in A, a spurious force on
+        // all bodies that they hold together.
         if let (Some(apart), Some(_)) = (&apart, &loose) {
             a = apart.sum();
             rate = rate_bound(&a, one).max(LEAST_RATE);
@@ -133,12 +144,12 @@ impl Table {
         self.length * 2f64.powi(k as i32)
     }
 
-    /// z' at a state.
+    /// Writes z' at a state.
     pub fn rates(&self, z: &[f64], to: &mut [f64]) {
         self.rows_times_to(0, z, 1.0, to);
     }
 
-    /// `factor` × A `z` but for the first rows.
+    /// Writes `factor` × A `z`, in the rows from `first` on.
     #[inline(always)]
     fn rows_times_to(&self, first: usize, z: &[f64], factor: f64, to: &mut [f64]) {
         match &self.apart {
@@ -147,8 +158,8 @@ impl Table {
         }
     }
 
-    /// Carries a state on over a time of any length: by the longest rungs that fit, and the rest by
-    /// its series.
+    /// Advances a state by a time of any length: by the longest rungs that fit, the rest by power
+    /// series.
     pub fn carry(&self, z: &mut [f64], mut time: f64) {
         let (mut rates, mut end) = (vec![0.0; z.len()], vec![0.0; z.len()]);
         for k in (1..RUNGS).rev() {
@@ -177,16 +188,16 @@ impl Table {
         ((span / self.interval()).ceil() as usize).clamp(1, INTERVALS) - 1
     }
 
-    /// Orders of a power series from the sub-step's start into interval `last`.
+    /// Orders of a power series from the sub-step's start to the end of interval `last`.
     pub fn orders_to(&self, last: usize) -> usize {
         self.orders[last]
     }
 
-    /// Looks ahead by a time within a sub-step: writes where the watched functionals stand; where
-    /// forces are found apart also z' and z''.
+    /// Writes the heads of the watched functionals at a state, for a span `time` within a sub-step;
+    /// where forces are separate also z' and z''.
     ///
-    /// Such a force is a small difference of large terms: what the state's coordinates bound is far
-    /// too much. z'' has that difference in it.
+    /// A separate force is a small difference of large terms: bounds from the state's coordinates
+    /// would be far too wide, so that bounds are computed from z''.
     #[inline(always)]
     pub fn look_ahead(
         &self,
@@ -209,8 +220,9 @@ impl Table {
         kept.heads_at(z, sizes, to);
     }
 
-    /// The state at a time within an [interval](Self::begin_interval) from that at its start.
-    /// Signals, whose values at a time are known, may stay as in `to` unless `all` are asked for.
+    /// Writes the state at a time `dt` within an [interval](Self::begin_interval) from that at its
+    /// start. Signals may stay as in `to` unless `all` coordinates are asked for, since their
+    /// values follow from the time.
     #[inline(always)]
     pub fn within(&self, z: &[f64], dt: f64, all: bool, ahead: &mut Ahead, to: &mut [f64]) {
         match &self.kept {
@@ -224,8 +236,8 @@ impl Table {
         }
     }
 
-    /// The state at the end of a sub-step from that at its start, and from what
-    /// [looking ahead](Self::look_ahead) has left.
+    /// Writes the state at the end of a sub-step, from that at its start and the results of
+    /// [`look_ahead`](Self::look_ahead).
     #[inline(always)]
     pub fn at_end(&self, z: &[f64], derivatives: [&[f64]; 2], ahead: &Ahead, to: &mut [f64]) {
         match &self.kept {
@@ -234,8 +246,8 @@ impl Table {
         }
     }
 
-    /// The state at the start of interval `i` from that at the sub-step's start, and from what
-    /// [looking ahead](Self::look_ahead) has left.
+    /// Writes the state at the start of interval `i`, from that at the sub-step's start and the
+    /// results of [`look_ahead`](Self::look_ahead).
     #[inline(always)]
     pub fn at_interval_start(&self, i: usize, z: &[f64], ahead: &Ahead, to: &mut [f64]) {
         match (i.checked_sub(1), &self.kept) {
@@ -245,7 +257,7 @@ impl Table {
         }
     }
 
-    /// The values of the watched functional at a place at the interval ends, from the state at the
+    /// The values at the interval ends of the watched functional at a place, from the state at the
     /// sub-step's start.
     #[inline(always)]
     pub fn samples(&self, place: usize, z: &[f64], ahead: &Ahead) -> [f64; INTERVALS] {
@@ -255,7 +267,7 @@ impl Table {
         }
     }
 
-    /// Goes on to an interval, at whose start the state is `from`.
+    /// Prepares an interval at whose start the state is `from`.
     #[inline(always)]
     pub fn begin_interval(&self, from: &[f64], ahead: &mut Ahead) {
         if self.kept.is_none() {
@@ -263,8 +275,8 @@ impl Table {
         }
     }
 
-    /// The Taylor coefficients of the watched functional at a place about the
-    /// [begin of an interval](Self::begin_interval), in units of an interval.
+    /// The Taylor coefficients of the watched functional at a place about the start of the
+    /// [prepared interval](Self::begin_interval), in units of an interval.
     #[inline(always)]
     pub fn local(&self, place: usize, from: &[f64], ahead: &Ahead) -> [f64; LOCAL] {
         match &self.kept {
@@ -273,22 +285,21 @@ impl Table {
         }
     }
 
-    /// Whether tables of a sub-step are kept; else a state's series is found by the entries that
-    /// are not zero.
+    /// Whether matrices of a sub-step are stored; else states are advanced by power series.
     pub fn is_dense(&self) -> bool {
         self.kept.is_some()
     }
 
-    /// The order of the first derivative of a functional that is not zero, and its value; those
-    /// that are positive count as zero up to `doubt` times what is zero else. None where all are.
-    /// `rows` is memory.
+    /// The order and the value of a functional's first nonzero derivative; `None` where all up to
+    /// [`ORDERS`] are zero. Negative values count as zero within their rounding, positive ones
+    /// within `doubt` times theirs. `rows` is scratch memory.
     pub fn departure(
         &self,
         w: &WatchTable,
         z: &[f64],
         sizes: &[f64],
         doubt: f64,
-        rows: &mut Rows,
+        rows: &mut DepartureRows,
     ) -> Option<(usize, f64)> {
         let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;
         let value = w.row.at(z);
@@ -300,12 +311,12 @@ impl Table {
             return Some((1, slope));
         }
         let size = w.row.len();
-        let Rows { row, next_row, terms, next_terms } = rows;
+        let DepartureRows { row, next_row, terms, next_terms } = rows;
         [&mut *row, next_row, terms, next_terms].into_iter().for_each(|memory| memory.resize(size, 0.0));
         row.copy_from_slice(w.row.as_slice());
         terms.iter_mut().zip(w.row.iter()).for_each(|(term, x)| *term = x.abs());
         for k in 1..ORDERS {
-            // In units of the sub-step.
+            // Derivatives are Taylor coefficients in units of the sub-step.
             let factor = self.length / k as f64;
             self.a.after_row(row, factor, next_row);
             self.sizes.after_row(terms, factor, next_terms);
@@ -319,8 +330,8 @@ impl Table {
         None
     }
 
-    /// The size of the terms that the time derivative of a functional is the sum of, from the
-    /// coordinates' sizes.
+    /// The sum of the sizes of the terms of a functional's time derivative, from the coordinates'
+    /// sizes.
     fn slope_size(&self, w: &WatchTable, sizes: &[f64]) -> f64 {
         w.row.terms().iter().map(|&(i, x)| x.abs() * self.sizes.row_times(i, sizes)).sum()
     }
@@ -330,12 +341,12 @@ impl Table {
         w.slope.terms().iter().map(|&(i, x)| x * self.a.row_times(i, z)).sum()
     }
 
-    /// The sizes of what a flight of a time, of which at most a sub-step counts, has added to the
-    /// velocities: Σ |A| |z| times this time, from the coordinates' sizes. Forces that balance
-    /// leave of a velocity the rounding of this size, but for what contacts keep at zero. `all` is
-    /// memory.
+    /// Writes the sizes of the terms that a time, of which at most a sub-step counts, has added to
+    /// the velocities: Σ |A| |z| times this time, from the coordinates' sizes, without what
+    /// contacts keep at zero. A velocity under balanced forces has the rounding of this size. `all`
+    /// is scratch memory.
     #[inline(always)]
-    pub fn flown(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
+    pub fn flight_sizes(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
         let time = time.min(self.length);
         match &self.loose {
             None => self.sizes.rows_times_to(self.one / 2, sizes, time, to),
@@ -353,7 +364,7 @@ impl Table {
         }
     }
 
-    /// Numbers that the table holds.
+    /// Count of stored numbers.
     pub fn numbers(&self) -> usize {
         let size = self.a.len();
         2 * (self.a.entries() + self.sizes.entries() + self.loose.as_ref().map_or(0, SparseMatrix::entries))
@@ -365,9 +376,10 @@ impl Table {
     }
 }
 
-/// Memory for a functional's derivative and for the sizes of its terms.
+/// Scratch memory of [`FlowTable::departure`]: a functional's derivative and the sizes of its
+/// terms.
 #[derive(Clone, Debug, Default)]
-pub struct Rows {
+pub struct DepartureRows {
     row: Vec<f64>,
     next_row: Vec<f64>,
     terms: Vec<f64>,

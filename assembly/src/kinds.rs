@@ -1,6 +1,5 @@
-//! The kinds of numbers that a machine consists of: meaning, units and allowed range. The file and
-//! the table of parameters both use them, so that a number is refused for the same reason wherever
-//! it comes from.
+//! Kinds of a machine's numbers: meaning, units and allowed range. The file's reader and the
+//! setting of parameters share them, so that both refuse a number for the same reason.
 
 use crate::description::Dimension;
 use vibro_impact::parameters::Range;
@@ -8,14 +7,14 @@ use vibro_impact::quantities::symbols;
 
 /// A kind of number.
 #[derive(Clone, Copy, Debug)]
-pub struct Kind {
-    /// What it is.
+pub struct NumberKind {
+    /// Description.
     pub meaning: &'static str,
-    /// SI units, of translation and of rotation.
+    /// SI units for translation and for rotation.
     pub units: [&'static str; 2],
-    /// Allowed values, but for zero.
+    /// Allowed values, apart from zero.
     pub range: Range,
-    /// Whether zero is refused although it lies in the range.
+    /// Whether zero is refused even within the range.
     pub not_zero: bool,
 }
 
@@ -24,47 +23,47 @@ const fn kind(
     translation: &'static str,
     rotation: &'static str,
     range: Range,
-) -> Kind {
-    Kind { meaning, units: [translation, rotation], range, not_zero: false }
+) -> NumberKind {
+    NumberKind { meaning, units: [translation, rotation], range, not_zero: false }
 }
 
 const fn between(min: f64, max: f64, allowed: &'static str) -> Range {
     Range { min, max, open_min: false, allowed }
 }
 
-pub const GRAVITY: Kind = kind("Acceleration of gravity", "m/s2", "m/s2", Range::NOT_NEGATIVE);
-pub const INERTIA: Kind = kind("Mass or moment of inertia", "kg", "kg.m2", Range::POSITIVE);
-pub const COSINE: Kind =
+pub const GRAVITY: NumberKind = kind("Acceleration of gravity", "m/s2", "m/s2", Range::NOT_NEGATIVE);
+pub const INERTIA: NumberKind = kind("Mass or moment of inertia", "kg", "kg.m2", Range::POSITIVE);
+pub const COSINE: NumberKind =
     kind("Cosine of the angle to gravity", "1", "1", between(-1.0, 1.0, "a number from -1 to 1"));
-pub const POSITION: Kind = kind("Coordinate", "m", "rad", Range::FINITE);
-pub const START: Kind = kind("Coordinate at time 0", "m", "rad", Range::FINITE);
-pub const RATE: Kind = kind("Rate of the even motion", "m/s", "rad/s", Range::FINITE);
-pub const START_RATE: Kind = kind("Rate at time 0", "m/s", "rad/s", Range::FINITE);
-pub const STIFFNESS: Kind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT_NEGATIVE);
-pub const DAMPING: Kind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
-pub const DASHPOT: Kind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE);
-pub const PRELOAD: Kind = kind("Force at e = 0", "N", "N.m", Range::FINITE);
-pub const GAP: Kind = kind("Elongation at which the stop closes", "m", "rad", Range::FINITE);
-pub const RESTITUTION: Kind =
+pub const POSITION: NumberKind = kind("Coordinate", "m", "rad", Range::FINITE);
+pub const START: NumberKind = kind("Coordinate at time 0", "m", "rad", Range::FINITE);
+pub const RATE: NumberKind = kind("Rate of the even motion", "m/s", "rad/s", Range::FINITE);
+pub const START_RATE: NumberKind = kind("Rate at time 0", "m/s", "rad/s", Range::FINITE);
+pub const STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT_NEGATIVE);
+pub const DAMPING: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
+pub const DASHPOT: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE);
+pub const PRELOAD: NumberKind = kind("Force at e = 0", "N", "N.m", Range::FINITE);
+pub const GAP: NumberKind = kind("Elongation at which the stop closes", "m", "rad", Range::FINITE);
+pub const RESTITUTION: NumberKind =
     kind("Restitution coefficient", "1", "1", between(0.0, 1.0, "a number from 0 to 1"));
-pub const FORCE: Kind = kind("Force or torque", "N", "N.m", Range::FINITE);
-pub const LEVEL: Kind = kind("Level of friction", "N", "N.m", Range::NOT_NEGATIVE);
-pub const FREQUENCY: Kind = kind("Frequency", "Hz", "Hz", Range::POSITIVE);
-pub const PHASE: Kind = kind("Phase at time 0", "rad", "rad", Range::FINITE);
-pub const TIME: Kind = kind("Time", "s", "s", Range::FINITE);
+pub const FORCE: NumberKind = kind("Force or torque", "N", "N.m", Range::FINITE);
+pub const LEVEL: NumberKind = kind("Level of friction", "N", "N.m", Range::NOT_NEGATIVE);
+pub const FREQUENCY: NumberKind = kind("Frequency", "Hz", "Hz", Range::POSITIVE);
+pub const PHASE: NumberKind = kind("Phase at time 0", "rad", "rad", Range::FINITE);
+pub const TIME: NumberKind = kind("Time", "s", "s", Range::FINITE);
 
-const fn arm(unit: &'static str) -> Kind {
+const fn arm(unit: &'static str) -> NumberKind {
     let mut arm = kind("Lever arm", unit, unit, Range::any("a finite number other than 0"));
     arm.not_zero = true;
     arm
 }
 
-const PLAIN_ARM: Kind = arm("1");
-const LENGTH_ARM: Kind = arm("m");
-const INVERSE_ARM: Kind = arm("1/m");
+const PLAIN_ARM: NumberKind = arm("1");
+const LENGTH_ARM: NumberKind = arm("m");
+const INVERSE_ARM: NumberKind = arm("1/m");
 
-/// The arm of a body's coordinate in an elongation.
-pub fn arm_of(body: Dimension, elongation: Dimension) -> Kind {
+/// The kind of a body's arm in an elongation, by both dimensions.
+pub fn arm_of(body: Dimension, elongation: Dimension) -> NumberKind {
     match (body, elongation) {
         (Dimension::Rotation, Dimension::Translation) => LENGTH_ARM,
         (Dimension::Translation, Dimension::Rotation) => INVERSE_ARM,
@@ -72,8 +71,8 @@ pub fn arm_of(body: Dimension, elongation: Dimension) -> Kind {
     }
 }
 
-impl Kind {
-    /// Its SI unit.
+impl NumberKind {
+    /// The SI unit for a dimension.
     pub fn unit(&self, dimension: Dimension) -> &'static str {
         self.units[usize::from(dimension == Dimension::Rotation)]
     }
@@ -83,7 +82,7 @@ impl Kind {
         self.range.contains(value) && !(self.not_zero && value == 0.0)
     }
 
-    /// What is allowed in a file, in words.
+    /// The allowed values in a file, in words.
     pub fn allowed(&self, dimension: Dimension) -> String {
         let units: Vec<_> = symbols(self.unit(dimension)).collect();
         match units[0] {

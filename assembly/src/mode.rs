@@ -1,5 +1,5 @@
-//! A mode: which stops are closed or pressed, which friction slips or sticks; and its linear system
-//! z' = A z with the functionals that end it (docs/assembly-law.md (A5)).
+//! Modes: the states of all stops and frictions, which determine a linear system z' = A z and the
+//! functionals that end it (docs/assembly-law.md (A5)).
 
 mod linear;
 pub mod states;
@@ -8,7 +8,7 @@ pub use linear::{Elastic, Linear};
 pub use states::{FrictionState, StopState};
 
 use crate::law::box_qp::independent;
-use crate::system::{Elongation, Row, System};
+use crate::system::{Elongation, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -21,15 +21,15 @@ pub enum Contact {
     Friction(usize),
 }
 
-/// The state of every element, and the independent contacts whose forces are found.
+/// A mode: the state of every element, and the independent contacts whose forces are solved for.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Mode {
     /// By stop.
     pub stops: Vec<StopState>,
     /// By friction.
     pub frictions: Vec<FrictionState>,
-    /// Closed stops and sticking frictions that are independent of one another; the forces of the
-    /// others are set to zero.
+    /// Independent closed stops and sticking frictions, in order. A dependent contact has the force
+    /// zero or, where its state says so, its level.
     pub basis: Vec<Contact>,
 }
 
@@ -43,7 +43,7 @@ pub enum ElementState {
 }
 
 impl Mode {
-    /// The state of the same element.
+    /// The present state of an element, whatever state is given.
     pub fn state_of(&self, element: ElementState) -> ElementState {
         match element {
             ElementState::Stop(i, _) => ElementState::Stop(i, self.stops[i]),
@@ -51,7 +51,7 @@ impl Mode {
         }
     }
 
-    /// Becomes another mode of the same machine, in its own memory.
+    /// Becomes another mode of the same machine without allocating.
     pub(crate) fn assign(&mut self, other: &Self) {
         self.stops.clone_from(&other.stops);
         self.frictions.clone_from(&other.frictions);
@@ -65,35 +65,35 @@ impl Mode {
         closed.map(|(i, _)| Contact::Stop(i)).chain(sticking.map(|(i, _)| Contact::Friction(i)))
     }
 
-    /// Whether its contacts are independent of one another.
+    /// Whether all its contacts are independent.
     pub fn is_independent(&self) -> bool {
         self.contacts().eq(self.basis.iter().copied())
     }
 }
 
-/// What a watched functional tells when it passes from below zero to above.
+/// The event at which a watched functional passes zero from below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Watch {
     /// A rigid stop meets its gap.
     Meets(usize),
-    /// A closed stop's force falls to zero.
+    /// The force of a closed stop falls to zero.
     Opens(usize),
-    /// A compliant stop comes to its gap from below.
+    /// A compliant stop meets its gap from below.
     Presses(usize),
-    /// A compliant stop's force falls to zero or rises from it, or meets its cap.
+    /// The force of a compliant stop falls to zero, rises from it, or meets or leaves its cap.
     Changes(usize),
-    /// A compliant stop without its linear force is left: e falls to the gap.
+    /// A compliant stop that is free or capped is left: e falls to the gap.
     Leaves(usize),
-    /// A slipping friction's rate comes to zero.
+    /// The rate of a slipping friction reaches zero.
     Stops(usize),
-    /// A sticking friction's force reaches its level, upwards (true) or downwards.
+    /// The force of a sticking friction reaches its level, upwards (true) or downwards.
     Slips(usize, bool),
-    /// A friction's level passes zero.
+    /// The level of a friction passes zero.
     Level(usize),
 }
 
 impl Watch {
-    /// Whether it is a functional of an element.
+    /// Whether its functional belongs to an element.
     pub fn is_of(self, element: ElementState) -> bool {
         match self {
             Self::Meets(i) | Self::Opens(i) | Self::Presses(i) | Self::Changes(i) | Self::Leaves(i) => {
@@ -115,8 +115,8 @@ impl System {
         }
     }
 
-    /// The force of a stop in a state in which the state determines it: compliant ones.
-    pub fn stop_force(&self, i: usize, state: StopState) -> Option<Row> {
+    /// The force of a compliant stop in a state in which it is not zero.
+    pub fn stop_force(&self, i: usize, state: StopState) -> Option<StateRow> {
         match state {
             StopState::Pressed => Some((*self.stops[i].force).clone()),
             StopState::Capped => Some(2.0 * &*self.stops[i].spring),
@@ -124,9 +124,8 @@ impl System {
         }
     }
 
-    /// The force of a friction in a state in which the state determines it: slipping, or at its
-    /// level while it sticks.
-    pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<Row> {
+    /// The force of a friction in a state that determines it: slipping, or held at its level.
+    pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<StateRow> {
         let friction = &self.frictions[i];
         match state {
             FrictionState::Up => Some(friction.level.clone()),
@@ -159,13 +158,12 @@ impl System {
         }
     }
 
-    /// M⁻¹ times the forces that the state determines in given states: accelerations without
-    /// contact forces.
+    /// Accelerations without contact forces, in given states of stops and frictions, as rows.
     pub fn free_acceleration(&self, stops: &[StopState], frictions: &[FrictionState]) -> DMatrix<f64> {
         self.accelerations(&self.forces, stops, frictions)
     }
 
-    /// M⁻¹ times some forces that always act and those that the state determines in given states.
+    /// M⁻¹ times the sum of the forces `always` and the forces that the given states determine.
     fn accelerations(
         &self,
         always: &DMatrix<f64>,
@@ -183,7 +181,7 @@ impl System {
                 add_outer(&mut forces, &self.frictions[i].elongation.w, &force);
             }
         }
-        // Forces are summed up before they are divided, so that what cancels leaves zeros.
+        // Forces are summed before they are divided, so that cancelling ones leave exact zeros.
         if self.is_diagonal {
             for (mut row, inertia) in forces.row_iter_mut().zip(self.mass.diagonal().iter()) {
                 row /= *inertia;
@@ -193,7 +191,7 @@ impl System {
         self.inertia.solve(&forces)
     }
 
-    /// L⁻¹ w of several contacts as columns.
+    /// L⁻¹ w of contacts, as columns.
     pub fn columns(&self, contacts: &[Contact]) -> DMatrix<f64> {
         let mut columns = DMatrix::zeros(self.coordinates, contacts.len());
         for (k, &contact) in contacts.iter().enumerate() {
@@ -202,7 +200,8 @@ impl System {
         columns
     }
 
-    /// An independent part of contacts, in their order of preference.
+    /// The largest independent part of contacts, given in order of preference; the result is
+    /// sorted.
     pub fn independent(&self, contacts: &[Contact]) -> Vec<Contact> {
         let places: Vec<usize> = (0..contacts.len()).collect();
         let mut basis: Vec<Contact> =
@@ -211,7 +210,7 @@ impl System {
         basis
     }
 
-    /// The mode in which an element has another state.
+    /// The mode that differs from `mode` by the state of an element.
     pub fn with_element(&self, mode: &Mode, element: ElementState) -> Mode {
         let mut mode = mode.clone();
         match element {
@@ -223,8 +222,8 @@ impl System {
     }
 }
 
-/// Takes a force in a direction from the forces on the coordinates.
-fn add_outer(forces: &mut DMatrix<f64>, w: &DVector<f64>, force: &Row) {
+/// Subtracts a force in direction w from the forces on the coordinates.
+fn add_outer(forces: &mut DMatrix<f64>, w: &DVector<f64>, force: &StateRow) {
     for (i, &w) in w.iter().enumerate().filter(|(_, w)| **w != 0.0) {
         forces.row_mut(i).iter_mut().zip(force.iter()).for_each(|(sum, f)| *sum -= w * f);
     }

@@ -9,7 +9,7 @@
 
 use crate::check::{check, check_under_way};
 use crate::description::{Description, Dimension};
-use crate::kinds::Kind;
+use crate::kinds::NumberKind;
 use crate::refusal::{Problem, Refusal, advice};
 use crate::slots::{Slot, slots};
 use vibro_impact::parameters::Range;
@@ -26,7 +26,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// In the SI unit.
     pub value: f64,
-    kind: Kind,
+    kind: NumberKind,
     dimension: Dimension,
 }
 
@@ -52,7 +52,7 @@ impl Parameter {
 const LONGEST_NUMBER: usize = 100;
 
 /// Reads an allowed number of a kind, with or without a unit.
-pub(crate) fn read(kind: Kind, dimension: Dimension, text: &str) -> Option<f64> {
+pub(crate) fn read(kind: NumberKind, dimension: Dimension, text: &str) -> Option<f64> {
     let short = Some(text.trim()).filter(|text| text.len() <= LONGEST_NUMBER)?;
     quantity_in(kind.unit(dimension), short).map(|q| q.value).filter(|&v| kind.contains(v))
 }
@@ -73,13 +73,17 @@ impl Description {
     ///     gap = "1 m"
     ///     restitution = 0.9
     /// "#;
-    /// let mut ball = vibro_assembly::file::parse(text, "ball.toml", &vibro_assembly::file::no_records)?;
+    /// use vibro_assembly::file::{no_records, parse};
+    /// let mut ball = parse(text, "ball.toml", &no_records)?;
     /// let names: Vec<_> = ball.parameters().into_iter().map(|p| p.name).collect();
     /// assert_eq!(names[..3], ["gravity", "body.ball.mass", "body.ball.gravity"]);
     /// ball.replace("stop.floor.restitution", 0.8)?;
     /// assert_eq!(ball.get("stop.floor.restitution")?, 0.8);
     /// let refused = ball.replace("stop.floor.restitution", 1.2).unwrap_err();
-    /// assert_eq!(refused.to_string(), "stop.floor.restitution = 1.2: allowed is a number from 0 to 1");
+    /// assert_eq!(
+    ///     refused.to_string(),
+    ///     "stop.floor.restitution = 1.2: allowed is a number from 0 to 1"
+    /// );
     /// # Ok::<(), vibro_assembly::Refusal>(())
     /// ```
     pub fn parameters(&self) -> Vec<Parameter> {

@@ -5,8 +5,8 @@ mod factor;
 use crate::description::{Description, StopLaw};
 use crate::error::Error;
 use crate::law::Sizes;
-use crate::law::box_qp::Problem;
-use crate::system::{Row, SpringRows, System};
+use crate::law::box_qp::BoxProblem;
+use crate::system::{SpringRows, StateRow, System};
 use factor::Factor;
 use nalgebra::{DMatrix, DVector};
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -31,8 +31,8 @@ const FINE: f64 = 1e-28;
 
 /// What holds a machine at rest.
 struct Holding {
-    contacts: Vec<Contact>,
-    springs: Vec<Spring>,
+    contacts: Vec<RestContact>,
+    springs: Vec<RestSpring>,
     /// The force on the coordinates at q = 0 but for the contacts.
     force: DVector<f64>,
     /// Its terms' sizes.
@@ -42,12 +42,12 @@ struct Holding {
 /// What a force acts on: coordinates with their arms.
 type Direction = Vec<(usize, f64)>;
 
-struct Spring {
+struct RestSpring {
     w: Direction,
     stiffness: f64,
 }
 
-struct Contact {
+struct RestContact {
     w: Direction,
     /// Its elongation, less that where it begins to act, at q = 0.
     excess: f64,
@@ -58,7 +58,7 @@ struct Contact {
 
 /// Which level of friction holds.
 #[derive(Clone, Copy, PartialEq)]
-enum Friction {
+enum FrictionLevel {
     None,
     Slipping,
     Static,
@@ -67,7 +67,7 @@ enum Friction {
 /// Where it stands, and the contacts' forces. Both have 32 digits, so that a stiff spring's force
 /// is known however small a part of the places its elongation is, and a soft one's however small it
 /// is beside forces that cancel.
-struct Place {
+struct RestState {
     q: Vec<DoubleDouble>,
     lambda: Vec<DoubleDouble>,
 }
@@ -86,12 +86,12 @@ struct Weighted {
 /// # Errors
 /// [`Error::NoEquilibrium`], with the body that is accelerated most.
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
-    let mut z = Row::zeros(system.signals.size);
+    let mut z = StateRow::zeros(system.signals.size);
     let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
     system.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
     let n = system.coordinates;
     let mut worst = None;
-    for friction in [Friction::None, Friction::Slipping, Friction::Static] {
+    for friction in [FrictionLevel::None, FrictionLevel::Slipping, FrictionLevel::Static] {
         match Holding::new(system, &z, friction).settle(&system.mass) {
             Ok(q) => return Ok(q),
             Err(left) => worst = Some(left),
@@ -129,7 +129,7 @@ fn amax(q: &[DoubleDouble]) -> f64 {
 
 impl Holding {
     /// What holds a machine whose augmented state is `z` at q = 0.
-    fn new(system: &System, z: &Row, friction: Friction) -> Self {
+    fn new(system: &System, z: &StateRow, friction: FrictionLevel) -> Self {
         let mut force = &system.forces * z;
         let mut sizes = system.forces.abs() * z.abs();
         let mut contacts = Vec::new();
@@ -140,24 +140,24 @@ impl Holding {
                 StopLaw::Compliant { .. } => continue,
             };
             let (w, excess) = (direction(&stop.elongation.w), stop.excess.dot(z));
-            contacts.push(Contact { w, excess, force: (0.0, f64::INFINITY), compliance });
+            contacts.push(RestContact { w, excess, force: (0.0, f64::INFINITY), compliance });
         }
         let known = signal_sizes(system, z);
         for rows in &system.frictions {
             let rate = rows.elongation.rate.dot(z);
-            let level = if friction == Friction::Static { &rows.static_level } else { &rows.level };
+            let level = if friction == FrictionLevel::Static { &rows.static_level } else { &rows.level };
             let level = level.dot(z).max(0.0);
             let w = &rows.elongation.w;
             if rate.abs() > known.zero_of(&rows.elongation.rate) {
                 // A body that moves as prescribed rubs against those at rest.
                 force.axpy(-rate.signum() * rows.level.dot(z).max(0.0), w, 1.0);
                 sizes += w.abs() * level;
-            } else if friction != Friction::None && level > 0.0 {
+            } else if friction != FrictionLevel::None && level > 0.0 {
                 let force = (-level, level);
-                contacts.push(Contact { w: direction(w), excess: 0.0, force, compliance: 0.0 });
+                contacts.push(RestContact { w: direction(w), excess: 0.0, force, compliance: 0.0 });
             }
         }
-        let spring = |s: &SpringRows| Spring { w: direction(&s.elongation.w), stiffness: s.stiffness };
+        let spring = |s: &SpringRows| RestSpring { w: direction(&s.elongation.w), stiffness: s.stiffness };
         let springs = system.springs.iter().map(spring).filter(|s| s.stiffness > 0.0).collect();
         Self { contacts, springs, force, sizes }
     }
@@ -167,7 +167,8 @@ impl Holding {
     fn settle(&self, mass: &DMatrix<f64>) -> Result<DVector<f64>, DVector<f64>> {
         let (mut weight, mut least) = self.weights(mass);
         let zero = DoubleDouble::default();
-        let mut place = Place { q: vec![zero; self.force.len()], lambda: vec![zero; self.contacts.len()] };
+        let mut place =
+            RestState { q: vec![zero; self.force.len()], lambda: vec![zero; self.contacts.len()] };
         let (mut left, mut rounding) = self.left(&place);
         let is_balanced = |left: &[DoubleDouble], rounding: &DVector<f64>| {
             left.iter().zip(rounding.iter()).all(|(left, rounding)| left.value().abs() <= *rounding)
@@ -219,7 +220,7 @@ impl Holding {
     /// The force on each coordinate that is left at a place, and what of it counts as rounding: a
     /// part of what springs and contacts bear there, and what a difference of places leaves of a
     /// stiffness.
-    fn left(&self, place: &Place) -> (Vec<DoubleDouble>, DVector<f64>) {
+    fn left(&self, place: &RestState) -> (Vec<DoubleDouble>, DVector<f64>) {
         let mut left: Vec<_> = self.force.iter().map(|&f| DoubleDouble::new(f)).collect();
         let mut rounding = BALANCED * &self.sizes;
         let mut bear = |w: &Direction, force: DoubleDouble, stiffness: f64| {
@@ -227,7 +228,7 @@ impl Holding {
             let own = BALANCED * force.value().abs() + FINE * stiffness * size_along(w, &place.q);
             w.iter().for_each(|&(k, w)| rounding[k] += w.abs() * own);
         };
-        for Spring { w, stiffness } in &self.springs {
+        for RestSpring { w, stiffness } in &self.springs {
             bear(w, along(w, &place.q).times(DoubleDouble::new(*stiffness)), *stiffness);
         }
         for (contact, &force) in self.contacts.iter().zip(&place.lambda) {
@@ -242,7 +243,7 @@ impl Holding {
         let (n, m) = (self.force.len(), self.contacts.len());
         let wide = DoubleDouble::new;
         let mut stiffness = mass.map(|inertia| wide(inertia).times(wide(weight)));
-        for Spring { w, stiffness: k } in &self.springs {
+        for RestSpring { w, stiffness: k } in &self.springs {
             for &(i, a) in w {
                 let row = wide(a).times(wide(*k));
                 w.iter().for_each(|&(j, b)| stiffness[(i, j)] = stiffness[(i, j)] + row.times(wide(b)));
@@ -268,7 +269,7 @@ impl Holding {
         &self,
         weighted: &Weighted,
         left: &[DoubleDouble],
-        place: &mut Place,
+        place: &mut RestState,
     ) -> Option<Vec<DoubleDouble>> {
         let m = self.contacts.len();
         let mut free = left.to_vec();
@@ -287,7 +288,7 @@ impl Holding {
             DVector::from_fn(m, |k, _| of(&self.contacts[k].force) - place.lambda[k].value())
         };
         let (lo, hi) = (bound(|f| f.0), bound(|f| f.1));
-        let change = Problem { columns: weighted.columns.clone(), b, lo, hi, zero }.solve().ok()?.lambda;
+        let change = BoxProblem { columns: weighted.columns.clone(), b, lo, hi, zero }.solve().ok()?.lambda;
         let mut by_q = left.to_vec();
         for (contact, &change) in self.contacts.iter().zip(change.iter()) {
             take(DoubleDouble::new(change), &contact.w, &mut by_q);
@@ -301,7 +302,7 @@ impl Holding {
 
 /// The sizes of the signals at rest: of harmonics those that they have at any time, so that the
 /// rounding of one that is zero counts as such.
-fn signal_sizes(system: &System, z: &Row) -> Sizes {
+fn signal_sizes(system: &System, z: &StateRow) -> Sizes {
     let mut sizes = Sizes(z.abs());
     (system.signals.one..system.signals.constant_size_until()).for_each(|j| sizes.0[j] = 1.0);
     sizes

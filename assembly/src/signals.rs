@@ -13,7 +13,7 @@ pub type Input = [f64; 4];
 
 /// The part of a signal that is a polynomial between knots.
 #[derive(Clone, Debug)]
-struct Piece {
+struct SignalPiece {
     /// Place of its value in the augmented state; its derivatives follow.
     first: usize,
     /// Value and derivatives that are carried.
@@ -109,7 +109,7 @@ pub struct Signals {
     pub one: usize,
     /// Frequencies, Hz; each has a cosine and a sine behind the number 1.
     frequencies: Vec<f64>,
-    pieces: Vec<Piece>,
+    pieces: Vec<SignalPiece>,
     /// The times of all steps and of all knots of records, in order.
     knots: Vec<f64>,
     /// The length of the augmented state.
@@ -174,7 +174,7 @@ impl Builder {
                 self.signals.inputs += 1;
                 self.signals.inputs - 1
             });
-            self.signals.pieces.push(Piece {
+            self.signals.pieces.push(SignalPiece {
                 first: 0,
                 count: degree + 1,
                 steps: signal.steps.clone(),

@@ -1,12 +1,12 @@
 //! The numbers of a description by their dotted names, as places that can be read and written.
 
 use crate::description::{Arms, Body, BodyKind, Description, Dimension, Free, Signal, StopLaw};
-use crate::kinds::{self, Kind};
+use crate::kinds::{self, NumberKind};
 
 /// The place of a number in a description.
 pub(crate) struct Slot<'a> {
     pub name: String,
-    pub kind: Kind,
+    pub kind: NumberKind,
     pub dimension: Dimension,
     pub value: &'a mut f64,
 }
@@ -18,7 +18,7 @@ struct Slots<'a> {
 }
 
 impl<'a> Slots<'a> {
-    fn push(&mut self, name: String, kind: Kind, value: &'a mut f64) {
+    fn push(&mut self, name: String, kind: NumberKind, value: &'a mut f64) {
         self.all.push(Slot { name, kind, dimension: self.dimension, value });
     }
 
@@ -75,7 +75,7 @@ impl<'a> Slots<'a> {
         }
     }
 
-    fn signal(&mut self, of: &str, signal: &'a mut Signal, kind: Kind) {
+    fn signal(&mut self, of: &str, signal: &'a mut Signal, kind: NumberKind) {
         self.push(format!("{of}.constant"), kind, &mut signal.constant);
         let one = signal.harmonics.len() == 1;
         for (i, harmonic) in signal.harmonics.iter_mut().enumerate() {

@@ -6,7 +6,7 @@ mod rows;
 mod stiff;
 
 pub use parts::Part;
-pub use rows::{BodyRows, Elongation, FrictionRows, Functional, Row, SpringRows, StopRows};
+pub use rows::{BodyRows, Elongation, FrictionRows, Functional, SpringRows, StateRow, StopRows};
 
 use crate::description::{Arms, BodyKind, Description, StopLaw};
 use crate::elements::Element;
@@ -50,7 +50,7 @@ pub struct System {
     /// Friction.
     pub frictions: Vec<FrictionRows>,
     /// The force of each load.
-    pub loads: Vec<Row>,
+    pub loads: Vec<StateRow>,
     /// The body of each load.
     pub load_bodies: Vec<usize>,
     /// Whether any body's motion is prescribed.
@@ -207,15 +207,16 @@ impl System {
     }
 
     /// A row with the number 1's coordinate alone.
-    fn constant(&self, value: f64) -> Row {
-        let mut row = Row::zeros(self.signals.size);
+    fn constant(&self, value: f64) -> StateRow {
+        let mut row = StateRow::zeros(self.signals.size);
         row[self.signals.one] = value;
         row
     }
 
     fn elongation(&self, arms: &Arms) -> Elongation {
         let size = self.signals.size;
-        let (mut e, mut rate, mut drift) = (Row::zeros(size), Row::zeros(size), Row::zeros(size));
+        let (mut e, mut rate, mut drift) =
+            (StateRow::zeros(size), StateRow::zeros(size), StateRow::zeros(size));
         let mut w = DVector::zeros(self.coordinates);
         for &(body, arm) in &arms.terms {
             let rows = &self.bodies[body];
@@ -231,7 +232,7 @@ impl System {
     }
 
     /// The parts of every element, in the description's order.
-    fn add_elements(&mut self, d: &Description, levels: &[(usize, Option<usize>)], rows: &[Row]) {
+    fn add_elements(&mut self, d: &Description, levels: &[(usize, Option<usize>)], rows: &[StateRow]) {
         let mut loads = 0;
         for element in d.elements() {
             let parts = match element {
@@ -275,7 +276,7 @@ impl System {
         vec![Part::Stop(self.stops.len() - 1)]
     }
 
-    fn add_friction(&mut self, arms: &Arms, level: &Row, static_level: Option<&Row>) -> Vec<Part> {
+    fn add_friction(&mut self, arms: &Arms, level: &StateRow, static_level: Option<&StateRow>) -> Vec<Part> {
         self.frictions.push(FrictionRows {
             elongation: self.elongation(arms),
             level: level.clone(),
@@ -325,11 +326,11 @@ fn bodies(
     reduction: &Reduction,
     signals: &Signals,
     motions: &[Option<usize>],
-    rows: &[Row],
+    rows: &[StateRow],
 ) -> Vec<BodyRows> {
     let n = reduction.kept.len();
     let prescribed = |i: usize, order: usize| {
-        let mut sum = Row::zeros(signals.size);
+        let mut sum = StateRow::zeros(signals.size);
         for (j, motion) in motions.iter().enumerate() {
             let weight = reduction.prescribed[i][j];
             if let Some(motion) = motion.filter(|_| weight != 0.0) {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use vibro_assembly::flow::{ORDERS, SparseMatrix, rate_bound};
 use vibro_assembly::mode::{Linear, Mode, Watch};
 use vibro_assembly::motion::{Event, Outcome};
-use vibro_assembly::system::{Row, System};
+use vibro_assembly::system::{StateRow, System};
 use vibro_assembly::{Error, Motion, Quantity};
 use vibro_impact::events::turns;
 
@@ -36,9 +36,9 @@ pub struct Flow {
     /// Bound of the norm of A, 1/s.
     rate: f64,
     /// Forces of the mode's independent contacts.
-    pub lambda: Vec<Row>,
+    pub lambda: Vec<StateRow>,
     /// Functionals that end the mode, each negative inside it.
-    pub watched: Vec<(Watch, Row)>,
+    pub watched: Vec<(Watch, StateRow)>,
 }
 
 impl Flow {

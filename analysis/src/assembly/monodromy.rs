@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, Schur};
 use vibro_assembly::Motion;
 use vibro_assembly::description::Dimension;
 use vibro_assembly::neutral::Neutral;
-use vibro_assembly::system::{Elongation, Row, System};
+use vibro_assembly::system::{Elongation, StateRow, System};
 
 /// Rounding of a state in units of `f64::EPSILON`, and the most of its size that counts as
 /// rounding.
@@ -67,7 +67,7 @@ fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>>
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
     let held: Vec<_> = springs.chain(system.stops.iter().map(|s| &s.elongation)).collect();
-    let by_time = |row: &Row| row.iter().zip(change).skip(2 * n).map(|(r, x)| r * x).sum::<f64>();
+    let by_time = |row: &StateRow| row.iter().zip(change).skip(2 * n).map(|(r, x)| r * x).sum::<f64>();
     let row = |e: &Elongation| if rates { -by_time(&e.rate) } else { -by_time(&e.e) };
     let changes = DVector::from_iterator(held.len(), held.iter().map(|e| row(e)));
     if changes.iter().all(|change| *change == 0.0) {

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use vibro_assembly::Motion;
 use vibro_assembly::description::{Description, Dimension};
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::system::{Elongation, Part, Row, System};
+use vibro_assembly::system::{Elongation, Part, StateRow, System};
 
 /// Speed of contacts relative to the fastest below which they are chatter, whose number does not
 /// count for a period.
@@ -33,7 +33,7 @@ const SAMPLES: u32 = 8;
 /// Functionals that must return.
 #[derive(Clone, Debug)]
 pub struct Functionals {
-    rows: Vec<Row>,
+    rows: Vec<StateRow>,
     /// Kind of each: elongation or rate, of translation or rotation.
     kinds: Vec<usize>,
     /// For the rate of an element with stiffness the index of its elongation, and the frequency,
@@ -47,7 +47,7 @@ impl Functionals {
     /// The functionals of a machine with a section.
     pub fn of(d: &Description, system: &System, section: &Section) -> Self {
         let (mut all, mut kinds, mut stiff) = (Vec::new(), Vec::new(), Vec::new());
-        let mut push = |row: &Row, kind: usize, stiffness: Option<(&Elongation, f64)>| {
+        let mut push = |row: &StateRow, kind: usize, stiffness: Option<(&Elongation, f64)>| {
             let frequency = |(e, k): (&Elongation, f64)| (k * e.w.dot(&e.mobility)).max(0.0).sqrt();
             stiff.push(stiffness.map(|own| (all.len() - 1, frequency(own))));
             all.push(row.clone());
@@ -79,7 +79,7 @@ impl Functionals {
     /// sizes of their terms.
     fn at(&self, motion: &Motion) -> (Vec<f64>, Vec<f64>) {
         let z = motion.state();
-        let size = |row: &Row| row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum::<f64>();
+        let size = |row: &StateRow| row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum::<f64>();
         let mut values: Vec<f64> = self.rows.iter().map(|row| row.dot(z)).collect();
         let mut sizes: Vec<f64> = self.rows.iter().map(size).collect();
         for (i, stiff) in self.stiff.iter().enumerate() {
@@ -96,7 +96,7 @@ impl Functionals {
 
     /// Changes of the functionals, without phases, for a change of the state (q, q').
     fn changes(&self, change: &[f64]) -> Vec<f64> {
-        let along = |row: &Row| row.iter().zip(change).map(|(r, x)| r * x).sum();
+        let along = |row: &StateRow| row.iter().zip(change).map(|(r, x)| r * x).sum();
         self.rows.iter().map(along).collect()
     }
 }

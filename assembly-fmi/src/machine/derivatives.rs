@@ -3,7 +3,7 @@
 
 use super::Machine;
 use crate::problem::MachineProblem;
-use crate::table::{Quantity, Row};
+use crate::table::{Quantity, VariableRow};
 use fmi_doors::{Bases, Interface, Problem};
 use vibro_assembly::Motion;
 
@@ -12,7 +12,7 @@ pub(crate) const OUTPUT_ORDER: u32 = 3;
 
 impl Machine {
     /// The row of a variable whose value is linear in states and signals.
-    fn linear(&self, reference: u32, what: &'static str) -> Result<&Row, MachineProblem> {
+    fn linear(&self, reference: u32, what: &'static str) -> Result<&VariableRow, MachineProblem> {
         let row = self.plan.table.row(reference, Bases::ANY)?;
         match row.quantity {
             Quantity::Column(_) => Ok(row),

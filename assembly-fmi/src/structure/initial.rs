@@ -1,4 +1,5 @@
-//! What unknowns depend on in initialization, where states follow from their starts.
+//! Dependencies in initialization, where the states follow from start values (FMI 3.0.2, 2.4.8,
+//! `InitialUnknown`).
 
 use super::Structure;
 use super::knowns::{Knowns, put};
@@ -8,7 +9,8 @@ use vibro_assembly::Element;
 use vibro_assembly::elements::Action;
 
 impl Structure<'_> {
-    /// What a variable depends on in initialization, where states follow from their starts.
+    /// The knowns of a variable in initialization: those of [`of`](Self::of), with each state
+    /// replaced by the knowns of its start.
     pub(super) fn initially(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
         for (known, _) in self.of(quantity) {
@@ -20,8 +22,8 @@ impl Structure<'_> {
         knowns
     }
 
-    /// What a state begins with: its start, or rest under all loads, and the impacts of the first
-    /// instant.
+    /// Adds the knowns of a state's initial value: its start value, or equilibrium under all loads;
+    /// of a rate also the impacts of the first instant.
     fn start(&self, body: usize, order: usize, knowns: &mut Knowns) {
         self.start_alone(body, order, knowns);
         let group = &self.groups[&self.group_of[body]];

@@ -1,13 +1,13 @@
-//! Sets of knowns, and how they enter.
+//! Sets of knowns with their dependency kinds (FMI 3.0.2, 2.4.8, `dependenciesKind`).
 
 use fmi_doors::DependencyKind;
 use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
 use std::collections::BTreeMap;
 
-/// Knowns by value reference, and how they enter.
+/// Dependency kinds by value reference of the known.
 pub(super) type Knowns = BTreeMap<u32, DependencyKind>;
 
-/// The less a kind says of how a known enters, the higher.
+/// Rank of a kind: the weaker its statement, the higher.
 fn rank(kind: DependencyKind) -> u8 {
     match kind {
         Constant => 0,
@@ -18,7 +18,7 @@ fn rank(kind: DependencyKind) -> u8 {
     }
 }
 
-/// Adds a known that enters in a way, and maybe in another besides.
+/// Adds a known; of two kinds the weaker statement holds.
 pub(super) fn put(into: &mut Knowns, known: u32, kind: DependencyKind) {
     let entry = into.entry(known).or_insert(kind);
     if rank(kind) > rank(*entry) {
@@ -26,7 +26,7 @@ pub(super) fn put(into: &mut Knowns, known: u32, kind: DependencyKind) {
     }
 }
 
-/// Adds knowns, whose factors are multiplied with one of this kind.
+/// Adds knowns whose factors are multiplied by one of kind `times`.
 pub(super) fn join(into: &mut Knowns, from: &Knowns, times: DependencyKind) {
     for (&known, &kind) in from {
         put(into, known, if rank(times) > rank(kind) { times } else { kind });

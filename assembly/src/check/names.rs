@@ -1,24 +1,24 @@
-//! Names, and how much there is of everything.
+//! Checks of names and counts.
 
 use super::MOST;
 use crate::description::Description;
 use crate::refusal::Problem;
 use std::collections::HashMap;
 
-/// Letters of a name: FMU variables and columns of tables are named after it.
+/// Most letters of a name, which FMU variables and table columns repeat.
 const LONGEST: usize = 100;
 
-/// What a name consists of.
+/// The allowed names, in words.
 const NAME: &str = "allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first";
 
-/// What is wrong with a name, if anything.
+/// The problem of a name, if it has one.
 pub(crate) fn problem_of(name: &str) -> Option<&'static str> {
     let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     let good = letters && name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.len() <= LONGEST;
     (!good).then_some(NAME)
 }
 
-/// Problems of the names and of the numbers of things.
+/// Problems of names and counts.
 pub(super) fn check(machine: &Description) -> Vec<Problem> {
     let mut problems = Vec::new();
     if let Some(text) = problem_of(&machine.name) {
@@ -49,8 +49,8 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     problems
 }
 
-/// Names are well formed, and each is there once: outputs of elements are called by name without
-/// their section.
+/// Problems of names that must be well formed and unique. Elements of different sections share no
+/// name, since outputs are named without the section.
 fn unique<'a>(names: impl Iterator<Item = (&'static str, &'a str)>, problems: &mut Vec<Problem>) {
     let mut first = HashMap::new();
     for (section, name) in names {

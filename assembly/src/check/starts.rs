@@ -1,19 +1,18 @@
-//! Starts: links hold and rigid stops are not passed at time 0.
+//! Checks of the start: at time 0 links hold and rigid stops are not violated.
 
 use super::refused;
 use crate::description::{Arms, BodyKind, Description, Dimension, Record, Signal, StopLaw};
 use crate::refusal::Problem;
 use std::f64::consts::TAU;
 
-/// Where a link holds in start values that were written with ten digits or more.
+/// Relative error up to which a link holds, for start values written with ten digits.
 const WRITTEN: f64 = 1e-9;
 
-/// Zero, against the sizes of the terms: what round-off leaves of numbers that are equal as they
-/// were written.
+/// Relative rounding of sums of numbers that are equal in the file.
 const ZERO: f64 = 1e-13;
 
-/// Problems of the start of a machine that is sound otherwise. What the start at rest is, only the
-/// equilibrium shows.
+/// Problems of the start; requires a machine without other problems. A start at rest is checked by
+/// [`equilibrium`](crate::rest::equilibrium).
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.starts_at_rest {
         return at_rest(machine, problems);
@@ -63,14 +62,14 @@ fn unit(dimension: Dimension) -> &'static str {
     }
 }
 
-/// An elongation or its rate at the start, and the largest that its terms' sizes allow.
+/// An elongation (`which` 0) or its rate (1) at the start, and the sum of its terms' sizes.
 fn elongation(arms: &Arms, starts: &[[f64; 2]], which: usize) -> (f64, f64) {
     let terms = arms.terms.iter().map(|&(body, arm)| arm * starts[body][which]);
     terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()))
 }
 
-/// Coordinate and rate at time 0. NaN, with which no comparison holds, is where a cubic record is
-/// between two knots.
+/// Coordinate and rate at time 0. They are NaN, with which no comparison holds, where a cubic
+/// record is between two knots.
 fn start(kind: &BodyKind) -> [f64; 2] {
     let (motion, rate) = match kind {
         BodyKind::Free(free) => return [free.s, free.v],
@@ -80,7 +79,7 @@ fn start(kind: &BodyKind) -> [f64; 2] {
     [s, v + rate]
 }
 
-/// A signal and its rate just after time 0, with nothing put in from outside.
+/// A signal and its rate just after time 0, with zero input.
 fn signal(signal: &Signal) -> [f64; 2] {
     let mut sum = [signal.constant, 0.0];
     for harmonic in &signal.harmonics {

@@ -1,19 +1,19 @@
-//! The powers in a mode: each is a product of two functionals of the state, and its mean over a
-//! flight is found by Gauss's rule.
+//! The powers in a mode: products of two functionals of the state, whose means over an interval are
+//! computed by Gauss's rule.
 
-use super::long::Work;
+use super::long::WorkIntegral;
 use super::{AtNodes, NODES};
 use crate::description::StopLaw;
-use crate::flow::{Ladder, Series, Table, taylor};
+use crate::flow::{FlowTable, Ladder, Series, taylor};
 use crate::kernel::{Sparse, SparseColumns};
 use crate::mode::{Mode, StopState};
-use crate::system::{Row, System};
+use crate::system::{StateRow, System};
 
-/// Taylor coefficients of a functional over a sub-step. With rate times length at most 3 the first
-/// one left out is under 3³²/32! < 8e-21 of the largest coordinate.
+/// Number of Taylor coefficients of a functional over a sub-step. With rate times length at most 3
+/// the first omitted term is below 3³²/32! < 8e-21 of the largest coordinate.
 const TERMS: usize = 32;
 
-/// Powers of the nodes' places, by order.
+/// Powers of the [`NODES`]' abscissas, by order.
 const POWERS: [AtNodes; TERMS] = {
     let mut powers = [[1.0; NODES.len()]; TERMS];
     let mut k = 1;
@@ -28,29 +28,29 @@ const POWERS: [AtNodes; TERMS] = {
     powers
 };
 
-/// What a power is put to.
+/// The account to which a power belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Account {
-    /// A load's work.
+    /// Work of a load.
     Load(usize),
-    /// The work of prescribed motions.
+    /// Work of prescribed motions.
     Motions,
-    /// What a spring's dashpot loses.
+    /// Loss in a spring's dashpot.
     Dashpot(usize),
-    /// What a compliant stop loses.
+    /// Loss in a compliant stop.
     Stop(usize),
-    /// What a friction loses.
+    /// Loss in a friction.
     Friction(usize),
 }
 
-/// A flight.
+/// The states within an interval of time, from which powers are computed.
 pub enum Samples<'a> {
-    /// The state where it begins, and its part of the sub-step: where coefficients
-    /// [are kept](Powers::are_dense).
+    /// The initial state and the interval's fraction of a sub-step; requires
+    /// [stored coefficients](Powers::are_dense).
     Start(&'a [f64], f64),
-    /// The state's power series over a sub-step, and the flight's part of it.
+    /// The state's power series over a sub-step, and the interval's fraction of it.
     Series(&'a Series, f64),
-    /// The states at the nodes, likewise.
+    /// The states at the [`NODES`] one after another, and the length of each.
     States(&'a [f64], usize),
 }
 
@@ -59,7 +59,7 @@ pub enum Samples<'a> {
 struct Power {
     account: Account,
     factor: f64,
-    /// The functionals' places.
+    /// Places of the two functionals.
     of: [usize; 2],
 }
 
@@ -70,13 +70,13 @@ pub struct Powers {
     /// Taylor coefficients of each row, in units of a sub-step, by coordinate.
     columns: Vec<SparseColumns<TERMS>>,
     all: Vec<Power>,
-    /// The same over long sub-steps, by the rung of the ladder; made when they are first needed.
-    long: Ladder<Vec<Work>>,
+    /// Work of each power over 2^k sub-steps, made on first use.
+    long: Ladder<Vec<WorkIntegral>>,
 }
 
 impl Powers {
-    /// Of a machine in a mode.
-    pub fn new(system: &System, mode: &Mode, table: &Table) -> Self {
+    /// The powers of a machine in a mode.
+    pub fn new(system: &System, mode: &Mode, table: &FlowTable) -> Self {
         let mut powers = Self::default();
         powers.add_losses(system, mode);
         if system.has_motions {
@@ -90,14 +90,14 @@ impl Powers {
         powers
     }
 
-    /// The work of each power over 2^`k` sub-steps from `z`, with its account.
-    pub fn for_each_work(&self, k: usize, table: &Table, z: &[f64], mut take: impl FnMut(Account, f64)) {
+    /// Calls `take` with the account and the work of each power over 2^`k` sub-steps from `z`.
+    pub fn for_each_work(&self, k: usize, table: &FlowTable, z: &[f64], mut take: impl FnMut(Account, f64)) {
         for (power, work) in self.all.iter().zip(self.works(k, table)) {
             take(power.account, power.factor * work.of(z));
         }
     }
 
-    fn works(&self, k: usize, table: &Table) -> &[Work] {
+    fn works(&self, k: usize, table: &FlowTable) -> &[WorkIntegral] {
         self.long.at(k).get_or_init(|| match k.checked_sub(1) {
             Some(below) => {
                 let rung = table.rung(below);
@@ -110,12 +110,15 @@ impl Powers {
                     columns.iter().map(|c: &[f64; TERMS]| at_nodes(c)).collect::<Vec<_>>()
                 };
                 let rows: Vec<_> = self.rows.iter().map(at_nodes).collect();
-                self.all.iter().map(|power| Work::new(power.of.map(|i| &rows[i][..]), table.length)).collect()
+                self.all
+                    .iter()
+                    .map(|power| WorkIntegral::new(power.of.map(|i| &rows[i][..]), table.length))
+                    .collect()
             }
         })
     }
 
-    fn add(&mut self, account: Account, factor: f64, left: &Row, right: &Row) {
+    fn add(&mut self, account: Account, factor: f64, left: &StateRow, right: &StateRow) {
         let rows = [left, right].map(|row| Sparse::of(row.as_slice()));
         if factor == 0.0 || rows.iter().any(|row| row.terms().is_empty()) {
             return;
@@ -129,8 +132,8 @@ impl Powers {
         self.all.push(Power { account, factor, of });
     }
 
-    /// Loads, and what is lost; of compliant stops what their force does beyond the stored energy ½
-    /// k max(0, e - gap)².
+    /// Adds loads and losses. The loss of a compliant stop is the work of its force beyond the
+    /// stored energy ½ k max(0, e - gap)².
     fn add_losses(&mut self, system: &System, mode: &Mode) {
         for (i, (row, &body)) in system.loads.iter().zip(&system.load_bodies).enumerate() {
             self.add(Account::Load(i), 1.0, row, &system.bodies[body].v);
@@ -156,10 +159,10 @@ impl Powers {
         }
     }
 
-    /// What prescribed bodies put in (docs/assembly-law.md (A17)).
-    fn add_motions(&mut self, system: &System, mode: &Mode, table: &Table) {
+    /// Adds the powers of prescribed bodies (docs/assembly-law.md (A17)).
+    fn add_motions(&mut self, system: &System, mode: &Mode, table: &FlowTable) {
         let n = system.coordinates;
-        let mut add = |factor: f64, force: &Row, rate: &Row| {
+        let mut add = |factor: f64, force: &StateRow, rate: &StateRow| {
             let mut prescribed = rate.clone();
             prescribed.rows_mut(n, n).fill(0.0);
             self.add(Account::Motions, factor, force, &prescribed);
@@ -183,7 +186,7 @@ impl Powers {
         for (&contact, force) in mode.basis.iter().zip(&table.lambda) {
             add(1.0, force, &system.elongation_of(contact).rate);
         }
-        // Links that tie free bodies to prescribed ones carry these bodies' inertia and weight.
+        // Links transmit the inertia and weight of free bodies to prescribed ones.
         for (i, body) in system.bodies.iter().enumerate().filter(|(i, _)| system.inertias[*i] > 0.0) {
             let mut force = system.inertias[i] * &body.drift;
             for (k, weight) in body.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
@@ -194,18 +197,19 @@ impl Powers {
         }
     }
 
-    /// Whether their Taylor coefficients are kept.
+    /// Whether Taylor coefficients are stored, as [`Samples::Start`] requires.
     pub fn are_dense(&self) -> bool {
         !self.columns.is_empty() || self.rows.is_empty()
     }
 
-    /// Numbers that they hold.
+    /// Count of stored numbers.
     pub fn numbers(&self) -> usize {
         self.columns.iter().map(SparseColumns::numbers).sum::<usize>()
-            + self.long.made().flatten().map(Work::numbers).sum::<usize>()
+            + self.long.made().flatten().map(WorkIntegral::numbers).sum::<usize>()
     }
 
-    /// The mean of each power over a flight, with its account; `values` is memory.
+    /// Calls `take` with the account and the mean of each power over an interval. `values` is
+    /// scratch memory.
     #[inline(always)]
     pub fn for_each(&self, samples: &Samples, values: &mut Vec<AtNodes>, mut take: impl FnMut(Account, f64)) {
         values.resize(self.rows.len(), [0.0; NODES.len()]);
@@ -245,7 +249,7 @@ impl Powers {
     }
 }
 
-/// The powers of a part of a sub-step, by order.
+/// Powers of a fraction of a sub-step, by order.
 #[inline(always)]
 fn powers_of(part: f64) -> [f64; TERMS] {
     let mut parts = [1.0; TERMS];
@@ -255,7 +259,7 @@ fn powers_of(part: f64) -> [f64; TERMS] {
     parts
 }
 
-/// A power series at the nodes.
+/// Values of a power series at the [`NODES`].
 #[inline(always)]
 fn at_nodes(coefficients: &[f64; TERMS]) -> AtNodes {
     let mut sum = [0.0; NODES.len()];

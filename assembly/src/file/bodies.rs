@@ -1,19 +1,18 @@
-//! Bodies: what has mass or inertia, and what moves as prescribed.
+//! Reading of bodies: those with mass or inertia, and those with prescribed motion.
 
-use super::reading::{Reading, Table};
+use super::reading::{FileTable, Reading};
 use super::signals::{self, Values};
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Signal};
 use crate::elements::SECTIONS;
-use crate::kinds::{self, Kind};
+use crate::kinds::{self, NumberKind};
 use crate::parameters::has_unit;
 use crate::refusal::Problem;
 use toml::de::DeValue;
 
-/// The keys of which a body has exactly one.
+/// The keys of which a body has exactly one, in words.
 const KINDS: &str = "allowed is one of mass, inertia, motion";
 
-/// The bodies' names with what their coordinates are measured in, where that is known, in the
-/// file's order.
+/// Names of the bodies in the file's order, with their dimensions where these are known.
 pub(super) struct Names(Vec<(String, Option<Dimension>)>);
 
 impl Names {
@@ -28,11 +27,12 @@ impl Names {
     }
 }
 
-/// Reads the bodies. One with problems keeps its place, so that what refers to it can be read.
+/// Reads the bodies. A body with problems keeps its name, so that elements that refer to it can be
+/// read.
 pub(super) fn read(
     reading: &mut Reading,
-    root: &Table,
-    section: &[(String, Table)],
+    root: &FileTable,
+    section: &[(String, FileTable)],
     machine: &mut Description,
 ) -> Names {
     let mut names = Vec::new();
@@ -49,8 +49,8 @@ pub(super) fn read(
 fn body(
     reading: &mut Reading,
     name: &str,
-    table: &Table,
-    root: &Table,
+    table: &FileTable,
+    root: &FileTable,
     at_rest: bool,
 ) -> Option<(Dimension, BodyKind)> {
     let given: Vec<_> = ["mass", "inertia", "motion"].into_iter().filter(|key| table.has(key)).collect();
@@ -74,7 +74,13 @@ fn body(
     }
 }
 
-fn free(reading: &mut Reading, table: &Table, key: &str, dimension: Dimension, at_rest: bool) -> BodyKind {
+fn free(
+    reading: &mut Reading,
+    table: &FileTable,
+    key: &str,
+    dimension: Dimension,
+    at_rest: bool,
+) -> BodyKind {
     match dimension {
         Dimension::Translation => reading.known(table, &[key, "gravity", "start"]),
         Dimension::Rotation => reading.known(table, &[key, "start"]),
@@ -92,7 +98,8 @@ fn free(reading: &mut Reading, table: &Table, key: &str, dimension: Dimension, a
         free.s = reading.number_or(&start, "s", kinds::START, dimension, 0.0).unwrap_or(0.0);
         free.v = reading.number_or(&start, "v", kinds::START_RATE, dimension, 0.0).unwrap_or(0.0);
         if at_rest && (free.s, free.v) == (0.0, 0.0) {
-            // Two starts that agree by chance would disagree after the next change of a number.
+            // A zero start beside "rest" is refused as well: it would contradict the equilibrium
+            // after a change of a parameter.
             reading.refuse_table(
                 &start,
                 "the machine starts at rest; allowed is no start of a body beside start = \"rest\"",
@@ -105,8 +112,8 @@ fn free(reading: &mut Reading, table: &Table, key: &str, dimension: Dimension, a
 fn prescribed(
     reading: &mut Reading,
     name: &str,
-    table: &Table,
-    root: &Table,
+    table: &FileTable,
+    root: &FileTable,
 ) -> Option<(Dimension, BodyKind)> {
     reading.known(table, &["motion", "dimension"]);
     let dimension = dimension(reading, name, table, root)?;
@@ -124,10 +131,10 @@ fn prescribed(
     Some((dimension, BodyKind::Prescribed { motion, rate: rate.unwrap_or(f64::NAN) }))
 }
 
-/// What a prescribed body's coordinate is measured in: what its key says; else the dimension of the
-/// first unit in its motion; else that of a body with mass or inertia that an element stands
-/// `between` with it; else a length.
-fn dimension(reading: &mut Reading, name: &str, table: &Table, root: &Table) -> Option<Dimension> {
+/// The dimension of a prescribed body: that of its key `dimension`; else of the first unit in its
+/// motion; else of the body with mass or inertia at the other end of an element `between` both;
+/// else a length.
+fn dimension(reading: &mut Reading, name: &str, table: &FileTable, root: &FileTable) -> Option<Dimension> {
     if let Some(entry) = reading.optional(table, "dimension") {
         let said = match entry.value.as_str() {
             Some("translation") => Some(Dimension::Translation),
@@ -144,12 +151,12 @@ fn dimension(reading: &mut Reading, name: &str, table: &Table, root: &Table) -> 
     Some(unit.or_else(|| neighbour(name, root)).unwrap_or(Dimension::Translation))
 }
 
-/// The dimension of the first value with a unit in a motion. Frequencies, phases and times are no
-/// such values.
+/// The dimension of the first value with a unit in a motion, where frequencies, phases and times do
+/// not count.
 fn unit_of(motion: &DeValue) -> Option<Dimension> {
     match motion {
         DeValue::String(text) => {
-            let is = |kind: Kind, dimension| has_unit(kind.unit(dimension), text);
+            let is = |kind: NumberKind, dimension| has_unit(kind.unit(dimension), text);
             let all = [Dimension::Translation, Dimension::Rotation];
             all.into_iter().find(|&d| is(kinds::POSITION, d) || is(kinds::RATE, d))
         }
@@ -165,8 +172,9 @@ fn unit_of(motion: &DeValue) -> Option<Dimension> {
     }
 }
 
-/// The dimension of a body with mass or inertia that an element stands `between` with this one.
-fn neighbour(name: &str, root: &Table) -> Option<Dimension> {
+/// The dimension of the first body with mass or inertia at the other end of an element `between` it
+/// and this body.
+fn neighbour(name: &str, root: &FileTable) -> Option<Dimension> {
     let sections = SECTIONS.into_iter().filter_map(|(section, _)| root.entries.get(section));
     let elements =
         sections.filter_map(|section| section.get_ref().as_table()).flat_map(|section| section.values());
@@ -183,7 +191,7 @@ fn neighbour(name: &str, root: &Table) -> Option<Dimension> {
     })
 }
 
-/// Refuses gravity of bodies in a file that says nothing of gravity.
+/// Refuses bodies with gravity in a file without `gravity`.
 pub(super) fn without_gravity(reading: &mut Reading, machine: &Description) {
     for body in &machine.bodies {
         if let BodyKind::Free(Free { gravity, .. }) = body.kind

@@ -1,7 +1,7 @@
-//! Springs, dampers, stops, friction, links and loads.
+//! Reading of springs, dampers, stops, frictions, links and loads.
 
 use super::bodies::Names;
-use super::reading::{Entry, Reading, Table, number};
+use super::reading::{Entry, FileTable, Reading, number};
 use super::signals::{self, Values};
 use crate::description::{
     Arms, Damper, DampingLimit, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
@@ -10,11 +10,11 @@ use crate::kinds;
 use crate::parameters::has_unit;
 use vibro_impact::quantities::symbols;
 
-/// What is said of a name that is no body's.
+/// Message for a name that is no body's.
 const NO_BODY: &str = "no body has this name";
 
-/// Reads the elements. One with problems is left out, since the file is refused then.
-pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: &mut Description) {
+/// Reads the elements. An element with problems is left out: the file is refused anyway.
+pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machine: &mut Description) {
     for (name, table) in reading.section(root, "spring") {
         machine.springs.extend(spring(reading, name, &table, names));
     }
@@ -36,12 +36,12 @@ pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: 
     }
 }
 
-/// The elongation of an element with what `read` finds beside it in the elongation's dimension.
-/// Where the ends are wrong the rest is read all the same, in the dimension in which less is wrong
-/// with it, so that all problems are told at once.
+/// Reads the arms of an element, and by `read` its other keys in the arms' dimension. Where the
+/// arms are refused, the other keys are read in the dimension with fewer problems, so that all
+/// problems are reported at once.
 fn with_arms<T>(
     reading: &mut Reading,
-    table: &Table,
+    table: &FileTable,
     names: &Names,
     read: impl Fn(&mut Reading, Dimension) -> Option<T>,
 ) -> Option<(Arms, T)> {
@@ -59,7 +59,7 @@ fn with_arms<T>(
     None
 }
 
-fn spring(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Spring> {
+fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
     reading.known(table, &["between", "arms", "stiffness", "damping", "preload"]);
     let (arms, (stiffness, damping, preload)) = with_arms(reading, table, names, |reading, dimension| {
         let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
@@ -70,7 +70,7 @@ fn spring(reading: &mut Reading, name: String, table: &Table, names: &Names) -> 
     Some(Spring { name, arms, stiffness, damping, preload })
 }
 
-fn damper(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Damper> {
+fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {
     reading.known(table, &["between", "arms", "damping"]);
     let (arms, damping) = with_arms(reading, table, names, |reading, dimension| {
         reading.required_number(table, "damping", kinds::DASHPOT, dimension)
@@ -78,7 +78,7 @@ fn damper(reading: &mut Reading, name: String, table: &Table, names: &Names) -> 
     Some(Damper { name, arms, damping })
 }
 
-fn stop(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Stop> {
+fn stop(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Stop> {
     reading.known(table, &["between", "arms", "gap", "restitution", "stiffness", "damping", "law"]);
     let (arms, (gap, law)) = with_arms(reading, table, names, |reading, dimension| {
         let gap = reading.required_number(table, "gap", kinds::GAP, dimension);
@@ -88,7 +88,7 @@ fn stop(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Op
     Some(Stop { name, arms, gap, law })
 }
 
-fn law(reading: &mut Reading, table: &Table, dimension: Dimension) -> Option<StopLaw> {
+fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<StopLaw> {
     if !table.has("restitution") && !table.has("stiffness") {
         let text = "has no law; allowed is restitution (a rigid stop) or stiffness (a compliant one)";
         reading.refuse_table(table, text);
@@ -122,7 +122,7 @@ fn law(reading: &mut Reading, table: &Table, dimension: Dimension) -> Option<Sto
     Some(StopLaw::Compliant { stiffness: stiffness?, damping: damping?, limit: limit? })
 }
 
-fn friction(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Friction> {
+fn friction(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Friction> {
     reading.known(table, &["between", "arms", "force", "static"]);
     let (arms, (force, static_force)) = with_arms(reading, table, names, |reading, dimension| {
         let values = Values { kind: kinds::FORCE, alone: kinds::LEVEL, dimension };
@@ -138,7 +138,7 @@ fn friction(reading: &mut Reading, name: String, table: &Table, names: &Names) -
     Some(Friction { name, arms, force, static_force })
 }
 
-fn load(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Option<Load> {
+fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Load> {
     reading.known(table, &[&["on"], &signals::KEYS[..]].concat());
     let on = reading.required(table, "on", "allowed is the name of a body")?;
     let (body, dimension) = body(reading, &on, names)?;
@@ -147,7 +147,7 @@ fn load(reading: &mut Reading, name: String, table: &Table, names: &Names) -> Op
     Some(Load { name, body, force })
 }
 
-/// The body that an entry names.
+/// The body named by an entry.
 fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, Option<Dimension>)> {
     let name = reading.string(entry, "allowed is the name of a body")?;
     let found = names.find(&name);
@@ -157,9 +157,9 @@ fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, O
     found
 }
 
-/// The elongation of an element: `between` two ends or by lever `arms`. `None` also where a body
-/// that it needs has problems of its own.
-fn arms(reading: &mut Reading, table: &Table, names: &Names) -> Option<Arms> {
+/// Reads the elongation of an element, given by `between` or by `arms`. `None` without a new
+/// problem where a body that it needs was refused.
+fn arms(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Arms> {
     match (reading.optional(table, "between"), reading.optional(table, "arms")) {
         (Some(ends), None) => between(reading, &ends, names),
         (None, Some(arms)) => levers(reading, &arms, names),
@@ -194,7 +194,7 @@ fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> 
     }
     let known = |end: End| end.map(|(_, dimension)| dimension);
     let dimension = match (known(a), known(b)) {
-        // A body with problems of its own says nothing of what stands between it and another.
+        // The dimension of a refused body is unknown.
         (Some(None), _) | (_, Some(None)) | (None, None) => return None,
         (Some(Some(a)), Some(Some(b))) if a != b => {
             let text = "one end moves along a line and one turns; allowed are ends alike, or arms with a lever such as \"50 mm\"";
@@ -218,8 +218,8 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     found.map(Some)
 }
 
-/// Lever arms: the unit of each says what its term is measured in, and all terms are measured in
-/// the same.
+/// Reads lever arms. The unit of an arm determines the dimension of its term, and all terms must
+/// have the same dimension.
 fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let table = reading
         .table(entry, "allowed is a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }")?;
@@ -263,7 +263,7 @@ fn called(dimension: Dimension) -> &'static str {
     }
 }
 
-/// An arm and what the term of a body of this dimension is measured in with it.
+/// Reads an arm of a body with a dimension; returns the arm and the dimension of its term.
 fn lever(reading: &mut Reading, entry: &Entry, body: Dimension) -> Option<(f64, Dimension)> {
     let other = match body {
         Dimension::Translation => Dimension::Rotation,

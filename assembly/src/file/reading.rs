@@ -1,9 +1,8 @@
-//! What all parts of the file's reader share: where things stand, which keys there are, and what
-//! was wrong with them.
+//! The state of the file's reader: lines of keys and values, known keys, and the problems found.
 
 use super::Records;
 use crate::description::Dimension;
-use crate::kinds::Kind;
+use crate::kinds::NumberKind;
 use crate::parameters;
 use crate::refusal::{Problem, SHOWN, advice, cut};
 use std::collections::HashMap;
@@ -11,13 +10,13 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
-/// Letters of a value that a message quotes.
+/// Most letters of a value quoted in a message.
 const QUOTED: usize = 60;
 
-/// The text as TOML, and what is wrong with it as TOML.
+/// The text as TOML, and its first syntax error.
 pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
     let (root, errors) = DeTable::parse_recoverable(text);
-    // What follows the first error is mostly its consequence.
+    // Further errors are mostly consequences of the first.
     let problem = errors.first().map(|error| {
         let span = error.span().unwrap_or(0..0);
         let line = Lines::of(text).of_byte(span.start);
@@ -38,8 +37,7 @@ pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
     (root, problem.into_iter().collect())
 }
 
-/// The dotted name of what begins at a byte: the header it stands in, or the header above with the
-/// key.
+/// The dotted name of the header or key at a byte.
 fn dotted_at(text: &str, byte: usize) -> String {
     let start = text[..byte].rfind('\n').map_or(0, |at| at + 1);
     let line = text[start..].lines().next().unwrap_or("").trim();
@@ -54,7 +52,7 @@ fn dotted_at(text: &str, byte: usize) -> String {
     }
 }
 
-/// Where each line of a text begins.
+/// The byte at which each line of a text begins.
 struct Lines(Vec<usize>);
 
 impl Lines {
@@ -68,7 +66,7 @@ impl Lines {
     }
 }
 
-/// The first line of what stands in a span, cut where it is long.
+/// The first line of a span of the text, shortened to [`QUOTED`] letters.
 fn quoted(text: &str, span: &Range<usize>) -> String {
     let whole = text.get(span.clone()).unwrap_or("").trim();
     let line = whole.lines().next().unwrap_or("");
@@ -76,16 +74,16 @@ fn quoted(text: &str, span: &Range<usize>) -> String {
     if quoted.len() == line.len() && line.len() < whole.len() { format!("{line}…") } else { quoted.into() }
 }
 
-/// A table of the file by its dotted name.
+/// A table of the file.
 #[derive(Clone)]
-pub(super) struct Table<'a> {
-    /// Empty for the whole file.
+pub(super) struct FileTable<'a> {
+    /// Dotted name; empty for the whole file.
     pub name: String,
     pub line: usize,
     pub entries: &'a DeTable<'a>,
 }
 
-impl<'a> Table<'a> {
+impl<'a> FileTable<'a> {
     pub fn root(entries: &'a DeTable<'a>) -> Self {
         Self { name: String::new(), line: 1, entries }
     }
@@ -99,24 +97,24 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A value of the file by its dotted name.
+/// A value of the file.
 #[derive(Clone)]
 pub(super) struct Entry<'a> {
     pub name: String,
-    /// The last part of the name.
+    /// Last part of the dotted name.
     pub key: String,
     pub line: usize,
     pub value: &'a DeValue<'a>,
     span: Range<usize>,
 }
 
-/// What of a name is kept to place a problem that shows later.
+/// Line and text of a value, kept for problems of the whole machine.
 struct Written {
     line: usize,
     value: Option<String>,
 }
 
-/// The state of a reading.
+/// The state of the file's reader.
 pub(super) struct Reading<'a> {
     text: &'a str,
     lines: Lines,
@@ -130,13 +128,13 @@ impl<'a> Reading<'a> {
         Self { text, lines: Lines::of(text), written: HashMap::new(), records, problems: Vec::new() }
     }
 
-    /// The problems in the order of their lines.
+    /// Returns the problems in the order of their lines.
     pub fn finish(mut self) -> Vec<Problem> {
         self.problems.sort_by_key(|problem| problem.line);
         self.problems
     }
 
-    /// Notes a problem of something that stands in the file.
+    /// Adds a problem of an entry.
     pub fn refuse(&mut self, entry: &Entry, text: impl Into<String>) {
         let value = self.value(entry);
         self.problems.push(Problem {
@@ -147,8 +145,9 @@ impl<'a> Reading<'a> {
         });
     }
 
-    /// Notes that a name is not among the valid ones. The nearest is sought only for problems that
-    /// are written out, since a search for each of thousands would take minutes.
+    /// Adds the problem of a name that is not among the valid ones. The nearest valid name is
+    /// sought only for problems that will be displayed: for thousands of problems it would take
+    /// minutes.
     pub fn refuse_name<'n>(
         &mut self,
         entry: &Entry,
@@ -161,14 +160,14 @@ impl<'a> Reading<'a> {
         self.refuse(entry, text);
     }
 
-    /// Notes a problem of a table.
-    pub fn refuse_table(&mut self, table: &Table, text: impl Into<String>) {
+    /// Adds a problem of a table.
+    pub fn refuse_table(&mut self, table: &FileTable, text: impl Into<String>) {
         let (line, name) = (Some(table.line), table.name.clone());
         self.problems.push(Problem { line, name, value: None, text: text.into() });
     }
 
-    /// Notes a problem that showed only in the whole machine: at the line of its name, or of the
-    /// longest part of it that stands in the file, with the value as it was written.
+    /// Adds a problem of the whole machine, with the value as written, at the line of its name or
+    /// of the longest part of the name that stands in the file.
     pub fn place(&mut self, mut problem: Problem) {
         if let Some(written) = self.written.get(&problem.name) {
             problem.line = Some(written.line);
@@ -186,7 +185,7 @@ impl<'a> Reading<'a> {
         self.problems.push(problem);
     }
 
-    /// How a value stands in the file; tables are not quoted.
+    /// The text of a value as written; `None` for tables.
     fn value(&self, entry: &Entry) -> Option<String> {
         let table = entry.value.is_table();
         (!table).then(|| quoted(self.text, &entry.span)).filter(|value| !value.is_empty())
@@ -197,8 +196,8 @@ impl<'a> Reading<'a> {
         self.written.insert(entry.name.clone(), Written { line: entry.line, value });
     }
 
-    /// The value of a key, if it is there.
-    pub fn optional<'t>(&mut self, table: &Table<'t>, key: &str) -> Option<Entry<'t>> {
+    /// The entry of a key, if present.
+    pub fn optional<'t>(&mut self, table: &FileTable<'t>, key: &str) -> Option<Entry<'t>> {
         let (found, value) = table.entries.get_key_value(key)?;
         let line = self.lines.of_byte(found.span().start);
         let (name, key) = (table.dotted(key), key.into());
@@ -207,8 +206,8 @@ impl<'a> Reading<'a> {
         Some(entry)
     }
 
-    /// The value of a key that must be there.
-    pub fn required<'t>(&mut self, table: &Table<'t>, key: &str, allowed: &str) -> Option<Entry<'t>> {
+    /// The entry of a key that must be present.
+    pub fn required<'t>(&mut self, table: &FileTable<'t>, key: &str, allowed: &str) -> Option<Entry<'t>> {
         let found = self.optional(table, key);
         if found.is_none() {
             self.missing(table, key, allowed);
@@ -216,19 +215,19 @@ impl<'a> Reading<'a> {
         found
     }
 
-    fn missing(&mut self, table: &Table, key: &str, allowed: &str) {
+    fn missing(&mut self, table: &FileTable, key: &str, allowed: &str) {
         let text = format!("missing; {allowed}");
         let name = table.dotted(key);
         self.problems.push(Problem { line: Some(table.line), name, value: None, text });
     }
 
     /// All entries of a table.
-    pub fn all<'t>(&mut self, table: &Table<'t>) -> Vec<Entry<'t>> {
+    pub fn all<'t>(&mut self, table: &FileTable<'t>) -> Vec<Entry<'t>> {
         let keys: Vec<String> = table.entries.keys().map(|key| key.get_ref().to_string()).collect();
         keys.iter().filter_map(|key| self.optional(table, key)).collect()
     }
 
-    /// The elements of an array, each with its place in its name.
+    /// The items of an array, with their places in their names.
     pub fn items<'t>(&mut self, entry: &Entry<'t>) -> Option<Vec<Entry<'t>>> {
         let item = |(i, item): (usize, &'t Spanned<DeValue<'t>>)| {
             let (name, span) = (format!("{}[{i}]", entry.name), item.span());
@@ -245,8 +244,8 @@ impl<'a> Reading<'a> {
         Some(items)
     }
 
-    /// Refuses every key of a table that is not among these.
-    pub fn known(&mut self, table: &Table, keys: &[&str]) {
+    /// Refuses all keys of a table except `keys`.
+    pub fn known(&mut self, table: &FileTable, keys: &[&str]) {
         for entry in self.all(table) {
             if !keys.contains(&entry.key.as_str()) {
                 self.refuse_name(&entry, &entry.key, "no such key", keys.iter().copied());
@@ -255,9 +254,9 @@ impl<'a> Reading<'a> {
     }
 
     /// A value as a table.
-    pub fn table<'t>(&mut self, entry: &Entry<'t>, allowed: &str) -> Option<Table<'t>> {
+    pub fn table<'t>(&mut self, entry: &Entry<'t>, allowed: &str) -> Option<FileTable<'t>> {
         match entry.value.as_table() {
-            Some(entries) => Some(Table { name: entry.name.clone(), line: entry.line, entries }),
+            Some(entries) => Some(FileTable { name: entry.name.clone(), line: entry.line, entries }),
             None => {
                 self.refuse(entry, allowed);
                 None
@@ -266,7 +265,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The tables of a section, each with its name.
-    pub fn section<'t>(&mut self, root: &Table<'t>, section: &str) -> Vec<(String, Table<'t>)> {
+    pub fn section<'t>(&mut self, root: &FileTable<'t>, section: &str) -> Vec<(String, FileTable<'t>)> {
         let Some(whole) = self.optional(root, section) else { return Vec::new() };
         let allowed = format!("allowed are tables with names, such as [{section}.NAME]");
         let Some(whole) = self.table(&whole, &allowed) else { return Vec::new() };
@@ -285,7 +284,7 @@ impl<'a> Reading<'a> {
     }
 
     /// A value as a number of a kind, in SI.
-    pub fn number(&mut self, entry: &Entry, kind: Kind, dimension: Dimension) -> Option<f64> {
+    pub fn number(&mut self, entry: &Entry, kind: NumberKind, dimension: Dimension) -> Option<f64> {
         let found = number(entry.value, kind, dimension);
         if found.is_none() {
             self.refuse(entry, kind.allowed(dimension));
@@ -293,24 +292,24 @@ impl<'a> Reading<'a> {
         found
     }
 
-    /// The number of a key that must be there.
+    /// The number of a key that must be present.
     pub fn required_number(
         &mut self,
-        table: &Table,
+        table: &FileTable,
         key: &str,
-        kind: Kind,
+        kind: NumberKind,
         dimension: Dimension,
     ) -> Option<f64> {
         let entry = self.required(table, key, &kind.allowed(dimension))?;
         self.number(&entry, kind, dimension)
     }
 
-    /// The number of a key that may be left out.
+    /// The number of a key that may be absent.
     pub fn number_or(
         &mut self,
-        table: &Table,
+        table: &FileTable,
         key: &str,
-        kind: Kind,
+        kind: NumberKind,
         dimension: Dimension,
         default: f64,
     ) -> Option<f64> {
@@ -321,8 +320,8 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// A value as an allowed number of a kind.
-pub(super) fn number(value: &DeValue, kind: Kind, dimension: Dimension) -> Option<f64> {
+/// A value as an allowed number of a kind, in SI.
+pub(super) fn number(value: &DeValue, kind: NumberKind, dimension: Dimension) -> Option<f64> {
     match value {
         DeValue::Integer(digits) => integer(digits).filter(|&v| kind.contains(v)),
         DeValue::Float(digits) => digits.as_str().parse().ok().filter(|&v| kind.contains(v)),
@@ -331,7 +330,7 @@ pub(super) fn number(value: &DeValue, kind: Kind, dimension: Dimension) -> Optio
     }
 }
 
-/// An integer as the nearest double, whatever its size.
+/// An integer of any size as the nearest double.
 fn integer(digits: &DeInteger) -> Option<f64> {
     match digits.radix() {
         10 => digits.as_str().parse().ok(),

@@ -1,21 +1,22 @@
-//! Signals: a number, or a table of constant, harmonics, steps, record and input, which are added.
+//! Reading of signals: a number, or a table of constant, harmonics, steps, record and input, whose
+//! sum is the signal.
 
-use super::reading::{Entry, Reading, Table};
+use super::reading::{Entry, FileTable, Reading};
 use super::records;
 use crate::description::{Dimension, Harmonic, Record, Signal, Step};
-use crate::kinds::{self, Kind};
+use crate::kinds::{self, NumberKind};
 
 /// The keys of a signal.
 pub(super) const KEYS: [&str; 9] =
     ["constant", "harmonics", "amplitude", "frequency", "phase", "steps", "table", "interpolation", "input"];
 
-/// What a signal's values are.
+/// The kind of number of a signal's values.
 #[derive(Clone, Copy)]
 pub(super) struct Values {
-    /// The kind of each part.
-    pub kind: Kind,
-    /// The kind of a number that is the whole signal.
-    pub alone: Kind,
+    /// Kind of each part.
+    pub kind: NumberKind,
+    /// Kind of a number that is the whole signal.
+    pub alone: NumberKind,
     pub dimension: Dimension,
 }
 
@@ -30,9 +31,14 @@ pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Opt
     Some(Signal::constant(number))
 }
 
-/// Reads a signal whose keys stand in a table. One of them must, or one of `also`, which belong to
-/// the table otherwise; of those `offset` is another name of the constant.
-pub(super) fn flat(reading: &mut Reading, table: &Table, values: Values, also: &[&str]) -> Option<Signal> {
+/// Reads a signal whose keys stand in a table together with the keys `also`; at least one of all
+/// these must be present. A key `offset` in `also` is another name of `constant`.
+pub(super) fn flat(
+    reading: &mut Reading,
+    table: &FileTable,
+    values: Values,
+    also: &[&str],
+) -> Option<Signal> {
     if !KEYS.iter().chain(also).any(|key| table.has(key)) {
         let parts = ["constant", "amplitude and frequency", "harmonics", "steps", "table", "input"];
         let parts: Vec<_> = parts.iter().chain(also).copied().collect();
@@ -48,7 +54,7 @@ pub(super) fn flat(reading: &mut Reading, table: &Table, values: Values, also: &
     Some(Signal { constant: constant?, harmonics: harmonics?, steps: steps?, table: record?, input: input? })
 }
 
-fn constant(reading: &mut Reading, table: &Table, values: Values, offset: bool) -> Option<f64> {
+fn constant(reading: &mut Reading, table: &FileTable, values: Values, offset: bool) -> Option<f64> {
     if offset && let Some(entry) = reading.optional(table, "offset") {
         if table.has("constant") {
             reading.refuse(&entry, "stands beside constant, which is the same; allowed is one of them");
@@ -59,7 +65,7 @@ fn constant(reading: &mut Reading, table: &Table, values: Values, offset: bool) 
     reading.number_or(table, "constant", values.kind, values.dimension, 0.0)
 }
 
-fn harmonics(reading: &mut Reading, table: &Table, values: Values) -> Option<Vec<Harmonic>> {
+fn harmonics(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec<Harmonic>> {
     let short = ["amplitude", "frequency", "phase"].into_iter().find(|key| table.has(key));
     let Some(list) = reading.optional(table, "harmonics") else {
         return match short {
@@ -88,7 +94,7 @@ fn harmonics(reading: &mut Reading, table: &Table, values: Values) -> Option<Vec
     (all.len() == items.len()).then_some(all)
 }
 
-fn harmonic(reading: &mut Reading, table: &Table, values: Values) -> Option<Harmonic> {
+fn harmonic(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Harmonic> {
     let amplitude = reading.required_number(table, "amplitude", values.kind, values.dimension);
     let frequency = reading.required_number(table, "frequency", kinds::FREQUENCY, values.dimension);
     let phase = reading.number_or(table, "phase", kinds::PHASE, values.dimension, 0.0);
@@ -115,14 +121,14 @@ fn pairs(reading: &mut Reading, list: &Entry, values: Values, allowed: &str) -> 
     (all.len() == items.len()).then_some(all)
 }
 
-fn steps(reading: &mut Reading, table: &Table, values: Values) -> Option<Vec<Step>> {
+fn steps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec<Step>> {
     let Some(list) = reading.optional(table, "steps") else { return Some(Vec::new()) };
     let pairs = pairs(reading, &list, values, "allowed is a list of [time, height], such as [[0.4, 20.0]]")?;
     Some(pairs.into_iter().map(|(time, height)| Step { time, height }).collect())
 }
 
-/// The record of a signal, if it has one: `None` where there is a problem.
-fn record(reading: &mut Reading, table: &Table, values: Values) -> Option<Option<Record>> {
+/// The record of a signal, if it has one; the outer `None` stands for a problem.
+fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<Record>> {
     let interpolation = reading.optional(table, "interpolation");
     let cubic = match interpolation.as_ref().map(|entry| entry.value.as_str()) {
         None | Some(Some("straight")) => Some(false),
@@ -152,7 +158,7 @@ fn record(reading: &mut Reading, table: &Table, values: Values) -> Option<Option
     Some(Some(Record { knots: knots?, cubic: cubic? }))
 }
 
-fn input(reading: &mut Reading, table: &Table) -> Option<bool> {
+fn input(reading: &mut Reading, table: &FileTable) -> Option<bool> {
     let Some(entry) = reading.optional(table, "input") else { return Some(false) };
     let found = entry.value.as_bool();
     if found.is_none() {

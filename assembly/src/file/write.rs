@@ -1,4 +1,4 @@
-//! A description as the text of a file, in SI and with every digit.
+//! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
     Arms, Body, BodyKind, DampingLimit, Description, Dimension, Friction, Signal, Stop, StopLaw,
@@ -7,7 +7,7 @@ use crate::elements::Element;
 use crate::kinds;
 use std::fmt::Write;
 
-/// Text that grows; writing to it cannot fail.
+/// Appends a line to a string, which cannot fail.
 macro_rules! line {
     ($text:expr, $($part:tt)*) => {{
         let _ = writeln!($text, $($part)*);

@@ -1,9 +1,9 @@
-//! The forces of stiff springs and of buffers apart from the rest of A.
+//! Forces of stiff springs and compliant stops, separate from the rest of A.
 //!
-//! Such a force acts on two bodies with opposite signs. The entries of exp(A h) that say so are
-//! rounded each by itself, and with coordinates that are far greater than its elongation this is a
-//! force from nowhere, the same in each of thousands of sub-steps. Found first and then put to both
-//! bodies, the force has opposite signs to its last bit.
+//! Such a force acts on two bodies with opposite signs. The entries of exp(A h) that express it are
+//! rounded independently; where coordinates are far greater than the elongation, this amounts to a
+//! spurious force, equal in thousands of sub-steps. A force that is computed first and then applied
+//! to both bodies has opposite signs to the last bit.
 
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::mode::Elastic;
@@ -11,25 +11,25 @@ use crate::system::Functional;
 use nalgebra::DMatrix;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// A = rest - Σ by ⊗ force.
+/// A = rest - Σ by ⊗ force, with separate forces.
 #[derive(Clone, Debug)]
 pub(super) struct Apart {
-    /// A without them.
+    /// A without the separate forces.
     rest: SparseMatrix,
-    /// Where there are contacts, the sizes of the terms of its entries.
+    /// By entry of `rest`: the sum of the sizes of its terms, where there are contacts.
     rest_terms: Option<SparseMatrix>,
-    /// The forces, and what a unit of each takes from z'.
+    /// The forces, each with what a unit of it takes from z'.
     forces: Vec<(Functional, Sparse)>,
 }
 
 impl Apart {
-    /// Of a mode's elastic forces.
+    /// The form of A with a mode's elastic forces separate.
     pub(super) fn of(Elastic { rest, rest_terms, forces, .. }: Elastic) -> Self {
         let forces = forces.into_iter().map(|(force, by)| (force, Sparse::of(by.as_slice())));
         Self { rest, rest_terms, forces: forces.collect() }
     }
 
-    /// `to` = `factor` × A `z` but for the first rows, the forces found first.
+    /// `to` = `factor` × A `z` in the rows from `first` on, with the forces computed first.
     #[inline(always)]
     pub(super) fn rows_times_to(&self, first: usize, z: &[f64], factor: f64, to: &mut [f64]) {
         self.rest.rows_times_to(first, z, factor, to);
@@ -39,13 +39,14 @@ impl Apart {
         }
     }
 
-    /// The sizes of the terms of A's entries without these forces, where there are contacts.
+    /// By entry of A without these forces: the sum of the sizes of its terms, where there are
+    /// contacts.
     pub(super) fn rest_terms(&self) -> Option<&SparseMatrix> {
         self.rest_terms.as_ref()
     }
 
-    /// Adds `factor` × what these forces do to the rates, in sizes, from the coordinates' sizes,
-    /// but for the first rows: nothing of what contacts hold.
+    /// Adds `factor` × the sizes of what these forces add to z', in the rows from `first` on, from
+    /// the coordinates' sizes. Contacts take no share of it.
     pub(super) fn add_sizes(&self, first: usize, sizes: &[f64], factor: f64, to: &mut [f64]) {
         for (force, by) in &self.forces {
             let force = factor * force.size(sizes);
@@ -53,8 +54,8 @@ impl Apart {
         }
     }
 
-    /// A, each force's part of a row rounded by itself: what it takes from coordinates with
-    /// opposite signs stays opposite.
+    /// A as one matrix. Each force's part of a row is rounded by itself, so that parts of opposite
+    /// sign in two rows stay opposite.
     pub(super) fn sum(&self) -> SparseMatrix {
         let size = self.rest.len();
         let (mut a, mut row) = (SparseMatrix::default(), vec![0.0; size]);
@@ -70,7 +71,7 @@ impl Apart {
         a
     }
 
-    /// A by double-doubles.
+    /// A in double-double arithmetic.
     pub(super) fn matrix(&self, size: usize) -> DMatrix<DoubleDouble> {
         let mut a = DMatrix::from_element(size, size, DoubleDouble::default());
         for i in 0..size {
@@ -85,7 +86,7 @@ impl Apart {
         a
     }
 
-    /// Numbers that it holds.
+    /// Count of stored numbers.
     pub(super) fn numbers(&self) -> usize {
         let by = self.forces.iter().map(|(force, by)| force.len() + force.terms().len() + by.terms().len());
         let terms = self.rest_terms.as_ref().map_or(0, SparseMatrix::entries);

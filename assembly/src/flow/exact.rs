@@ -1,6 +1,6 @@
-//! Flows by double-doubles. Entries of A that stiff springs and other forces share are rounded to
-//! the stiff ones' last digit, and what is doubled doubles this rounding: after 2^k sub-steps it
-//! would be 2^k times that of one, which is felt by what is slow and soft.
+//! Flows in double-double arithmetic. Entries of A to which stiff springs and soft forces
+//! contribute are rounded to the last digit of the stiff part, and repeated doubling multiplies
+//! this rounding by 2^k, which disturbs slow motions on soft springs.
 
 use super::apart::Apart;
 use super::exponential::series_orders;
@@ -17,7 +17,7 @@ pub(super) struct Exact {
 }
 
 impl Exact {
-    /// Over a sub-step of a length, whose product with the rate is `radius`.
+    /// The flow over one sub-step; `radius` is its length times the rate.
     pub(super) fn first(apart: &Apart, size: usize, length: f64, radius: f64) -> Self {
         let a = apart.matrix(size);
         let mut term = Matrix::from_element(size, size, DoubleDouble::default());
@@ -26,7 +26,7 @@ impl Exact {
         let length = DoubleDouble::new(length);
         let mut integral = scaled(&term, length);
         let mut change = term.map(|_| DoubleDouble::default());
-        // Twice as many digits as a double's take about twice as many orders.
+        // Twice the digits of a double need about twice as many orders.
         for k in 1..=2 * series_orders(radius) {
             term = scaled(&product(&a, &term), length.times(reciprocal(k)));
             change = sum(&change, &term);
@@ -35,7 +35,7 @@ impl Exact {
         Self { integral, change }
     }
 
-    /// Over twice the length.
+    /// The flow over twice the length.
     pub(super) fn doubled(&self) -> Self {
         let twice = |m: &Matrix| sum(m, m);
         Self {
@@ -44,12 +44,12 @@ impl Exact {
         }
     }
 
-    /// Both, rounded.
+    /// Integral and change, rounded to doubles.
     pub(super) fn rounded(&self) -> [DMatrix<f64>; 2] {
         [&self.integral, &self.change].map(|m| m.map(DoubleDouble::value))
     }
 
-    /// Numbers that it holds.
+    /// Count of stored numbers.
     pub(super) fn numbers(&self) -> usize {
         4 * self.change.len()
     }

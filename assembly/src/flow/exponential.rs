@@ -1,18 +1,18 @@
-//! Exponentials of matrices, and the bound of a matrix by which their series are cut
+//! Matrix exponentials by power series, and the norm bound that determines their lengths
 //! (docs/assembly-law.md (A6)).
 
 use crate::kernel::SparseMatrix;
 use nalgebra::DMatrix;
 
-/// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
+/// Least rate, 1/s, which keeps sub-steps finite; at this rate a sub-step lasts minutes.
 pub(super) const LEAST_RATE: f64 = 1e-3;
-/// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number
-/// of them gives a bound.
+/// Passes of the balancing of rows and columns. Each comes closer to the least norm; any number of
+/// them gives a bound.
 const BALANCE_TURNS: usize = 12;
-/// A series ends when what is left is under this part of the largest coordinate.
+/// Relative size of a series' remainder.
 const REMAINDER: f64 = 1e-19;
 
-/// exp(A u t) at several parts u of a time.
+/// exp(A u t) for several fractions u of a time t.
 pub(super) fn exponentials(a: &SparseMatrix, rate: f64, t: f64, parts: &[f64]) -> Vec<DMatrix<f64>> {
     if parts.is_empty() {
         return Vec::new();
@@ -43,11 +43,11 @@ pub(super) fn second_integral(a: &SparseMatrix, rate: f64, t: f64) -> DMatrix<f6
     sum.transpose()
 }
 
-/// Orders of a series of radius x, so that what is left out is under [`REMAINDER`].
+/// Orders of a series of radius x whose remainder is below [`REMAINDER`].
 pub(super) fn series_orders(x: f64) -> usize {
     let (mut k, mut term) = (0, 1.0);
-    // The rest is at most the next term times 1/(1 - x/(k + 1)); from k = 2x on that is at most
-    // twice the term.
+    // The remainder is at most the next term times 1/(1 - x/(k + 1)); from k = 2x on that is at
+    // most twice the term.
     while term > 0.5 * REMAINDER || (k as f64) < 2.0 * x {
         k += 1;
         term *= x / k as f64;
@@ -67,21 +67,20 @@ pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
         for i in 0..one {
             let row: f64 = a.row(i).iter().filter(others(i)).map(|&(j, x)| x.abs() * w[j]).sum();
             let column: f64 = columns.row(i).iter().filter(others(i)).map(|&(j, x)| x.abs() / w[j]).sum();
-            // The weight that makes row/w and column·w equal, kept within what doubles can carry.
+            // The weight that makes row/w and column·w equal, within the range of doubles.
             if row > 0.0 && column > 0.0 {
                 w[i] = (row / column).sqrt().clamp(1e-100, 1e100);
             } else if row > 0.0 {
+                // Nothing depends on the coordinate: its row may weigh as little as the least rate.
                 w[i] = w[i].max(row / LEAST_RATE);
             }
         }
     }
-    // A coordinate that acts on nothing is as large as it needs to be, one that nothing acts on as
-    // small.
     let row_sum = |w: &[f64], i: usize, to: usize| {
         a.row(i).iter().filter(|term| term.0 < to).map(|&(j, x)| x.abs() * w[j]).sum::<f64>() / w[i]
     };
     let own = (0..one).map(|i| row_sum(&w, i, one)).fold(LEAST_RATE, f64::max);
-    // Frequencies stand between a cosine and its sine, in both directions.
+    // The entries between a cosine and its sine are ± the angular frequency.
     let omega = (one..size)
         .flat_map(|i| a.row(i).iter().map(move |&(j, x)| (i, j, x)))
         .filter(|&(i, j, _)| one <= j && j < i)
@@ -97,8 +96,8 @@ pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
     for (j, most) in signal.iter_mut().enumerate().skip(one) {
         *most = limit(&w, j);
     }
-    // What feeds another signal is no larger than the rate times that one: derivatives of pieces;
-    // cosine and sine are equal.
+    // The weight of a derivative of a polynomial is at most the rate times that of the lower
+    // derivative; cosine and sine have equal weights.
     for j in one..size {
         for &(i, x) in columns.row(j).iter().filter(|term| term.0 >= one && term.0 != j) {
             let mutual = a.entry(j, i) != 0.0;

@@ -1,16 +1,17 @@
-//! What is kept of a sub-step in a mode of a machine of few coordinates: matrices and columns that
-//! act on its state.
+//! The flow of a mode as stored matrices and columns that act on the state, for machines of few
+//! coordinates.
 
 use super::exponential::{exponentials, second_integral};
 use super::watched::{Heads, WatchColumns, taylor, watch_columns};
-use super::{ENDS, Group, INTERVALS, LOCAL, Table, WatchTable};
+use super::{ENDS, FlowTable, Group, INTERVALS, LOCAL, WatchTable};
 use crate::kernel::{Blocks, SparseColumns};
 
-/// Taylor coefficients of the velocities within an interval, behind the constant ones: the first
-/// one left out is under 0.375¹⁷/17! < 2e-22 of the largest coordinate. They fill whole vectors.
+/// Number of Taylor coefficients of the velocities within an interval, from order 1 on: the first
+/// omitted term is below 0.375¹⁷/17! < 2e-22 of the largest coordinate. A multiple of the vector
+/// length.
 const WITHIN: usize = 16;
 
-/// What the integral of a power from order 1 on is multiplied by.
+/// Factors 1/(k + 1) of the integrals of powers u^k, from order 1 on.
 const INTEGRAL: [f64; WITHIN] = {
     let mut factors = [0.0; WITHIN];
     let mut k = 0;
@@ -21,16 +22,15 @@ const INTEGRAL: [f64; WITHIN] = {
     factors
 };
 
-/// What is kept of a sub-step in a mode.
+/// Stored matrices of a sub-step in a mode.
 #[derive(Debug)]
 pub(super) struct Kept {
     /// z at the interval ends from z at the sub-step's start.
     transitions: Vec<Blocks>,
-    /// The Taylor coefficients of each velocity from order 1 on, in units of an interval, by
-    /// coordinate.
+    /// By velocity: its Taylor coefficients from order 1 on in units of an interval, by coordinate.
     velocities: Vec<SparseColumns<WITHIN>>,
-    /// ∫ (h - s) exp(A s) ds over a sub-step h, where forces are found apart: z(h) - z is h z' and
-    /// this times z''.
+    /// ∫ (h - s) exp(A s) ds over a sub-step h, where forces are separate: z(h) = z + h z' + this
+    /// times z''.
     integral: Option<Blocks>,
     /// By watched functional.
     watched: Vec<WatchColumns>,
@@ -38,8 +38,8 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// Of a mode.
-    pub(super) fn of(table: &Table) -> Self {
+    /// The matrices of a mode.
+    pub(super) fn of(table: &FlowTable) -> Self {
         let (a, one, step) = (&table.a, table.one, table.interval());
         let abs = a.abs();
         let columns =
@@ -58,7 +58,7 @@ impl Kept {
         }
     }
 
-    /// Numbers that it holds, of so many coordinates.
+    /// Count of stored numbers, with so many coordinates.
     pub(super) fn numbers(&self, size: usize) -> usize {
         self.transitions.len() * size * size
             + self.velocities.iter().map(SparseColumns::numbers).sum::<usize>()
@@ -66,8 +66,8 @@ impl Kept {
             + self.integral.as_ref().map_or(0, |_| size * size)
     }
 
-    /// Writes where the watched functionals stand at a state, with the vector of whose sizes the
-    /// bounds of their bends are made.
+    /// Writes the heads of the watched functionals at a state; `sizes` is the vector from which the
+    /// bounds of their second derivatives are computed.
     #[inline(always)]
     pub(super) fn heads_at(&self, z: &[f64], sizes: &[f64], to: &mut Vec<Group>) {
         to.resize(self.heads.len(), Default::default());
@@ -82,8 +82,8 @@ impl Kept {
         &self.watched[place]
     }
 
-    /// The state at the end of a sub-step of a length from that at its start and, where forces are
-    /// found apart, its first two derivatives.
+    /// Writes the state at the end of a sub-step from that at its start and, where forces are
+    /// separate, its first two derivatives.
     #[inline(always)]
     pub(super) fn at_end(&self, z: &[f64], [rates, second]: [&[f64]; 2], length: f64, to: &mut [f64]) {
         match &self.integral {
@@ -95,14 +95,14 @@ impl Kept {
         }
     }
 
-    /// The state at the end of interval `i` from that at the sub-step's start.
+    /// Writes the state at the end of interval `i` from that at the sub-step's start.
     #[inline(always)]
     pub(super) fn at_interval_end(&self, i: usize, z: &[f64], to: &mut [f64]) {
         self.transitions[i].times(z, to);
     }
 
-    /// Coordinates and velocities at a time within an interval of length `step` from the state at
-    /// its start.
+    /// Writes coordinates and velocities at a time `dt` within an interval of length `step` from
+    /// the state at its start.
     #[inline(always)]
     pub(super) fn within(&self, z: &[f64], dt: f64, step: f64, to: &mut [f64]) {
         let u = dt / step;
@@ -115,14 +115,14 @@ impl Kept {
         let (to_q, to_v) = to.split_at_mut(self.velocities.len());
         for (j, columns) in self.velocities.iter().enumerate() {
             let c = columns.times(z);
-            // The larger terms last.
+            // The larger terms are added last.
             to_q[j] = q[j] + (v[j] + product(&c, &integrals)) * dt;
             to_v[j] = v[j] + product(&c, &powers);
         }
     }
 }
 
-/// The sum of the products of two series' terms, added up in pairs.
+/// The scalar product of two coefficient vectors, in four partial sums.
 #[inline(always)]
 fn product(a: &[f64; WITHIN], b: &[f64; WITHIN]) -> f64 {
     let mut sums = [0.0; 4];

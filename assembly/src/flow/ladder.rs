@@ -1,25 +1,25 @@
-//! Long sub-steps of stiff machines. A mode's sub-step is as short as its fastest motion asks for.
-//! Where that has decayed, or moves nothing that is watched, the state goes on by 2, 4, 8, …
-//! sub-steps at once: which of these lengths is safe is decided by the actual state
-//! (docs/assembly-law.md (A22), (A23)).
+//! Long steps of stiff machines. The length of a sub-step follows from the mode's fastest motion.
+//! Where that has decayed, or moves nothing that is watched, the state advances by 2, 4, 8, …
+//! sub-steps at once; the actual state determines which length is safe (docs/assembly-law.md (A22),
+//! (A23)).
 
 use super::exact::Exact;
 use super::exponential::{exponentials, series_orders};
 use super::watched::BOUND_MARGIN;
-use super::{INTERVALS, RADIUS, Table};
+use super::{FlowTable, INTERVALS, RADIUS};
 use crate::kernel::Blocks;
 use nalgebra::DMatrix;
 use std::sync::OnceLock;
 
-/// Lengths of up to 2⁴⁷ sub-steps.
+/// Number of rungs: lengths of up to 2⁴⁷ sub-steps.
 pub const RUNGS: usize = 48;
 
-/// Up to this many coordinates stiff forces' flows are doubled by double-doubles, in milliseconds
-/// each; these products take ten times as long.
+/// Most coordinates with which flows with stiff forces are doubled in double-double arithmetic,
+/// which takes ten times as long: milliseconds each.
 const EXACT: usize = 40;
 
-/// What is made for each of these lengths when it is first needed. Most modes need none, so that
-/// the ladder itself is made with its first rung.
+/// A value for each length of 2^k sub-steps, made on first use. Most modes need none, so that the
+/// list itself is made with its first rung.
 #[derive(Clone, Debug)]
 pub struct Ladder<T>(OnceLock<Vec<OnceLock<T>>>);
 
@@ -30,39 +30,39 @@ impl<T> Default for Ladder<T> {
 }
 
 impl<T> Ladder<T> {
-    /// That of 2^`k` sub-steps.
+    /// The rung of 2^`k` sub-steps.
     pub fn at(&self, k: usize) -> &OnceLock<T> {
         &self.0.get_or_init(|| (0..RUNGS).map(|_| OnceLock::new()).collect())[k]
     }
 
-    /// Those that are made.
+    /// The rungs that have been made.
     pub fn made(&self) -> impl Iterator<Item = &T> {
         self.0.get().into_iter().flatten().filter_map(OnceLock::get)
     }
 }
 
-/// The flow over a length of so many sub-steps.
+/// The flow over 2^k sub-steps.
 #[derive(Debug)]
 pub struct Rung {
     /// Its length, s.
     pub length: f64,
     /// ∫ exp(A s) ds over the length.
     integral: DMatrix<f64>,
-    /// The same for products.
+    /// `integral` in the form for fast products.
     blocks: Blocks,
-    /// exp(A h) - 1 at its end: what is small keeps its digits when it is doubled.
+    /// exp(A h) - 1 at its end; without the 1 small entries keep their digits in doubling.
     change: DMatrix<f64>,
-    /// Both by double-doubles, where forces are found apart.
+    /// Integral and change in double-double arithmetic, where forces are separate.
     exact: Option<Exact>,
-    /// Bounds of the sizes of exp(A s)'s entries throughout the length.
+    /// Bounds of |exp(A s)| throughout the length.
     spread: DMatrix<f64>,
-    /// By watched functional bounds of the sizes of its row after any part of the length.
+    /// By watched functional: bounds of |row exp(A s)| throughout the length.
     reaches: Vec<Vec<f64>>,
 }
 
 impl Rung {
-    /// A sub-step.
-    pub(super) fn first(table: &Table) -> Self {
+    /// The flow over one sub-step.
+    pub(super) fn first(table: &FlowTable) -> Self {
         let (a, length) = (&table.a, table.length);
         // Transposed until the end.
         let mut term = DMatrix::identity(a.len(), a.len());
@@ -78,7 +78,7 @@ impl Rung {
         let starts = exponentials(a, table.rate, length, &starts);
         let spreads = starts.iter().map(|start| start.abs() * &within);
         let spread = spreads.reduce(|a, b| a.zip_map(&b, f64::max)).expect("there are intervals");
-        let reach = |row: &super::Row| (spread.tr_mul(&row.abs()) * BOUND_MARGIN).as_slice().to_vec();
+        let reach = |row: &super::StateRow| (spread.tr_mul(&row.abs()) * BOUND_MARGIN).as_slice().to_vec();
         let reaches = table.watched.iter().map(|w| reach(&w.row)).collect();
         let apart = table.apart.as_ref().filter(|_| a.len() <= EXACT);
         let exact = apart.map(|apart| Exact::first(apart, a.len(), length, RADIUS));
@@ -97,8 +97,8 @@ impl Rung {
         Self { length, integral, blocks, change, exact, spread, reaches }
     }
 
-    /// Twice the length.
-    pub(super) fn doubled(&self, table: &Table) -> Self {
+    /// The flow over twice the length.
+    pub(super) fn doubled(&self, table: &FlowTable) -> Self {
         let Self { length, integral, change, exact, spread, reaches, .. } = self;
         let end = DMatrix::identity(change.nrows(), change.ncols()) + change;
         let later = end.abs() * spread * BOUND_MARGIN;
@@ -117,23 +117,23 @@ impl Rung {
     }
 
     /// A bound of the second derivative of the watched functional at a place throughout the length,
-    /// from the sizes of the state's.
+    /// from the state's second derivative at its start.
     pub fn bend(&self, place: usize, second: &[f64]) -> f64 {
         self.reaches[place].iter().zip(second).map(|(r, x)| r * x.abs()).sum()
     }
 
-    /// The state at the end from that at the start and its rates.
+    /// Writes the state at the end from that at the start and its derivative.
     pub fn at_end(&self, z: &[f64], rates: &[f64], to: &mut [f64]) {
         self.blocks.times(rates, to);
         to.iter_mut().zip(z).for_each(|(to, z)| *to += z);
     }
 
-    /// Rows behind the length: rows times exp(A h).
+    /// Rows that act at the end, as rows at the start: rows × exp(A h).
     pub fn after(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         rows + rows * &self.change
     }
 
-    /// Numbers that it holds.
+    /// Count of stored numbers.
     pub fn numbers(&self) -> usize {
         let exact = self.exact.as_ref().map_or(0, Exact::numbers);
         4 * self.change.len() + exact + self.reaches.len() * self.change.nrows()

@@ -17,7 +17,7 @@ const PLACES: usize = 24;
 
 /// A chain from the ground: its first body presses a buffer, its last one comes to a rigid stop, and where `holds` its second one sticks
 /// to the ground. A load turns once in a second.
-fn chain(count: usize, stiffness: f64, holds: bool) -> (Table, usize) {
+fn chain(count: usize, stiffness: f64, holds: bool) -> (FlowTable, usize) {
     let mut text = "name = \"C\"\ngravity = 9.81\n".to_owned();
     for i in 0..count {
         let (mass, s) = (1.0 + 0.3 * i as f64, if i == 0 { 0.02 } else { 0.0 });
@@ -38,11 +38,11 @@ fn chain(count: usize, stiffness: f64, holds: bool) -> (Table, usize) {
     let motion = Motion::new(machine.clone()).unwrap();
     let (system, mode) = (machine.system(), motion.mode());
     assert_eq!(mode.basis.len(), usize::from(holds));
-    (Table::new(system.linear(mode), system.signals.one), system.signals.one)
+    (FlowTable::new(system.linear(mode), system.signals.one), system.signals.one)
 }
 
 /// Chains with tables, with a stiff spring that is found apart, and of so many coordinates that a series takes the tables' place.
-fn tables() -> Vec<(Table, usize)> {
+fn tables() -> Vec<(FlowTable, usize)> {
     let mut all = Vec::new();
     for holds in [false, true] {
         for (count, stiffness) in [(3, 60.0), (3, 4e4), (12, 60.0), (12, 4e4)] {
@@ -242,7 +242,7 @@ fn closed_form_the_order_with_which_a_functional_leaves_zero() {
     let (mut mode, one) = (motion.mode().clone(), system.signals.one);
     mode.stops.fill(crate::mode::StopState::Open);
     mode.basis.clear();
-    let table = Table::new(system.linear(&mode), one);
+    let table = FlowTable::new(system.linear(&mode), one);
     let mut z = DVector::zeros(system.signals.size);
     (z[one], z[one + 1]) = (1.0, 1.0);
     let sizes = z.map(|_| 1.0);
@@ -250,7 +250,7 @@ fn closed_form_the_order_with_which_a_functional_leaves_zero() {
     let turn = |order: i32| -TAU * table.length.powi(order) / (1..=order).map(f64::from).product::<f64>();
     for (stop, order) in [(0, 3), (1, 5)] {
         let w = table.watched.iter().find(|w| w.watch == Watch::Meets(stop)).unwrap();
-        let found = table.departure(w, z.as_slice(), sizes.as_slice(), 1.0, &mut Rows::default());
+        let found = table.departure(w, z.as_slice(), sizes.as_slice(), 1.0, &mut DepartureRows::default());
         let (at, value) = found.unwrap();
         assert_eq!(at, order);
         assert!((value / turn(order as i32) - 1.0).abs() < ROUNDING, "{value} {}", turn(order as i32));

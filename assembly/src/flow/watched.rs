@@ -1,18 +1,18 @@
-//! A watched functional of a mode; and over a sub-step samples, a bound between them, and Taylor
-//! coefficients, as columns that act on the state.
+//! Watched functionals of a mode, with stored columns for their samples, bounds and Taylor
+//! coefficients over a sub-step.
 
 use super::{INTERVALS, LOCAL};
 use crate::kernel::{Sparse, SparseMatrix, combine};
 use crate::mode::Watch;
-use crate::system::{Functional, Row};
+use crate::system::{Functional, StateRow};
 
-/// Covers the rounding of a bound.
+/// Factor that covers the rounding of a bound.
 pub(super) const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 
 /// A watched functional of a mode.
 #[derive(Clone, Debug)]
 pub struct WatchTable {
-    /// What it tells.
+    /// The event at which it passes zero.
     pub watch: Watch,
     /// The functional.
     pub row: Functional,
@@ -21,23 +21,23 @@ pub struct WatchTable {
 }
 
 impl WatchTable {
-    /// Of a functional of a mode, from A.
-    pub(super) fn new(watch: Watch, row: Row, a: &SparseMatrix) -> Self {
+    /// The functional `row` in a mode with the matrix A.
+    pub(super) fn new(watch: Watch, row: StateRow, a: &SparseMatrix) -> Self {
         let mut slope = vec![0.0; row.len()];
         a.after_row(row.as_slice(), 1.0, &mut slope);
         Self { watch, slope: Sparse::of(&slope), row: Functional::of(row) }
     }
 }
 
-/// What is kept of a watched functional over a sub-step.
+/// Stored columns of a watched functional over a sub-step.
 #[derive(Clone, Debug)]
 pub(super) struct WatchColumns {
-    /// |functional''| is at most the sum of this times the sizes of the coordinates, or of their second derivatives where forces are found apart,
-    /// throughout the sub-step.
+    /// Throughout the sub-step |functional''| is at most Σ curvature · |z|, or Σ curvature · |z''|
+    /// where forces are separate.
     curvature: Vec<f64>,
-    /// Its values at the interval ends, by coordinate.
+    /// Values at the interval ends, by coordinate.
     samples: Vec<[f64; INTERVALS]>,
-    /// Its Taylor coefficients about a point, in units of an interval, by coordinate.
+    /// Taylor coefficients in units of an interval, by coordinate.
     local: Vec<[f64; LOCAL]>,
 }
 
@@ -48,14 +48,14 @@ impl WatchColumns {
         combine(&self.samples, z)
     }
 
-    /// Its Taylor coefficients about a point, in units of an interval.
+    /// Its Taylor coefficients about a state, in units of an interval.
     #[inline(always)]
     pub(super) fn local(&self, z: &[f64]) -> [f64; LOCAL] {
         combine(&self.local, z)
     }
 }
 
-/// A watched functional where a sub-step begins.
+/// A watched functional at the start of a sub-step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Head {
     /// Its value.
@@ -66,14 +66,14 @@ pub struct Head {
     pub bend: f64,
 }
 
-/// Functionals whose heads are found together.
+/// Functionals whose heads are computed together, one per vector lane.
 const GROUP: usize = 4;
 
-/// The heads of some functionals: values, slopes, bounds of the bends.
+/// The heads of up to four functionals: values, slopes, bounds of second derivatives.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Group([[f64; GROUP]; 3]);
 
-/// The head of the functional at a place, from all.
+/// The head of the functional at a place.
 #[inline(always)]
 pub fn head_of(groups: &[Group], place: usize) -> Head {
     let Group(sums) = &groups[place / GROUP];
@@ -81,7 +81,7 @@ pub fn head_of(groups: &[Group], place: usize) -> Head {
     Head { value, slope, bend }
 }
 
-/// Puts the head of the functional at a place to those of the places before.
+/// Adds the head of the functional at a place; requires the heads of all places before it.
 pub(super) fn put_head(groups: &mut Vec<Group>, place: usize, head: Head) {
     if place.is_multiple_of(GROUP) {
         groups.push(Group::default());
@@ -92,13 +92,13 @@ pub(super) fn put_head(groups: &mut Vec<Group>, place: usize, head: Head) {
     }
 }
 
-/// What the heads of some functionals are found from: by coordinate the values of all, their
-/// slopes, and the bounds of their bends.
+/// Columns from which the heads of up to four functionals are computed: by coordinate their values,
+/// slopes and bounds of second derivatives.
 #[derive(Clone, Debug)]
 pub(super) struct Heads(Vec<[[f64; GROUP]; 3]>);
 
 impl Heads {
-    /// Of functionals of so many coordinates, in groups.
+    /// The columns of all functionals, in groups, with `size` coordinates.
     pub(super) fn of(watched: &[WatchTable], columns: &[WatchColumns], size: usize) -> Vec<Self> {
         let column = |(group, kept): (&[WatchTable], &[WatchColumns]), j: usize| {
             let mut column = [[0.0; GROUP]; 3];
@@ -112,7 +112,7 @@ impl Heads {
         groups.map(|group| Self((0..size).map(|j| column(group, j)).collect())).collect()
     }
 
-    /// The heads at a state, with the vector of whose sizes the bounds are made.
+    /// The heads at a state `z`; `sizes` is the vector from which the bounds are computed.
     #[inline(always)]
     pub(super) fn at(&self, z: &[f64], sizes: &[f64]) -> Group {
         let mut sums = [[0.0; GROUP]; 3];
@@ -141,9 +141,9 @@ pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64,
     columns
 }
 
-/// Taylor coefficients of a functional over a sub-step: with rate times length 3 the first one left
-/// out is under 3³⁴/34! < 6e-23 of the largest coordinate, and that of the second derivative under
-/// 7e-20.
+/// Number of Taylor coefficients of a functional over a sub-step: with rate times length 3 the
+/// first omitted term is below 3³⁴/34! < 6e-23 of the largest coordinate, and that of the second
+/// derivative below 7e-20.
 pub(super) const WHOLE: usize = 34;
 
 /// Values and second derivatives of a power series at 1, 2, …, [`INTERVALS`].
@@ -163,9 +163,8 @@ fn at_interval_ends(c: &[f64; WHOLE]) -> [[f64; INTERVALS]; 2] {
     [values, seconds]
 }
 
-/// The columns of a functional over intervals of length `step`, from A and its entries' sizes |A|.
-/// Its bend is bounded by the state or, with `is_stiff`, by the state's second derivative. Only
-/// entries of A that are not zero are multiplied.
+/// The columns of a functional over intervals of length `step`, from A and |A|. Its second
+/// derivative is bounded by the state or, with `is_stiff`, by the state's second derivative.
 pub(super) fn watch_columns(
     row: &[f64],
     [a, abs]: [&SparseMatrix; 2],
@@ -178,15 +177,14 @@ pub(super) fn watch_columns(
     for c in &columns {
         let [values, seconds] = at_interval_ends(c);
         samples.push(values);
-        // The largest size at the intervals' starts of the second derivative, or of what it is the
-        // row of.
+        // The largest |row''| at the intervals' starts; with `is_stiff`, the largest |row|.
         let (ends, first, unit) =
             if is_stiff { (&values, c[0], 1.0) } else { (&seconds, 2.0 * c[2], step * step) };
         let largest = ends[..INTERVALS - 1].iter().fold(first.abs(), |largest, x| largest.max(x.abs()));
         peak.push(largest / unit);
     }
-    // Its bound within an interval: |r exp(At)| <= |r| exp(|A| t) entry by entry, by as many orders
-    // as its Taylor coefficients have.
+    // The bound within an interval: |r exp(At)| <= |r| exp(|A| t) entry by entry, to the order of
+    // the Taylor coefficients.
     let mut curvature = peak.clone();
     let mut next = vec![0.0; size];
     for k in 1..=LOCAL {

@@ -1,27 +1,29 @@
-//! Contact forces and impulses as a convex quadratic problem in a box (docs/assembly-law.md (A7)).
+//! Contact forces and impulses as a convex quadratic program with box constraints
+//! (docs/assembly-law.md (A7)).
 //!
 //! Given columns a_i = L⁻¹ w_i of the contacts' directions, scaled by the Cholesky factor of the
 //! inertia M = L Lᵀ, so that G = AᵀA, find λ within lo ≤ λ ≤ hi that minimizes ½ λᵀGλ - bᵀλ. The
-//! residual r = b - Gλ is what is left of the relative accelerations (or velocities): zero where
-//! λ_i lies inside its bounds, not positive at the lower and not negative at the upper one. The
-//! minimum exists unless a direction lowers the value without end; r is unique even where λ is not.
+//! residual r = b - Gλ is the remaining relative acceleration (or velocity): zero where λ_i lies
+//! inside its bounds, not positive at the lower bound and not negative at the upper one. The
+//! minimum exists unless the value is unbounded below along a direction; r is unique even where λ
+//! is not.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Two contacts count as dependent where the sine of the angle between a column and those before it
-/// is under this: far above the rounding of the columns (1e-16 each), far below the 1e-5 that a
-/// mass ratio of 1e10 leaves between two contacts.
+/// A column is dependent on those before it where the sine of its angle to their span is below
+/// this: far above the rounding of the columns (1e-16 each), far below the 1e-5 that a mass ratio
+/// of 1e10 leaves between two contacts.
 const DEPENDENT: f64 = 1e-11;
 
-/// Rounding of a force on a coordinate in parts of the sizes of its terms: some tens of roundings
-/// of solving for them.
+/// Rounding of a force on a coordinate relative to the sizes of its terms: some tens of roundings
+/// of the solution.
 const ROUNDING: f64 = 1e-14;
-/// Contacts over which rounding is passed on.
+/// Number of contacts over which rounding propagates.
 const NEIGHBOURS: usize = 2;
 
-/// The contacts' problem. Bounds may be infinite; an equality has both infinite.
+/// The quadratic program of the contacts. Bounds may be infinite; for an equality both are.
 #[derive(Clone, Debug)]
-pub struct Problem {
+pub struct BoxProblem {
     /// L⁻¹ w_i, one column a contact.
     pub columns: DMatrix<f64>,
     /// The residual at λ = 0.
@@ -30,35 +32,35 @@ pub struct Problem {
     pub lo: DVector<f64>,
     /// Upper bounds of λ.
     pub hi: DVector<f64>,
-    /// Below this a residual counts as zero.
+    /// By contact: the residual up to which it counts as zero.
     pub zero: DVector<f64>,
 }
 
-/// What solves a [`Problem`].
+/// The solution of a [`BoxProblem`].
 #[derive(Clone, Debug)]
 pub struct Solution {
     /// The forces or impulses.
     pub lambda: DVector<f64>,
     /// b - Gλ.
     pub residual: DVector<f64>,
-    /// Below this each counts as zero.
+    /// By contact: the residual up to which it counts as zero.
     pub zero: DVector<f64>,
-    /// Independent contacts whose λ lies inside its bounds, by their places.
+    /// Places of independent contacts whose λ lies inside its bounds.
     pub free: Vec<usize>,
 }
 
-/// Nothing gives way: along a direction the value falls without end.
+/// The value is unbounded below along a direction: nothing can yield.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jam {
-    /// The contacts that take part, by their places.
+    /// Places of the contacts that take part.
     pub contacts: Vec<usize>,
 }
 
-/// An orthonormal basis of some of the columns, with the triangle that leads back to them.
+/// A QR factorization of some of the columns.
 struct Basis {
     places: Vec<usize>,
     q: Vec<DVector<f64>>,
-    /// Upper triangle, column by column.
+    /// Upper triangle R, column by column.
     r: Vec<Vec<f64>>,
 }
 
@@ -73,7 +75,7 @@ impl Basis {
         basis
     }
 
-    /// Becomes the basis of `places`; what stands at the beginning of both stays.
+    /// Becomes the basis of `places`; the common beginning of both is kept.
     fn become_of(&mut self, columns: &DMatrix<f64>, places: &[usize]) {
         let stays = self.places.iter().zip(places).take_while(|(a, b)| a == b).count();
         self.places.truncate(stays);
@@ -84,8 +86,8 @@ impl Basis {
         }
     }
 
-    /// The part of a column outside the span, and its coefficients in `q`: Gram–Schmidt, twice, so
-    /// that what is left is orthogonal to rounding.
+    /// The part of a column outside the span, and its coefficients in `q`. Gram–Schmidt is done
+    /// twice, so that the rest is orthogonal to rounding.
     fn split(&self, column: DVector<f64>) -> (DVector<f64>, Vec<f64>) {
         let (mut rest, mut coefficients) = (column, vec![0.0; self.q.len()]);
         for _ in 0..2 {
@@ -98,7 +100,7 @@ impl Basis {
         (rest, coefficients)
     }
 
-    /// Adds a column unless it depends on those there.
+    /// Adds a column; `false` where it depends on those before it.
     fn push(&mut self, columns: &DMatrix<f64>, place: usize) -> bool {
         let column = columns.column(place).into_owned();
         let size = column.norm();
@@ -114,8 +116,8 @@ impl Basis {
         true
     }
 
-    /// The coefficients c of the columns in a vector of their span, given its coefficients in `q`:
-    /// R c = y.
+    /// The solution c of R c = y: the coefficients in the columns of the vector with coefficients y
+    /// in `q`.
     fn back(&self, y: &[f64]) -> Vec<f64> {
         let mut c = y.to_vec();
         for j in (0..c.len()).rev() {
@@ -140,13 +142,13 @@ impl Basis {
     }
 }
 
-/// The columns' entries without signs, and their squared norms.
-struct Sizes {
+/// Absolute values of the columns' entries, and the columns' squared norms.
+struct ColumnSizes {
     sizes: DMatrix<f64>,
     norms: Vec<f64>,
 }
 
-impl Sizes {
+impl ColumnSizes {
     fn of(columns: &DMatrix<f64>) -> Self {
         let sizes = columns.abs();
         let norms = sizes.column_iter().map(|c| c.norm_squared().max(f64::MIN_POSITIVE)).collect();
@@ -159,8 +161,8 @@ pub fn independent(columns: &DMatrix<f64>, places: &[usize]) -> Vec<usize> {
     Basis::of(columns, places).places
 }
 
-/// The upper triangle R with RᵀR = AᵀA, by orthogonalization of the columns, which does not square
-/// their condition and leaves exact zeros between contacts that share no coordinate.
+/// The upper triangle R with RᵀR = AᵀA. Orthogonalization of the columns does not square their
+/// condition, and leaves exact zeros between contacts that share no coordinate.
 pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let (count, mut basis) = (columns.ncols(), Basis::new());
     for place in 0..count {
@@ -173,18 +175,18 @@ pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(count, count, |i, j| if i <= j { basis.r[j][i] } else { 0.0 })
 }
 
-impl Problem {
-    /// Below this a contact's λ counts as zero: it makes no more of a residual than what counts as
-    /// zero there.
+impl BoxProblem {
+    /// The size up to which a contact's λ counts as zero, as it changes the residual by no more
+    /// than what counts as zero there.
     pub fn zero_force(&self, contact: usize, solution: &Solution) -> f64 {
         let compliance = self.columns.column(contact).norm_squared();
         if compliance > 0.0 { solution.zero[contact] / compliance } else { 0.0 }
     }
 
-    /// Below this a residual counts as zero for given λ. What is given, and the rounding of the λ,
-    /// are errors of forces on the coordinates; what they change at a contact is passed on to those
-    /// that share a coordinate with it.
-    fn zero(&self, lambda: &DVector<f64>, Sizes { sizes, norms }: &Sizes) -> DVector<f64> {
+    /// By contact: the residual up to which it counts as zero for given λ. The given `zero` and the
+    /// rounding of λ are errors of forces on the coordinates, which propagate to contacts that
+    /// share a coordinate.
+    fn zero(&self, lambda: &DVector<f64>, ColumnSizes { sizes, norms }: &ColumnSizes) -> DVector<f64> {
         let errors = |i: usize, residual: f64| residual / norms[i];
         let own = DVector::from_fn(lambda.len(), |i, _| errors(i, self.zero[i]) + ROUNDING * lambda[i].abs());
         let mut forces = sizes * own;
@@ -200,7 +202,7 @@ impl Problem {
         &self.b - self.columns.tr_mul(&force)
     }
 
-    /// The λ of the free contacts that make their residual zero, the others staying as they are.
+    /// The λ of the free contacts for which their residual is zero, with the other λ fixed.
     fn stationary(&self, basis: &Basis, lambda: &DVector<f64>) -> Vec<f64> {
         let mut others = lambda.clone();
         for &i in &basis.places {
@@ -211,7 +213,7 @@ impl Problem {
         basis.back(&basis.forward(&b))
     }
 
-    /// Moves the free contacts from λ towards `target`, up to the first bound; returns those that
+    /// Moves the free contacts' λ towards `target` up to the first bound; returns the contacts that
     /// reach it.
     fn step(&self, free: &[usize], target: &[f64], lambda: &mut DVector<f64>) -> Vec<usize> {
         let mut part = 1.0f64;
@@ -237,13 +239,13 @@ impl Problem {
         reached
     }
 
-    /// The contact whose residual violates its bound most, in parts of its column's size; `first`
-    /// takes the first one instead, by which the search cannot cycle (Bland's rule).
+    /// The contact whose residual violates its condition most, relative to the size of its column;
+    /// with `first` the first such contact, by which the search cannot cycle (Bland's rule).
     fn violated(
         &self,
         lambda: &DVector<f64>,
         [residual, zero]: [&DVector<f64>; 2],
-        sizes: &Sizes,
+        sizes: &ColumnSizes,
         first: bool,
     ) -> Option<usize> {
         let mut best: Option<(usize, f64)> = None;
@@ -265,23 +267,22 @@ impl Problem {
         best.map(|(i, _)| i)
     }
 
-    /// Solves it by an active set: the free contacts have zero residual, the others stand at a
-    /// bound; the most violated one becomes free, and what meets a bound on the way is no longer.
-    /// Each turn lowers the value, so that no set comes twice; Bland's rule takes over where
-    /// rounding would let one.
+    /// Solves the problem by an active-set method: the free contacts have zero residual, the others
+    /// are at a bound. In each turn the most violated contact becomes free, and contacts that meet
+    /// a bound on the way cease to be. Each turn lowers the value, so that no set recurs; Bland's
+    /// rule takes over where rounding could let one recur.
     ///
     /// # Errors
-    /// [`Jam`] where nothing gives way.
+    /// [`Jam`] where the value is unbounded below.
     pub fn solve(&self) -> Result<Solution, Jam> {
         let m = self.b.len();
-        // Not by `clamp`, which panics where levels beyond what doubles carry have left bounds that
-        // are none.
+        // `clamp` would panic for NaN bounds, which overflowing friction levels cause.
         let mut lambda = DVector::from_fn(m, |i, _| 0.0f64.max(self.lo[i]).min(self.hi[i]));
         let equality = |i: usize| self.lo[i] == f64::NEG_INFINITY && self.hi[i] == f64::INFINITY;
         let mut free = independent(&self.columns, &(0..m).filter(|&i| equality(i)).collect::<Vec<_>>());
-        let (sizes, mut basis) = (Sizes::of(&self.columns), Basis::new());
+        let (sizes, mut basis) = (ColumnSizes::of(&self.columns), Basis::new());
         for turn in 0..100 * (m + 1) {
-            // Free contacts at their stationary point, or as far as bounds allow.
+            // Move the free contacts to their stationary point, or as far as bounds allow.
             loop {
                 basis.become_of(&self.columns, &free);
                 let target = self.stationary(&basis, &lambda);
@@ -306,8 +307,8 @@ impl Problem {
         Ok(Solution { lambda, residual, zero, free })
     }
 
-    /// Makes a contact free. One whose column depends on the free ones moves along the direction
-    /// that leaves the motion as it is, until one of them meets a bound and makes room.
+    /// Makes a contact free. Where its column depends on the free ones, λ moves along the direction
+    /// that does not change the motion, until a contact meets its bound and leaves.
     fn enter(
         &self,
         basis: &Basis,

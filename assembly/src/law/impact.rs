@@ -1,6 +1,6 @@
 //! Impacts of one or many stops at one instant (docs/assembly-law.md (A7) to (A9)).
 
-use super::box_qp::{Jam, Problem};
+use super::box_qp::{BoxProblem, Jam};
 use super::{Sizes, ZERO};
 use crate::mode::Contact;
 use crate::system::System;
@@ -155,7 +155,7 @@ impl Instant<'_> {
     fn impulses(&self, stops: &[usize], b: DVector<f64>, zeros: &[f64]) -> Result<DVector<f64>, Jam> {
         let contacts: Vec<Contact> = stops.iter().map(|&i| Contact::Stop(i)).collect();
         let count = stops.len();
-        let problem = Problem {
+        let problem = BoxProblem {
             columns: self.system.columns(&contacts),
             b,
             lo: DVector::zeros(count),

@@ -1,17 +1,16 @@
-//! The law at events: contact forces and impulses, impacts, and which mode follows
-//! (docs/assembly-law.md).
+//! The law at events: contact forces, impacts and the mode that follows (docs/assembly-law.md).
 
 pub mod box_qp;
 pub mod impact;
 pub mod selection;
 
 use crate::mode::Contact;
-use crate::system::{Elongation, Functional, Row, System};
+use crate::system::{Elongation, Functional, StateRow, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-/// What is under this part of the sum of its terms' largest sizes so far counts as zero: some
-/// hundreds of roundings.
+/// Relative size below which a sum counts as zero, relative to the sum of its terms' largest sizes
+/// so far: some hundreds of roundings.
 pub const ZERO: f64 = 1e-13;
 
 /// The largest size of each coordinate of the augmented state so far.
@@ -19,35 +18,36 @@ pub const ZERO: f64 = 1e-13;
 pub struct Sizes(#[serde(with = "crate::motion::saved::vector")] pub DVector<f64>);
 
 impl Sizes {
-    /// The sum of the sizes of a row's terms.
-    pub fn of(&self, row: &Row) -> f64 {
+    /// The sum of the largest sizes of a row's terms.
+    pub fn of(&self, row: &StateRow) -> f64 {
         row.iter().zip(self.0.iter()).map(|(r, s)| r.abs() * s).sum()
     }
 
-    /// Below this a functional's value counts as zero.
+    /// The size up to which a functional's value counts as zero.
     pub(crate) fn zero_of(&self, row: &Functional) -> f64 {
         ZERO * row.size(self.0.as_slice())
     }
 
-    /// Below this a row's value counts as zero.
-    pub fn zero(&self, row: &Row) -> f64 {
+    /// The size up to which a row's value counts as zero.
+    pub fn zero(&self, row: &StateRow) -> f64 {
         ZERO * self.of(row)
     }
 
-    /// Takes in a state.
+    /// Updates the largest sizes by a state.
     #[inline(always)]
     pub fn include(&mut self, z: &[f64]) {
         self.include_from(0, z);
     }
 
-    /// Takes in coordinates of the state, the first of them at a place.
+    /// Updates the largest sizes by coordinates of a state from place `first` on.
     #[inline(always)]
     pub fn include_from(&mut self, first: usize, z: &[f64]) {
         self.0.as_mut_slice()[first..].iter_mut().zip(z).for_each(|(s, x)| *s = s.max(x.abs()));
     }
 
-    /// What a contact keeps at zero is moved there by its rounding, which is that of all its terms:
-    /// a coordinate that is held to greater ones counts as so great as its share of that change.
+    /// Updates the largest sizes by a contact. Projection onto the contact changes each coordinate
+    /// by its share of the rounding of all terms, so that a coordinate held to larger ones counts
+    /// as large as its share of them.
     pub(crate) fn include_contact(&mut self, system: &System, contact: Contact) {
         let (e, n) = (system.elongation_of(contact), system.coordinates);
         if let Contact::Stop(i) = contact {
@@ -56,13 +56,13 @@ impl Sizes {
         self.include_held(e, n, &e.rate);
     }
 
-    /// For the coordinates (or the rates) from `first` on, where a row with these terms is kept at
+    /// Updates the coordinates (or the rates) from `first` on for a row that a contact keeps at
     /// zero.
     fn include_held(&mut self, e: &Elongation, first: usize, row: &Functional) {
         let all = row.size(self.0.as_slice());
         let compliance = e.w.dot(&e.mobility);
         for (k, mobility) in e.mobility.iter().enumerate().filter(|(_, m)| **m != 0.0) {
-            // Its own term is no greater than itself.
+            // A coordinate's own term is no larger than itself.
             let others = all - e.w[k].abs() * self.0[first + k];
             self.0[first + k] = self.0[first + k].max(mobility.abs() / compliance * others);
         }
@@ -76,9 +76,9 @@ mod tests {
 
     #[test]
     fn closed_form_what_is_held_has_the_rounding_of_what_holds_it() {
-        // 0.01 kg is held to 1 kg, which has had 3 m and 2 m/s: of a correction of e = s' - s it
-        // takes 100/(100 + 1), and the heavy body of the light one's 0.5 m/s the rest, which is
-        // less than its own.
+        // 0.01 kg is held to 1 kg, whose largest sizes are 3 m and 2 m/s. Of a correction of e = s'
+        // - s the light body takes 100/(100 + 1). The heavy body takes the rest of the light one's
+        // 0.5 m/s, which is less than its own 2 m/s.
         let text = "name = \"A\"\n[body.heavy]\nmass = 1.0\n[body.light]\nmass = 0.01\n\
                     [friction.f]\nbetween = [\"heavy\", \"light\"]\nforce = 1.0\n\
                     [stop.s]\nbetween = [\"heavy\", \"light\"]\ngap = 0.5\nrestitution = 0.0\n";
@@ -92,7 +92,7 @@ mod tests {
         let mut stuck = begin();
         stuck.include_contact(&system, Contact::Friction(0));
         assert_eq!(size(&stuck), [3.0, 0.0, 2.0, share * 2.0]);
-        // A closed stop holds places, too: 3 m and its gap.
+        // A closed stop holds coordinates as well: 3 m and the gap of 0.5 m.
         let mut closed = begin();
         closed.include_contact(&system, Contact::Stop(0));
         let found = size(&closed);

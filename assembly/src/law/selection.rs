@@ -1,5 +1,25 @@
-//! Which mode follows: order by order in the derivatives of the motion (docs/assembly-law.md (A10)
-//! to (A12)).
+//! The choice of the mode that follows an instant, order by order in the derivatives of the motion
+//! (docs/assembly-law.md (A10) to (A12)).
+//!
+//! Values alone do not decide: a stop with e = gap and e' = 0 opens or stays closed by the first
+//! derivative that is not zero, and the contacts' forces depend on one another. At each order the
+//! undecided contacts make one convex problem ([`BoxProblem`](super::box_qp::BoxProblem)), whose
+//! accelerations are unique. Contacts with a nonzero residual, or with a force strictly inside its
+//! bounds, are decided; the others go on to the next order. By (A11) the result is the only mode
+//! whose conditions all hold just after the instant.
+//!
+//! Three things must stay:
+//!
+//! - What counts as zero is relative to the sizes of terms ([`Sizes`]), never absolute.
+//! - A friction that leaves its static level starts the choice again with its sliding level, since
+//!   the other contacts then bear other forces (A12).
+//! - The basis of dependent contacts follows the order in which their forces came to lie strictly
+//!   inside their bounds: the others keep a share that is a bound or zero.
+//!
+//! A further kind of contact needs its candidates in `Stop` or `Friction`, its first classification
+//! in `classify.rs`, and its bounds and decision in `order.rs`. A change is proved by
+//! `tests/second_method.rs` (all modes tried, in 50 digits), `tests/lone_events.rs` (guess and
+//! choice agree) and unchanged golden files.
 
 mod classify;
 mod order;
@@ -7,83 +27,82 @@ mod order;
 use super::Sizes;
 use super::box_qp::Jam;
 use crate::mode::{Contact, FrictionState, Mode, StopState};
-use crate::system::{Row, System};
+use crate::system::{StateRow, System};
 use nalgebra::{DMatrix, DVector};
 
-/// What is not yet known of an element.
+/// A stop's state as far as it is decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stop {
     Is(StopState),
-    /// A rigid stop with e = gap, whose derivatives so far are all zero.
+    /// A rigid stop with e = gap and zero derivatives up to the present order.
     Touching,
-    /// A compliant stop with e = gap, likewise.
+    /// A compliant stop with e = gap and zero derivatives up to the present order.
     AtEdge,
-    /// A compliant stop whose force is at the limit of two states, with the state above and the one
+    /// A compliant stop whose force is at the limit between two states, the one above and the one
     /// below it.
     AtLimit(StopState, StopState),
-    /// An `ElastoGap` whose force is zero and at its cap, but for rounding, so near to its edge is
-    /// it.
+    /// An `ElastoGap` so near to its edge that its force is zero and at its cap within rounding.
     AtLimits,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Friction {
     Is(FrictionState),
-    /// e' = 0 and all derivatives so far; the level's first derivative that is not zero is of this
-    /// order.
+    /// e' and its derivatives are zero up to the present order; the level's first nonzero
+    /// derivative has this order.
     Resting(usize),
-    /// The same with |f| at its level throughout so far, in this direction.
+    /// Resting, with the force at its level in this direction up to the present order.
     AtLevel(f64),
 }
 
 /// The choice of the mode that follows an instant.
 pub struct Selection<'a> {
     system: &'a System,
-    /// z and its derivatives, as far as they are known.
+    /// z and its derivatives, by order.
     derivatives: Vec<DVector<f64>>,
-    /// Bounds of the sizes of the same.
+    /// Bounds of the sizes of `derivatives`, by order.
     sizes: Vec<Sizes>,
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
-    /// Contacts in the order in which their forces came to lie strictly inside their bounds: the
-    /// preferred basis, since what depends on them then keeps its share, which is a bound or zero.
+    /// Contacts in the order in which their forces came to lie strictly inside their bounds. They
+    /// are preferred for the basis: contacts that depend on them then keep a share that is a bound
+    /// or zero.
     preferred: Vec<Contact>,
-    /// By friction: whether it has left its static level.
+    /// By friction: whether it has left its static level in this choice.
     released: Vec<bool>,
-    /// By friction: the direction in which its force was at its level in the first solution that
-    /// decided on it, else 0.
+    /// By friction: the direction in which its force was at its level when it was first solved for,
+    /// else 0.
     at_level: Vec<f64>,
 }
 
-/// Rigid stops that touch, by stop; and whether each friction has e' = 0 by an event's verdict.
-pub struct Touching<'a> {
-    /// By stop.
+/// What an event says of the elements that take part in it, where values alone would be rounding.
+pub struct EventVerdict<'a> {
+    /// By stop: whether a rigid stop touches.
     pub stops: &'a [bool],
-    /// By friction.
+    /// By friction: whether e' = 0.
     pub resting: &'a [bool],
-    /// Compliant stops with e = gap by an event's verdict.
+    /// By stop: whether a compliant stop has e = gap.
     pub edges: &'a [bool],
-    /// Compliant stops whose force is at a limit by an event's verdict.
+    /// By stop: whether the force of a compliant stop is at a limit.
     pub limits: &'a [bool],
-    /// Places of rigid stops that are open whatever their speed, since an impact of theirs is still
-    /// to come.
+    /// Places of rigid stops that count as open at any speed, since their impact is still to come.
     pub open: &'a [usize],
 }
 
 impl<'a> Selection<'a> {
-    /// The mode that follows the state `z`, in which no touching stop closes with a speed.
+    /// The mode that follows the state `z`; requires that no touching stop closes with a speed.
     ///
     /// # Errors
-    /// [`Jam`], whose contacts are places of stops: prescribed bodies drive them together.
+    /// [`Jam`] with places of stops, where prescribed bodies drive them together.
     pub fn select(
         system: &'a System,
         z: &DVector<f64>,
         sizes: &Sizes,
-        touching: &Touching,
+        verdict: &EventVerdict,
     ) -> Result<Mode, Jam> {
         let mut released = vec![false; system.frictions.len()];
         loop {
-            let mut selection = Self::begin(system, z, sizes, touching, &released);
+            let mut selection = Self::begin(system, z, sizes, verdict, &released);
             let leaving = selection.run()?;
             if leaving.is_empty() {
                 return Ok(selection.finish());
@@ -96,7 +115,7 @@ impl<'a> Selection<'a> {
         system: &'a System,
         z: &DVector<f64>,
         sizes: &Sizes,
-        touching: &Touching,
+        verdict: &EventVerdict,
         released: &[bool],
     ) -> Self {
         let mut selection = Self {
@@ -110,18 +129,18 @@ impl<'a> Selection<'a> {
             released: released.to_vec(),
         };
         for i in 0..system.stops.len() {
-            let state = selection.classify_stop(i, touching);
+            let state = selection.classify_stop(i, verdict);
             selection.stops.push(state);
         }
         for i in 0..system.frictions.len() {
-            let state = selection.classify_friction(i, touching.resting[i]);
+            let state = selection.classify_friction(i, verdict.resting[i]);
             selection.frictions.push(state);
         }
         selection
     }
 
-    /// Goes through the orders; returns the frictions that slip at their static levels, with which
-    /// all begins anew.
+    /// Decides order by order. Returns the frictions that slip at their static levels; with any,
+    /// the choice starts again.
     fn run(&mut self) -> Result<Vec<usize>, Jam> {
         if self.is_decided() && !self.has_contacts() {
             return Ok(Vec::new());
@@ -139,25 +158,25 @@ impl<'a> Selection<'a> {
         Ok(Vec::new())
     }
 
-    /// Whether the last known derivative is zero, and so all that follow: nothing decides any more.
+    /// Whether the last derivative is zero, and with it all higher ones: nothing remains to decide.
     fn is_still(&self) -> bool {
         self.derivatives.last().is_some_and(|z| z.iter().all(|x| *x == 0.0))
     }
 
-    /// Whether the state of every element is known.
+    /// Whether the state of every element is decided.
     fn is_decided(&self) -> bool {
         self.stops.iter().all(|s| matches!(s, Stop::Is(_)))
             && self.frictions.iter().all(|f| matches!(f, Friction::Is(_)))
     }
 
-    /// Whether forces of closed stops or sticking friction are to be found.
+    /// Whether a stop is closed or a friction sticks.
     fn has_contacts(&self) -> bool {
         self.stops.contains(&Stop::Is(StopState::Closed))
             || self.frictions.iter().any(|f| matches!(f, Friction::Is(state) if state.sticks()))
     }
 
-    /// Compliant stops whose next known derivative is not zero. At order k the derivatives of e up
-    /// to k + 1 are known.
+    /// Decides compliant stops by the next derivative where it is not zero. At order k the
+    /// derivatives of e up to k + 1 are known.
     fn decide_compliant(&mut self, order: usize) {
         for i in 0..self.stops.len() {
             let stop = &self.system.stops[i];
@@ -195,7 +214,8 @@ impl<'a> Selection<'a> {
         }
     }
 
-    /// The states as a mode's, with what is open as it is until it is decided.
+    /// The states of all elements, provisional where they are undecided: touching stops closed,
+    /// resting frictions stuck.
     fn states(&self) -> (Vec<StopState>, Vec<FrictionState>) {
         let stops = self.stops.iter().map(|s| match *s {
             Stop::Is(state) => state,
@@ -211,8 +231,8 @@ impl<'a> Selection<'a> {
         (stops.collect(), frictions.collect())
     }
 
-    /// The accelerations' derivative of an order, and what it decides; returns the frictions that
-    /// slip at their static levels.
+    /// Solves for the accelerations' derivative of an order and decides by it. Returns the
+    /// frictions that slip at their static levels.
     fn solve(&mut self, order: usize) -> Result<Vec<usize>, Jam> {
         let (stops, frictions) = self.states();
         let free = self.system.free_acceleration(&stops, &frictions);
@@ -247,9 +267,9 @@ impl<'a> Selection<'a> {
         Ok(Vec::new())
     }
 
-    /// Adds the next derivative of z, and a bound of its size by the terms of the free
-    /// accelerations and the contact forces' `shares`, which on a light body may be far greater
-    /// than what they leave together.
+    /// Adds the next derivative of z and a bound of its size, from the terms of the free
+    /// accelerations and the contact forces' `shares`. On a light body these may be far greater
+    /// than their sum.
     fn differentiate(
         &mut self,
         z: &DVector<f64>,
@@ -269,7 +289,7 @@ impl<'a> Selection<'a> {
             size[n + k] = terms + shares[k];
         }
         for j in signals.one..signals.size {
-            let mut unit = Row::zeros(signals.size);
+            let mut unit = StateRow::zeros(signals.size);
             unit[j] = 1.0;
             let row = signals.derivative(&unit);
             next[j] = row.dot(z);
@@ -294,7 +314,7 @@ impl<'a> Selection<'a> {
             }
         }
         let basis = self.system.independent(&contacts);
-        // What depends on the others keeps the share of the solution: its level, or nothing.
+        // A friction outside the basis keeps its share of the solution: its level, or zero.
         for (i, state) in frictions.iter_mut().enumerate() {
             let direction = self.at_level[i];
             if state.sticks() && direction != 0.0 && !basis.contains(&Contact::Friction(i)) {

@@ -1,4 +1,4 @@
-//! The linear system of a mode, z' = A z, with the functionals that end it (docs/assembly-law.md
+//! The linear system z' = A z of a mode and the functionals that end it (docs/assembly-law.md
 //! (A5)).
 
 use super::{Contact, FrictionState, Mode, StopState, Watch};
@@ -6,7 +6,7 @@ use crate::flow::DENSE;
 use crate::kernel::SparseMatrix;
 use crate::law::ZERO;
 use crate::law::box_qp::triangle;
-use crate::system::{Elongation, Functional, Row, System};
+use crate::system::{Elongation, Functional, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 
 /// The linear system of a mode.
@@ -14,34 +14,33 @@ use nalgebra::{DMatrix, DVector};
 pub struct Linear {
     /// z' = A z.
     pub a: SparseMatrix,
-    /// By entry of A the sizes of the terms that it is the sum of: what a closed stop cancels
-    /// leaves rounding of these.
+    /// By entry of A: the sum of the sizes of its terms, whose rounding remains where a closed stop
+    /// cancels them.
     pub terms: SparseMatrix,
-    /// The forces of the basis, by its order.
-    pub lambda: Vec<Row>,
+    /// Contact forces of the basis, in its order, as rows.
+    pub lambda: Vec<StateRow>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: DMatrix<f64>,
-    /// What ends the mode, each negative inside it.
-    pub watched: Vec<(Watch, Row)>,
-    /// The elastic forces that may be found apart.
+    /// The functionals that end the mode, each negative inside it.
+    pub watched: Vec<(Watch, StateRow)>,
+    /// Elastic forces that may be computed separately.
     pub elastic: Option<Elastic>,
-    /// Where there are contacts, the sizes of what they leave of the velocities: of the projection
-    /// past them.
+    /// Absolute values of the projection of velocities past the contacts, where there are contacts.
     pub loose: Option<SparseMatrix>,
 }
 
-/// The forces of stiff springs and of compliant stops apart from the rest of a mode's system: A =
-/// rest - Σ by ⊗ force.
+/// Forces of stiff springs and compliant stops, separate from the rest of A: A = rest - Σ by ⊗
+/// force.
 #[derive(Clone, Debug)]
 pub struct Elastic {
-    /// A without them.
+    /// A without these forces.
     pub rest: SparseMatrix,
-    /// Where there are contacts, the sizes of the terms of its entries.
+    /// By entry of `rest`: the sum of the sizes of its terms, where there are contacts.
     pub rest_terms: Option<SparseMatrix>,
-    /// The forces, and what a unit of each takes from z'.
-    pub forces: Vec<(Functional, Row)>,
-    /// In a machine that keeps tables, whether they tie what is moved by much softer ones; else
-    /// they may still be what makes the mode fast.
+    /// The forces, each with what a unit of it takes from z'.
+    pub forces: Vec<(Functional, StateRow)>,
+    /// With stored matrices: whether a force ties a group that much softer forces move. Where this
+    /// is false, the forces may still be what makes the mode fast.
     pub are_stiff: bool,
 }
 
@@ -54,7 +53,8 @@ struct Held<'a> {
     triangle: DMatrix<f64>,
     /// M⁻¹ w of each.
     mobility: DMatrix<f64>,
-    /// What they leave of velocities and accelerations, 1 - M⁻¹ W G⁻¹ Wᵀ; what is rounding is zero.
+    /// The projection of velocities and accelerations past the contacts, 1 - M⁻¹ W G⁻¹ Wᵀ, with
+    /// rounding replaced by zero.
     loose: DMatrix<f64>,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Held<'a> {
         Self { elongations, columns, triangle, mobility, loose }
     }
 
-    /// The sizes of what they leave of velocities.
+    /// Absolute values of [`loose`](Self::loose).
     fn loose_sizes(&self) -> SparseMatrix {
         let mut sizes = SparseMatrix::default();
         for row in self.loose.row_iter() {
@@ -90,8 +90,9 @@ impl<'a> Held<'a> {
         sizes
     }
 
-    /// Takes what the contacts' forces do from accelerations. Coordinates that they hold altogether
-    /// move as prescribed bodies make them, with no rounding of the forces that cancel.
+    /// Subtracts the effect of the contacts' forces from accelerations. Coordinates that contacts
+    /// hold completely move as prescribed bodies require, without rounding of the forces that
+    /// cancel.
     fn hold(&self, system: &System, acceleration: &mut DMatrix<f64>, demand: &DMatrix<f64>) {
         *acceleration -= &self.mobility * demand;
         let held = |k: &usize| self.loose.row(*k).iter().all(|x| *x == 0.0);
@@ -104,14 +105,15 @@ impl<'a> Held<'a> {
         }
     }
 
-    /// The contacts' forces, a row each, under accelerations without them.
+    /// The contacts' forces, one row each, that keep e'' at zero against accelerations without
+    /// them.
     fn demand(&self, system: &System, acceleration: &DMatrix<f64>) -> DMatrix<f64> {
         let mut demand = DMatrix::zeros(self.elongations.len(), system.signals.size); // e'' without contact forces
         let mut sizes = demand.clone();
         for (k, e) in self.elongations.iter().enumerate() {
             let row = acceleration.tr_mul(&e.w) + &e.drift;
             demand.set_row(k, &row.transpose());
-            // Of its terms, whose sum may be their rounding: bodies in free fall.
+            // Sizes of the terms: their sum may be rounding, as of bodies in free fall.
             let terms = acceleration.abs().tr_mul(&e.w.abs()) + e.drift.abs();
             sizes.set_row(k, &terms.transpose());
         }
@@ -121,8 +123,8 @@ impl<'a> Held<'a> {
         demand
     }
 
-    /// What a unit of an element's force takes from the velocities' rates: M⁻¹ w and what the
-    /// contacts do against it; what is rounding is zero.
+    /// What a unit of an element's force takes from v', with the contacts' reaction: `loose` M⁻¹ w,
+    /// with rounding replaced by zero.
     fn moved(&self, e: &Elongation) -> DVector<f64> {
         if self.elongations.is_empty() {
             return e.mobility.clone();
@@ -156,7 +158,7 @@ impl System {
         }
     }
 
-    /// The matrix of a mode with these accelerations.
+    /// The matrix A with these rows of accelerations.
     fn matrix(&self, acceleration: &DMatrix<f64>) -> SparseMatrix {
         let (n, size) = (self.coordinates, self.signals.size);
         let mut a = SparseMatrix::default();
@@ -166,12 +168,12 @@ impl System {
         a
     }
 
-    /// The elastic forces of a mode that may be found apart: of stiff springs and of the compliant
-    /// stops that press.
+    /// The elastic forces of a mode that may be computed separately: those of stiff springs and of
+    /// compliant stops that act.
     fn elastic(&self, mode: &Mode, held: &Held) -> Option<Elastic> {
         let mut forces = Vec::new();
-        let mut put = |force: Row, e: &Elongation| {
-            let mut by = Row::zeros(self.signals.size);
+        let mut put = |force: StateRow, e: &Elongation| {
+            let mut by = StateRow::zeros(self.signals.size);
             by.rows_mut(self.coordinates, self.coordinates).copy_from(&held.moved(e));
             forces.push((Functional::of(force), by));
         };
@@ -201,8 +203,8 @@ impl System {
         Some(Elastic { rest: self.matrix(&rest), rest_terms, forces, are_stiff: is_small && are_stiff() })
     }
 
-    /// The functionals that end a mode.
-    fn watched(&self, mode: &Mode, lambda: &[Row]) -> Vec<(Watch, Row)> {
+    /// The functionals that end a mode, each negative inside it.
+    fn watched(&self, mode: &Mode, lambda: &[StateRow]) -> Vec<(Watch, StateRow)> {
         let mut watched = Vec::new();
         for (i, &state) in mode.stops.iter().enumerate() {
             let stop = &self.stops[i];
@@ -249,7 +251,7 @@ impl System {
                 }
             }
         }
-        // What never changes needs no watch: a level that is a positive constant, say.
+        // A negative constant, such as that of a constant friction level, needs no watch.
         watched.retain(|(_, row)| !self.is_constant_and_negative(row));
         watched
     }
@@ -260,10 +262,10 @@ impl System {
     }
 }
 
-/// Takes the rounding out of the forces' rows, so that a force that is zero throughout is known to
-/// be: `demands` are the sizes of what each contact has to hold against. A contact's force is at
-/// most of the size of what contacts that share coordinates with it, directly or through others,
-/// hold against.
+/// Replaces rounding in the rows of contact forces by zero, so that a force that vanishes
+/// throughout is known to vanish. `demands` are by contact the sizes of what it holds against. A
+/// contact's force is at most of the size that contacts hold against which share coordinates with
+/// it, directly or through others.
 fn clean(forces: &mut DMatrix<f64>, columns: &DMatrix<f64>, demands: &DMatrix<f64>) {
     let (m, size) = forces.shape();
     let norms: Vec<f64> = columns.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
@@ -294,9 +296,9 @@ mod tests {
 
     #[test]
     fn closed_form_a_force_is_rounding_beside_what_its_group_holds_against() {
-        // The first two contacts share a coordinate, the third has its own. By demand: one of the
-        // first, which the second sees as 1/√2, the third not at all; one of the third with columns
-        // of length 2; none.
+        // The first two contacts share a coordinate, the third has its own. Columns of demands: 1
+        // at the first contact, which counts for the second by 1/√2 and not for the third; 1 at the
+        // third, whose column has length 2; none.
         let columns = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 2.0]);
         let demands = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
         let (small, more) = (0.2 * ZERO, 0.8 * ZERO);

@@ -1,27 +1,27 @@
-//! The states of elements, of which a mode consists.
+//! The states of stops and frictions in a mode.
 
 use serde::{Deserialize, Serialize};
 
 /// The state of a stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum StopState {
-    /// A rigid stop with e < gap, or leaving it.
+    /// A rigid stop with e < gap, or with e = gap and separating.
     Open,
-    /// A rigid stop that is kept at e = gap.
+    /// A rigid stop held at e = gap.
     Closed,
     /// A compliant stop with e < gap.
     Below,
     /// A compliant stop with its linear force.
     Pressed,
-    /// A compliant stop beyond its gap whose force would pull: it is 0.
+    /// A compliant stop beyond its gap whose linear force would pull: the force is 0.
     Free,
-    /// An `ElastoGap` whose dashpot's share is as large as its spring's: the force is 2 stiffness
-    /// (e - gap).
+    /// An `ElastoGap` whose dashpot's force is limited to its spring's: the force is 2 stiffness (e
+    /// - gap).
     Capped,
 }
 
 impl StopState {
-    /// Whether e is beyond a compliant stop's gap.
+    /// Whether it is a compliant stop with e beyond the gap.
     pub fn is_inside(self) -> bool {
         matches!(self, Self::Pressed | Self::Free | Self::Capped)
     }
@@ -36,11 +36,11 @@ pub enum FrictionState {
     Up,
     /// e' < 0.
     Down,
-    /// e' = 0; its force follows from the motion, or is 0 where it depends on other contacts.
+    /// e' = 0. The force follows from the motion, or is 0 where the contact depends on others.
     Stuck,
-    /// e' = 0; it depends on other contacts, and its share of their force is its level upwards.
+    /// e' = 0. The contact depends on others, and its share of their force is its level upwards.
     HeldUp,
-    /// The same downwards.
+    /// e' = 0. The contact depends on others, and its share of their force is its level downwards.
     HeldDown,
 }
 

@@ -1,5 +1,4 @@
-//! A motion that goes on in a machine of which numbers have changed, and one that goes on from what
-//! was saved.
+//! Motions that continue with changed parameters, or from a saved state.
 
 use super::jump::Parted;
 use super::{Hybrid, Motion};
@@ -11,8 +10,8 @@ use nalgebra::DVector;
 use std::sync::Arc;
 
 impl Motion {
-    /// The motion that goes on from what was saved of one of this machine; none where it does not
-    /// [fit](Hybrid::fits).
+    /// The motion that continues from a saved state; `None` where the state does not
+    /// [fit](Hybrid::fits) the machine.
     pub fn resumed(assembly: Arc<Assembly>, saved: &Hybrid) -> Option<Self> {
         if !saved.fits(&assembly) {
             return None;
@@ -22,14 +21,14 @@ impl Motion {
         Some(motion)
     }
 
-    /// The same motion from the present instant on in a machine with the same elements, of which
-    /// numbers have changed: bodies keep coordinates and rates, signals take their new values at
-    /// once. An event that is due comes first, by the old numbers. The accounts of energy go on, so
-    /// that the balance jumps by what the change has put in.
+    /// The motion from the present instant on in a machine with the same elements and changed
+    /// parameters. Bodies keep coordinates and rates; signals take their new values at once. A
+    /// pending event is applied first, with the old parameters. The energy accounts continue, so
+    /// that the balance jumps by the energy that the change has added.
     ///
     /// # Errors
-    /// [`Error::Violated`] where a rigid stop's gap is now less than its e, [`Error::Jammed`];
-    /// [`Error::OutOfRange`] for a machine whose coordinates are those of other bodies.
+    /// [`Error::Violated`] where a rigid stop's gap is now less than its e; [`Error::Jammed`];
+    /// [`Error::OutOfRange`] for a machine with other bodies as coordinates or other stops.
     pub fn changed(&self, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.pass_event(&mut None)?;
@@ -67,8 +66,8 @@ impl Motion {
             due: None,
             ..old.hybrid
         };
-        let (late, is_general, most_work) = (old.late, old.is_general, old.most_work);
-        let mut motion = Self { late, is_general, most_work, ..Self::of(assembly, hybrid) };
+        let (overshoot, is_general, most_work) = (old.overshoot, old.is_general, old.most_work);
+        let mut motion = Self { overshoot, is_general, most_work, ..Self::of(assembly, hybrid) };
         motion.tables.most = old.tables.most;
         let parted = stood.map_or_else(Parted::default, |stood| motion.jump(&stood));
         motion.open_what_is_off()?;
@@ -76,8 +75,7 @@ impl Motion {
         Ok(motion)
     }
 
-    /// A closed stop keeps e; where its gap has grown it touches no more, and where that is less
-    /// than e it is violated.
+    /// Opens closed stops whose gap has grown, and refuses stops whose gap is now less than e.
     fn open_what_is_off(&mut self) -> Result<(), Error> {
         let (system, sizes) = (&self.assembly.system, &self.hybrid.sizes);
         let mut off = Vec::new();

@@ -1,4 +1,4 @@
-//! What happens at an event: impacts, the mode that follows, and what is reported.
+//! The law at an event: impacts, the mode that follows, and the reports.
 
 use super::event::EventKind;
 use super::jump::{Before, Parted};
@@ -9,22 +9,22 @@ use crate::flow::ORDERS;
 use crate::law::Sizes;
 use crate::law::box_qp::{Jam, triangle};
 use crate::law::impact::{Impacts, Instant};
-use crate::law::selection::{Selection, Touching};
+use crate::law::selection::{EventVerdict, Selection};
 use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 
-/// A watched functional's coefficient that is positive where the law says negative is rounding up
-/// to this many times the size under which it counts as zero; beyond, the modes would change
-/// without end, which is told.
+/// A derivative that is positive where the law requires a negative one counts as rounding up to
+/// this many times the size up to which it counts as zero. Beyond, modes may change without end,
+/// which is an error.
 pub(super) const DOUBTFUL: f64 = 1e3;
 
-/// A body that moves goes further in a flight than this part of its length times what the forces by
-/// themselves would make of the rate; the place of one that stands still has the rounding of this
-/// way at most.
+/// Fraction of time × change of rate by the forces' sizes that a coordinate counts as having
+/// travelled (docs/assembly-law.md (A14)): less than a moving body travels, and at least the
+/// rounding of one at rest.
 const STANDING: f64 = 0.01;
 
-/// What an event says of the elements that take part.
+/// The owned form of an [`EventVerdict`].
 #[derive(Clone, Default)]
 pub(super) struct Flags {
     stops: Vec<bool>,
@@ -34,15 +34,15 @@ pub(super) struct Flags {
 }
 
 impl Flags {
-    /// What the law asks, with places of stops that are open whatever their speed.
-    fn touching<'a>(&'a self, open: &'a [usize]) -> Touching<'a> {
+    /// The verdict for the law, with places of stops that count as open at any speed.
+    fn verdict<'a>(&'a self, open: &'a [usize]) -> EventVerdict<'a> {
         let Self { stops, resting, edges, limits } = self;
-        Touching { stops, resting, edges, limits, open }
+        EventVerdict { stops, resting, edges, limits, open }
     }
 
-    /// What is left of it after impacts that changed the velocities by `kick`: friction whose rate
-    /// they changed no longer rests, and the force of a compliant stop with a dashpot is no longer
-    /// at a limit.
+    /// The verdict after impacts that changed the velocities by `kick`: a friction whose rate has
+    /// changed no longer rests, and the force of a compliant stop whose rate has changed is no
+    /// longer at a limit.
     fn after(&self, kick: &DVector<f64>, system: &System, sizes: &Sizes) -> Self {
         let mut flags = self.clone();
         let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero_of(&e.rate);
@@ -54,15 +54,14 @@ impl Flags {
     }
 }
 
-/// Whether a bounce with a speed against an acceleration stays below the `least` height that is
-/// followed, by (A15).
+/// Whether a bounce with a speed against an acceleration is lower than `least`, by (A15).
 pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
     rebound * rebound < 2.0 * acceleration * least
 }
 
 impl Motion {
-    /// Impacts and the mode that follow the present state, where the functionals `ended` have
-    /// passed zero and a jump has taken contacts `parted`.
+    /// Applies the law at the present state: impacts and the mode that follows, after the
+    /// functionals `ended` have passed zero and a jump has separated the contacts `parted`.
     pub(super) fn settle(
         &mut self,
         ended: &[Watch],
@@ -89,7 +88,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Takes the flight since the mode began into the sizes of velocities and places
+    /// Updates the largest sizes of velocities and coordinates by the terms since the mode began
     /// (docs/assembly-law.md (A14)).
     pub(super) fn take_in_flight(&mut self) {
         let (time, one) = (self.time(), self.assembly.system.signals.one);
@@ -104,31 +103,31 @@ impl Motion {
             *size = x.abs();
         }
         rates.resize(start.len(), 0.0);
-        let flown = &mut rates[..one - one / 2];
-        self.tables.at(self.place).table.flown(start, time - hybrid.since, second, flown);
+        let flight_sizes = &mut rates[..one - one / 2];
+        self.tables.at(self.place).table.flight_sizes(start, time - hybrid.since, second, flight_sizes);
         let flight = STANDING * (time - hybrid.since).min(self.tables.at(self.place).table.length);
         let (places, rates) = sizes.split_at_mut(one / 2);
-        for ((place, rate), flown) in places.iter_mut().zip(rates).zip(flown) {
-            *place = place.max(flight * *flown);
-            *rate = rate.max(*flown);
+        for ((place, rate), flight_sizes) in places.iter_mut().zip(rates).zip(flight_sizes) {
+            *place = place.max(flight * *flight_sizes);
+            *rate = rate.max(*flight_sizes);
         }
         hybrid.since = time;
     }
 
-    /// Takes into the sizes what the contacts of the mode in force hold together.
+    /// Updates the largest sizes by the contacts of the present mode.
     pub(super) fn take_in_contacts(&mut self) {
         let Hybrid { sizes, mode, .. } = &mut self.hybrid;
         mode.basis.iter().for_each(|&contact| sizes.include_contact(&self.assembly.system, contact));
     }
 
-    /// A knot of a signal: prescribed bodies may have jumped.
+    /// Applies a signal's knot, at which prescribed bodies may have jumped.
     pub(super) fn knot(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         report(observer, self.time(), EventKind::Knot);
         self.set_anew(stood, observer)
     }
 
-    /// What follows where signals have been set anew.
+    /// Applies the law after signals have been set: jumps, then impacts and the mode that follows.
     pub(super) fn set_anew(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
         let mut parted = Parted::default();
         if let Some(stood) = stood {
@@ -170,12 +169,12 @@ impl Motion {
                 Watch::Presses(i) | Watch::Leaves(i) => flags.edges[i] = true,
                 Watch::Changes(i) => {
                     let (stop, z) = (&system.stops[i], &hybrid.z);
-                    // A cap is met on the way in only, however near the edge: what is at its edge
-                    // on its way in would be entered once more.
+                    // A cap is met only on the way in, however near the edge: at its edge the stop
+                    // would be entered again.
                     let cap = hybrid.mode.stops[i] == StopState::Capped
                         || (stop.is_elastogap() && stop.force.dot(z) > stop.spring.dot(z));
-                    // What presses and still goes in is past its edge: the rate would enter it once
-                    // more.
+                    // A pressed stop whose e still grows is past its edge: at its edge it would be
+                    // entered again.
                     let rate = &stop.elongation.rate;
                     let enters = hybrid.mode.stops[i] == StopState::Pressed
                         && rate.at(z.as_slice()) > hybrid.sizes.zero_of(rate);
@@ -189,11 +188,11 @@ impl Motion {
         flags
     }
 
-    /// The rows that are zero by the law: e - gap and e' of closed stops, e' of sticking friction,
-    /// moved onto zero by the least change in the inertia's metric.
+    /// Projects the state onto the constraints of the present mode, by the least change in the
+    /// inertia's metric: e = gap and e' = 0 of closed stops, e' = 0 of sticking friction.
     pub(super) fn keep_contacts(&mut self) {
         let Hybrid { mode, z, .. } = &mut self.hybrid;
-        // Stops come first, and so does their part of the triangle.
+        // The basis is sorted: stops come first, with the leading part of the triangle.
         let stops = mode.basis.iter().take_while(|c| matches!(c, Contact::Stop(_))).count();
         if stops > 0 {
             let (system, r) = (&self.assembly.system, &self.tables.at(self.place).table.triangle);
@@ -202,7 +201,7 @@ impl Motion {
         self.keep_rates();
     }
 
-    /// The same for the rates alone.
+    /// Projects the rates alone onto the constraints of the present mode.
     pub(super) fn keep_rates(&mut self) {
         let Hybrid { mode, z, .. } = &mut self.hybrid;
         if mode.basis.is_empty() {
@@ -212,8 +211,8 @@ impl Motion {
         project(system, &mode.basis, r, true, z.as_mut_slice(), &mut self.scratch.off);
     }
 
-    /// Puts touching stops exactly on their gap. Others that this moves onto theirs touch, too:
-    /// they take part in the impacts.
+    /// Projects touching stops onto their gap. Stops that this moves onto their gap touch as well,
+    /// and take part in the impacts.
     fn place_on_contacts(&mut self, flags: &mut Flags, parted: &Parted) {
         loop {
             let contacts: Vec<Contact> =
@@ -235,8 +234,8 @@ impl Motion {
         Error::Jammed { time: self.time(), stops: names.collect::<Vec<_>>().join(", ") }
     }
 
-    /// Impacts of the touching stops; those whose bounces would be too low to matter end at once.
-    /// Returns the impacts, and the stops that close with the time until their bounces would have
+    /// Impacts of the touching stops; stops whose bounces would be too low close at once. Returns
+    /// the impacts, and the stops that close with the time until their bounces would have
     /// accumulated.
     fn collide(&mut self, touching: &[usize], flags: &Flags) -> Result<(Impacts, Vec<(usize, f64)>), Error> {
         let assembly = self.assembly.clone();
@@ -248,15 +247,15 @@ impl Motion {
             let mut z = before.clone();
             let instant = Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
             let mut stay_closed = |z: &DVector<f64>, stops: &[usize], closing: &[usize], before_it: usize| {
-                // In the first impact those that were not open before, in later ones those that the
-                // forces keep closed.
+                // In the first impact, stops that were not open before stay closed; in later ones,
+                // those that forces keep closed.
                 let was_open = |i: usize| self.hybrid.mode.stops.get(i) == Some(&StopState::Open);
                 if before_it == 0 && !stops.iter().any(|&i| was_open(i)) {
                     return Ok(vec![true; stops.len()]);
                 }
                 let kick = (z - &before).rows(system.coordinates, system.coordinates).into_owned();
                 let after = flags.after(&kick, system, &self.hybrid.sizes);
-                let mode = Selection::select(system, z, &self.hybrid.sizes, &after.touching(closing))?;
+                let mode = Selection::select(system, z, &self.hybrid.sizes, &after.verdict(closing))?;
                 let stays = |i: usize| mode.stops[i] == StopState::Closed || (before_it == 0 && !was_open(i));
                 Ok(stops.iter().map(|&i| stays(i)).collect())
             };
@@ -282,8 +281,8 @@ impl Motion {
         }
     }
 
-    /// The stops of an impact whose bounces are too low to matter, with the time until they would
-    /// have accumulated.
+    /// The stops of impacts whose bounces would be too low, by (A15), with the time until they
+    /// would have accumulated.
     fn plastic(
         &mut self,
         impacts: &Impacts,
@@ -306,7 +305,7 @@ impl Motion {
         for i in candidates {
             let stop = &system.stops[i];
             let rebound = -stop.elongation.rate.dot(&self.hybrid.z);
-            // Of several impacts of the instant the fastest counts.
+            // Of several impacts at this instant the fastest counts.
             let speed = impacts.fastest(i);
             let a = stop.elongation.w.dot(&acceleration) + stop.elongation.drift.dot(&self.hybrid.z);
             let scale = self.hybrid.sizes.of(&stop.excess);
@@ -322,11 +321,11 @@ impl Motion {
 
     pub(super) fn select(&self, flags: &Flags) -> Result<Mode, Error> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
-        Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.touching(&[]))
+        Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.verdict(&[]))
             .map_err(|jam| self.jammed(&jam))
     }
 
-    /// Puts a mode in force, and finds the order with which each watched functional leaves zero.
+    /// Enters a mode, and finds the order with which each watched functional leaves zero.
     fn enter(&mut self, mode: Mode) {
         self.tables.make_room();
         self.place = self.tables.place_of(&mode, &self.assembly.system);
@@ -339,28 +338,28 @@ impl Motion {
         }
     }
 
-    /// Finds the order of the zero from which each watched functional of the mode goes down,
-    /// [`ORDERS`] where it is zero throughout.
+    /// Finds the order of each watched functional's zero at the present state, [`ORDERS`] where it
+    /// is zero throughout the mode.
     fn find_departures(&mut self) {
         let Hybrid { departing, sizes, z, .. } = &mut self.hybrid;
         let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
         let (table, rows) = (&self.tables.at(self.place).table, &mut self.scratch.rows);
         departing.clear();
-        // The law says that the first derivative is negative; what rounding has made positive
-        // counts as zero.
+        // By the law the first nonzero derivative is negative: slightly positive ones count as
+        // zero.
         departing.extend(table.watched.iter().map(|w| match table.departure(w, z, sizes, DOUBTFUL, rows) {
             None => ORDERS,
             Some((0, _)) => 0,
-            // A positive one follows one of the last order but for rounding: the passage is at hand
-            // and must not be divided out.
+            // A positive derivative follows a zero of the order before: the passage is imminent and
+            // must not be divided out.
             Some((order, value)) => order - usize::from(value > 0.0),
         }));
     }
 
-    /// Where a body is caged by compliant stops at whose edges it is for ever, by the law, what
-    /// goes into one of them goes out of another. A rate that counts as zero is put to zero there
-    /// like those of contacts: it would drift from one to the other without end. What may drift
-    /// into a stop alone keeps its rate. True where there is such a cage.
+    /// Sets to zero the rates of compliant stops that cage a body: stops at whose edges it stays
+    /// throughout the mode, such that entering one leaves another, with rates that count as zero.
+    /// The body would otherwise drift from one to the other without end. Returns whether there was
+    /// such a cage; a body that may drift into a stop alone keeps its rate.
     fn rest_at_edges(&mut self) -> bool {
         let Hybrid { departing, z, mode, sizes, .. } = &mut self.hybrid;
         let (system, watched) = (&self.assembly.system, &self.tables.at(self.place).table.watched);
@@ -393,9 +392,9 @@ impl Motion {
     }
 }
 
-/// Moves rows that the law keeps at zero onto it by the least change in the inertia's metric: e -
-/// gap of stops, or the contacts' `rates`. Rᵀ R is the contacts' WᵀM⁻¹W, in a leading part of `r`;
-/// `off` is memory.
+/// Projects a state onto constraints by the least change in the inertia's metric: e = gap of stops,
+/// or e' = 0 of contacts with `rates`. A leading part R of `r` has RᵀR = WᵀM⁻¹W of the contacts.
+/// `off` is scratch memory.
 pub(super) fn project(
     system: &System,
     contacts: &[Contact],

@@ -1,9 +1,9 @@
 //! Long sub-steps: where a stiff machine's fast motions have decayed, or move nothing that is
 //! watched (docs/assembly-law.md (A22)).
 
-use super::passage::Flight;
+use super::passage::PassageSearch;
 use super::{Hybrid, Motion, Scratch};
-use crate::flow::{RUNGS, Table};
+use crate::flow::{FlowTable, RUNGS};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 impl Motion {
@@ -35,14 +35,14 @@ impl Motion {
 /// The longest of 2, 4, 8, … sub-steps that is shorter than a time and in which no watched
 /// functional passes its limit: below value + slope t + bend t²/2 throughout, which is convex, it
 /// is below the limit if this is so at both ends. Leaves the rates in memory.
-fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scratch) -> Option<usize> {
+fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut Scratch) -> Option<usize> {
     let z = hybrid.z.as_slice();
     let Scratch { rates, second, .. } = scratch;
     rates.resize(z.len(), 0.0);
     second.resize(z.len(), 0.0);
     table.rates(z, rates);
     table.rates(rates, second);
-    let flight = Flight { table, hybrid };
+    let flight = PassageSearch { table, hybrid };
     let own = table.watched.iter().enumerate();
     // By how far a functional is beyond its limit, which is negative.
     let beyond = |place: usize, value: f64| value - flight.limit(place);

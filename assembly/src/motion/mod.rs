@@ -5,10 +5,10 @@ mod contact;
 mod course;
 mod event;
 mod jump;
-mod late;
 mod limits;
 mod lone;
 mod long;
+mod low_bounce;
 mod passage;
 mod report;
 pub(crate) mod saved;
@@ -23,7 +23,7 @@ pub use varied::{Crossing, keep};
 
 use crate::assembly::Assembly;
 use crate::error::Error;
-use crate::flow::{Ahead, Group, Rows, Table};
+use crate::flow::{Ahead, DepartureRows, FlowTable, Group};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::quantity::{Owner, Quantity, What};
@@ -112,7 +112,7 @@ pub struct Motion {
     place: usize,
     /// By this part of its size a watched functional has passed zero at its event: nothing in an
     /// exact motion.
-    late: f64,
+    overshoot: f64,
     /// Whether the general law decides at every event.
     is_general: bool,
     /// Sub-steps in one call at most.
@@ -140,7 +140,7 @@ struct Scratch {
     rates: Vec<f64>,
     second: Vec<f64>,
     /// Derivatives of a functional.
-    rows: Rows,
+    rows: DepartureRows,
     /// By contact how far it is off.
     off: Vec<f64>,
     /// By functional its values where powers are found.
@@ -230,7 +230,7 @@ impl Motion {
             hybrid,
             tables,
             place: 0,
-            late: 0.0,
+            overshoot: 0.0,
             is_general: false,
             most_work: step::MOST_WORK,
             asked: None,
@@ -438,7 +438,7 @@ impl Motion {
     }
 
     /// The table of the mode in force.
-    fn table(&self) -> &Table {
+    fn table(&self) -> &FlowTable {
         &self.tables.at(self.place).table
     }
 }

@@ -1,43 +1,66 @@
-//! The way to the first event within a sub-step: samples and bounds prove that there is none, or
-//! name the intervals to search.
+//! The first passage of a watched functional within a sub-step (docs/assembly-law.md (A6)).
+//!
+//! A motion is exact only if no passage is missed, so that each functional is either proved to stay
+//! below its limit or searched. The proofs go from cheap to dear:
+//!
+//! 1. Over the whole span: value + slope t + bend t²/2, with a bound of the second derivative.
+//! 2. Over each of eight intervals: samples at both ends, and bend h²/8 between them.
+//! 3. In the intervals that are left: the root of the local Taylor polynomial, the earliest first.
+//!
+//! Mostly the first step ends the search. A functional that starts at zero with a high order is
+//! rounding at the ends of the first intervals: it is searched over the whole span, with the zero
+//! at its start divided out.
+//!
+//! What must stay:
+//!
+//! - Bounds are proofs: a cheaper one has to hold for every state, rounding included.
+//! - What counts as zero is relative to [`Sizes`](crate::law::Sizes), never absolute; a functional
+//!   that is zero throughout the mode has a limit above its rounding in place of zero.
+//! - The order of summation, here and in [`flow`](crate::flow): it decides the last bits of event
+//!   times, and with them the golden files. Inlining is measured for speed and changes no bits.
+//!
+//! A further kind of [`Watch`] has to say in `short_limit` whether it may leave zero within a
+//! sub-step, in `within_reach` whether it shortens the span, and in `only_touches` whether a touch
+//! is an event. A change is proved by `tests/second_method.rs`, `tests/rounding.rs` and
+//! `tests/random.rs`, and by unchanged golden files.
 
 use super::contact::DOUBTFUL;
 use super::{Hybrid, Scratch};
-use crate::flow::{Ahead, Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, head_of};
+use crate::flow::{Ahead, FlowTable, Group, Head, INTERVALS, LOCAL, ORDERS, Series, head_of};
 use crate::mode::Watch;
 use vibro_impact::events::{crossing_after_start, first_crossing};
 
-/// A sub-step is halved while a stop's e may move by more than this many times its largest size so
-/// far: beyond, the roots would lose more than a digit. By how much it may move is a bound, mostly
-/// some times too large. It is not halved more often than [`HALVINGS`], since what begins at zero
-/// has no size yet.
+/// A span is halved while the bound of a stop's travel exceeds this many times its largest size so
+/// far, beyond which roots would lose more than a digit. Halving is limited to [`HALVINGS`], since
+/// an elongation that begins at zero has no size yet.
 const REACH: f64 = 9.0;
-/// Halvings of a sub-step for its reach.
+/// Most halvings of a span for [`REACH`].
 const HALVINGS: i32 = 6;
-/// What passes in this part of a sub-step before a knot, and is no further beyond there than what
-/// counts as zero, passes at the knot.
+/// Fraction of a sub-step before a knot within which a passage counts as one at the knot, where
+/// nothing at the knot is beyond its limit by more than what counts as zero.
 const AT_KNOT: f64 = 1e-7;
-/// A functional that was zero throughout is watched again beyond this many times the size under
-/// which it counts as zero.
+/// A functional that was zero throughout the mode is watched again beyond this many times the size
+/// up to which it counts as zero.
 pub(super) const LEAVES_ZERO: f64 = 16.0;
-/// It is followed up to a little more, so that it is beyond that where it has come there.
+/// Limit of a functional that is zero throughout the mode: at its passage it is surely beyond
+/// [`LEAVES_ZERO`].
 const PASSES: f64 = LEAVES_ZERO + 1.0;
-/// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6!
-/// < 4e-6 of its size.
-const LATE: usize = 6;
+/// Least order of a zero at the start with which a functional is searched in one piece: at the
+/// first interval's end it is below 0.375⁶/6! < 4e-6 of its size.
+const HIGH_ORDER: usize = 6;
 
-/// Where a sub-step ends, or is searched: a part of an interval.
+/// An instant within a sub-step, by interval.
 #[derive(Clone, Copy)]
-pub(super) struct Point {
+pub(super) struct StepPoint {
     /// The interval.
     pub(super) interval: usize,
     /// Time from its start, s.
     pub(super) dt: f64,
 }
 
-impl Point {
-    /// The end of a span of a sub-step.
-    pub(super) fn end(span: f64, table: &Table) -> Self {
+impl StepPoint {
+    /// The end of a span from the sub-step's start.
+    pub(super) fn end(span: f64, table: &FlowTable) -> Self {
         let step = table.interval();
         if span == table.length {
             return Self { interval: INTERVALS - 1, dt: step };
@@ -47,46 +70,45 @@ impl Point {
     }
 
     /// Time from the sub-step's start, s.
-    pub(super) fn time(&self, table: &Table) -> f64 {
+    pub(super) fn time(&self, table: &FlowTable) -> f64 {
         self.interval as f64 * table.interval() + self.dt
     }
 }
 
 /// The first passage of a watched functional in a sub-step.
 pub(super) struct Passage {
-    pub(super) at: Point,
-    /// The functional's place.
+    pub(super) at: StepPoint,
+    /// Place of the functional.
     pub(super) place: usize,
 }
 
-/// Whether a functional leaves zero so late that it is searched in one piece.
-fn is_late(order: usize) -> bool {
-    (LATE..ORDERS).contains(&order)
+/// Whether a functional with this order of zero at the start is searched in one piece.
+fn is_high_order(order: usize) -> bool {
+    (HIGH_ORDER..ORDERS).contains(&order)
 }
 
-/// A sub-step's start in a mode.
-pub(super) struct Flight<'a> {
-    pub(super) table: &'a Table,
+/// The search for passages from a state in a mode.
+pub(super) struct PassageSearch<'a> {
+    pub(super) table: &'a FlowTable,
     pub(super) hybrid: &'a Hybrid,
 }
 
-impl Flight<'_> {
-    /// Whether a functional is zero throughout the mode.
+impl PassageSearch<'_> {
+    /// Whether the functional at a place is zero throughout the mode.
     #[inline(always)]
     pub(super) fn is_unwatched(&self, place: usize) -> bool {
         self.hybrid.departing[place] == ORDERS
     }
 
-    /// The order of the zero from which a functional goes: none where it is zero throughout the
-    /// mode.
+    /// The order of a functional's zero at the start; 0 also where it is zero throughout the mode.
     #[inline(always)]
     pub(super) fn order(&self, place: usize) -> usize {
         self.hybrid.departing[place] % ORDERS
     }
 
-    /// What a functional passes: zero or, where it is zero throughout the mode, that beyond which
-    /// it is so no longer. What an event has left beyond that, as the rounding of a law that says
-    /// otherwise, passes what is no rounding.
+    /// The value at whose passage a functional has an event: zero or, where it is zero throughout
+    /// the mode, a multiple of its rounding. Where an event has left it beyond [`LEAVES_ZERO`]
+    /// against the law, the multiple is [`DOUBTFUL`] + 1.
     #[inline(always)]
     pub(super) fn limit(&self, place: usize) -> f64 {
         if !self.is_unwatched(place) {
@@ -98,10 +120,10 @@ impl Flight<'_> {
         (zero * if is_left { DOUBTFUL + 1.0 } else { PASSES }).max(f64::MIN_POSITIVE)
     }
 
-    /// The same within a short sub-step. There no place or speed that is zero throughout passes
-    /// anything: what a flight makes of it is looked at where the sub-step ends, with the flight
-    /// taken into the sizes. Before that, what begins at nothing, of which any multiple is nothing,
-    /// would leave zero again and again.
+    /// The [`limit`](Self::limit) within a single sub-step, infinite for coordinates and rates that
+    /// are zero throughout the mode: `watch_again` examines them at the sub-step's end, with sizes
+    /// that include it. A quantity that begins at zero has no size before, so that any multiple of
+    /// its rounding is zero, and it would leave zero again and again.
     #[inline(always)]
     fn short_limit(&self, place: usize) -> f64 {
         match self.table.watched[place].watch {
@@ -114,7 +136,8 @@ impl Flight<'_> {
         }
     }
 
-    /// The longest span of `span`, `span`/2, … in which the watched stops' e stay within reach.
+    /// The longest of `span`, `span`/2, … in which the travel of all watched stops is within
+    /// [`REACH`].
     #[inline(always)]
     pub(super) fn within_reach(&self, mut span: f64, heads: &[Group]) -> f64 {
         let least = span * 0.5f64.powi(HALVINGS);
@@ -135,13 +158,12 @@ impl Flight<'_> {
         span
     }
 
-    /// The first passage of a watched functional from below zero to above within a span, or the
-    /// proof that there is none.
+    /// The first passage of a watched functional within a span; `None` is proved.
     #[inline(always)]
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
-        let has_late = self.hybrid.departing.iter().copied().any(is_late);
-        let late = if has_late { self.late_passage(span, scratch.ahead.memory()) } else { None };
+        let has_high_order = self.hybrid.departing.iter().copied().any(is_high_order);
+        let high = if has_high_order { self.high_order_passage(span, scratch.ahead.memory()) } else { None };
         let Scratch { heads, near, start, interval: begun, ahead, .. } = scratch;
         let start = start.as_mut_slice();
         near.clear();
@@ -155,15 +177,15 @@ impl Flight<'_> {
             any |= intervals;
             near.push(intervals);
         }
-        let end = Point::end(span, table);
+        let end = StepPoint::end(span, table);
         for interval in (0..=end.interval).filter(|i| any & (1 << i) != 0) {
             table.at_interval_start(interval, z, ahead, start);
             table.begin_interval(start, ahead);
             *begun = Some(interval);
             let from = &start[..];
             let length = if interval == end.interval { end.dt } else { table.interval() };
-            // A root early in the interval is found anew in a shorter one, of which the
-            // coefficients' rounding is smaller.
+            // An early root is found again within twice its time, where the coefficients' rounding
+            // is smaller.
             let (mut found, mut length, mut again) = (None, length, true);
             while again && let Some((dt, place)) = self.passage_within(near, from, ahead, (interval, length))
             {
@@ -172,16 +194,15 @@ impl Flight<'_> {
                 length = 2.0 * dt;
             }
             let Some((dt, place)) = found else { continue };
-            let at = Point { interval, dt };
+            let at = StepPoint { interval, dt };
             let first = Passage { at, place };
-            return Some(late.filter(|late| late.at.time(table) < at.time(table)).unwrap_or(first));
+            return Some(high.filter(|high| high.at.time(table) < at.time(table)).unwrap_or(first));
         }
-        late
+        high
     }
 
-    /// Whether a passage is one at the knot at the end of its span, but for rounding: there nothing
-    /// watched is beyond its limit by more than what counts as zero, or the clock shows the knot's
-    /// time.
+    /// Whether a passage counts as one at the knot at the end of its span: nothing watched is
+    /// beyond its limit there by more than what counts as zero, or its time rounds to the knot's.
     #[inline(never)]
     pub(super) fn is_at_knot(
         &self,
@@ -197,7 +218,7 @@ impl Flight<'_> {
         if span - time > AT_KNOT * table.length {
             return false;
         }
-        let (end, Scratch { start, interval, ahead, .. }) = (Point::end(span, table), scratch);
+        let (end, Scratch { start, interval, ahead, .. }) = (StepPoint::end(span, table), scratch);
         let (start, mut there) = (start.as_mut_slice(), hybrid.z.as_slice().to_vec());
         table.at_interval_start(end.interval, &there, ahead, start);
         table.begin_interval(start, ahead);
@@ -206,18 +227,18 @@ impl Flight<'_> {
         table.watched.iter().all(|w| w.row.at(&there) <= hybrid.sizes.zero_of(&w.row))
     }
 
-    /// The first passage of a functional that leaves zero with a high order: at the ends of the
-    /// first intervals it may still be rounding, so that it is searched in one piece, with the zero
-    /// at its start divided out.
+    /// The first passage of a functional that starts at zero with a high order. It is searched over
+    /// the whole span, with the zero at its start divided out, since at the ends of the first
+    /// intervals it may still be rounding.
     #[inline(never)]
-    fn late_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
+    fn high_order_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
         let table = self.table;
-        let last = Point::end(span, table).interval;
+        let last = StepPoint::end(span, table).interval;
         let z = self.hybrid.z.as_slice();
         series.expand(table, z, span, table.orders_to(last));
         let mut first: Option<(f64, usize)> = None;
         for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
-            if is_late(order) {
+            if is_high_order(order) {
                 let mut c = [0.0; ORDERS];
                 let coefficients = series.terms().skip(order).map(|z| w.row.at(z));
                 c.iter_mut().zip(coefficients).for_each(|(c, x)| *c = x);
@@ -226,11 +247,11 @@ impl Flight<'_> {
                 first = first_crossing(&c, 0.0, hi, &mut 0).map(|u| (u, place)).or(first);
             }
         }
-        first.map(|(u, place)| Passage { at: Point::end(u * span, table), place })
+        first.map(|(u, place)| Passage { at: StepPoint::end(u * span, table), place })
     }
 
-    /// The first passage within a time `length` from the start of an interval, with its time, among
-    /// the functionals that may have one there.
+    /// Time and functional of the first passage within `length` from the start of an interval,
+    /// among the functionals that may have one there.
     #[inline(always)]
     fn passage_within(
         &self,
@@ -273,12 +294,14 @@ impl Flight<'_> {
         first
     }
 
-    /// Whether a functional, by its value at the begin and its coefficients over a span, goes no
-    /// further beyond zero than what counts as zero: a stop that is just touched, without speed, is
-    /// not hit, a level that is zero for an instant stays, and what is held up to its limit is
-    /// held. Rounding in the place would make of it the root of this as a speed. A stop or a level
-    /// that slowly passes zero has an event as soon as it is so far beyond; of what is known better
-    /// than that, as a force is, it is one at once.
+    /// Whether a functional exceeds zero within a span by no more than what counts as zero, from
+    /// its value at the start and its coefficients. This is a touch and no event: a stop that is
+    /// touched without speed is not hit, a level that is zero for an instant stays, a contact held
+    /// up to its limit is held. As an event, a rounding δ of the coordinate would give a speed of
+    /// order √δ.
+    ///
+    /// A stop or a level that passes zero slowly has its event as soon as it exceeds what counts as
+    /// zero. Other functionals, such as forces, are touches only where they turn round.
     #[inline(never)]
     fn only_touches(&self, place: usize, begin: f64, c: &[f64; LOCAL]) -> bool {
         let w = &self.table.watched[place];
@@ -289,7 +312,7 @@ impl Flight<'_> {
             Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) => false,
         };
         let lower = begin - zero;
-        // Where it is beyond at the end, as mostly, it has passed.
+        // Most functionals are beyond at the end: they have passed.
         turns && lower + sum_behind(c, |x| x) < 0.0 && {
             let mut c = *c;
             c[0] = lower;
@@ -298,8 +321,8 @@ impl Flight<'_> {
     }
 }
 
-/// Whether what is beyond zero at the end of a span is on its way back there, or comes to its
-/// vertex before it is further beyond by `zero`.
+/// Whether a functional that exceeds zero within a span is on its way back at the end, or reaches
+/// its vertex before it rises by `zero` more.
 fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
     let (mut slope, mut bend) = (0.0, 0.0);
     for (k, x) in c.iter().enumerate().skip(1) {
@@ -310,38 +333,38 @@ fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
     begin + sum_behind(c, |x| x) <= 0.0 || slope <= 0.0 || slope * slope <= -2.0 * bend * zero
 }
 
-/// The intervals of a sub-step in which a functional may pass zero, as bits: of the others it is
-/// proved that it stays below zero. Between two samples a distance h apart it lies within M h²/8 of
-/// their chord, where M bounds its second derivative. With `order` it leaves zero at the start.
+/// The intervals of a sub-step in which a functional may pass zero, as bits; in the others it is
+/// proved to stay below. Between two samples at a distance h it lies within M h²/8 of their chord,
+/// where M bounds its second derivative. `order` is that of its zero at the start.
 #[inline(always)]
 fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -> [f64; INTERVALS]) -> u8 {
-    if order >= LATE {
+    if order >= HIGH_ORDER {
         return 0; // searched in one piece
     }
     let Head { value, slope, bend } = *head;
     let length = step * INTERVALS as f64;
-    // What bounds it, value + slope t + bend t²/2, is convex: it is below zero throughout if it is
-    // at both ends.
+    // The bound value + slope t + bend t²/2 is convex: it is negative throughout if it is at both
+    // ends.
     let begins = if order == 0 { value < 0.0 } else { order == 1 };
     let start = if order == 0 { value } else { 0.0 };
     if begins && start + length * (slope + 0.5 * bend * length) < 0.0 {
         return 0;
     }
     let margin = bend * step * step * 0.125;
-    // From zero it goes down throughout the first interval if the slope outweighs what the second
-    // derivative adds.
+    // From zero it falls throughout the first interval if the slope outweighs the second
+    // derivative.
     let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
     let mut ends = 0u64;
     for (k, sample) in samples().into_iter().enumerate() {
         let is_below = (sample + margin).to_bits() >> 63;
         ends |= (is_below ^ 1) << k;
     }
-    // An interval is near where one of its ends is.
+    // An interval is searched where one of its ends is not proved to be below.
     let near = ends | ends << 1 | u64::from(order > 0 || value >= -margin);
     (if leaves { near & !1 } else { near }) as u8
 }
 
-/// The sum of what is made of the coefficients behind the first one, in four sums side by side.
+/// Σ part(c_k) over k ≥ 1, in four partial sums for vector instructions.
 #[inline(always)]
 fn sum_behind(c: &[f64; LOCAL], part: impl Fn(f64) -> f64) -> f64 {
     let mut sums = [-part(c[0]), 0.0, 0.0, 0.0];

@@ -1,7 +1,7 @@
 //! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
 
 use super::jump::Parted;
-use super::passage::{Flight, LEAVES_ZERO, Point};
+use super::passage::{LEAVES_ZERO, PassageSearch, StepPoint};
 use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
 use crate::energy::Samples;
 use crate::error::Error;
@@ -164,7 +164,7 @@ impl Motion {
         let Scratch { rates, second, heads, ahead, .. } = scratch;
         let most = table.length.min(remaining);
         table.look_ahead(hybrid.z.as_slice(), most, [rates, second], ahead, heads);
-        let flight = Flight { table, hybrid };
+        let flight = PassageSearch { table, hybrid };
         let span = flight.within_reach(most, &scratch.heads);
         let mut passage = flight.first_passage(span, scratch);
         if at_knot && span >= remaining {
@@ -172,7 +172,7 @@ impl Motion {
             passage = passage.filter(|passage| !flight.is_at_knot(passage, knot, scratch));
         }
         let whole = span == table.length && passage.is_none();
-        let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
+        let end = passage.as_ref().map_or_else(|| StepPoint::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
         // What is no longer zero has no event yet: it is watched from there on.
         let leaves = passage.as_ref().is_some_and(|passage| flight.is_unwatched(passage.place));

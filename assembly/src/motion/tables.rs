@@ -2,7 +2,7 @@
 //! element leads.
 
 use crate::energy::Powers;
-use crate::flow::Table;
+use crate::flow::FlowTable;
 use crate::mode::{ElementState, Mode};
 use crate::system::System;
 use std::collections::HashMap;
@@ -15,7 +15,7 @@ const KEPT: usize = 128 << 20;
 #[derive(Clone, Debug)]
 pub(super) struct Met {
     pub(super) mode: Mode,
-    pub(super) table: Arc<Table>,
+    pub(super) table: Arc<FlowTable>,
     /// Its powers, made when they are first needed.
     powers: OnceLock<Arc<Powers>>,
     /// The modes in which one element has another state, by their places.
@@ -92,7 +92,7 @@ impl Tables {
         if let Some(&place) = self.places.get(mode) {
             return place;
         }
-        let table = Arc::new(Table::new(system.linear(mode), system.signals.one));
+        let table = Arc::new(FlowTable::new(system.linear(mode), system.signals.one));
         self.met.push(Met { mode: mode.clone(), table, powers: OnceLock::new(), changes: Vec::new() });
         self.places.insert(mode.clone(), self.met.len() - 1);
         self.met.len() - 1

@@ -3,7 +3,7 @@
 //! An element of the description is one thing to its user, with one name, one force and one energy;
 //! the law knows its parts alone.
 
-use super::{Elongation, Row, System};
+use super::{Elongation, StateRow, System};
 use crate::mode::{Contact, Mode, StopState};
 
 /// A part of an element, by its place among the system's own.
@@ -37,7 +37,7 @@ impl System {
 
     /// The force of a part in a mode as a row on the augmented state, where `lambda` are the rows of
     /// the forces of the mode's [basis](Mode::basis).
-    pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[Row]) -> Row {
+    pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[StateRow]) -> StateRow {
         let held =
             |contact: Contact| mode.basis.iter().position(|&c| c == contact).map(|k| lambda[k].clone());
         let row = match part {
@@ -51,6 +51,6 @@ impl System {
             }
             Part::Load(i) => Some(self.loads[i].clone()),
         };
-        row.unwrap_or_else(|| Row::zeros(self.signals.size))
+        row.unwrap_or_else(|| StateRow::zeros(self.signals.size))
     }
 }

@@ -7,18 +7,18 @@ use nalgebra::DVector;
 use std::ops::Deref;
 
 /// A row that acts on the augmented state.
-pub type Row = DVector<f64>;
+pub type StateRow = DVector<f64>;
 
 /// A row with the list of its terms, by which its values are found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Functional {
-    row: Row,
+    row: StateRow,
     terms: Sparse,
 }
 
 impl Functional {
     /// Of a row.
-    pub fn of(row: Row) -> Self {
+    pub fn of(row: StateRow) -> Self {
         let terms = Sparse::of(row.as_slice());
         Self { row, terms }
     }
@@ -43,9 +43,9 @@ impl Functional {
 }
 
 impl Deref for Functional {
-    type Target = Row;
+    type Target = StateRow;
 
-    fn deref(&self) -> &Row {
+    fn deref(&self) -> &StateRow {
         &self.row
     }
 }
@@ -54,14 +54,14 @@ impl Deref for Functional {
 #[derive(Clone, Debug)]
 pub struct Elongation {
     /// e.
-    pub e: Row,
+    pub e: StateRow,
     /// e'.
     pub rate: Functional,
     /// The direction in which its force acts on the coordinates, w = ∂e'/∂v; the acceleration is
     /// e'' = w·a + drift·z.
     pub w: DVector<f64>,
     /// The part of e'' that prescribed bodies make.
-    pub drift: Row,
+    pub drift: StateRow,
     /// L⁻¹ w.
     pub column: DVector<f64>,
     /// The change of the velocities by a unit of impulse, M⁻¹ w.
@@ -72,13 +72,13 @@ pub struct Elongation {
 #[derive(Clone, Debug)]
 pub struct BodyRows {
     /// s.
-    pub s: Row,
+    pub s: StateRow,
     /// Its rate.
-    pub v: Row,
+    pub v: StateRow,
     /// s'' = weights·a + drift·z.
     pub weights: DVector<f64>,
     /// The part that prescribed bodies make.
-    pub drift: Row,
+    pub drift: StateRow,
 }
 
 /// A spring with its dashpot.
@@ -93,7 +93,7 @@ pub struct SpringRows {
     /// N.
     pub preload: f64,
     /// Its force.
-    pub force: Row,
+    pub force: StateRow,
 }
 
 /// A stop.
@@ -146,9 +146,9 @@ pub struct FrictionRows {
     /// Its elongation.
     pub elongation: Elongation,
     /// The level while slipping.
-    pub level: Row,
+    pub level: StateRow,
     /// The level up to which it sticks.
-    pub static_level: Row,
+    pub static_level: StateRow,
     /// Whether the two differ.
     pub has_static: bool,
 }

@@ -23,7 +23,7 @@ fn second_method_means_of_powers_by_three_ways_and_over_long_steps() {
     let machine = Arc::new(Assembly::new(parse(MACHINE, "p.toml", &no_records).unwrap()).unwrap());
     let motion = Motion::new(machine.clone()).unwrap();
     let (system, mode) = (machine.system(), motion.mode());
-    let table = Table::new(system.linear(mode), system.signals.one);
+    let table = FlowTable::new(system.linear(mode), system.signals.one);
     let powers = Powers::new(system, mode, &table);
     let (size, one) = (system.signals.size, system.signals.one);
     assert!(powers.are_dense());

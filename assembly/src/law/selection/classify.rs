@@ -1,38 +1,37 @@
-//! What is known of each element before any order is solved.
+//! Classification of each element from its values, before any order is solved.
 
-use super::{Friction, Selection, Stop, Touching, slipping};
+use super::{EventVerdict, Friction, Selection, Stop, slipping};
 use crate::description::StopLaw;
 use crate::mode::{FrictionState, StopState};
-use crate::system::Row;
+use crate::system::StateRow;
 
 impl Selection<'_> {
-    /// -1, 0 or 1: the sign of a row's derivative of some order, zero where it is rounding.
-    pub(super) fn sign(&self, row: &Row, order: usize) -> f64 {
+    /// The sign -1, 0 or 1 of a row's derivative of an order, 0 where it is rounding.
+    pub(super) fn sign(&self, row: &StateRow, order: usize) -> f64 {
         let value = row.dot(&self.derivatives[order]);
         if value.abs() <= self.sizes[order].zero(row) { 0.0 } else { value.signum() }
     }
 
-    pub(super) fn classify_stop(&self, i: usize, touching: &Touching) -> Stop {
+    pub(super) fn classify_stop(&self, i: usize, verdict: &EventVerdict) -> Stop {
         let stop = &self.system.stops[i];
         let excess = self.sign(&stop.excess, 0);
         let rate = self.sign(&stop.elongation.rate, 0);
         if let StopLaw::Rigid { .. } = stop.law {
-            return match (touching.stops[i] || excess >= 0.0, rate) {
+            return match (verdict.stops[i] || excess >= 0.0, rate) {
                 (false, _) => Stop::Is(StopState::Open),
-                _ if touching.open.contains(&i) => Stop::Is(StopState::Open),
+                _ if verdict.open.contains(&i) => Stop::Is(StopState::Open),
                 (true, rate) if rate < 0.0 => Stop::Is(StopState::Open),
                 (true, _) => Stop::Touching,
             };
         }
-        if touching.edges[i] || (excess == 0.0 && !touching.limits[i]) {
+        if verdict.edges[i] || (excess == 0.0 && !verdict.limits[i]) {
             if rate > 0.0 {
                 return Stop::Is(stop.entered());
             }
             if rate < 0.0 {
                 return Stop::Is(StopState::Below);
             }
-            // What has drifted further from its edge than counts as zero, however slowly, is no
-            // longer there.
+            // A stop that has drifted from its edge by more than rounding is no longer at it.
             if excess == 0.0 {
                 return Stop::AtEdge;
             }
@@ -41,25 +40,25 @@ impl Selection<'_> {
             return Stop::Is(StopState::Below);
         }
         let pull = self.sign(&stop.force, 0);
-        if pull < 0.0 && !touching.limits[i] {
+        if pull < 0.0 && !verdict.limits[i] {
             return Stop::Is(StopState::Free);
         }
         if stop.is_elastogap() {
             let cap = self.sign(&(&*stop.force - 2.0 * &*stop.spring), 0);
-            if cap > 0.0 && !touching.limits[i] {
+            if cap > 0.0 && !verdict.limits[i] {
                 return Stop::Is(StopState::Capped);
             }
             if cap == 0.0 && pull == 0.0 {
                 return Stop::AtLimits;
             }
             if cap == 0.0
-                || (touching.limits[i]
+                || (verdict.limits[i]
                     && stop.force.dot(&self.derivatives[0]) > stop.spring.dot(&self.derivatives[0]))
             {
                 return Stop::AtLimit(StopState::Capped, StopState::Pressed);
             }
         }
-        if pull == 0.0 || touching.limits[i] {
+        if pull == 0.0 || verdict.limits[i] {
             return Stop::AtLimit(StopState::Pressed, StopState::Free);
         }
         Stop::Is(StopState::Pressed)
@@ -69,7 +68,7 @@ impl Selection<'_> {
         let friction = &self.system.frictions[i];
         let mut level = friction.level.clone();
         let mut order = 0;
-        // The level is a signal, so that its derivatives are known at once.
+        // The level is a signal: all its derivatives are known.
         let sign = loop {
             let sign = self.sign(&level, 0);
             if sign != 0.0 || order >= self.system.signals.size {

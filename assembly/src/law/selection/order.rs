@@ -1,21 +1,21 @@
-//! The contacts' problem at one order, and what its solution decides.
+//! The contacts' quadratic program at one order, and the decisions by its solution.
 
 use super::{Friction, Selection, Stop, slipping};
 use crate::law::ZERO;
-use crate::law::box_qp::{Jam, Problem, Solution};
+use crate::law::box_qp::{BoxProblem, Jam, Solution};
 use crate::mode::{Contact, FrictionState, StopState};
-use crate::system::Row;
+use crate::system::StateRow;
 use nalgebra::{DMatrix, DVector};
 
 impl Selection<'_> {
-    /// The contacts' problem at an order.
-    pub(super) fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>) -> Problem {
+    /// The quadratic program of the contacts at an order.
+    pub(super) fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>) -> BoxProblem {
         let m = contacts.len();
         let z = &self.derivatives[order];
         let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
         let mut lo = DVector::from_element(m, f64::NEG_INFINITY);
         let mut hi = DVector::from_element(m, f64::INFINITY);
-        // The terms' sizes, those of the forces before they are summed up on a body included.
+        // Sizes of the accelerations' terms, summed before forces on a body cancel.
         let sizes: Vec<f64> = free
             .row_iter()
             .map(|row| row.iter().zip(self.sizes[order].0.iter()).map(|(f, s)| f.abs() * s).sum())
@@ -49,10 +49,10 @@ impl Selection<'_> {
                 }
             }
         }
-        Problem { columns: self.system.columns(contacts), b, lo, hi, zero }
+        BoxProblem { columns: self.system.columns(contacts), b, lo, hi, zero }
     }
 
-    pub(super) fn solved(&self, problem: &Problem, contacts: &[Contact]) -> Result<Solution, Jam> {
+    pub(super) fn solved(&self, problem: &BoxProblem, contacts: &[Contact]) -> Result<Solution, Jam> {
         problem.solve().map_err(|jam| Jam {
             contacts: jam
                 .contacts
@@ -62,13 +62,13 @@ impl Selection<'_> {
         })
     }
 
-    /// The level up to which a friction that rests holds.
-    pub(super) fn level(&self, i: usize) -> &Row {
+    /// The level up to which a resting friction holds: the static one until it is released.
+    pub(super) fn level(&self, i: usize) -> &StateRow {
         let friction = &self.system.frictions[i];
         if self.released[i] { &friction.level } else { &friction.static_level }
     }
 
-    /// The frictions that slip although they have static levels of their own.
+    /// The frictions that slip at their static level.
     pub(super) fn leaving(&self, contacts: &[Contact], solution: &Solution) -> Vec<usize> {
         let slips = |(k, &contact): (usize, &Contact)| match contact {
             Contact::Friction(i) if !matches!(self.frictions[i], Friction::Is(_)) => {
@@ -80,12 +80,12 @@ impl Selection<'_> {
         contacts.iter().enumerate().filter_map(slips).collect()
     }
 
-    /// What the solution of an order decides.
+    /// Decides elements by the solution of an order.
     pub(super) fn decide(
         &mut self,
         order: usize,
         contacts: &[Contact],
-        problem: &Problem,
+        problem: &BoxProblem,
         solution: &Solution,
     ) {
         for (k, &contact) in contacts.iter().enumerate() {
@@ -128,9 +128,9 @@ impl Selection<'_> {
         }
     }
 
-    /// The contacts whose force lies strictly inside its bounds come before those that leave a
-    /// bound at a later order.
-    pub(super) fn prefer(&mut self, contacts: &[Contact], problem: &Problem, solution: &Solution) {
+    /// Adds contacts whose force lies strictly inside its bounds to the preferred ones, in the
+    /// order in which they leave their bounds.
+    pub(super) fn prefer(&mut self, contacts: &[Contact], problem: &BoxProblem, solution: &Solution) {
         for &k in &solution.free {
             let (contact, force) = (contacts[k], solution.lambda[k]);
             let zero = problem.zero_force(k, solution);
@@ -142,15 +142,15 @@ impl Selection<'_> {
     }
 }
 
-/// The accelerations' rows along a direction. Of one or two terms, as most directions have, the
-/// others are left out, which are zeros.
-fn along(free: &DMatrix<f64>, w: &DVector<f64>) -> Row {
+/// The row of the acceleration along a direction w. Directions of one or two terms, as most have,
+/// skip the zeros.
+fn along(free: &DMatrix<f64>, w: &DVector<f64>) -> StateRow {
     let mut terms = w.iter().enumerate().filter(|(_, w)| **w != 0.0);
     let two = [terms.next(), terms.next()];
     if terms.next().is_some() {
         return free.tr_mul(w);
     }
-    let mut row = Row::zeros(free.ncols());
+    let mut row = StateRow::zeros(free.ncols());
     for (c, &w) in two.into_iter().flatten() {
         row.iter_mut().zip(free.row(c).iter()).for_each(|(sum, f)| *sum += f * w);
     }

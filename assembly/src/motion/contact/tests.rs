@@ -1,4 +1,4 @@
-//! The sizes that decide what is rounding.
+//! The sizes by which a value counts as zero, and the verdicts of events.
 
 use crate::file::{no_records, parse};
 use crate::{Assembly, Motion};
@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 #[test]
 fn closed_form_what_stands_by_forces_that_cancel_has_the_rounding_of_their_sizes() {
-    // 6 N of weight and as much from outside on 3 kg: 2 m/s² each, over the time since they act.
+    // A weight of 6 N and an opposite load on 3 kg give 2 m/s² each: together a velocity of size 2
+    // m/s over 0.5 s.
     let text = "name = \"A\"\ngravity = 2.0\n[body.b]\nmass = 3.0\ngravity = 1.0\n\
                 [load.l]\non = \"b\"\ninput = true\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 1e-9\n";
     let machine = parse(text, "a.toml", &no_records).unwrap();
@@ -16,7 +17,7 @@ fn closed_form_what_stands_by_forces_that_cancel_has_the_rounding_of_their_sizes
     assert!(motion.body(0).iter().all(|x| x.abs() < 1e-20), "{:?}", motion.body(0));
     motion.take_in_flight();
     let sizes = motion.hybrid.sizes.0.as_slice();
-    // The place has a hundredth of the way that these would make.
+    // The coordinate counts a hundredth of the travel by these.
     assert!((sizes[1] - 2.0).abs() < 1e-12 && (sizes[0] - 0.01).abs() < 1e-14, "{sizes:?}");
 }
 
@@ -31,7 +32,7 @@ fn closed_form_an_impact_ends_what_an_event_says_of_the_elements_that_it_moves()
     let motion = Motion::new(Arc::new(Assembly::new(machine).unwrap())).unwrap();
     let all = || vec![true; 2];
     let flags = super::Flags { stops: all(), resting: all(), edges: all(), limits: all() };
-    // The second body alone is hit; its 1 m/s is what speeds are beside which 1e-14 m/s is none.
+    // Only the second body is hit; beside its speed of 1 m/s a kick of 1e-14 m/s is rounding.
     for (kick, stays) in [(-0.5, false), (1e-14, true), (0.0, true)] {
         let kick = nalgebra::DVector::from_vec(vec![0.0, kick]);
         let after = flags.after(&kick, &motion.assembly.system, &motion.hybrid.sizes);

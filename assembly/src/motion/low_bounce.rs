@@ -12,23 +12,23 @@ use crate::mode::{Contact, StopState};
 const LEAST_BOUNCE: f64 = 1e-12;
 
 /// Where stops are met late, bounces under this many times the lateness are too low to matter.
-const LATE_BOUNCES: f64 = 100.0;
+const OVERSHOOT_BOUNCES: f64 = 100.0;
 
 /// Of a restitution near 1 at most so many times the lateness more, and of 1 itself, which ends its
 /// bounces by what is lost elsewhere. One that loses less in a bounce than this allows for would
 /// come so low after some eighty thousand bounces and more.
-const MOST_LATE_BOUNCES: f64 = 1e4;
+const MOST_OVERSHOOT_BOUNCES: f64 = 1e4;
 
 impl Motion {
     /// The part of a stop's largest e so far under which a bounce is too low to matter. Where stops
     /// are met late by a depth d, a ball falls on by it, and its bounces do not get lower than d
     /// e²/(1 - e²).
     pub(super) fn least_bounce(&self, restitution: f64) -> f64 {
-        if self.late == 0.0 {
+        if self.overshoot == 0.0 {
             return LEAST_BOUNCE;
         }
         let kept = restitution * restitution;
-        self.late * (LATE_BOUNCES + (2.0 * kept / (1.0 - kept)).min(MOST_LATE_BOUNCES))
+        self.overshoot * (OVERSHOOT_BOUNCES + (2.0 * kept / (1.0 - kept)).min(MOST_OVERSHOOT_BOUNCES))
     }
 
     /// Where stops are met late, holds those that an impact of others opens by less than matters,
@@ -40,7 +40,7 @@ impl Motion {
         flags: &Flags,
         impacts: &mut Impacts,
     ) -> Result<Vec<(usize, f64)>, Error> {
-        if self.late == 0.0 || touching.len() < 2 {
+        if self.overshoot == 0.0 || touching.len() < 2 {
             return Ok(Vec::new());
         }
         let mode = self.select(flags)?;
