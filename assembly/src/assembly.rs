@@ -1,4 +1,4 @@
-//! A machine that was checked: immutable, ready to move.
+//! A checked machine with its matrices; immutable during a motion.
 
 use crate::description::{Body, BodyKind, Description};
 use crate::elements::Element;
@@ -10,13 +10,13 @@ use crate::system::{Part, System};
 use nalgebra::DVector;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// A machine that was checked, with its matrices.
+/// A checked machine with its matrices and start values.
 #[derive(Clone, Debug)]
 pub struct Assembly {
-    /// What it consists of.
+    /// Bodies and elements.
     pub description: Description,
     pub(crate) system: System,
-    /// Coordinate and rate of each body at time 0; of prescribed ones 0.
+    /// Coordinate and rate of each body at time 0; both 0 for prescribed bodies.
     pub(crate) starts: Vec<(f64, f64)>,
 }
 
@@ -24,8 +24,8 @@ impl Assembly {
     /// The machine of a description.
     ///
     /// # Errors
-    /// As [`System::new`]; [`Error::TooFast`] for rates beyond what doubles carry;
-    /// [`Error::NoEquilibrium`] for a machine that starts at rest and cannot.
+    /// Those of [`System::new`]; [`Error::TooFast`] for rates that would overflow;
+    /// [`Error::NoEquilibrium`] for a machine that starts at rest but has no equilibrium.
     pub fn new(description: Description) -> Result<Self, Error> {
         let system = System::new(&description)?;
         rates::check(&description, &system)?;
@@ -38,7 +38,7 @@ impl Assembly {
         Ok(Self { description, system, starts })
     }
 
-    /// The bodies' coordinates where the machine stands still at time 0, m or rad.
+    /// The bodies' coordinates in static equilibrium at time 0, m or rad.
     ///
     /// # Errors
     /// [`Error::NoEquilibrium`].
@@ -54,15 +54,16 @@ impl Assembly {
         Ok(system.bodies.iter().map(|body| body.s.dot(&z)).collect())
     }
 
-    /// The same machine with other starts: coordinate and rate by body, m, m/s or rad, rad/s. Those
-    /// of prescribed bodies, and of bodies that follow from others by links, are not used.
+    /// The machine with other start values: coordinate and rate by body, m, m/s or rad, rad/s.
+    /// Values of prescribed bodies and of bodies that links determine are ignored.
     #[must_use]
     pub fn starting_from(mut self, starts: Vec<(f64, f64)>) -> Self {
         self.starts = starts;
         self
     }
 
-    /// The element of a watched functional, as `stop.NAME` or `friction.NAME`.
+    /// The dotted name of the element that a watched functional belongs to, as `stop.NAME` or
+    /// `friction.NAME`.
     pub(crate) fn name_of(&self, watch: Watch) -> String {
         match watch {
             Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
@@ -72,12 +73,12 @@ impl Assembly {
         }
     }
 
-    /// The dotted name of the element that has a stop, by the stop's place.
+    /// The dotted name of the element of a stop, given by its index in [`System::stops`].
     pub fn name_of_stop(&self, i: usize) -> String {
         self.name_of_part(Part::Stop(i))
     }
 
-    /// The dotted name of the element that has a friction, by the friction's place.
+    /// The dotted name of the element of a friction, given by its index in [`System::frictions`].
     pub fn name_of_friction(&self, i: usize) -> String {
         self.name_of_part(Part::Friction(i))
     }
@@ -87,7 +88,7 @@ impl Assembly {
         element.map_or_else(String::new, Element::dotted)
     }
 
-    /// The matrices.
+    /// The machine as matrices.
     pub fn system(&self) -> &System {
         &self.system
     }

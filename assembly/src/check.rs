@@ -1,5 +1,5 @@
-//! Whether a description is a machine: what no single number shows. The file's reader and the table
-//! of parameters both end here.
+//! Validation of a whole description: ranges of all numbers, and conditions between several of
+//! them. The file reader and the parameter table both end here.
 
 mod links;
 mod names;
@@ -10,16 +10,15 @@ use crate::elements::Element;
 use crate::refusal::{Problem, Refusal};
 use crate::slots::slots;
 
-/// Bodies, elements, or harmonics and steps, at most; a machine of more is refused before anything
-/// is made of it.
+/// Largest number of bodies, of elements, and of harmonics and steps; a larger machine is refused
+/// before anything is allocated for it.
 pub(crate) const MOST: usize = 10_000;
 
-/// Knots of a record, at most.
+/// Largest number of knots of a record.
 pub(crate) const MOST_KNOTS: usize = 1_000_000;
 
 impl Description {
-    /// Whether the description is a machine: what its file or its parameters would be refused for,
-    /// a program's may have as well.
+    /// Checks a description that a program put together by the rules for files and parameters.
     ///
     /// ```
     /// let refused = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() }.check().unwrap_err();
@@ -36,7 +35,7 @@ impl Description {
     }
 }
 
-/// All problems of a machine, or none. Numbers outside their ranges and broken structure hide what
+/// All problems of a machine. Numbers out of range and broken references hide the problems that
 /// would follow from them.
 pub(crate) fn check(machine: &Description) -> Vec<Problem> {
     let mut problems = check_under_way(machine);
@@ -46,7 +45,7 @@ pub(crate) fn check(machine: &Description) -> Vec<Problem> {
     problems
 }
 
-/// The same but for problems of the start.
+/// All problems of a machine in motion: those of [`check`] except the ones of the start values.
 pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     let mut problems = names::check(machine);
     if !problems.is_empty() {
@@ -73,7 +72,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     problems
 }
 
-/// A problem of a number.
+/// A problem with a number, which is written with all its digits.
 fn refused(name: impl Into<String>, value: f64, text: impl Into<String>) -> Problem {
     Problem::new(name, Some(format!("{value:?}")), text)
 }
@@ -135,7 +134,7 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Loads act on bodies that forces move.
+/// Requires that every load acts on a free body.
 fn loads(machine: &Description, problems: &mut Vec<Problem>) {
     for load in &machine.loads {
         let name = format!("load.{}.on", load.name);
@@ -154,7 +153,7 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// A static level is at least the level while slipping, where both are constants.
+/// Requires that a static friction level is at least the slipping level, where both are constant.
 fn levels(machine: &Description, problems: &mut Vec<Problem>) {
     for friction in &machine.frictions {
         let Some(largest) = &friction.static_force else { continue };
@@ -166,7 +165,7 @@ fn levels(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// A machine has a body, and none that nothing acts on; gravity turns nothing.
+/// Requires one body or more, an element on each, and no gravity on rotating bodies.
 fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.bodies.is_empty() {
         problems.push(Problem::new("body", None, "allowed is a machine of one or more bodies"));

@@ -1,16 +1,16 @@
-//! What a machine consists of, as plain data in SI units: bodies, springs, stops, friction, links
-//! and loads.
+//! The description of a machine as plain data in SI units: bodies, springs, dampers, stops,
+//! friction, links and loads.
 //!
-//! A [`Description`] is what a file says ([`crate::file`]) or a program puts together;
-//! [`crate::Assembly`] is a description that was checked. Everything refers to bodies by their
-//! place in [`Description::bodies`].
+//! A [`Description`] is read from a file ([`crate::file`]) or put together by a program;
+//! [`crate::Assembly`] is a checked description. Elements refer to bodies by their index in
+//! [`Description::bodies`].
 
-/// A machine of bodies with one coordinate each, and of elements between them.
+/// A machine: bodies with one coordinate each, and elements between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
     /// The machine's name.
     pub name: String,
-    /// Acceleration of gravity g, m/s²; it acts on a body by g times its [`Free::gravity`].
+    /// Acceleration of gravity g, m/s²; a body's share is g times its [`Free::gravity`].
     pub gravity: f64,
     /// Whether the machine starts at rest in equilibrium instead of at the bodies' own start
     /// values.
@@ -43,11 +43,11 @@ pub enum Dimension {
 /// A body with one coordinate s, positive in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Its name, unique among the bodies; `ground` is none.
+    /// Its name, unique among the bodies; `ground` is reserved.
     pub name: String,
-    /// What its coordinate is measured in.
+    /// Dimension of its coordinate.
     pub dimension: Dimension,
-    /// Whether it moves freely or as prescribed.
+    /// Whether forces move it or its motion is prescribed.
     pub kind: BodyKind,
 }
 
@@ -56,11 +56,11 @@ pub struct Body {
 pub enum BodyKind {
     /// It has inertia, and forces move it.
     Free(Free),
-    /// Its coordinate is this signal of time, in m or rad, plus `rate` times the time in s.
+    /// Its coordinate is the signal `motion`, in m or rad, plus `rate` times the time in s.
     Prescribed {
-        /// The coordinate but for the even motion.
+        /// The coordinate without its linear part.
         motion: Signal,
-        /// The rate of an even motion that is added, m/s or rad/s.
+        /// The rate of the linear part, m/s or rad/s.
         rate: f64,
     },
 }
@@ -79,14 +79,14 @@ pub struct Free {
     pub v: f64,
 }
 
-/// The weights of the bodies' coordinates in an elongation e = Σ arm · s, by the bodies' places; no
-/// body twice, no arm zero. Between ground and a body the arm is ±1; from body a to body b it is -1
-/// for a and +1 for b.
+/// The weights of the bodies' coordinates in an elongation e = Σ arm · s; no body occurs twice, no
+/// arm is zero. Between ground and a body the arm is ±1; from body a to body b it is -1 for a and
+/// +1 for b.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arms {
-    /// Place of the body and its arm.
+    /// Index of the body and its arm.
     pub terms: Vec<(usize, f64)>,
-    /// What the elongation is measured in.
+    /// Dimension of the elongation.
     pub dimension: Dimension,
     /// Whether the arms are levers, which may be varied, instead of the signs that follow from
     /// `between`.
@@ -101,8 +101,8 @@ impl Arms {
     }
 }
 
-/// A spring and a dashpot side by side. Its force f = preload + stiffness · e + damping · e'
-/// resists e: it acts on a body by -arm · f.
+/// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e' resists
+/// e: it acts on a body by -arm · f.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the springs.
@@ -117,8 +117,8 @@ pub struct Spring {
     pub preload: f64,
 }
 
-/// A dashpot alone. Its force f = damping · e' resists e'; no force depends on its elongation, so
-/// that a motion may repeat while e grows.
+/// A dashpot alone. Its force f = damping · e' does not depend on e, so that a motion may be
+/// periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
     /// Its name, unique among the elements.
@@ -142,7 +142,7 @@ pub struct Stop {
     pub law: StopLaw,
 }
 
-/// What a stop does when it is closed.
+/// The contact law of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StopLaw {
     /// e stays at most the gap; an impact reverses e' with the restitution coefficient, from 0 to
@@ -157,7 +157,7 @@ pub enum StopLaw {
         stiffness: f64,
         /// N s/m or N m s/rad, not negative.
         damping: f64,
-        /// How the dashpot's share is limited.
+        /// Limit of the dashpot's share.
         limit: DampingLimit,
     },
 }
@@ -172,26 +172,26 @@ pub enum DampingLimit {
     Elastogap,
 }
 
-/// Coulomb friction that resists e': of the size `force` where it slips, up to `static_force` (or
-/// `force`) where it sticks.
+/// Coulomb friction that resists e': `force` in size while slipping, up to `static_force` (or
+/// `force`) while sticking.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// Its name, unique among the frictions.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// The level while slipping, N or N m; where it is not positive there is no friction.
+    /// The level while slipping, N or N m; no friction acts while it is not positive.
     pub force: Signal,
-    /// The level up to which it sticks, if it is another one; at least `force`.
+    /// The level up to which it sticks, at least `force`; `None` where it equals `force`.
     pub static_force: Option<Signal>,
 }
 
-/// A rigid link: e = 0 at all times, so that one coordinate follows from the others.
+/// A rigid link: e = 0 at all times, which eliminates one coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// Its name, unique among the links.
     pub name: String,
-    /// What is kept at zero.
+    /// Its elongation e, which stays 0.
     pub arms: Arms,
 }
 
@@ -200,34 +200,34 @@ pub struct Link {
 pub struct Load {
     /// Its name, unique among the loads.
     pub name: String,
-    /// Place of the body.
+    /// Index of the body.
     pub body: usize,
     /// N or N m.
     pub force: Signal,
 }
 
-/// A quantity as a function of time: the sum of all its parts.
+/// A function of time: the sum of all its parts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Signal {
     /// A constant.
     pub constant: f64,
     /// Sines of time.
     pub harmonics: Vec<Harmonic>,
-    /// Jumps: from `time` (s) on, `height` is added. Each time is after the one before.
+    /// Jumps, at increasing times.
     pub steps: Vec<Step>,
     /// A record.
     pub table: Option<Record>,
-    /// Whether a value from outside is added, which is 0 until it is set.
+    /// Whether an input from outside is added; it is 0 until set.
     pub input: bool,
 }
 
 impl Signal {
-    /// The signal that always has this value.
+    /// A constant signal.
     pub fn constant(value: f64) -> Self {
         Self { constant: value, ..Self::default() }
     }
 
-    /// Whether the constant is all it consists of.
+    /// Whether the constant is the only part.
     pub fn is_constant(&self) -> bool {
         self.harmonics.is_empty() && self.steps.is_empty() && self.table.is_none() && !self.input
     }
@@ -249,15 +249,15 @@ pub struct Harmonic {
 pub struct Step {
     /// s.
     pub time: f64,
-    /// What is added from that time on, in the signal's unit.
+    /// Added from that time on, in the signal's unit.
     pub height: f64,
 }
 
-/// A record: values at rising times; before the first and after the last it keeps their values.
+/// A record: values at increasing times; constant before the first knot and after the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// Time (s) and value at each knot, two or more, each time after the one before.
+    /// Time (s) and value of each knot; two or more, at increasing times.
     pub knots: Vec<(f64, f64)>,
-    /// Between the knots a monotone cubic instead of a straight line.
+    /// Whether knots are joined by a monotone cubic instead of straight lines.
     pub cubic: bool,
 }
