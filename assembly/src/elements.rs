@@ -1,8 +1,8 @@
-//! The elements of a machine in one list, and its signals in another, whatever their kinds.
+//! All elements of a machine as one list, and all its signals as another.
 //!
-//! What every kind has — a name, a section of the file, an elongation, quantities, signals — is asked
-//! here, so that columns, FMU variables, checks and sketches name no kind. `docs/adding-an-element.md`
-//! lists what a further kind needs.
+//! What every kind of element has (name, section of the file, elongation, quantities, signals) is
+//! defined here, so that columns, FMU variables, checks and sketches do not match on kinds.
+//! `docs/adding-an-element.md` lists what a new kind needs.
 
 use crate::description::{
     Arms, BodyKind, Damper, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
@@ -29,13 +29,13 @@ pub enum Element<'a> {
 /// How the force of an element follows from the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// One linear function of elongation and rate at all times.
+    /// A single linear function of elongation and rate.
     Linear,
     /// A linear function of elongation and rate in each state of the element.
     Switching,
     /// A constraint force while a contact is closed; impacts when it closes.
     Hitting,
-    /// A given level while slipping, a constraint force while sticking.
+    /// A given friction level while slipping, a constraint force while sticking.
     Rubbing,
     /// A constraint force at all times.
     Tying,
@@ -43,7 +43,7 @@ pub enum Action {
     Driving,
 }
 
-/// Sections of a file that hold elements, in their order in every list, each with its plural.
+/// The file's sections of elements, each with its plural, in the order of every list of elements.
 pub const SECTIONS: [(&str, &str); 6] = [
     ("spring", "springs"),
     ("damper", "dampers"),
@@ -66,7 +66,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// The section of the file in which it stands.
+    /// Its section of the file.
     pub fn section(self) -> &'static str {
         match self {
             Self::Spring(_) => "spring",
@@ -83,7 +83,7 @@ impl<'a> Element<'a> {
         format!("{}.{}", self.section(), self.name())
     }
 
-    /// The arms of its elongation; none of a load, which acts on a coordinate.
+    /// The arms of its elongation; `None` for a load, which acts on one coordinate.
     pub fn arms(self) -> Option<&'a Arms> {
         match self {
             Self::Spring(spring) => Some(&spring.arms),
@@ -95,7 +95,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// What its force and elongation are measured in.
+    /// Dimension of its force and elongation.
     pub fn dimension(self, machine: &Description) -> Dimension {
         let of_body = |load: &Load| machine.bodies.get(load.body).map(|body| body.dimension);
         match self {
@@ -116,7 +116,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// What of it is a column, an FMU variable and a measure.
+    /// Its quantities: columns of a motion, FMU variables, measures of studies.
     pub fn quantities(self) -> &'static [What] {
         match self.action() {
             Action::Tying => &[],
@@ -125,7 +125,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// Its signals, each with what follows its dotted name: nothing, or a key.
+    /// Its signals, each with the suffix of its dotted name: empty or a key.
     pub fn signals(self) -> Vec<(&'static str, &'a Signal)> {
         match self {
             Self::Friction(friction) => {
@@ -143,16 +143,16 @@ impl<'a> Element<'a> {
 pub struct NamedSignal<'a> {
     /// Dotted name, such as `body.table.motion`, `load.shaker`, `friction.belt.static`.
     pub name: String,
-    /// Its values.
+    /// The function of time.
     pub signal: &'a Signal,
-    /// What it is measured in.
+    /// Dimension of its value.
     pub dimension: Dimension,
-    /// Whether it is the motion of a body; else it is a force.
+    /// Whether it is the motion of a body, not a force.
     pub is_motion: bool,
 }
 
 impl Description {
-    /// Every element, by the order of [`SECTIONS`] and within a section that of the file.
+    /// All elements in the order of [`SECTIONS`], within a section in the file's order.
     pub fn elements(&self) -> impl Iterator<Item = Element<'_>> + Clone {
         let springs = self.springs.iter().map(Element::Spring);
         let stops = self.stops.iter().map(Element::Stop);
@@ -162,7 +162,7 @@ impl Description {
         springs.chain(stops).chain(frictions).chain(links).chain(self.loads.iter().map(Element::Load))
     }
 
-    /// How many bodies there are, and elements of each section, with the plural of what is counted.
+    /// The numbers of bodies and of elements of each section, each with its plural.
     pub fn counts(&self) -> Vec<(usize, &'static str)> {
         let of = |&(section, plural): &(&str, &'static str)| {
             (self.elements().filter(|element| element.section() == section).count(), plural)
@@ -170,8 +170,7 @@ impl Description {
         std::iter::once((self.bodies.len(), "bodies")).chain(SECTIONS.iter().map(of)).collect()
     }
 
-    /// Every signal in the order of the inputs: motions of bodies, loads, signals of the other
-    /// elements.
+    /// All signals in the order of the inputs: motions of bodies, loads, other elements.
     pub fn signals(&self) -> impl Iterator<Item = NamedSignal<'_>> {
         let motions = self.bodies.iter().filter_map(|body| match &body.kind {
             BodyKind::Prescribed { motion, .. } => Some(NamedSignal {

@@ -1,6 +1,6 @@
-//! Energy accounts: work of loads and of prescribed motions, and losses in dashpots, compliant
-//! stops, friction and impacts, found without the mechanical energy, so that the balance is a test
-//! (docs/assembly-law.md (A16) to (A18)).
+//! Energy accounts: work of loads and prescribed motions, and losses in dashpots, compliant stops,
+//! friction and impacts. They are integrated independently of the mechanical energy, so that the
+//! balance is a test (docs/assembly-law.md (A16) to (A18)).
 
 mod long;
 mod powers;
@@ -25,18 +25,18 @@ pub struct Accounts {
     pub loads: Vec<DoubleDouble>,
     /// Work of the prescribed motions.
     pub motions: DoubleDouble,
-    /// Lost in each spring's dashpot.
+    /// Loss in each spring's dashpot.
     pub dashpots: Vec<DoubleDouble>,
-    /// Lost in each compliant stop.
+    /// Loss in each compliant stop.
     pub stops: Vec<DoubleDouble>,
-    /// Lost in each friction.
+    /// Loss in each friction.
     pub frictions: Vec<DoubleDouble>,
-    /// Lost at impacts.
+    /// Loss at impacts.
     pub impacts: DoubleDouble,
 }
 
 impl Accounts {
-    /// Empty accounts of a machine.
+    /// Accounts of a machine, all zero.
     pub fn new(system: &System) -> Self {
         let zero = |count: usize| vec![DoubleDouble::default(); count];
         Self {
@@ -50,13 +50,13 @@ impl Accounts {
         }
     }
 
-    /// Accounts that are not kept.
+    /// Disabled accounts: flights add nothing to them.
     pub fn off(mut self) -> Self {
         self.enabled = false;
         self
     }
 
-    /// Work put in less losses, J: the change of the mechanical energy since the start.
+    /// Work minus losses, J: the change of the mechanical energy since the start.
     pub fn balance(&self) -> f64 {
         let minus = |sum: DoubleDouble, x: &DoubleDouble| sum.minus(*x);
         let put_in = self.loads.iter().fold(self.motions, |sum, x| sum + *x);
@@ -66,13 +66,13 @@ impl Accounts {
         frictions.minus(self.impacts).value()
     }
 
-    /// An impact's loss and the work that prescribed motions did in it.
+    /// Adds an impact: its loss and the work of prescribed motions during it, J.
     pub fn impact(&mut self, lost: f64, work: f64) {
         self.impacts = self.impacts.plus(lost);
         self.motions = self.motions.plus(work);
     }
 
-    /// A flight of length `dt` in a mode with these powers; `values` is memory.
+    /// Adds a flight of `dt` seconds in a mode with these powers; `values` is scratch memory.
     #[inline(always)]
     pub fn add(&mut self, powers: &Powers, dt: f64, samples: &Samples, values: &mut Vec<AtNodes>) {
         if !self.enabled || dt == 0.0 {
@@ -81,7 +81,7 @@ impl Accounts {
         powers.for_each(samples, values, |account, power| self.put(account, dt * power));
     }
 
-    /// A flight from `z` of 2^`k` sub-steps in a mode with these powers.
+    /// Adds a flight of 2^`k` sub-steps from `z` in a mode with these powers.
     pub fn add_long(&mut self, powers: &Powers, k: usize, table: &Table, z: &[f64]) {
         powers.for_each_work(k, table, z, |account, work| self.put(account, work));
     }
@@ -98,14 +98,14 @@ impl Accounts {
         *sum = sum.plus(work);
     }
 
-    /// Whether they are kept.
+    /// Whether the accounts are kept.
     pub(crate) fn are_kept(&self) -> bool {
         self.enabled
     }
 }
 
-/// Kinetic and stored energy, J: of springs ½ k e² + preload e, of compliant stops ½ k max(0, e -
-/// gap)², of weight.
+/// Kinetic and potential energy, J: springs store ½ k e² + preload · e, compliant stops
+/// ½ k max(0, e - gap)², bodies -weight · s.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {

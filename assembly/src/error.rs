@@ -1,11 +1,11 @@
-//! What can go wrong with a machine and its motion; every message names the quantity, its value and
-//! what is allowed.
+//! Errors of a machine and its motion. Every message names the quantity, its value and what is
+//! allowed.
 
 /// An error of a machine or its motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A link adds nothing to the others.
+    /// A link follows from the other links or moves no free body.
     #[error(
         "link.{link}: it follows from the other links, or moves no free body; allowed are links of which each takes one coordinate away"
     )]
@@ -13,30 +13,32 @@ pub enum Error {
         /// Name of the link.
         link: String,
     },
-    /// The inertia's numbers are too far apart.
+    /// The ratio of the inertias is too large: the inertia matrix is not positive definite in
+    /// double precision.
     #[error(
         "the inertias: not positive in double precision after the links; allowed are ratios up to about 1e15"
     )]
     Inertia,
-    /// Rates that are no numbers, or soon would make none.
+    /// A rate is not a number or would overflow soon.
     #[error("{name} = {value:e}: allowed are rates, with the inertias that move, of at most 1e100 rad/s")]
     TooFast {
-        /// What makes them.
+        /// The number that causes it.
         name: String,
         /// Its value in SI.
         value: f64,
     },
-    /// Stops close and nothing can give way.
+    /// Stops close and no body between them can give way.
     #[error(
         "jammed at t = {time} s: {stops} cannot give way; allowed are motions in which a body between them can"
     )]
     Jammed {
         /// s.
         time: f64,
-        /// The stops, as `stop.NAME`, with commas.
+        /// The stops as `stop.NAME`, separated by commas.
         stops: String,
     },
-    /// A rigid stop is violated by a jump of a prescribed motion or an input.
+    /// A jump of a prescribed motion, or a change of an input or a parameter, puts a rigid stop
+    /// beyond its gap.
     #[error(
         "{stop} at t = {time} s: e - gap = {excess} after a jump of a prescribed motion or a change of numbers; allowed is at most 0"
     )]
@@ -45,7 +47,7 @@ pub enum Error {
         stop: String,
         /// s.
         time: f64,
-        /// e - gap.
+        /// e - gap, m or rad.
         excess: f64,
     },
     /// A machine that starts at rest has no equilibrium.
@@ -64,52 +66,51 @@ pub enum Error {
     Stuck {
         /// s.
         time: f64,
-        /// What happens, with the elements.
+        /// The events, with their elements.
         cause: String,
     },
-    /// A call that would take more sub-steps than it may; a further one goes on from the time
-    /// reached.
+    /// A call needs more sub-steps than allowed; the next call goes on from the time reached.
     #[error("the motion cannot go on at t = {time} s: {cause}")]
     TooStiff {
         /// s.
         time: f64,
-        /// What takes long, with the body.
+        /// The reason, with the body.
         cause: String,
     },
-    /// Coordinates or rates whose energies would be beyond what a double holds.
+    /// A coordinate or rate whose energy would overflow a double.
     #[error(
         "the motion cannot go on at t = {time} s: {name} = {value:e} (SI); allowed are sizes up to 1e100, whose energies are numbers"
     )]
     Beyond {
         /// s.
         time: f64,
-        /// The body, and whether it is its place or its rate.
+        /// The body's coordinate or rate.
         name: String,
         /// m, rad, m/s or rad/s.
         value: f64,
     },
-    /// Somebody asked for the end of the call; a further one goes on from the time reached.
+    /// The call was interrupted; the next call goes on from the time reached.
     #[error("interrupted at t = {time} s")]
     Interrupted {
         /// s.
         time: f64,
     },
-    /// An end before the present or not a number.
+    /// The end of a step is before the present or not finite.
     #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]
     Step {
-        /// s.
+        /// Present, s.
         time: f64,
         /// s.
         end: f64,
     },
-    /// A number that is none.
+    /// A number outside its range.
     #[error("{name} = {value}: allowed is {allowed}")]
     OutOfRange {
-        /// What it is.
+        /// Its name.
         name: String,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// The range in words.
         allowed: String,
     },
 }

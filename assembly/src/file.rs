@@ -1,8 +1,8 @@
 //! The file of a machine: TOML text to a checked [`Description`], and back.
 //!
-//! `docs/assemblies.md` is the reference of what may stand in it. Every problem of a file is told
-//! at once, with line, dotted name, value, what is allowed and, for a name that is not known, the
-//! nearest:
+//! `docs/assemblies.md` is the reference of the format. All problems of a file are reported at
+//! once, each with line, dotted name, value, what is allowed and, for an unknown name, the nearest
+//! valid one:
 //!
 //! ```
 //! let text = r#"
@@ -40,17 +40,17 @@ use reading::{Reading, Table};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a record by its path as the machine's file gives it, which is relative and leads to no
-/// folder above.
+/// Reader of a record by the path in the machine's file, which is relative and leads to no parent
+/// folder.
 pub type Records<'a> = &'a dyn Fn(&str) -> io::Result<String>;
 
-/// Bytes of a file or of a record, at most.
+/// Largest size of a file or of a record, bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Reads the machine in a file; records are read from its folder.
+/// Reads a machine from a file, and its records from the file's folder.
 ///
 /// # Errors
-/// A [`Refusal`] with every problem found, or why the file cannot be read.
+/// A [`Refusal`] with every problem found, or with the reason why the file cannot be read.
 pub fn read(path: &Path) -> Result<Description, Refusal> {
     let name = path.display().to_string();
     let cannot = |e: io::Error| Refusal::one(Problem::new("", None, format!("{name}: cannot be read: {e}")));
@@ -68,7 +68,7 @@ fn read_text(path: &Path) -> io::Result<String> {
     Ok(text)
 }
 
-/// Reads a machine from TOML text. `file` is what messages call it.
+/// Reads a machine from TOML text; `file` is its name in messages.
 ///
 /// # Errors
 /// A [`Refusal`] with every problem found.
@@ -117,9 +117,8 @@ fn machine(reading: &mut Reading, root: &Table) -> Description {
 }
 
 impl Description {
-    /// The machine as the text of a file that reads back to an equal machine: SI units, every
-    /// number to its last digit, records within the text. The description is one that
-    /// [`check`](Self::check) accepts.
+    /// The machine as text of a file that reads back to an equal machine: SI units, numbers with
+    /// all digits, records inline. Requires a description that [`check`](Self::check) accepts.
     ///
     /// ```
     /// use vibro_assembly::file::{no_records, parse};

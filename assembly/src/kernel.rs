@@ -1,13 +1,13 @@
-//! Products of small matrices with vectors, for the inner loop: columns of fixed length, which
-//! become vector instructions, and lists of the entries that are not zero. Only the makers take
-//! memory, and what returns a vector.
+//! Products of small matrices with vectors for the inner loop: columns of fixed length, which
+//! compile to vector instructions, and lists of nonzero entries. Only constructors and functions
+//! that return a vector allocate.
 
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Abscissas and weights of Gauss's rule with twelve nodes on [0, 1] (Abramowitz and Stegun, table
-/// 25.4). The powers are products of two functions of rate r over a span of at most 3/r: the rule's
-/// error is (12!)⁴ 6²⁴/(25 (24!)³) < 5e-20 of their size.
+/// 25.4). Powers are products of two functions of rate r over a span of at most 3/r, for which the
+/// rule's error is (12!)⁴ 6²⁴/(25 (24!)³) < 5e-20 of their size.
 pub const NODES: [(f64, f64); 12] = {
     let half = [
         (0.125_233_408_511_468_9, 0.249_147_045_813_402_8),
@@ -40,15 +40,15 @@ pub fn combine<const R: usize>(columns: &[[f64; R]], z: &[f64]) -> [f64; R] {
     sum
 }
 
-/// The columns of a matrix of R rows that are not zero, with their places.
+/// The nonzero columns of a matrix of R rows, with their indices.
 #[derive(Clone, Debug)]
 pub struct SparseColumns<const R: usize>(Vec<(usize, [f64; R])>);
 
 impl<const R: usize> SparseColumns<R> {
-    /// Of all columns.
+    /// The nonzero ones of all columns.
     pub fn of(columns: impl IntoIterator<Item = [f64; R]>) -> Self {
-        let moving = |(_, column): &(usize, [f64; R])| column.iter().any(|x| *x != 0.0);
-        Self(columns.into_iter().enumerate().filter(moving).collect())
+        let nonzero = |(_, column): &(usize, [f64; R])| column.iter().any(|x| *x != 0.0);
+        Self(columns.into_iter().enumerate().filter(nonzero).collect())
     }
 
     /// The matrix times a vector.
@@ -62,18 +62,18 @@ impl<const R: usize> SparseColumns<R> {
         sum
     }
 
-    /// Numbers that it holds.
+    /// Count of stored numbers.
     pub fn numbers(&self) -> usize {
         self.0.len() * (R + 1)
     }
 }
 
-/// The entries of a row that are not zero, with their places.
+/// The nonzero entries of a row, with their column indices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sparse(Vec<(usize, f64)>);
 
 impl Sparse {
-    /// Of a row.
+    /// The nonzero entries of a dense row.
     pub fn of(row: &[f64]) -> Self {
         Self(row.iter().copied().enumerate().filter(|&(_, x)| x != 0.0).collect())
     }
@@ -84,34 +84,34 @@ impl Sparse {
         self.0.iter().map(|&(j, x)| x * z[j]).sum()
     }
 
-    /// The sum of the sizes of the row's terms, for a vector of sizes.
+    /// The sum of the terms' absolute values, for a vector of absolute values.
     #[inline(always)]
     pub fn size(&self, sizes: &[f64]) -> f64 {
         self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()
     }
 
-    /// The row with its zeros.
+    /// The dense row of length `size`.
     pub fn dense(&self, size: usize) -> Vec<f64> {
         let mut row = vec![0.0; size];
         self.0.iter().for_each(|&(j, x)| row[j] = x);
         row
     }
 
-    /// Places and entries.
+    /// Column indices and entries.
     pub fn terms(&self) -> &[(usize, f64)] {
         &self.0
     }
 }
 
-/// A square matrix by the entries of its rows that are not zero.
+/// A square sparse matrix, stored by rows.
 #[derive(Clone, Debug)]
 pub struct SparseMatrix {
-    /// Where each row's entries begin, and where the last ends.
+    /// Index of each row's first entry, and at last the number of entries.
     rows: Vec<usize>,
     entries: Vec<(usize, f64)>,
 }
 
-/// Of no rows.
+/// The matrix without rows.
 impl Default for SparseMatrix {
     fn default() -> Self {
         Self { rows: vec![0], entries: Vec::new() }
@@ -119,13 +119,13 @@ impl Default for SparseMatrix {
 }
 
 impl SparseMatrix {
-    /// Adds a row by its entries, of which zeros are left out.
+    /// Appends a row; zeros among its entries are dropped.
     pub fn push_row(&mut self, row: impl Iterator<Item = (usize, f64)>) {
         self.entries.extend(row.filter(|&(_, x)| x != 0.0));
         self.rows.push(self.entries.len());
     }
 
-    /// Rows and columns exchanged.
+    /// The transposed matrix.
     pub fn transpose(&self) -> Self {
         let mut rows = vec![0; self.len() + 1];
         self.entries.iter().for_each(|&(j, _)| rows[j + 1] += 1);
@@ -140,18 +140,18 @@ impl SparseMatrix {
         Self { rows, entries }
     }
 
-    /// An entry.
+    /// The entry in row `i` and column `j`.
     pub fn entry(&self, i: usize, j: usize) -> f64 {
         self.row(i).iter().find(|term| term.0 == j).map_or(0.0, |term| term.1)
     }
 
-    /// The entries of a row with their places.
+    /// The nonzero entries of a row with their columns.
     #[inline(always)]
     pub fn row(&self, i: usize) -> &[(usize, f64)] {
         &self.entries[self.rows[i]..self.rows[i + 1]]
     }
 
-    /// A row with its zeros.
+    /// A row as a dense vector.
     pub fn row_of(&self, i: usize) -> DVector<f64> {
         let mut row = DVector::zeros(self.len());
         self.row(i).iter().for_each(|&(j, x)| row[j] = x);
@@ -168,12 +168,12 @@ impl SparseMatrix {
         self.len() == 0
     }
 
-    /// The entries that are not zero.
+    /// The number of nonzero entries.
     pub fn entries(&self) -> usize {
         self.entries.len()
     }
 
-    /// `to` = `factor` × matrix × `from`, but for the first rows.
+    /// `to` = `factor` × matrix × `from`, without the `first` rows.
     #[inline(always)]
     pub fn rows_times_to(&self, first: usize, from: &[f64], factor: f64, to: &mut [f64]) {
         for (i, y) in to.iter_mut().enumerate() {
@@ -204,7 +204,7 @@ impl SparseMatrix {
         to.iter_mut().for_each(|y| *y *= factor);
     }
 
-    /// `factor` × matrix × the transpose of `right`, transposed: whole columns are added up.
+    /// `factor` × `right` × the transposed matrix, as a sum of whole columns of `right`.
     pub fn times_rows(&self, right: &DMatrix<f64>, factor: f64) -> DMatrix<f64> {
         let size = right.nrows();
         let mut product = DMatrix::zeros(size, self.len());
@@ -217,18 +217,19 @@ impl SparseMatrix {
         product
     }
 
-    /// The matrix of the entries' sizes.
+    /// The matrix of the entries' absolute values.
     pub fn abs(&self) -> Self {
         let entries = self.entries.iter().map(|&(j, x)| (j, x.abs())).collect();
         Self { rows: self.rows.clone(), entries }
     }
 }
 
-/// Rows of a matrix that are found together, and in the last block.
+/// Rows of a whole block.
 const BLOCK: usize = 8;
+/// Rows of the last block where no more are left.
 const HALF: usize = BLOCK / 2;
 
-/// A dense matrix in blocks of eight rows, and of four where no more are left.
+/// A dense matrix in blocks of eight rows; the last has four where no more are left.
 #[derive(Clone, Debug)]
 pub struct Blocks {
     columns: usize,
@@ -237,7 +238,7 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Of a matrix.
+    /// The blocks of a matrix.
     pub fn of(matrix: &DMatrix<f64>) -> Self {
         let (rows, columns) = matrix.shape();
         let entry = |i: usize, j: usize| if i < rows { matrix[(i, j)] } else { 0.0 };

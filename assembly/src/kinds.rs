@@ -1,6 +1,5 @@
-//! The kinds of numbers that a machine consists of: meaning, units and allowed range. The file and
-//! the table of parameters both use them, so that a number is refused for the same reason wherever
-//! it comes from.
+//! Kinds of the numbers of a machine: meaning, units and allowed range. File and parameter table
+//! share them, so that a number is refused for one reason wherever it comes from.
 
 use crate::description::Dimension;
 use vibro_impact::parameters::Range;
@@ -9,13 +8,13 @@ use vibro_impact::quantities::symbols;
 /// A kind of number.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// What it is.
+    /// Its meaning in words.
     pub meaning: &'static str,
-    /// SI units, of translation and of rotation.
+    /// SI units for translation and for rotation.
     pub units: [&'static str; 2],
-    /// Allowed values, but for zero.
+    /// Allowed values; see `not_zero`.
     pub range: Range,
-    /// Whether zero is refused although it lies in the range.
+    /// Whether zero is refused even if the range contains it.
     pub not_zero: bool,
 }
 
@@ -78,12 +77,12 @@ impl Kind {
         self.units[usize::from(dimension == Dimension::Rotation)]
     }
 
-    /// Whether a value in SI is allowed.
+    /// Whether a value in SI units is allowed.
     pub fn contains(&self, value: f64) -> bool {
         self.range.contains(value) && !(self.not_zero && value == 0.0)
     }
 
-    /// What is allowed in a file, in words.
+    /// The values and units allowed in a file, in words.
     pub fn allowed(&self, dimension: Dimension) -> String {
         let units: Vec<_> = symbols(self.unit(dimension)).collect();
         match units[0] {
