@@ -1,13 +1,13 @@
-//! Links: each ties one more coordinate than those before it.
+//! Conditions on links: each eliminates one more coordinate.
 
 use crate::description::{BodyKind, Description};
 use crate::refusal::Problem;
 
-/// What is left of a link after those before it counts as nothing below this share of the largest
-/// numbers on the way: it is round-off, of which an elimination of 10,000 links keeps less.
+/// Rounding bound of an entry after elimination, relative to the largest number in its column on
+/// the way; eliminations of 10,000 links stay below it.
 const NOTHING: f64 = 1e-11;
 
-/// Problems of the links of a machine whose numbers are in their ranges.
+/// Adds the problems of the links; requires numbers within their ranges.
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let free: Vec<_> = machine.bodies.iter().map(|b| matches!(b.kind, BodyKind::Free(_))).collect();
     let mut ties = Elimination { rows: Vec::new() };
@@ -37,13 +37,13 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Rows in echelon form, each with the place of its pivot, which is 1.
+/// Rows in echelon form, each with the column of its pivot, which is 1.
 struct Elimination {
     rows: Vec<(usize, Vec<(usize, f64)>)>,
 }
 
 impl Elimination {
-    /// Adds a row, unless it depends on those before it.
+    /// Adds a row and returns `true`, unless it depends linearly on the rows before it.
     fn add(&mut self, columns: usize, terms: &[(usize, f64)]) -> bool {
         let (mut row, mut sizes) = (vec![0.0; columns], vec![0.0_f64; columns]);
         for &(column, arm) in terms {

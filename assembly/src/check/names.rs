@@ -1,24 +1,24 @@
-//! Names, and how much there is of everything.
+//! Conditions on names, and on the numbers of bodies, elements, harmonics and steps.
 
 use super::MOST;
 use crate::description::Description;
 use crate::refusal::Problem;
 use std::collections::HashMap;
 
-/// Letters of a name: FMU variables and columns of tables are named after it.
+/// Longest name, characters; FMU variables and columns of tables contain it.
 const LONGEST: usize = 100;
 
-/// What a name consists of.
+/// The rule for names in words.
 const NAME: &str = "allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first";
 
-/// What is wrong with a name, if anything.
+/// The rule for names if `name` breaks it.
 pub(crate) fn problem_of(name: &str) -> Option<&'static str> {
     let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     let good = letters && name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.len() <= LONGEST;
     (!good).then_some(NAME)
 }
 
-/// Problems of the names and of the numbers of things.
+/// Problems of names and counts.
 pub(super) fn check(machine: &Description) -> Vec<Problem> {
     let mut problems = Vec::new();
     if let Some(text) = problem_of(&machine.name) {
@@ -49,8 +49,8 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     problems
 }
 
-/// Names are well formed, and each is there once: outputs of elements are called by name without
-/// their section.
+/// Requires well-formed names that are unique across sections, because names of outputs omit the
+/// section.
 fn unique<'a>(names: impl Iterator<Item = (&'static str, &'a str)>, problems: &mut Vec<Problem>) {
     let mut first = HashMap::new();
     for (section, name) in names {

@@ -1,19 +1,18 @@
-//! Starts: links hold and rigid stops are not passed at time 0.
+//! Conditions on start values: at time 0 links hold and rigid stops are not violated.
 
 use super::refused;
 use crate::description::{Arms, BodyKind, Description, Dimension, Record, Signal, StopLaw};
 use crate::refusal::Problem;
 use std::f64::consts::TAU;
 
-/// Where a link holds in start values that were written with ten digits or more.
+/// Relative tolerance of a link at the start: start values may be written with ten digits.
 const WRITTEN: f64 = 1e-9;
 
-/// Zero, against the sizes of the terms: what round-off leaves of numbers that are equal as they
-/// were written.
+/// Relative rounding of a sum of decimal numbers that is exactly zero.
 const ZERO: f64 = 1e-13;
 
-/// Problems of the start of a machine that is sound otherwise. What the start at rest is, only the
-/// equilibrium shows.
+/// Adds the problems of the start values; requires a machine without other problems. A start at
+/// rest is found later as the equilibrium.
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.starts_at_rest {
         return at_rest(machine, problems);
@@ -63,14 +62,15 @@ fn unit(dimension: Dimension) -> &'static str {
     }
 }
 
-/// An elongation or its rate at the start, and the largest that its terms' sizes allow.
+/// An elongation (`which` 0) or its rate (1) at the start, and the sum of its terms' absolute
+/// values.
 fn elongation(arms: &Arms, starts: &[[f64; 2]], which: usize) -> (f64, f64) {
     let terms = arms.terms.iter().map(|&(body, arm)| arm * starts[body][which]);
     terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()))
 }
 
-/// Coordinate and rate at time 0. NaN, with which no comparison holds, is where a cubic record is
-/// between two knots.
+/// Coordinate and rate at time 0; NaN, which passes every check, where a cubic record would have to
+/// be interpolated.
 fn start(kind: &BodyKind) -> [f64; 2] {
     let (motion, rate) = match kind {
         BodyKind::Free(free) => return [free.s, free.v],
@@ -80,7 +80,7 @@ fn start(kind: &BodyKind) -> [f64; 2] {
     [s, v + rate]
 }
 
-/// A signal and its rate just after time 0, with nothing put in from outside.
+/// A signal and its rate just after time 0, with its input at 0.
 fn signal(signal: &Signal) -> [f64; 2] {
     let mut sum = [signal.constant, 0.0];
     for harmonic in &signal.harmonics {
