@@ -1,36 +1,36 @@
-//! What each element ties together, and how it is drawn.
+//! Connections: the ends and the symbol of each element.
 
 use vibro_assembly::description::{Arms, StopLaw};
 use vibro_assembly::{Description, Element};
 
-/// How an element is drawn.
+/// Symbol of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Symbol {
-    /// A zigzag, a dashpot, or both side by side.
+    /// A zigzag, a dashpot, or both in parallel.
     Spring { zigzag: bool, dashpot: bool },
-    /// Plates with a gap; behind one of them a zigzag, where it is compliant.
+    /// Two plates with a gap; a zigzag behind one of them if it is compliant.
     Stop { compliant: bool },
-    /// Two bars that rub.
+    /// Two bars in sliding contact.
     Friction,
     /// A rigid bar.
     Link,
 }
 
-/// The ends of an element: e = `arm` s of the second less that of the first, where `None` is
-/// ground; or a sum over more bodies.
+/// The ends of an element: two, with e the second term minus the first and `None` for ground; or
+/// all bodies of a longer sum.
 #[derive(Clone, Debug)]
 pub(crate) enum Ends {
     Two([Option<usize>; 2]),
     Many(Vec<usize>),
 }
 
-/// An element.
+/// An element to be drawn.
 #[derive(Clone, Debug)]
 pub(crate) struct Connection {
     pub name: String,
     pub symbol: Symbol,
     pub ends: Ends,
-    /// What stands at the ends of lever arms, by body.
+    /// Lever arms as text, by body.
     pub arms: Vec<(usize, String)>,
 }
 
@@ -48,14 +48,14 @@ impl Connection {
     }
 }
 
-/// A number as it is written at a lever: three digits at most, so that it stays short.
+/// A lever arm as text, with at most three decimals to keep it short.
 fn number(x: f64) -> String {
     let text = format!("{x:.3}");
     let short = text.trim_end_matches('0').trim_end_matches('.').replace('-', "\u{2212}");
     if matches!(short.as_str(), "0" | "\u{2212}0") || x.abs() >= 1e5 { format!("{x:.2e}") } else { short }
 }
 
-/// Every element but loads.
+/// The connections of all elements except loads.
 pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
     let symbol = |element: Element| match element {
         Element::Spring(spring) => {

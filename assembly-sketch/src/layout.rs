@@ -1,6 +1,6 @@
-//! Where everything stands: bodies as boxes in a row; elements between neighbours in lanes of the
-//! gap between them, as are loads; elements to ground at the ends of the row in the gap there, else
-//! in lanes under the row; all others in lanes over the row.
+//! Layout of a sketch: bodies are boxes in a row. Loads, elements between neighbours, and elements
+//! to ground at the ends of the row have lanes in the gaps beside the boxes; other elements to
+//! ground have lanes below the row, all other elements lanes above it.
 
 use crate::connections::{Connection, Ends, Symbol, connections};
 use crate::order::{Side, ground_side, order};
@@ -8,28 +8,32 @@ use vibro_assembly::Description;
 use vibro_assembly::description::{BodyKind, Dimension};
 use vibro_figures::canvas::text_width;
 
-/// Sizes of the fonts of bodies' and elements' names, and of lever arms.
+/// Font size of bodies' names.
 pub(crate) const BODY_FONT: f64 = 46.0;
+/// Font size of elements' names.
 pub(crate) const FONT: f64 = 40.0;
+/// Font size of lever arms.
 pub(crate) const ARM_FONT: f64 = 34.0;
-/// Height of an element's name over its symbol, and the least length of a symbol.
+/// Height of an element's name above its symbol.
 pub(crate) const NAME: f64 = 52.0;
+/// Least length of a symbol.
 const SYMBOL: f64 = 230.0;
-/// Length of a symbol between numbers of lever arms.
+/// Length of a symbol between lever arms.
 const BARE: f64 = 240.0;
-/// Room around the picture, between texts and what is beside them, and from a box to the lanes over
-/// and under it.
+/// Margin around the sketch.
 pub(crate) const MARGIN: f64 = 40.0;
+/// Space beside texts and between lanes.
 const ROOM: f64 = 24.0;
+/// Space between a box and the lanes above and below it.
 const OFF: f64 = 30.0;
-/// The least size of a box.
+/// Least width and height of a box.
 const BOX: (f64, f64) = (170.0, 190.0);
-/// Distance of legs on a box.
+/// Distance between legs on a box.
 const LEGS: f64 = 46.0;
 /// Width of a hatched wall.
 pub(crate) const WALL: f64 = 34.0;
 
-/// What a body looks like.
+/// Box of a body.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyBox {
     pub name: String,
@@ -45,19 +49,19 @@ pub(crate) struct BodyBox {
 #[derive(Clone, Debug)]
 pub(crate) struct Placed {
     pub name: String,
-    /// None of a load.
+    /// `None` for a load.
     pub symbol: Option<Symbol>,
     pub from: f64,
     pub to: f64,
-    /// The middle of the symbol.
+    /// Vertical centre of the symbol.
     pub y: f64,
-    /// Whether a stop's plates face one another.
+    /// Whether a stop's plates face each other.
     pub faces: bool,
-    /// What stands at the ends.
+    /// Lever arms at the ends.
     pub arms: [Option<String>; 2],
 }
 
-/// The places of everything.
+/// Positions of boxes, symbols, lines, walls and texts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Layout {
     pub width: f64,
@@ -66,15 +70,15 @@ pub(crate) struct Layout {
     pub bottom: f64,
     pub bodies: Vec<BodyBox>,
     pub placed: Vec<Placed>,
-    /// Legs and bars: from, to.
+    /// End points of legs and bars.
     pub lines: Vec<[(f64, f64); 2]>,
-    /// Walls: where elements end, top, bottom, and whether they end there from the right.
+    /// Walls: x, top, bottom, and whether the hatching is on the right.
     pub walls: Vec<(f64, f64, f64, bool)>,
     /// Texts at legs.
     pub texts: Vec<((f64, f64), String)>,
 }
 
-/// Height of a symbol in its lane, without the name over it.
+/// Height of a symbol without the name above it.
 pub(crate) fn height_of(symbol: Option<Symbol>) -> f64 {
     match symbol {
         Some(Symbol::Spring { zigzag: true, dashpot: true }) => 132.0,
@@ -90,19 +94,19 @@ fn lane(item: &Item) -> f64 {
     NAME + height_of(item.symbol).max(2.0 * arms) + ROOM
 }
 
-/// The room that a lever arm's number takes at an end of a symbol.
+/// Width of a lever arm's text at an end of a symbol.
 pub(crate) fn room_of(arm: Option<&str>) -> f64 {
     arm.map_or(0.0, |arm| text_width(arm, ARM_FONT) + 20.0)
 }
 
-/// The width that a symbol with its name needs.
+/// Width of a symbol with its name.
 fn need(item: &Item) -> f64 {
-    // The symbol is in the middle, so that both ends have the room of the longer number.
+    // The symbol is centred, so that both ends need the width of the longer text.
     let arm = item.arms.iter().map(|arm| room_of(arm.as_deref())).fold(0.0, f64::max);
     (text_width(&item.name, FONT) + ROOM).max(SYMBOL).max(if arm > 0.0 { BARE + 2.0 * arm } else { 0.0 })
 }
 
-/// An element or a load before it has a place.
+/// An element or a load without a position.
 #[derive(Clone, Debug)]
 struct Item {
     name: String,
@@ -111,7 +115,7 @@ struct Item {
     arms: [Option<String>; 2],
 }
 
-/// An element over the row.
+/// An element above the row.
 struct Long {
     item: Item,
     columns: Vec<usize>,
@@ -120,11 +124,11 @@ struct Long {
     arms: Vec<(usize, String)>,
 }
 
-/// What stands in gaps, under bodies and over them.
+/// Elements in gaps, below the row and above it.
 #[derive(Default)]
 struct Sorted {
     gaps: Vec<Vec<Item>>,
-    /// By column: those with a wall to the left and to the right.
+    /// By column: elements with a wall to the left, and to the right.
     under: Vec<[Vec<Item>; 2]>,
     over: Vec<Long>,
 }
@@ -188,7 +192,7 @@ fn sort(machine: &Description, connections: &[Connection], column: &[usize]) -> 
 }
 
 impl Layout {
-    /// The places of a machine's bodies and elements.
+    /// The layout of a machine.
     pub(crate) fn new(machine: &Description) -> Self {
         let connections = connections(machine);
         let order = order(machine.bodies.len(), &connections);
@@ -206,8 +210,8 @@ impl Layout {
         layout
     }
 
-    /// The boxes, with the legs that each has upwards: which of the long elements they belong to,
-    /// from left to right.
+    /// Places the boxes; returns the upward legs of each from left to right, as indices into
+    /// `sorted.over`.
     fn boxes(&mut self, machine: &Description, order: &[usize], sorted: &Sorted) -> Vec<Vec<usize>> {
         let count = order.len();
         let span = |long: &Long| long.columns[long.columns.len() - 1] - long.columns[0];
@@ -215,8 +219,8 @@ impl Layout {
             .map(|place| {
                 let ends = |(_, long): &(usize, &Long)| long.columns.contains(&place);
                 let mut own: Vec<_> = sorted.over.iter().enumerate().filter(ends).collect();
-                // To the left the short ones first, to the right last, so that legs do not cross
-                // lanes of the same box.
+                // Legs of elements to the left go from short to long, to the right from long to
+                // short, so that none crosses a lane of its own box.
                 own.sort_by_key(|(_, long)| {
                     let leftwards = long.columns[0] != place;
                     if leftwards { (0, span(long)) } else { (1, usize::MAX - span(long)) }
@@ -234,7 +238,7 @@ impl Layout {
         let stack = |gap: &Vec<Item>| gap.iter().map(lane).sum::<f64>();
         let tallest = sorted.gaps.iter().map(stack).fold(BOX.1, f64::max) + ROOM;
         let mut x = MARGIN + if walled(&sorted.gaps[0]) { WALL } else { 0.0 };
-        // An element over the row that ends at a wall begins to the left of its first box.
+        // An element above the row with a wall begins to the left of its first box.
         let walls = sorted.over.iter().filter(|long| long.walled && long.columns[0] == 0);
         let first = walls.map(|long| need(&long.item) + WALL).fold(0.0, f64::max);
         x += (first - widths[0]).max(0.0);
@@ -294,7 +298,7 @@ impl Layout {
         }
     }
 
-    /// Puts an item into the lane whose upper edge is at `y`.
+    /// Places an item in the lane whose upper edge is at `y`.
     fn put(&mut self, item: &Item, from: f64, to: f64, y: f64) {
         let Item { name, symbol, faces, arms } = item.clone();
         let y = y + NAME + 0.5 * (lane(item) - NAME - ROOM);
@@ -341,8 +345,8 @@ impl Layout {
             let height = lane(item);
             let (first, last) = (ports[0].1, ports[ports.len() - 1].1);
             let (from, to) = if *walled { (first - need(item), first) } else { (first, last) };
-            // The legs of those in the lanes above go through this one: the symbol stands in the
-            // widest part between them.
+            // Legs of higher lanes cross this one; the symbol goes into the widest part between
+            // them.
             let above = by_length[rank + 1..].iter().flat_map(|&above| ports_of(self, above));
             let mut cuts: Vec<f64> = above.map(|port| port.1).filter(|x| from < *x && *x < to).collect();
             cuts.extend([from, to]);
@@ -372,7 +376,7 @@ impl Layout {
         }
     }
 
-    /// Where the leg of a long element stands on a box.
+    /// The x coordinate of an element's leg on a box.
     fn port(&self, place: usize, long: usize, legs: &[Vec<usize>]) -> f64 {
         let BodyBox { left, right, .. } = self.bodies[place];
         let rank = legs[place].iter().position(|&i| i == long).unwrap_or(0);

@@ -1,9 +1,9 @@
-//! The sketch of a machine as an engineer draws it: bodies in a row along their coordinate, springs
-//! as zigzags, dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground
+//! Sketch of a machine as an engineer draws it: bodies in a row along their coordinate, springs as
+//! zigzags, dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground
 //! hatched.
 //!
 //! ```text
-//! description ─▶ connections (what each element ties together) ─▶ order (of the bodies) ─▶ layout (places) ─▶ symbols (marks)
+//! description ─▶ connections (ends of elements) ─▶ order (of bodies) ─▶ layout ─▶ symbols
 //! ```
 #![forbid(unsafe_code)]
 
@@ -16,7 +16,7 @@ use layout::Layout;
 use vibro_assembly::Description;
 use vibro_figures::canvas::{Canvas, Drawing};
 
-/// The sketch of a machine, to be drawn as SVG or PNG ([`vibro_figures::canvas::svg_and_png`]).
+/// Sketch of a machine, drawn as SVG or PNG by [`vibro_figures::canvas::svg_and_png`].
 ///
 /// ```
 /// let text = "name = \"A\"\n[body.b]\nmass = 1.0\n[spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = 1.0\n";

@@ -1,15 +1,16 @@
-//! The order of the bodies in the row: neighbours are what elements tie together, ground is at the
-//! ends.
+//! The order of the bodies in the row: bodies joined by elements become neighbours, bodies on
+//! ground go to the ends.
 
 use crate::connections::{Connection, Ends, Symbol};
 
-/// Bodies of which every order is tried; of more, exchanges of two are tried until none is better.
+/// Largest number of bodies for which all orders are tried; for more, pairs are exchanged while
+/// that lowers the cost.
 const ALL_ORDERS: usize = 7;
-/// Exchanges of two that are tried, in turns over all pairs.
+/// Largest number of passes over all pairs.
 const TURNS: usize = 20;
 
-/// Which side of a body its ground is drawn on, if it is tied to ground: that on which a stop's
-/// plates face one another.
+/// The body of a connection to ground and the side on which ground is drawn; for a stop the side on
+/// which its plates face each other.
 pub(crate) fn ground_side(connection: &Connection) -> Option<(usize, Side)> {
     match (&connection.ends, connection.symbol) {
         (Ends::Two([None, Some(body)]), Symbol::Stop { .. }) => Some((*body, Side::Right)),
@@ -27,7 +28,7 @@ pub(crate) enum Side {
     Either,
 }
 
-/// Bodies by their columns.
+/// The order of the bodies: the body of each column.
 pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
     let mut best: Vec<usize> = (0..count).collect();
     if count <= ALL_ORDERS {
@@ -45,8 +46,7 @@ pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
     for _ in 0..TURNS {
         let before = least;
         for i in 0..count {
-            // Of very many bodies only those nearby, so that a thousand of them take no longer than
-            // is worth it.
+            // With very many bodies, exchanges are limited to a neighbourhood to bound the time.
             for j in i + 1..count.min(i + 1 + 2000 / count) {
                 best.swap(i, j);
                 let changed = cost(&best, connections);
@@ -75,8 +75,8 @@ fn permute(order: &mut Vec<usize>, from: usize, try_one: &mut dyn FnMut(&[usize]
     }
 }
 
-/// How far an order is from a good one: elements over bodies between, plates that do not face,
-/// ground in the middle, and least of all another order than the file's.
+/// Cost of an order: most for elements that pass over bodies, less for ground in the middle and
+/// stops whose plates do not face, least for deviations from the file's order.
 fn cost(order: &[usize], connections: &[Connection]) -> usize {
     let mut column = vec![0; order.len()];
     order.iter().enumerate().for_each(|(place, &body)| column[body] = place);

@@ -1,4 +1,4 @@
-//! The marks of everything that has a place.
+//! Drawing of a layout: walls, lines, bodies, symbols and texts.
 
 use crate::connections::Symbol;
 use crate::layout::{ARM_FONT, BODY_FONT, BodyBox, FONT, Layout, NAME, Placed, WALL, height_of, room_of};
@@ -6,15 +6,14 @@ use std::f64::consts::PI;
 use vibro_figures::canvas::palette::{BLACK, GREY, WHITE};
 use vibro_figures::canvas::{Across, Along, Canvas, Colour, Pen, Place, Writing};
 
-/// The inside of bodies.
+/// Fill colour of free bodies.
 const BODY: Colour = Colour(214, 226, 242);
-/// Distance of a wall's strokes, and of those in a body that moves as prescribed.
+/// Distance between hatching strokes of walls and prescribed bodies.
 const HATCH: f64 = 26.0;
 /// Distance between a stop's plates.
 const GAP: f64 = 34.0;
 
-/// The pen of everything, whether names are written, and the units of the drawing in one of the
-/// layout.
+/// A canvas with the choice of names and the scale from layout to drawing.
 struct Hand<'c> {
     canvas: &'c mut Canvas,
     named: bool,
@@ -112,7 +111,7 @@ impl Hand<'_> {
         }
     }
 
-    /// The sign of a body that turns.
+    /// The curved arrow of a rotating body.
     fn turn(&mut self, (x, y): Place) {
         let at = |k: u32| {
             let angle = PI * (1.15 + 0.65 * f64::from(k) / 12.0);
@@ -123,7 +122,7 @@ impl Hand<'_> {
         self.head(end, (end.0 - before.0, end.1 - before.1));
     }
 
-    /// An arrow's head with its tip a little beyond `at`.
+    /// An arrowhead with its tip a little beyond `at`.
     fn head(&mut self, at: Place, along: Place) {
         let size = along.0.hypot(along.1).max(f64::MIN_POSITIVE);
         let (dx, dy) = (along.0 / size, along.1 / size);
@@ -187,7 +186,7 @@ impl Hand<'_> {
         self.coil(from, to, y, 6);
     }
 
-    /// A zigzag of so many teeth in the middle of a line.
+    /// A line with a zigzag of `teeth` teeth in its middle.
     fn coil(&mut self, from: f64, to: f64, y: f64, teeth: u32) {
         let length = (to - from).min(34.0 * f64::from(teeth));
         let (first, last) = (0.5 * (from + to - 0.8 * length), 0.5 * (from + to + 0.8 * length));
@@ -217,7 +216,7 @@ impl Hand<'_> {
         self.line(vec![(right, y), (to, y)]);
     }
 
-    /// Two plates that face one another.
+    /// A stop with two plates that face each other.
     fn plates(&mut self, from: f64, to: f64, y: f64, compliant: bool) {
         let middle = 0.5 * (from + to) - if compliant { 48.0 } else { 0.0 };
         let (left, right) = (middle - 0.5 * GAP, middle + 0.5 * GAP);
@@ -227,7 +226,7 @@ impl Hand<'_> {
         if compliant { self.beside(right, to, y) } else { self.line(vec![(right, y), (to, y)]) }
     }
 
-    /// A plate within a bracket that holds it back.
+    /// A stop with a plate behind the lips of a bracket.
     fn clasp(&mut self, from: f64, to: f64, y: f64, compliant: bool) {
         let middle = 0.5 * (from + to) - if compliant { 48.0 } else { 0.0 };
         let (lip, plate, back) = (middle - 0.5 * GAP, middle + 0.5 * GAP, middle + 1.4 * GAP);

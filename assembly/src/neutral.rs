@@ -2,9 +2,9 @@
 //! free shaft or the position of a train (docs/assembly-law.md (A25)).
 //!
 //! A direction u of the coordinates is neutral if no elongation that determines a force changes
-//! along it: w · u = 0 for every spring with stiffness and every stop. If no dashpot and no friction
-//! acts along u either, only loads change the momentum along u, and the direction u of the
-//! velocities is neutral, too. A motion from a state shifted along neutral directions is the
+//! along it: w · u = 0 for every spring with stiffness and every stop. If no dashpot and no
+//! friction acts along u either, only loads change the momentum along u, and the direction u of
+//! the velocities is neutral, too. A motion from a state shifted along neutral directions is the
 //! original motion, shifted by a known amount: these directions have the exponent 0, and no return
 //! depends on them.
 

@@ -1,5 +1,6 @@
 //! The machine as matrices: minimal coordinates, inertia matrix, and every elongation, rate and
-//! force as a row on the augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to (A4)).
+//! force as a row on the augmented state z = (q, v, 1, signals)
+//! (docs/assembly-law.md (A1) to (A4)).
 
 mod parts;
 mod rows;

@@ -1,4 +1,4 @@
-//! Bodies: what has mass or inertia, and what moves as prescribed.
+//! Reader of bodies: free ones with mass or inertia, and prescribed ones.
 
 use super::reading::{Reading, Table};
 use super::signals::{self, Values};
@@ -9,15 +9,14 @@ use crate::parameters::has_unit;
 use crate::refusal::Problem;
 use toml::de::DeValue;
 
-/// The keys of which a body has exactly one.
+/// Message for a body without exactly one of these keys.
 const KINDS: &str = "allowed is one of mass, inertia, motion";
 
-/// The bodies' names with what their coordinates are measured in, where that is known, in the
-/// file's order.
+/// The bodies' names in the file's order, with their dimensions as far as known.
 pub(super) struct Names(Vec<(String, Option<Dimension>)>);
 
 impl Names {
-    /// The place of a body and its dimension.
+    /// The index of a body and its dimension.
     pub fn find(&self, name: &str) -> Option<(usize, Option<Dimension>)> {
         self.0.iter().position(|body| body.0 == name).map(|place| (place, self.0[place].1))
     }
@@ -28,7 +27,8 @@ impl Names {
     }
 }
 
-/// Reads the bodies. One with problems keeps its place, so that what refers to it can be read.
+/// Reads the bodies. A body with problems keeps its index, so that elements that refer to it can be
+/// read.
 pub(super) fn read(
     reading: &mut Reading,
     root: &Table,
@@ -92,7 +92,8 @@ fn free(reading: &mut Reading, table: &Table, key: &str, dimension: Dimension, a
         free.s = reading.number_or(&start, "s", kinds::START, dimension, 0.0).unwrap_or(0.0);
         free.v = reading.number_or(&start, "v", kinds::START_RATE, dimension, 0.0).unwrap_or(0.0);
         if at_rest && (free.s, free.v) == (0.0, 0.0) {
-            // Two starts that agree by chance would disagree after the next change of a number.
+            // A start at zero may agree with the equilibrium by chance, but not after the next
+            // change of a number.
             reading.refuse_table(
                 &start,
                 "the machine starts at rest; allowed is no start of a body beside start = \"rest\"",
@@ -124,9 +125,8 @@ fn prescribed(
     Some((dimension, BodyKind::Prescribed { motion, rate: rate.unwrap_or(f64::NAN) }))
 }
 
-/// What a prescribed body's coordinate is measured in: what its key says; else the dimension of the
-/// first unit in its motion; else that of a body with mass or inertia that an element stands
-/// `between` with it; else a length.
+/// The dimension of a prescribed body: that of its key `dimension`; else of the first unit in its
+/// motion; else of a free body that an element joins to it by `between`; else translation.
 fn dimension(reading: &mut Reading, name: &str, table: &Table, root: &Table) -> Option<Dimension> {
     if let Some(entry) = reading.optional(table, "dimension") {
         let said = match entry.value.as_str() {
@@ -144,8 +144,7 @@ fn dimension(reading: &mut Reading, name: &str, table: &Table, root: &Table) -> 
     Some(unit.or_else(|| neighbour(name, root)).unwrap_or(Dimension::Translation))
 }
 
-/// The dimension of the first value with a unit in a motion. Frequencies, phases and times are no
-/// such values.
+/// The dimension of the first value with a unit in a motion, without frequencies, phases and times.
 fn unit_of(motion: &DeValue) -> Option<Dimension> {
     match motion {
         DeValue::String(text) => {
@@ -165,7 +164,7 @@ fn unit_of(motion: &DeValue) -> Option<Dimension> {
     }
 }
 
-/// The dimension of a body with mass or inertia that an element stands `between` with this one.
+/// The dimension of a free body that an element joins to this one by `between`.
 fn neighbour(name: &str, root: &Table) -> Option<Dimension> {
     let sections = SECTIONS.into_iter().filter_map(|(section, _)| root.entries.get(section));
     let elements =
@@ -183,7 +182,7 @@ fn neighbour(name: &str, root: &Table) -> Option<Dimension> {
     })
 }
 
-/// Refuses gravity of bodies in a file that says nothing of gravity.
+/// Refuses a body's gravity in a file without the key `gravity`.
 pub(super) fn without_gravity(reading: &mut Reading, machine: &Description) {
     for body in &machine.bodies {
         if let BodyKind::Free(Free { gravity, .. }) = body.kind

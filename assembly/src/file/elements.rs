@@ -1,4 +1,4 @@
-//! Springs, dampers, stops, friction, links and loads.
+//! Reader of springs, dampers, stops, friction, links and loads.
 
 use super::bodies::Names;
 use super::reading::{Entry, Reading, Table, number};
@@ -10,10 +10,10 @@ use crate::kinds;
 use crate::parameters::has_unit;
 use vibro_impact::quantities::symbols;
 
-/// What is said of a name that is no body's.
+/// Message for an unknown body.
 const NO_BODY: &str = "no body has this name";
 
-/// Reads the elements. One with problems is left out, since the file is refused then.
+/// Reads the elements. Those with problems are omitted: the file is refused.
 pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: &mut Description) {
     for (name, table) in reading.section(root, "spring") {
         machine.springs.extend(spring(reading, name, &table, names));
@@ -36,9 +36,9 @@ pub(super) fn read(reading: &mut Reading, root: &Table, names: &Names, machine: 
     }
 }
 
-/// The elongation of an element with what `read` finds beside it in the elongation's dimension.
-/// Where the ends are wrong the rest is read all the same, in the dimension in which less is wrong
-/// with it, so that all problems are told at once.
+/// The arms of an element and its other keys, which `read` reads in the arms' dimension. If the
+/// arms are refused, the other keys are read in the dimension with fewer problems, so that all
+/// problems are reported at once.
 fn with_arms<T>(
     reading: &mut Reading,
     table: &Table,
@@ -157,8 +157,8 @@ fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, O
     found
 }
 
-/// The elongation of an element: `between` two ends or by lever `arms`. `None` also where a body
-/// that it needs has problems of its own.
+/// The arms of an element, by `between` or by levers `arms`. `None` also for a body with problems
+/// of its own.
 fn arms(reading: &mut Reading, table: &Table, names: &Names) -> Option<Arms> {
     match (reading.optional(table, "between"), reading.optional(table, "arms")) {
         (Some(ends), None) => between(reading, &ends, names),
@@ -177,7 +177,7 @@ fn arms(reading: &mut Reading, table: &Table, names: &Names) -> Option<Arms> {
     }
 }
 
-/// An end of an element: ground, or a body.
+/// End of an element: a body with its dimension, or `None` for ground.
 type End = Option<(usize, Option<Dimension>)>;
 
 fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
@@ -194,7 +194,7 @@ fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> 
     }
     let known = |end: End| end.map(|(_, dimension)| dimension);
     let dimension = match (known(a), known(b)) {
-        // A body with problems of its own says nothing of what stands between it and another.
+        // A body with problems of its own has no known dimension.
         (Some(None), _) | (_, Some(None)) | (None, None) => return None,
         (Some(Some(a)), Some(Some(b))) if a != b => {
             let text = "one end moves along a line and one turns; allowed are ends alike, or arms with a lever such as \"50 mm\"";
@@ -218,8 +218,7 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     found.map(Some)
 }
 
-/// Lever arms: the unit of each says what its term is measured in, and all terms are measured in
-/// the same.
+/// Reads levers. The unit of each determines the dimension of its term; all terms must agree.
 fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let table = reading
         .table(entry, "allowed is a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }")?;
@@ -263,7 +262,7 @@ fn called(dimension: Dimension) -> &'static str {
     }
 }
 
-/// An arm and what the term of a body of this dimension is measured in with it.
+/// A lever and the dimension of its term for a body of dimension `body`.
 fn lever(reading: &mut Reading, entry: &Entry, body: Dimension) -> Option<(f64, Dimension)> {
     let other = match body {
         Dimension::Translation => Dimension::Rotation,

@@ -1,5 +1,5 @@
-//! What all parts of the file's reader share: where things stand, which keys there are, and what
-//! was wrong with them.
+//! State of a reading, shared by all parts of the file's reader: values with their lines, known
+//! keys, and problems.
 
 use super::Records;
 use crate::description::Dimension;
@@ -11,13 +11,13 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
-/// Letters of a value that a message quotes.
+/// Longest value quoted by a message, characters.
 const QUOTED: usize = 60;
 
-/// The text as TOML, and what is wrong with it as TOML.
+/// The text parsed as TOML, and its first syntax error.
 pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
     let (root, errors) = DeTable::parse_recoverable(text);
-    // What follows the first error is mostly its consequence.
+    // Further errors are mostly consequences of the first.
     let problem = errors.first().map(|error| {
         let span = error.span().unwrap_or(0..0);
         let line = Lines::of(text).of_byte(span.start);
@@ -38,8 +38,7 @@ pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
     (root, problem.into_iter().collect())
 }
 
-/// The dotted name of what begins at a byte: the header it stands in, or the header above with the
-/// key.
+/// The dotted name at a byte: that of the header in its line, or of the header above and the key.
 fn dotted_at(text: &str, byte: usize) -> String {
     let start = text[..byte].rfind('\n').map_or(0, |at| at + 1);
     let line = text[start..].lines().next().unwrap_or("").trim();
@@ -54,7 +53,7 @@ fn dotted_at(text: &str, byte: usize) -> String {
     }
 }
 
-/// Where each line of a text begins.
+/// Byte offsets of the starts of a text's lines.
 struct Lines(Vec<usize>);
 
 impl Lines {
@@ -68,7 +67,7 @@ impl Lines {
     }
 }
 
-/// The first line of what stands in a span, cut where it is long.
+/// The first line of a span, shortened to [`QUOTED`] characters.
 fn quoted(text: &str, span: &Range<usize>) -> String {
     let whole = text.get(span.clone()).unwrap_or("").trim();
     let line = whole.lines().next().unwrap_or("");
@@ -76,7 +75,7 @@ fn quoted(text: &str, span: &Range<usize>) -> String {
     if quoted.len() == line.len() && line.len() < whole.len() { format!("{line}…") } else { quoted.into() }
 }
 
-/// A table of the file by its dotted name.
+/// A table of the file with its dotted name.
 #[derive(Clone)]
 pub(super) struct Table<'a> {
     /// Empty for the whole file.
@@ -99,7 +98,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A value of the file by its dotted name.
+/// A value of the file with its dotted name.
 #[derive(Clone)]
 pub(super) struct Entry<'a> {
     pub name: String,
@@ -110,7 +109,7 @@ pub(super) struct Entry<'a> {
     span: Range<usize>,
 }
 
-/// What of a name is kept to place a problem that shows later.
+/// Line and text of a value, kept to locate problems that are found later.
 struct Written {
     line: usize,
     value: Option<String>,
@@ -136,7 +135,7 @@ impl<'a> Reading<'a> {
         self.problems
     }
 
-    /// Notes a problem of something that stands in the file.
+    /// Adds a problem with a value of the file.
     pub fn refuse(&mut self, entry: &Entry, text: impl Into<String>) {
         let value = self.value(entry);
         self.problems.push(Problem {
@@ -147,8 +146,8 @@ impl<'a> Reading<'a> {
         });
     }
 
-    /// Notes that a name is not among the valid ones. The nearest is sought only for problems that
-    /// are written out, since a search for each of thousands would take minutes.
+    /// Adds a problem with an unknown name. The nearest valid one is sought only for problems that
+    /// are written out: a search for each of thousands would take minutes.
     pub fn refuse_name<'n>(
         &mut self,
         entry: &Entry,
@@ -161,14 +160,14 @@ impl<'a> Reading<'a> {
         self.refuse(entry, text);
     }
 
-    /// Notes a problem of a table.
+    /// Adds a problem with a table.
     pub fn refuse_table(&mut self, table: &Table, text: impl Into<String>) {
         let (line, name) = (Some(table.line), table.name.clone());
         self.problems.push(Problem { line, name, value: None, text: text.into() });
     }
 
-    /// Notes a problem that showed only in the whole machine: at the line of its name, or of the
-    /// longest part of it that stands in the file, with the value as it was written.
+    /// Adds a problem found in the whole machine, at the line of its name or of the longest prefix
+    /// of the name that is in the file, with the value as written.
     pub fn place(&mut self, mut problem: Problem) {
         if let Some(written) = self.written.get(&problem.name) {
             problem.line = Some(written.line);
@@ -186,7 +185,7 @@ impl<'a> Reading<'a> {
         self.problems.push(problem);
     }
 
-    /// How a value stands in the file; tables are not quoted.
+    /// A value as written in the file; `None` for tables.
     fn value(&self, entry: &Entry) -> Option<String> {
         let table = entry.value.is_table();
         (!table).then(|| quoted(self.text, &entry.span)).filter(|value| !value.is_empty())
@@ -197,7 +196,7 @@ impl<'a> Reading<'a> {
         self.written.insert(entry.name.clone(), Written { line: entry.line, value });
     }
 
-    /// The value of a key, if it is there.
+    /// The value of a key, if present.
     pub fn optional<'t>(&mut self, table: &Table<'t>, key: &str) -> Option<Entry<'t>> {
         let (found, value) = table.entries.get_key_value(key)?;
         let line = self.lines.of_byte(found.span().start);
@@ -207,7 +206,7 @@ impl<'a> Reading<'a> {
         Some(entry)
     }
 
-    /// The value of a key that must be there.
+    /// The value of a required key.
     pub fn required<'t>(&mut self, table: &Table<'t>, key: &str, allowed: &str) -> Option<Entry<'t>> {
         let found = self.optional(table, key);
         if found.is_none() {
@@ -228,7 +227,7 @@ impl<'a> Reading<'a> {
         keys.iter().filter_map(|key| self.optional(table, key)).collect()
     }
 
-    /// The elements of an array, each with its place in its name.
+    /// The items of an array, each named with its index.
     pub fn items<'t>(&mut self, entry: &Entry<'t>) -> Option<Vec<Entry<'t>>> {
         let item = |(i, item): (usize, &'t Spanned<DeValue<'t>>)| {
             let (name, span) = (format!("{}[{i}]", entry.name), item.span());
@@ -245,7 +244,7 @@ impl<'a> Reading<'a> {
         Some(items)
     }
 
-    /// Refuses every key of a table that is not among these.
+    /// Refuses every key of a table that is not among `keys`.
     pub fn known(&mut self, table: &Table, keys: &[&str]) {
         for entry in self.all(table) {
             if !keys.contains(&entry.key.as_str()) {
@@ -293,7 +292,7 @@ impl<'a> Reading<'a> {
         found
     }
 
-    /// The number of a key that must be there.
+    /// The number of a required key.
     pub fn required_number(
         &mut self,
         table: &Table,
@@ -305,7 +304,7 @@ impl<'a> Reading<'a> {
         self.number(&entry, kind, dimension)
     }
 
-    /// The number of a key that may be left out.
+    /// The number of an optional key.
     pub fn number_or(
         &mut self,
         table: &Table,

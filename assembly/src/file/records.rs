@@ -1,11 +1,11 @@
-//! Records: two columns of numbers, time and value.
+//! Reader of records: two columns of numbers, time and value.
 
 use super::{Records, read_text};
 use crate::check::MOST_KNOTS;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// A reader for machines without records: it has none.
+/// A reader of records that has none.
 ///
 /// # Errors
 /// Always.
@@ -19,7 +19,7 @@ pub fn records_beside(folder: &Path) -> impl Fn(&str) -> io::Result<String> + us
     move |path| read_regular(&folder.join(path))
 }
 
-/// The text of a regular file: a pipe would be waited for without end.
+/// The text of a regular file; reading a pipe might never end.
 fn read_regular(path: &Path) -> io::Result<String> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::Error::other("it is a folder, pipe or device; allowed is a regular file"));
@@ -27,14 +27,14 @@ fn read_regular(path: &Path) -> io::Result<String> {
     read_text(path)
 }
 
-/// The knots of a record; the error says what is wrong and what is allowed.
+/// The knots of a record; the error states the fault and what is allowed.
 pub(super) fn read(path: &str, records: Records) -> Result<Vec<(f64, f64)>, String> {
     stays_inside(path)?;
     let text = records(path).map_err(|e| format!("cannot be read: {e}"))?;
     knots(&text).map_err(|e| format!("{path}:{e}"))
 }
 
-/// A path that means the same on every system and in every archive.
+/// Requires a path that has one meaning on every system and in every archive.
 fn stays_inside(path: &str) -> Result<(), String> {
     let plain = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     if path.is_empty() || path.contains(['\\', ':', '\0']) || !Path::new(path).components().all(plain) {
@@ -46,8 +46,8 @@ fn stays_inside(path: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Knots of a text: a time and a value a line, with a comma between, in SI. The first line may be a
-/// heading; blank lines and those that begin with # are none.
+/// The knots of a text: a time and a value per line, separated by a comma, in SI. The first line
+/// may be a heading; blank lines and lines that begin with # are skipped.
 fn knots(text: &str) -> Result<Vec<(f64, f64)>, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));

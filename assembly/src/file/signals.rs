@@ -1,4 +1,5 @@
-//! Signals: a number, or a table of constant, harmonics, steps, record and input, which are added.
+//! Reader of signals: a number, or a table whose parts (constant, harmonics, steps, record, input)
+//! are added.
 
 use super::reading::{Entry, Reading, Table};
 use super::records;
@@ -9,7 +10,7 @@ use crate::kinds::{self, Kind};
 pub(super) const KEYS: [&str; 9] =
     ["constant", "harmonics", "amplitude", "frequency", "phase", "steps", "table", "interpolation", "input"];
 
-/// What a signal's values are.
+/// Kinds and dimension of a signal's values.
 #[derive(Clone, Copy)]
 pub(super) struct Values {
     /// The kind of each part.
@@ -30,8 +31,8 @@ pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Opt
     Some(Signal::constant(number))
 }
 
-/// Reads a signal whose keys stand in a table. One of them must, or one of `also`, which belong to
-/// the table otherwise; of those `offset` is another name of the constant.
+/// Reads a signal from the keys of a table, which must have one of them or of `also`, the table's
+/// other keys; `offset` among those is an alias of `constant`.
 pub(super) fn flat(reading: &mut Reading, table: &Table, values: Values, also: &[&str]) -> Option<Signal> {
     if !KEYS.iter().chain(also).any(|key| table.has(key)) {
         let parts = ["constant", "amplitude and frequency", "harmonics", "steps", "table", "input"];
@@ -95,7 +96,7 @@ fn harmonic(reading: &mut Reading, table: &Table, values: Values) -> Option<Harm
     Some(Harmonic { amplitude: amplitude?, frequency: frequency?, phase: phase? })
 }
 
-/// Pairs of a time and a value.
+/// Reads a list of pairs of time and value.
 fn pairs(reading: &mut Reading, list: &Entry, values: Values, allowed: &str) -> Option<Vec<(f64, f64)>> {
     let Some(items) = reading.items(list) else {
         reading.refuse(list, allowed);
@@ -121,7 +122,7 @@ fn steps(reading: &mut Reading, table: &Table, values: Values) -> Option<Vec<Ste
     Some(pairs.into_iter().map(|(time, height)| Step { time, height }).collect())
 }
 
-/// The record of a signal, if it has one: `None` where there is a problem.
+/// The record of a signal: `Some(None)` without one, `None` after a problem.
 fn record(reading: &mut Reading, table: &Table, values: Values) -> Option<Option<Record>> {
     let interpolation = reading.optional(table, "interpolation");
     let cubic = match interpolation.as_ref().map(|entry| entry.value.as_str()) {

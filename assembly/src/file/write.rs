@@ -1,4 +1,4 @@
-//! A description as the text of a file, in SI and with every digit.
+//! Writer of a description as the text of a file, in SI units and with all digits.
 
 use crate::description::{
     Arms, Body, BodyKind, DampingLimit, Description, Dimension, Friction, Signal, Stop, StopLaw,
@@ -7,7 +7,7 @@ use crate::elements::Element;
 use crate::kinds;
 use std::fmt::Write;
 
-/// Text that grows; writing to it cannot fail.
+/// Appends a line to a `String`, which cannot fail.
 macro_rules! line {
     ($text:expr, $($part:tt)*) => {{
         let _ = writeln!($text, $($part)*);
@@ -117,7 +117,7 @@ fn friction(text: &mut String, friction: &Friction) {
     }
 }
 
-/// A signal as a number or an inline table.
+/// A signal as a number or as an inline table.
 fn signal(signal: &Signal) -> String {
     if signal.is_constant() {
         return format!("{:?}", signal.constant);
