@@ -1,4 +1,4 @@
-//! What `modelDescription.xml` says of a machine, for both versions.
+//! The content of `modelDescription.xml` for a machine, for both FMI versions.
 
 use crate::experiment::experiment;
 use crate::machine::OUTPUT_ORDER;
@@ -12,7 +12,7 @@ use fmi_doors::description::{
 };
 
 impl Plan {
-    /// What the model description says of this machine.
+    /// The content of this machine's model description.
     pub fn description(&self) -> Description {
         let machine = &self.assembly.description;
         let declared =
@@ -73,7 +73,7 @@ impl Plan {
         }
     }
 
-    /// What the machine is, in a line.
+    /// The machine in one line.
     fn summary(&self) -> String {
         let machine = &self.assembly.description;
         let bodies = machine.bodies.len();
@@ -81,14 +81,13 @@ impl Plan {
         format!("{}, a machine of {bodies} with {} states", machine.name, 2 * self.assembly.states().len())
     }
 
-    /// The states' coordinates, rates or accelerations, by the order of the derivative.
+    /// The states' coordinates (order 0), rates (1) or accelerations (2).
     fn states(&self, order: usize) -> impl Iterator<Item = (u32, Quantity)> {
         let quantities = self.assembly.states().iter().map(move |&body| Quantity::of_body(body, order));
         quantities.filter_map(|quantity| Some((self.table.reference_of(quantity)?, quantity)))
     }
 
-    /// The row of a state or of the derivative of one: the derivative's state, and the nominal
-    /// value.
+    /// Adds to the variable of a state its nominal value, and to that of a derivative its state.
     fn in_exchange(&self, row: &Row, variable: Variable) -> Variable {
         let Some((body, order)) = row.quantity.as_body() else { return variable };
         let states = self.assembly.states();
@@ -152,7 +151,7 @@ impl Plan {
         }
     }
 
-    /// The text of `modelDescription.xml` of a version.
+    /// The text of `modelDescription.xml` for an FMI version.
     pub fn xml(&self, version: fmi_doors::Version, date: Option<String>) -> String {
         let date = date.map(Into::into);
         description::Description { generation_date_and_time: date, ..self.description() }.xml(version)

@@ -1,5 +1,5 @@
-//! What a host runs where nobody says otherwise: as long as the slowest of a machine's times asks
-//! for, in steps that show the fastest.
+//! Default experiment of a machine: a stop time long enough for its slowest period, and a step that
+//! resolves its fastest.
 
 use fmi_doors::description::Experiment;
 use std::f64::consts::{PI, TAU};
@@ -7,15 +7,15 @@ use vibro_assembly::Assembly;
 use vibro_assembly::description::{BodyKind, Signal};
 use vibro_assembly::system::StopRows;
 
-/// Periods of the slowest harmonic or own motion.
+/// Periods of the slowest harmonic or natural motion in the experiment.
 const PERIODS: f64 = 20.0;
 /// Steps in the fastest period or contact.
 const PARTS: f64 = 10.0;
-/// What is run of a machine that has no such times, s.
+/// Stop time of a machine without periods, contacts and flights, s.
 const DURATION: f64 = 10.0;
-/// Steps of an experiment, at least and at most; results have a row for each.
+/// Least and largest number of steps; results have a row for each.
 const STEPS: [f64; 2] = [1000.0, 4000.0];
-/// An own frequency of less than this part of the highest, squared, is the rounding of none.
+/// Squared natural frequency, relative to the highest, up to which it is rounding of zero.
 const NONE: f64 = 1e-12;
 
 /// The default experiment of a machine.
@@ -26,7 +26,7 @@ pub(crate) fn experiment(assembly: &Assembly) -> Experiment {
     let periods: Vec<f64> = own.into_iter().chain(driven).filter(|period| is_time(*period)).collect();
     let contacts: Vec<f64> = contact_times(assembly).filter(|time| is_time(*time)).collect();
     let longest = |times: &[f64]| times.iter().copied().reduce(f64::max);
-    // Without periods there are flights from contact to contact.
+    // A machine without periods flies from contact to contact.
     let flights: Vec<f64> = flights(assembly).filter(|time| is_time(*time)).collect();
     let slowest = longest(&periods).or(longest(&[&contacts[..], &flights[..]].concat()));
     let knots = machine.signals().filter_map(|of| last_knot(of.signal)).fold(0.0, f64::max);
@@ -34,20 +34,20 @@ pub(crate) fn experiment(assembly: &Assembly) -> Experiment {
     let fastest = periods.iter().chain(&contacts).copied().fold(f64::INFINITY, f64::min);
     let steps = (PARTS * stop_time / fastest).clamp(STEPS[0], STEPS[1]);
     let steps = 1000.0 * (steps / 1000.0).log2().ceil().exp2();
-    // Importers exist that want the quotient of both to be a whole number, rounding or not.
+    // Some importers require that stop time over step size is exactly a whole number.
     let divides = |step: &f64| (stop_time / step).fract() == 0.0;
     let step_size = Some(stop_time / steps).filter(divides).unwrap_or(stop_time / steps.log2().ceil().exp2());
     Experiment { start_time: 0.0, stop_time, tolerance: 1e-6, step_size }
 }
 
-/// Whether it is one that a run can show.
+/// Whether a time is positive and finite, also after [`PERIODS`] of it.
 fn is_time(time: f64) -> bool {
     time.is_normal() && time > 0.0 && time < f64::MAX / PERIODS
 }
 
-/// The next number with two digits, as people write it.
+/// The time rounded up to two significant digits.
 fn rounded(time: f64) -> f64 {
-    // A number that has two digits already, but for its rounding, stays.
+    // A number of two digits with rounding stays.
     const ROUNDING: f64 = 1e-12;
     let text = format!("{:e}", time * (1.0 - ROUNDING));
     let exponent: i32 = text.split('e').nth(1).and_then(|exponent| exponent.parse().ok()).unwrap_or_default();
@@ -55,14 +55,14 @@ fn rounded(time: f64) -> f64 {
     format!("{digits}e{}", exponent - 1).parse().unwrap_or(time)
 }
 
-/// The last step or knot of a record, s.
+/// The time of a signal's last step or knot, s.
 fn last_knot(signal: &Signal) -> Option<f64> {
     let steps = signal.steps.last().map(|step| step.time);
     let knots = signal.table.as_ref().and_then(|table| Some(table.knots.last()?.0));
     [steps, knots].into_iter().flatten().reduce(f64::max)
 }
 
-/// The periods of the machine's own motions in its springs alone, without dashpots, s.
+/// The natural periods of the machine with its springs alone, undamped, s.
 fn own_periods(assembly: &Assembly) -> Vec<f64> {
     let system = assembly.system();
     let (n, factor) = (system.coordinates, system.inertia.l_dirty());
@@ -77,14 +77,14 @@ fn own_periods(assembly: &Assembly) -> Vec<f64> {
     squares.iter().filter(|square| **square > NONE * highest).map(|square| TAU / square.sqrt()).collect()
 }
 
-/// How long a compliant stop is pressed in a single contact of its bodies alone, s.
+/// The duration of a contact of each compliant stop, with its bodies alone, s.
 fn contact_times(assembly: &Assembly) -> impl Iterator<Item = f64> {
     let time = |stop: &StopRows| PI / (stop.stiffness() * stop.elongation.column.norm_squared()).sqrt();
     assembly.system().stops.iter().filter(|stop| stop.restitution().is_none()).map(time)
 }
 
-/// How long each stop's elongation takes to its gap from the start, by its rate and the
-/// acceleration there, s; NaN of those that it does not come to.
+/// The time of flight of each stop from the start to its gap, at constant acceleration, s; NaN for
+/// a stop that is not reached.
 fn flights(assembly: &Assembly) -> impl Iterator<Item = f64> {
     let (machine, system) = (&assembly.description, assembly.system());
     let mut z = 0.0 * system.forces.row(0).transpose();
@@ -98,7 +98,7 @@ fn flights(assembly: &Assembly) -> impl Iterator<Item = f64> {
     let flight = |stop: &StopRows| {
         let (left, rate, bend) =
             (-stop.excess.at(z.as_slice()), stop.elongation.rate.at(z.as_slice()), stop.elongation.w.dot(&a));
-        // Of left = rate t + bend t²/2 the first root behind the start.
+        // First positive root of left = rate t + bend t²/2.
         2.0 * left / (rate + (rate * rate + 2.0 * bend * left).sqrt())
     };
     system.stops.iter().map(flight).collect::<Vec<_>>().into_iter()

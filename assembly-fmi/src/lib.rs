@@ -1,16 +1,17 @@
-//! A machine that is written as a text file, as an FMI component.
+//! A machine described by a text file as an FMI component.
 //!
 //! ```text
-//! resources/machine.toml ──▶ plan ──▶ table   variables by value reference: parameters, inputs, outputs
-//!                              │        └───▶ description   what modelDescription.xml says of them
+//! resources/machine.toml ──▶ plan ──▶ table   variables by value reference
+//!                              │        └───▶ description   content of modelDescription.xml
 //!                              ▼
-//!            host ── doors ──▶ machine   parameters, steps, events, saved states, on a motion of `vibro_assembly`
+//!            host ── doors ──▶ machine   parameters, steps, events, saved states
+//!                                        of a motion of `vibro_assembly`
 //! ```
 //!
-//! One library serves every machine: which variables it has is known when an instance is made and
-//! the file in the FMU's resources is read. The token of the description is a hash of this file and
-//! of the library's version, so that neither another machine's file nor another version's
-//! description is taken.
+//! One library serves every machine: the variables are known once an instance is created and reads
+//! the file in the FMU's resources. The token of the model description is a hash of this file and
+//! of the library's version, so that another machine's file and another version's description are
+//! refused.
 #![forbid(unsafe_code)]
 
 mod description;

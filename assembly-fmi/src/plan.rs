@@ -1,5 +1,4 @@
-//! What is known of a machine before it moves: its file, its variables, and what tells it apart
-//! from others.
+//! Plan of an FMU: the machine's file, its variables, and the token that identifies both.
 
 use crate::problem::MachineProblem;
 use crate::table::Table;
@@ -11,11 +10,10 @@ use std::sync::Arc;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::{Assembly, Description};
 
-/// The machine's file in the folder of the FMU's resources. It has its records within itself: no
-/// other file is read.
+/// The machine's file in the FMU's folder of resources. Records are inline: no other file is read.
 pub const FILE: &str = "machine.toml";
 
-/// Bytes of the file, at most.
+/// Largest size of the file, bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
 /// A machine and its variables.
@@ -25,18 +23,18 @@ pub struct Plan {
     pub table: Table,
     /// The machine with all parameters at their start values.
     pub assembly: Arc<Assembly>,
-    /// Usual sizes of the continuous states.
+    /// Nominal values of the continuous states.
     pub nominals: Vec<f64>,
     token: String,
     text: String,
 }
 
 impl Plan {
-    /// The plan of the machine in the text of a [`FILE`]. `file` is what messages call it.
+    /// The plan of the machine in the text of a [`FILE`]; `file` is its name in messages.
     ///
     /// # Errors
-    /// [`MachineProblem::Machine`] with everything that is wrong; [`MachineProblem::Motion`] for a
-    /// machine that has no start.
+    /// [`MachineProblem::Machine`] with every problem found; [`MachineProblem::Motion`] for a
+    /// machine that cannot start.
     pub fn new(text: String, file: &str) -> Result<Self, MachineProblem> {
         let machine = parse(&text, file, &no_records)?;
         let assembly = Arc::new(Assembly::new(machine)?);
@@ -46,7 +44,7 @@ impl Plan {
         Ok(Self { table, assembly, nominals, token, text })
     }
 
-    /// The plan of a machine whatever its file looks like: records are taken into the text.
+    /// The plan of a described machine, with its records inline.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -54,8 +52,8 @@ impl Plan {
         Self::new(machine.to_toml(), FILE)
     }
 
-    /// The same machine with matrices of derivatives over a step, for a description of FMI 3.0 of
-    /// its own: several importers cannot read arrays.
+    /// The plan with the matrices of derivatives over a step. They need a separate description of
+    /// FMI 3.0, since several importers cannot read arrays.
     #[must_use]
     pub fn with_arrays(mut self) -> Self {
         self.token = token_with_arrays(&self.text);
@@ -63,19 +61,19 @@ impl Plan {
         self
     }
 
-    /// The plan that an instance is asked for: of the file in its resources, if it bears the token
-    /// of the description.
+    /// The plan for an instance: of the file in its resources, which must have the token of the
+    /// description.
     ///
     /// # Errors
-    /// [`MachineProblem::File`] where there is no such file, neither where the host says nor beside
-    /// the library; [`MachineProblem::Door`] where the host says nothing; [`MachineProblem::Text`]
-    /// where it gives the token of another text; else as [`new`](Self::new).
+    /// [`MachineProblem::File`] if the file is neither in the host's folder of resources nor beside
+    /// the library; [`MachineProblem::Door`] if the host names no folder; [`MachineProblem::Text`]
+    /// if its token is that of another text; else those of [`new`](Self::new).
     pub(crate) fn asked_for(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
         let places = request.resource_folders();
         let mut read = places.iter().map(|folder| folder.join(FILE)).map(|file| (read(&file), file));
         let found = read.by_ref().find_map(|(read, file)| Some((read.ok()?, file.display().to_string())));
         let Some((text, name)) = found else {
-            // What is wrong with the place that the host has named, or that it has named none.
+            // Report the fault of the folder that the host named, or that it named none.
             let file = request.resource_folder()?.join(FILE);
             let problem = self::read(&file).err().unwrap_or_default();
             return Err(MachineProblem::File { file: file.display().to_string(), problem });
@@ -84,7 +82,7 @@ impl Plan {
             return Ok(Self::new(text, &name)?.with_arrays());
         }
         request.check_token(&token(&text)).map_err(|token| {
-            // A damaged file shows where; one of another machine is sound.
+            // A damaged file is reported with its line; another machine's file has no fault.
             let damage = parse(&text, &name, &no_records).err().map(|refusal| refusal.to_string());
             MachineProblem::Text { place: damage.unwrap_or(name.clone()), token }
         })?;
@@ -96,12 +94,12 @@ impl Plan {
         token(text)
     }
 
-    /// What tells this machine's description and file apart from others.
+    /// The token that identifies this machine's description and file.
     pub fn token(&self) -> &str {
         &self.token
     }
 
-    /// What tells the machine apart from others, whichever of its descriptions was chosen.
+    /// The token of the machine, the same for both of its descriptions.
     pub(crate) fn machine_token(&self) -> String {
         token(&self.text)
     }
@@ -111,16 +109,16 @@ impl Plan {
         &self.text
     }
 
-    /// The machine's name: that of the model, and of the library's file.
+    /// The machine's name, also that of the model and of the library's file.
     pub fn name(&self) -> &str {
         &self.assembly.description.name
     }
 
-    /// The machine with these values of all parameters, in their order; of a machine under way the
-    /// starts do not matter.
+    /// The machine with these values of all parameters, in the table's order; start values are not
+    /// checked if it is `under_way`.
     ///
     /// # Errors
-    /// A refusal of what the values together are.
+    /// [`MachineProblem::Machine`] or [`MachineProblem::Motion`] if the values are no machine.
     pub(crate) fn machine(&self, values: &[f64], under_way: bool) -> Result<Arc<Assembly>, MachineProblem> {
         let start = self.table.parameters.iter().map(|parameter| parameter.value);
         if start.eq(values.iter().copied()) {
@@ -135,12 +133,12 @@ impl Plan {
     }
 }
 
-/// Hash of a file and of this version of the library, whose numbering of variables it goes with.
+/// Hash of a file and of the library's version, which determines the numbering of variables.
 fn token(text: &str) -> String {
     identifier(&format!("{} {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
 }
 
-/// That of the description with arrays.
+/// Hash for the description with arrays.
 fn token_with_arrays(text: &str) -> String {
     identifier(&format!("{} with arrays {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
 }

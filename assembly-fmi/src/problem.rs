@@ -1,39 +1,39 @@
-//! Why a described machine refuses.
+//! Reasons for which a described machine refuses a call.
 
 use fmi_doors::{Problem, Refusal};
 
-/// Why a call was refused; the instance is then as it was.
+/// Reason of a refused call; the instance stays unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MachineProblem {
-    /// What every component may say.
+    /// A problem that any component may have.
     #[error(transparent)]
     Door(#[from] Problem),
     /// The machine's file cannot be read.
     #[error("{file}: {problem}; the FMU's archive has it among its resources")]
     File {
-        /// Where it was looked for.
+        /// Path of the file.
         file: String,
-        /// What is the matter.
+        /// The error.
         problem: String,
     },
-    /// The file has another text than the one of which the description was made.
+    /// The file is not the one that the description was generated from.
     #[error("{place}: this is not the text of which the model description was made, {token}")]
     Text {
-        /// The file and, where its text is no machine at all, what is wrong in which line.
+        /// The file or, if its text is no machine, its problems with their lines.
         place: String,
-        /// The token that was given, and that of the file.
+        /// The given token and that of the file.
         token: Problem,
     },
-    /// The file says nothing that is a machine, or the parameters together are none.
+    /// The file, or the parameters together, are not a machine.
     #[error("{0}")]
     Machine(#[from] vibro_assembly::Refusal),
-    /// What was set under way does not go with the present state.
+    /// Values set during a motion are incompatible with the present state.
     #[error("{set}: {problem}")]
     Change {
-        /// Names and values.
+        /// Names and values that were set.
         set: String,
-        /// Why not.
+        /// The error.
         problem: vibro_assembly::Error,
     },
     /// The machine has no motion, or its motion cannot go on.
@@ -51,7 +51,7 @@ impl Refusal for MachineProblem {
     }
 }
 
-/// Why bytes are no saved state of this machine.
+/// The problem of bytes that are not a saved state of this machine.
 pub(crate) fn refused(what: impl Into<String>) -> Problem {
     Problem::SavedState { what: what.into().into() }
 }

@@ -1,7 +1,7 @@
-//! Saved states, and how they are laid out as bytes: "VIBROMCH", a checksum of what follows
-//! (FNV-1a, 64 bit, little-endian), then the machine's token and the state in postcard's format.
-//! The token holds the library's version, so that the layout may change with it. The checksum
-//! notices accidents; it is no signature, and what the bytes say is checked as well.
+//! Saved states and their layout as bytes: "VIBROMCH", a checksum of the rest (FNV-1a, 64 bit,
+//! little-endian), then the machine's token and the state in postcard's format. The token depends
+//! on the library's version, so that the layout may change with it. The checksum detects accidental
+//! damage; it is no signature, and the decoded state is validated as well.
 
 use crate::machine::{SavedMoving, Shown};
 use crate::problem::refused;
@@ -17,13 +17,13 @@ const MAGIC: [u8; 8] = *b"VIBROMCH";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedState {
     pub(crate) life: Life,
-    /// Of all parameters.
+    /// Values of all parameters.
     pub(crate) values: Vec<f64>,
-    /// What is added to phases, by parameter.
+    /// Offsets of phases, by parameter.
     pub(crate) phases: Vec<f64>,
-    /// Whether parameters were set and not yet taken over.
+    /// Whether set parameters are not yet in effect.
     pub(crate) changed: bool,
-    /// What was set of each input and not yet taken over.
+    /// Set values of inputs that are not yet in effect.
     pub(crate) pending: Vec<Option<Input>>,
     /// The motion.
     pub(crate) moving: Option<SavedMoving>,
@@ -31,17 +31,17 @@ pub struct SavedState {
 }
 
 impl SavedState {
-    /// Its bytes, of the machine of this token.
+    /// The state as bytes, for the machine with this token.
     ///
     /// # Errors
-    /// [`Problem::SavedState`], which would be a mistake of ours.
+    /// [`Problem::SavedState`] if encoding fails, which would be a bug.
     pub(crate) fn to_bytes(&self, token: &str) -> Result<Vec<u8>, Problem> {
         let payload = postcard::to_stdvec(&(token, self)).map_err(|error| refused(error.to_string()))?;
         let sum = fnv1a(&payload).to_le_bytes();
         Ok([&MAGIC[..], &sum[..], &payload[..]].concat())
     }
 
-    /// The state of bytes that were written of the machine of this token.
+    /// The state from bytes that were written by the machine with this token.
     ///
     /// # Errors
     /// [`Problem::SavedState`] for bytes that are truncated, altered or of another machine.

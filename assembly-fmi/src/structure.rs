@@ -1,9 +1,9 @@
-//! What depends on what, by the machine's topology and never by its numbers (FMI 2.0, 2.2.8; FMI
-//! 3.0.2, 2.4.8).
+//! Model structure: the dependencies of unknowns, which follow from the machine's topology and
+//! never from its numbers (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8).
 //!
-//! Between events every coordinate, elongation and force is linear in states and inputs, by factors
-//! that change with the mode. Bodies that links, rigid stops or friction may hold to one another
-//! make a group: a force on one of them accelerates all.
+//! Between events every coordinate, elongation and force is linear in states and inputs, with
+//! factors that depend on the mode. Bodies that links, rigid stops or friction may hold to each
+//! other form a group: a force on one of them accelerates all.
 
 mod groups;
 mod initial;
@@ -21,9 +21,8 @@ use vibro_assembly::description::{Arms, BodyKind, Description, Signal};
 use vibro_assembly::elements::Action;
 use vibro_assembly::{Element, Owner, What};
 
-/// Entries of all lists of one kind together, at most, so that a description stays readable: about
-/// 10 bytes each. Lists of an unknown that depends on most of a large machine are left out first,
-/// which stands for everything.
+/// Largest number of entries, of about 10 bytes, in all lists of one kind, to keep a description
+/// readable. Beyond it the longest lists are omitted, which declares a dependency on everything.
 const ENTRIES: usize = 200_000;
 
 /// The dependencies of a machine's variables.
@@ -31,13 +30,13 @@ pub(crate) struct Structure<'a> {
     plan: &'a Plan,
     machine: &'a Description,
     elements: Vec<Element<'a>>,
-    /// By section and name, as `body.box`: value references of parameters, and what follows that in
-    /// their names.
+    /// Value references of the parameters of each element or body, such as `body.box`, with the
+    /// rest of their names.
     parameters: HashMap<&'a str, Vec<(u32, &'a str)>>,
     references: HashMap<Quantity, u32>,
     inputs: HashMap<&'a str, u32>,
     group_of: Vec<usize>,
-    /// The groups that links alone make.
+    /// The group of each body by links alone.
     linked: Vec<usize>,
     groups: HashMap<usize, Group>,
 }
@@ -76,7 +75,7 @@ impl<'a> Structure<'a> {
         structure
     }
 
-    /// Lists of the unknowns, none where they are too long together.
+    /// The unknowns with their dependencies; the longest lists are omitted beyond [`ENTRIES`].
     pub(crate) fn unknowns(&self, unknowns: &[(u32, Quantity)], initially: bool) -> Vec<Unknown> {
         let list = |&(reference, quantity): &(u32, Quantity)| {
             let knowns = if initially { self.initially(quantity) } else { self.of(quantity) };
@@ -92,7 +91,7 @@ impl<'a> Structure<'a> {
         lists.into_iter().map(unknown).collect()
     }
 
-    /// The parameters of a section, without starts.
+    /// Adds the parameters of a section, except start values.
     fn of_section(&self, section: &str, into: &mut Knowns) {
         let all = self.parameters.get(section).into_iter().flatten();
         all.filter(|(_, rest)| !rest.starts_with(".start."))
@@ -106,7 +105,8 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// A signal's time derivative of an order; its parameters are the section's.
+    /// Adds time and input of a signal's derivative of this order; its parameters belong to the
+    /// section.
     fn signal(&self, signal: &Signal, rate: f64, input: &str, order: usize, into: &mut Knowns) {
         let cubic = signal.table.as_ref().is_some_and(|table| table.cubic);
         let moves = match order {
@@ -131,7 +131,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// What the signals of an element depend on, and its numbers.
+    /// The dependencies of an element's signals, and its parameters.
     fn signals(&self, element: Element) -> Knowns {
         let (mut knowns, section) = (Knowns::new(), element.dotted());
         for (key, signal) in element.signals() {
@@ -141,7 +141,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// A body's coordinate (order 0) or rate (1).
+    /// The dependencies of a body's coordinate (order 0) or rate (1).
     fn coordinate(&self, body: usize, order: usize) -> Knowns {
         if !is_free(self.machine, body) {
             return self.prescribed(body, order);
@@ -159,7 +159,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// What links make of the others' coordinates.
+    /// Adds the dependencies of a coordinate that links determine.
     fn by_links(&self, body: usize, order: usize, knowns: &mut Knowns) {
         let own = self.linked[body];
         for &state in self.plan.assembly.states().iter().filter(|&&state| self.linked[state] == own) {
@@ -178,7 +178,7 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// The elongation (order 0) of an element or its rate (1).
+    /// Adds the dependencies of an element's elongation (order 0) or its rate (1).
     fn elongation(&self, element: Element, order: usize, knowns: &mut Knowns) {
         let Some(arms) = element.arms() else { return };
         for &(body, _) in &arms.terms {
@@ -190,7 +190,7 @@ impl<'a> Structure<'a> {
         levers.for_each(|(reference, _)| put(knowns, *reference, Dependent));
     }
 
-    /// The force of an element.
+    /// The dependencies of an element's force.
     fn force(&self, element: Element) -> Knowns {
         match element.action() {
             Action::Linear => self.elastic(element, Tunable),
@@ -205,7 +205,8 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// A force that follows from elongation and rate, by what its factors change with.
+    /// The dependencies of a force that follows from elongation and rate; `times` is the kind of
+    /// its factors.
     fn elastic(&self, element: Element, times: DependencyKind) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         (0..2).for_each(|order| self.elongation(element, order, &mut own));
@@ -214,7 +215,8 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// A constraint force: what holds the accelerations of the bodies that it acts on.
+    /// The dependencies of a constraint force: those of the accelerations of the bodies that it
+    /// acts on.
     fn holding(&self, element: Element) -> Knowns {
         let mut knowns = Knowns::new();
         for &(body, _) in element.arms().iter().flat_map(|arms| &arms.terms) {
@@ -227,7 +229,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// Elongation, rate and force of an element, as orders 0 to 2.
+    /// The dependencies of an element's elongation (order 0), rate (1) or force (2).
     fn of_element(&self, element: Element, order: usize) -> Knowns {
         let mut knowns = Knowns::new();
         match order {
@@ -237,12 +239,12 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// The elements that are stops, and those that are frictions, by places of their own.
+    /// The i-th element of those that satisfy `is`.
     fn nth(&self, is: fn(&Element) -> bool, i: usize) -> Option<Element<'a>> {
         self.elements.iter().copied().filter(is).nth(i)
     }
 
-    /// What a variable depends on.
+    /// The dependencies of a variable.
     pub(crate) fn of(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
         match quantity {
@@ -300,7 +302,7 @@ impl<'a> Structure<'a> {
                     }
                 }
             }
-            // Accounts of all that happens.
+            // Accounts depend on everything.
             Energy::Work | Energy::Lost | Energy::Residual => {
                 let states = self.plan.assembly.states().iter();
                 let states = states.flat_map(|&body| [0, 1].map(|order| Quantity::of_body(body, order)));
@@ -311,14 +313,14 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// Inputs and all parameters but starts.
+    /// Adds all inputs, and all parameters except start values.
     fn anything_set(&self, knowns: &mut Knowns) {
         self.inputs.values().for_each(|&input| put(knowns, input, Dependent));
         self.parameters.keys().for_each(|section| self.of_section(section, knowns));
     }
 
-    /// An indicator is measured by the sizes of what it watches, which follow from all numbers and
-    /// from what inputs have been.
+    /// Adds the dependencies of an event indicator. It is scaled by the sizes of its functional,
+    /// which depend on all parameters and on past inputs.
     fn indicator(&self, place: usize, knowns: &mut Knowns) {
         let of_element = |element: &Element<'a>| {
             let (count, first) = match element.action() {
@@ -337,7 +339,7 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// The unknowns of roles, in the table's order.
+/// The variables with these roles, in the table's order.
 pub(crate) fn of_roles(plan: &Plan, roles: &[Role]) -> Vec<(u32, Quantity)> {
     let rows = (1..).zip(&plan.table.rows).filter(|(_, row)| roles.contains(&row.role));
     rows.map(|(reference, row)| (reference, row.quantity)).collect()

@@ -11,28 +11,28 @@
 //! | `step.transition`, `step.response`: matrices, in FMI 3.0 with arrays | local |
 //! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
 //!
-//! Names of bodies and of elements are unique each, and what follows them differs: no two variables
-//! share a name.
+//! Variable names are unique: names of bodies are unique, so are those of elements, and their
+//! suffixes differ.
 
 use fmi_doors::{Base, Bases, Problem};
 use vibro_assembly::description::{Dimension, Stop, StopLaw};
 use vibro_assembly::elements::NamedSignal;
 use vibro_assembly::{Description, Element, Owner, Parameter, What};
 
-/// What a variable is read from, by the places of bodies and elements in the description.
+/// Source of a variable's value, with indices of bodies and elements in the description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Time.
     Time,
-    /// A parameter, by its place among all.
+    /// A parameter, by its index.
     Parameter(usize),
-    /// An input, by its place among all.
+    /// An input, by its index.
     Input(usize),
     /// A column of the motion.
     Column(vibro_assembly::Quantity),
     /// The state of a stop.
     StopState(usize),
-    /// Impacts of a stop so far.
+    /// Number of a stop's impacts so far.
     Impacts(usize),
     /// The impulse of a stop's last impact.
     Impulse(usize),
@@ -40,21 +40,21 @@ pub enum Quantity {
     FrictionState(usize),
     /// A part of the energy balance.
     Energy(Energy),
-    /// An event indicator, by its place among all.
+    /// An event indicator, by its index.
     Indicator(usize),
     /// The derivatives of the states at the end of the last step by those at its begin.
     Transition,
-    /// The same by the inputs.
+    /// The derivatives of the states at the end of the last step by the inputs.
     Response,
 }
 
 impl Quantity {
-    /// A body's coordinate (order 0), its rate (1) or its acceleration.
+    /// A body's coordinate (order 0), rate (1) or acceleration (2 or more).
     pub fn of_body(body: usize, order: usize) -> Self {
         Self::Column(vibro_assembly::Quantity::of_body(body, [What::S, What::V, What::A][order.min(2)]))
     }
 
-    /// The body and the order, of a body's quantity.
+    /// Body and order of a body's quantity; `None` for others.
     pub fn as_body(self) -> Option<(usize, usize)> {
         let Self::Column(vibro_assembly::Quantity { owner: Owner::Body(body), what }) = self else {
             return None;
@@ -66,34 +66,34 @@ impl Quantity {
 /// A part of the energy balance, J.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Energy {
-    /// Of motion.
+    /// Kinetic energy.
     Kinetic,
-    /// In springs, compliant stops and weight.
+    /// Potential energy of springs, compliant stops and weight.
     Stored,
-    /// Put in by loads and prescribed motions since the start.
+    /// Work of loads and prescribed motions since the start.
     Work,
-    /// Lost in dashpots, stops and friction since the start.
+    /// Losses in dashpots, stops and friction since the start.
     Lost,
-    /// Mechanical energy less what it must be by work and losses: rounding.
+    /// Mechanical energy minus its value by work and losses: rounding.
     Residual,
 }
 
-/// Who sets a variable.
+/// Role of a variable: who sets it, and when it changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Time.
     Independent,
-    /// A number of the file, set before the motion begins.
+    /// A number of the file that may be set only before the motion begins.
     Parameter,
-    /// A number of the file that may be set at events too.
+    /// A number of the file that may be set at events, too.
     Tunable,
-    /// Added to a signal.
+    /// An input, which is added to a signal.
     Input,
-    /// Follows from the motion and changes at any time.
+    /// A result that changes continuously.
     Output,
-    /// Follows from the motion and changes at events only.
+    /// A result that changes at events only.
     Discrete,
-    /// Follows from the motion, and is of interest to a host's solver alone.
+    /// A result for the host's solver: an event indicator.
     Local,
     /// A matrix of derivatives over the last step.
     Sensitivity,
@@ -104,17 +104,17 @@ pub enum Role {
 pub struct Row {
     /// Its name.
     pub name: String,
-    /// What it is, for people.
+    /// Its meaning in words.
     pub meaning: String,
-    /// SI unit; of whole numbers `1`.
+    /// SI unit; `1` for whole numbers.
     pub unit: &'static str,
     /// Its type.
     pub base: Base,
-    /// Who sets it.
+    /// Its role.
     pub role: Role,
-    /// What it is read from.
+    /// Source of its value.
     pub quantity: Quantity,
-    /// Rows and columns of a matrix; nothing of a scalar.
+    /// Rows and columns of a matrix; empty for a scalar.
     pub dimensions: Vec<usize>,
 }
 
@@ -128,22 +128,22 @@ impl Row {
 /// The variables of a machine.
 #[derive(Debug)]
 pub struct Table {
-    /// By value reference less 1.
+    /// The variables, at the index value reference - 1.
     pub rows: Vec<Row>,
     /// The parameters, in the order of their rows.
     pub parameters: Vec<Parameter>,
-    /// The value references of the inputs, in their order.
+    /// The value references of the inputs, in order.
     pub inputs: Vec<u32>,
-    /// Those of the event indicators.
+    /// The value references of the event indicators, in order.
     pub indicators: Vec<u32>,
 }
 
-/// In a unit of translation or of rotation.
+/// The unit for a dimension, of those for translation and for rotation.
 fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
     units[usize::from(dimension == Dimension::Rotation)]
 }
 
-/// Of matrices whose elements have different units.
+/// Unit of matrices whose elements have different units.
 pub(crate) const NO_UNIT: &str = "";
 const IMPULSE: [&str; 2] = ["N.s", "N.m.s"];
 
@@ -188,7 +188,7 @@ impl Table {
         });
     }
 
-    /// The columns of the motion, each element's followed by what changes with its events.
+    /// Adds the columns of the motion, and after each element's columns its discrete variables.
     fn columns(&mut self, machine: &Description) {
         let mut columns = machine.named_quantities().into_iter().peekable();
         let mut push_those_of = |table: &mut Self, owner: Owner| {
@@ -240,7 +240,7 @@ impl Table {
         }
     }
 
-    /// In the engine's order.
+    /// Adds the event indicators in the engine's order.
     fn indicators(&mut self, machine: &Description) {
         let mut push = |name: String, meaning: &str| {
             let place = self.indicators.len();
@@ -268,8 +268,8 @@ impl Table {
         }
     }
 
-    /// The matrices of derivatives over a step, of a machine with so many states; several importers
-    /// cannot read arrays.
+    /// Adds the matrices of derivatives over a step, for a machine with `states` states. They are
+    /// optional, since several importers cannot read arrays.
     pub(crate) fn add_matrices(&mut self, states: usize) {
         const ROWS: &str = "Derivatives of the states (coordinates, then rates, in the order of the model structure) at the end of the \
                             last step";
@@ -287,20 +287,20 @@ impl Table {
         push("step.response", meaning.into(), inputs, Quantity::Response);
     }
 
-    /// The value reference of a name, where there is one.
+    /// The value reference of a name, if any.
     pub fn reference(&self, name: &str) -> Option<u32> {
         self.rows.iter().position(|row| row.name == name).map(|place| place as u32 + 1)
     }
 
-    /// The value reference of what is read from a quantity.
+    /// The value reference of a quantity's variable, if any.
     pub(crate) fn reference_of(&self, quantity: Quantity) -> Option<u32> {
         self.rows.iter().position(|row| row.quantity == quantity).map(|place| place as u32 + 1)
     }
 
-    /// The variable of a value reference that has one of the types.
+    /// The variable of a value reference, which must have one of these types.
     ///
     /// # Errors
-    /// [`Problem::Reference`].
+    /// [`Problem::Reference`] for an unknown reference or another type.
     pub fn row(&self, reference: u32, bases: Bases) -> Result<&Row, Problem> {
         let row = self.rows.get((reference as usize).wrapping_sub(1));
         if let Some(row) = row.filter(|row| bases.contains(row.base)) {
@@ -314,8 +314,8 @@ impl Table {
     }
 }
 
-/// Whether a number may be set after the motion has begun: neither a start nor an arm, on which
-/// coordinates depend.
+/// Whether a parameter may be set during a motion: neither a start value nor an arm, which
+/// determines the coordinates.
 fn is_tunable(name: &str) -> bool {
     !name.contains(".start.") && !name.contains(".arms.")
 }

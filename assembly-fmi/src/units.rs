@@ -5,13 +5,13 @@ use fmi_doors::description::{Item, Type, TypeKind, Unit};
 use std::f64::consts::{PI, TAU};
 use vibro_assembly::mode::{FrictionState, StopState};
 
-/// A unit and the one type that has it.
+/// A unit with its only declared type.
 pub(crate) struct Declared {
-    /// Its name.
+    /// Name of the unit.
     pub unit: &'static str,
     /// Exponents of kg, m, s and rad.
     exponents: [i32; 4],
-    /// Display units, and what a value is multiplied with to be shown in them.
+    /// Display units, each with the factor from the SI unit.
     display: &'static [(&'static str, f64)],
     name: &'static str,
     quantity: &'static str,
@@ -27,7 +27,7 @@ const fn declared(
     Declared { unit, exponents, display, name, quantity }
 }
 
-/// Every unit that a variable may have.
+/// The units of all variables.
 #[rustfmt::skip]
 pub(crate) const DECLARED: &[Declared] = &[
     declared("s", [0, 0, 1, 0], &[("ms", 1e3)], "Time", "Time"),
@@ -56,16 +56,16 @@ pub(crate) const DECLARED: &[Declared] = &[
 
 const NUMBER: usize = DECLARED.len() - 2;
 
-/// Units whose values people read in the first display unit where nobody says otherwise.
+/// Units whose types have their first display unit as default.
 const SHOWN: [&str; 2] = ["m", "rad"];
 
 impl Declared {
-    /// The one of a unit; of a unit that none has, the number's.
+    /// The declaration of a unit; that of `1` for an unknown unit.
     pub fn of(unit: &str) -> &'static Self {
         DECLARED.iter().find(|declared| declared.unit == unit).unwrap_or(&DECLARED[NUMBER])
     }
 
-    /// The unit as descriptions have it; none of matrices, whose elements have different ones.
+    /// The unit for a model description; `None` for matrices, whose elements have different units.
     pub fn unit(&self) -> Option<Unit> {
         if self.unit == NO_UNIT {
             return None;
@@ -76,7 +76,7 @@ impl Declared {
         Some(Unit { name: self.unit.into(), exponents, display: display.collect() })
     }
 
-    /// The type as descriptions have it.
+    /// The type for a model description.
     pub fn declared_type(&self) -> Type {
         if self.unit == NO_UNIT {
             let kind = TypeKind::Real { quantity: None, unit: None, display_unit: None };
@@ -93,7 +93,7 @@ impl Declared {
     }
 }
 
-/// What a stop's state is called, and what it means; its value is its place, counted from 1.
+/// Names and meanings of a stop's states; values count from 1.
 const STOP_STATES: [(&str, &str); 6] = [
     ("Open", "A rigid stop that does not touch"),
     ("Closed", "A rigid stop that is kept at its gap"),
@@ -103,7 +103,7 @@ const STOP_STATES: [(&str, &str); 6] = [
     ("Capped", "A compliant stop whose dashpot's share is as large as its spring's"),
 ];
 
-/// Likewise of a friction.
+/// Names and meanings of a friction's states; values count from 1.
 const FRICTION_STATES: [(&str, &str); 4] = [
     ("Off", "Its level is not positive"),
     ("SlippingUp", "The elongation grows"),
@@ -133,9 +133,9 @@ pub(crate) fn friction_state(state: FrictionState) -> f64 {
     }
 }
 
-/// Name of the type of stops' states.
+/// Name of the enumeration of stop states.
 pub(crate) const STOP_STATE: &str = "StopState";
-/// Name of the type of frictions' states.
+/// Name of the enumeration of friction states.
 pub(crate) const FRICTION_STATE: &str = "FrictionState";
 
 /// The declared enumerations.

@@ -1,4 +1,4 @@
-//! Bodies that may be held to one another, and the forces on them.
+//! Groups of bodies that may be held to each other, and the forces on them.
 
 use super::Structure;
 use super::knowns::{Knowns, join};
@@ -9,7 +9,7 @@ use vibro_assembly::Element;
 use vibro_assembly::description::{Arms, BodyKind, Description};
 use vibro_assembly::elements::Action;
 
-/// Bodies that may be held to one another, by the number of their group.
+/// The group of each body: bodies that elements with these arms connect share a number.
 pub(super) fn groups(machine: &Description, arms: &[&Arms]) -> Vec<usize> {
     let mut group: Vec<usize> = (0..machine.bodies.len()).collect();
     for arms in arms {
@@ -27,21 +27,22 @@ pub(super) fn is_free(machine: &Description, body: usize) -> bool {
     matches!(machine.bodies[body].kind, BodyKind::Free(_))
 }
 
-/// Whether an element may hold its elongation or the rate of it.
+/// Whether an element may keep its elongation, or the rate of it, constant.
 pub(super) fn holds(action: Action) -> bool {
     matches!(action, Action::Tying | Action::Hitting | Action::Rubbing)
 }
 
-/// What the bodies of a group have in common.
+/// Dependencies that the bodies of a group share.
 #[derive(Default)]
 pub(super) struct Group {
-    /// What their accelerations depend on.
+    /// Dependencies of their accelerations.
     pub(super) forces: Knowns,
-    /// What may let them jump at an event: prescribed bodies that they are tied to or touch.
+    /// Dependencies of jumps at events, caused by prescribed bodies that links or contacts join to
+    /// the group.
     pub(super) jumps: Knowns,
-    /// Whether a link ties them to a prescribed body, so that they jump in place, too.
+    /// Whether a link ties them to a prescribed body, so that their coordinates may jump, too.
     pub(super) is_tied: bool,
-    /// Whether they may hit one another.
+    /// Whether impacts may occur between them.
     pub(super) hits: bool,
 }
 
@@ -59,7 +60,7 @@ impl<'a> Structure<'a> {
 
     pub(super) fn find_groups(&mut self) {
         let free = (0..self.machine.bodies.len()).filter(|&body| is_free(self.machine, body));
-        // Numbers first: those of the bodies, and of what ties and touches them.
+        // Parameters of the bodies, and of links and contacts on them.
         let mut groups: HashMap<usize, Group> = HashMap::new();
         for body in free {
             self.of_body_section(body, &mut groups.entry(self.group_of[body]).or_default().forces);
@@ -94,7 +95,7 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// What the forces on groups depend on, each with its group.
+    /// The dependencies of the forces on groups, each with its group.
     fn forces(&self) -> Vec<(usize, Knowns)> {
         let mut forces: Vec<(usize, Knowns)> = Vec::new();
         for &element in &self.elements {

@@ -1,4 +1,4 @@
-//! What unknowns depend on in initialization, where states follow from their starts.
+//! Dependencies of initial unknowns: in initialization the states follow from their start values.
 
 use super::Structure;
 use super::knowns::{Knowns, put};
@@ -8,7 +8,7 @@ use vibro_assembly::Element;
 use vibro_assembly::elements::Action;
 
 impl Structure<'_> {
-    /// What a variable depends on in initialization, where states follow from their starts.
+    /// The dependencies of a variable in initialization, where states follow from start values.
     pub(super) fn initially(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
         for (known, _) in self.of(quantity) {
@@ -20,8 +20,8 @@ impl Structure<'_> {
         knowns
     }
 
-    /// What a state begins with: its start, or rest under all loads, and the impacts of the first
-    /// instant.
+    /// Adds the dependencies of an initial state: start values, or all parameters for a start at
+    /// rest, and those of impacts at the first instant.
     fn start(&self, body: usize, order: usize, knowns: &mut Knowns) {
         self.start_alone(body, order, knowns);
         let group = &self.groups[&self.group_of[body]];

@@ -1,13 +1,13 @@
-//! Sets of knowns, and how they enter.
+//! Sets of knowns with their kinds of dependency.
 
 use fmi_doors::DependencyKind;
 use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
 use std::collections::BTreeMap;
 
-/// Knowns by value reference, and how they enter.
+/// Kind of dependency by the known's value reference.
 pub(super) type Knowns = BTreeMap<u32, DependencyKind>;
 
-/// The less a kind says of how a known enters, the higher.
+/// Rank of a kind; higher for weaker statements about the dependency.
 fn rank(kind: DependencyKind) -> u8 {
     match kind {
         Constant => 0,
@@ -18,7 +18,7 @@ fn rank(kind: DependencyKind) -> u8 {
     }
 }
 
-/// Adds a known that enters in a way, and maybe in another besides.
+/// Adds a known; of two kinds for one known the higher rank holds.
 pub(super) fn put(into: &mut Knowns, known: u32, kind: DependencyKind) {
     let entry = into.entry(known).or_insert(kind);
     if rank(kind) > rank(*entry) {
@@ -26,7 +26,7 @@ pub(super) fn put(into: &mut Knowns, known: u32, kind: DependencyKind) {
     }
 }
 
-/// Adds knowns, whose factors are multiplied with one of this kind.
+/// Adds knowns with their factors multiplied by a factor of kind `times`.
 pub(super) fn join(into: &mut Knowns, from: &Knowns, times: DependencyKind) {
     for (&known, &kind) in from {
         put(into, known, if rank(times) > rank(kind) { times } else { kind });
