@@ -78,7 +78,7 @@ fn powers_of_linked(m: &Motion) -> Vec<f64> {
     let [pulls, capped] = [0, 1].map(|i| m.stop(i));
     let rubs = m.friction(0);
     let stored = |e: f64| 150.0 * (e - 0.1).max(0.0);
-    // Balance of the two bodies, which the link's force joins.
+    // The link's force from the balance of `b`; that of `a` must agree.
     let on_a = m.load(0) + 9.81 + mutual[2] - pulls[2] - rubs[2];
     let on_b = m.load(1) - 0.5 * 3.0 * 9.81 - mutual[2] - base[2] + capped[2];
     let link = 3.0 * b[2] - on_b;
@@ -148,8 +148,9 @@ fn closed_form_work_of_motions_and_loss_at_jumps_and_impacts() {
 
 #[test]
 fn closed_form_a_buffer_whose_force_ends_just_where_a_wall_throws_the_body_back() {
-    // On the way out the buffer's force k x + c x' vanishes at x > 0. The wall there reverses x', so
-    // that the force jumps to k x + c |x'| and leaves its limit, although it falls from there on.
+    // On the way out the buffer's force k x + c x' vanishes at x > 0. The wall there reverses x',
+    // so that the force jumps to k x + c |x'| and leaves its limit, although it falls from there
+    // on.
     let (k, c) = (100.0, 15.0);
     let mut d = Description {
         bodies: vec![body("b", 1.0, 0.05, 0.0)],

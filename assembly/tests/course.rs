@@ -186,8 +186,9 @@ fn second_method_bounces_end_on_a_course_as_in_the_exact_motion() {
 /// once.
 #[test]
 fn closed_form_a_box_rests_on_a_shaken_table_while_its_guide_turns_round() {
-    // Amplitude of the table, m; its acceleration stays below half of g.
+    // Amplitude of the table, m; its acceleration is about half of g.
     const AMPLITUDE: f64 = 2e-3;
+    // Half a period of the table, s.
     const HALF: f64 = 1.0 / 16.0;
     // Reversals of the friction: one per half period, after the first quarter period.
     const TURNS: usize = 20;
@@ -314,7 +315,7 @@ fn closed_form_a_part_slips_that_a_stiff_spring_holds_on_a_stop() {
     // Largest delay after the theoretical instant of slipping, s, halved down to rounding.
     const LATEST: f64 = 1e-3;
     const HALVES: i32 = 50;
-    // Number of halvings, to 1.6e-5 s, at which the excess of the force is significant.
+    // Number of halvings, to 1.6e-5 s, up to which the excess of the force is significant.
     const SURE: i32 = 6;
     let machine = Description {
         bodies: vec![body("part", 0.013, -0.0535, 0.0), body("heavy", 10.0, -0.04, 0.0)],
