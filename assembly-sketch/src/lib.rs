@@ -19,9 +19,13 @@ use vibro_figures::canvas::{Canvas, Drawing};
 /// Sketch of a machine, drawn as SVG or PNG by [`vibro_figures::canvas::svg_and_png`].
 ///
 /// ```
-/// let text = "name = \"A\"\n[body.b]\nmass = 1.0\n[spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = 1.0\n";
-/// let machine = vibro_assembly::file::parse(text, "a.toml", &vibro_assembly::file::no_records)?;
-/// let svg = vibro_figures::canvas::svg(&vibro_sketch::Sketch::new(&machine)).expect("all its places are finite");
+/// use vibro_assembly::file::{no_records, parse};
+/// use vibro_sketch::Sketch;
+///
+/// let text = "name = \"A\"\n[body.b]\nmass = 1.0\n\
+///             [spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = 1.0\n";
+/// let machine = parse(text, "a.toml", &no_records)?;
+/// let svg = vibro_figures::canvas::svg(&Sketch::new(&machine)).expect("finite coordinates");
 /// assert!(svg.contains(">b<") && svg.contains(">s<"));
 /// # Ok::<(), vibro_assembly::Refusal>(())
 /// ```

@@ -21,7 +21,10 @@ impl Description {
     /// Checks a description that a program put together by the rules for files and parameters.
     ///
     /// ```
-    /// let refused = vibro_assembly::Description { name: "Nothing".into(), ..Default::default() }.check().unwrap_err();
+    /// use vibro_assembly::Description;
+    ///
+    /// let nothing = Description { name: "Nothing".into(), ..Default::default() };
+    /// let refused = nothing.check().unwrap_err();
     /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies");
     /// ```
     ///

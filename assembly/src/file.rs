@@ -5,6 +5,8 @@
 //! valid one:
 //!
 //! ```
+//! use vibro_assembly::file::{no_records, parse};
+//!
 //! let text = r#"
 //! name = "Bouncer"
 //! [body.ball]
@@ -14,10 +16,11 @@
 //! gap = "1 N"
 //! restitution = 0.9
 //! "#;
-//! let refused = vibro_assembly::file::parse(text, "ball.toml", &vibro_assembly::file::no_records).unwrap_err();
+//! let refused = parse(text, "ball.toml", &no_records).unwrap_err();
 //! assert_eq!(
 //!     refused.to_string(),
-//!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; the nearest is `ball`\n\
+//!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; \
+//!      the nearest is `ball`\n\
 //!      ball.toml:7: stop.floor.gap = \"1 N\": allowed is a finite number, in m, cm, mm, um"
 //! );
 //! ```
@@ -123,7 +126,8 @@ impl Description {
     /// ```
     /// use vibro_assembly::file::{no_records, parse};
     ///
-    /// let text = "name = \"A\"\n[body.b]\nmass = \"3 g\"\n[spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = \"1 N/mm\"\n";
+    /// let text = "name = \"A\"\n[body.b]\nmass = \"3 g\"\n\
+    ///             [spring.s]\nbetween = [\"ground\", \"b\"]\nstiffness = \"1 N/mm\"\n";
     /// let machine = parse(text, "a.toml", &no_records)?;
     /// assert!(machine.to_toml().contains("mass = 0.003\n"));
     /// assert_eq!(parse(&machine.to_toml(), "written.toml", &no_records)?, machine);

@@ -61,6 +61,8 @@ impl Description {
     /// loads.
     ///
     /// ```
+    /// use vibro_assembly::file::{no_records, parse};
+    ///
     /// let text = r#"
     ///     name = "Bouncer"
     ///     gravity = 9.81
@@ -72,13 +74,14 @@ impl Description {
     ///     gap = "1 m"
     ///     restitution = 0.9
     /// "#;
-    /// let mut ball = vibro_assembly::file::parse(text, "ball.toml", &vibro_assembly::file::no_records)?;
+    /// let mut ball = parse(text, "ball.toml", &no_records)?;
     /// let names: Vec<_> = ball.parameters().into_iter().map(|p| p.name).collect();
     /// assert_eq!(names[..3], ["gravity", "body.ball.mass", "body.ball.gravity"]);
     /// ball.replace("stop.floor.restitution", 0.8)?;
     /// assert_eq!(ball.get("stop.floor.restitution")?, 0.8);
     /// let refused = ball.replace("stop.floor.restitution", 1.2).unwrap_err();
-    /// assert_eq!(refused.to_string(), "stop.floor.restitution = 1.2: allowed is a number from 0 to 1");
+    /// let message = "stop.floor.restitution = 1.2: allowed is a number from 0 to 1";
+    /// assert_eq!(refused.to_string(), message);
     /// # Ok::<(), vibro_assembly::Refusal>(())
     /// ```
     pub fn parameters(&self) -> Vec<Parameter> {

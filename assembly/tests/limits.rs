@@ -129,7 +129,7 @@ fn closed_form_knots_are_no_work_that_has_no_end() {
 
 #[test]
 fn too_many_events_in_a_call_are_told_with_what_helps() {
-    // A ball under 1 N that bounces without loss, 1e6 times a second, with another stop above it.
+    // A ball under 1 N that bounces without loss, 1e6 times a second.
     let mut motion = motion(Description {
         bodies: vec![body("ball", 1.0, -1.25e-13, 0.0)],
         springs: vec![spring(&[(0, 1.0)], 1e-6, 0.0)],

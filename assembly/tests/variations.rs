@@ -27,8 +27,8 @@ fn closed_form_a_ball_that_falls_on_a_floor() {
                 [load.push]\non = \"ball\"\ninput = true\n";
     let (h, v0, g, e, m, end) = (4.0_f64, 1.0_f64, 10.0_f64, 0.5, 2.0, 1.0);
     let variations = varied(&mut motion(text), end);
-    // It meets the floor at speed u after t. Derivatives of t by s(0) and v(0) are 1/u and t/u in
-    // size; those of u follow from energy.
+    // It meets the floor at speed u after t: dt/ds(0) = -1/u, dt/dv(0) = -t/u; the derivatives of u
+    // follow from energy.
     let u = (v0 * v0 + 2.0 * g * h).sqrt();
     let t = (u - v0) / g;
     let left = end - t;
