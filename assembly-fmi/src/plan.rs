@@ -35,8 +35,8 @@ impl Plan {
     /// The plan of the machine in the text of a [`FILE`]; messages call the file `file`.
     ///
     /// # Errors
-    /// [`MachineProblem::Machine`] with everything that is wrong; [`MachineProblem::Motion`] for a
-    /// machine that has no start.
+    /// [`MachineProblem::Machine`] with every problem found; [`MachineProblem::Motion`] for a
+    /// machine that cannot start.
     pub fn new(text: String, file: &str) -> Result<Self, MachineProblem> {
         let machine = parse(&text, file, &no_records)?;
         let assembly = Arc::new(Assembly::new(machine)?);
@@ -111,7 +111,7 @@ impl Plan {
         &self.text
     }
 
-    /// The machine's name: that of the model, and of the library's file.
+    /// The machine's name, also that of the model and of the library's file.
     pub fn name(&self) -> &str {
         &self.assembly.description.name
     }

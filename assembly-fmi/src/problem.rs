@@ -2,7 +2,7 @@
 
 use fmi_doors::{Problem, Refusal};
 
-/// Why a call was refused; the instance is then as it was.
+/// Reason of a refused call; the instance stays unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MachineProblem {

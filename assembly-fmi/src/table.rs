@@ -24,9 +24,9 @@ use vibro_assembly::{Description, Element, Owner, Parameter, What};
 pub enum Quantity {
     /// Time.
     Time,
-    /// A parameter, by its place among all.
+    /// A parameter, by its index.
     Parameter(usize),
-    /// An input, by its place among all.
+    /// An input, by its index.
     Input(usize),
     /// A quantity of a body or an element.
     Column(vibro_assembly::Quantity),
@@ -40,7 +40,7 @@ pub enum Quantity {
     FrictionState(usize),
     /// A part of the energy balance.
     Energy(Energy),
-    /// An event indicator, by its place among all.
+    /// An event indicator, by its index.
     Indicator(usize),
     /// Derivatives of the states at the end of the last step with respect to those at its start.
     Transition,
@@ -85,7 +85,7 @@ pub enum Role {
     Independent,
     /// A number of the file that may be set before the motion begins.
     Parameter,
-    /// A number of the file that may be set at events too.
+    /// A number of the file that may be set at events, too.
     Tunable,
     /// An addition to a signal, set by the host.
     Input,
@@ -132,7 +132,7 @@ pub struct VariableTable {
     pub rows: Vec<VariableRow>,
     /// The parameters, in the order of their rows.
     pub parameters: Vec<Parameter>,
-    /// The value references of the inputs, in their order.
+    /// The value references of the inputs, in order.
     pub inputs: Vec<u32>,
     /// The value references of the event indicators.
     pub indicators: Vec<u32>,

@@ -6,11 +6,11 @@ use vibro_assembly::{Description, Element};
 /// The symbol of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Symbol {
-    /// A zigzag, a dashpot, or both side by side.
+    /// A zigzag, a dashpot, or both in parallel.
     Spring { zigzag: bool, dashpot: bool },
-    /// Plates with a gap; behind one of them a zigzag, where it is compliant.
+    /// Two plates with a gap; a zigzag behind one of them if it is compliant.
     Stop { compliant: bool },
-    /// Two bars that rub.
+    /// Two bars in sliding contact.
     Friction,
     /// A rigid bar.
     Link,

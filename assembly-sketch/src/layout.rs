@@ -10,7 +10,9 @@ use vibro_figures::canvas::text_width;
 
 /// Font sizes of the names of bodies, the names of elements, and lever arms.
 pub(crate) const BODY_FONT: f64 = 46.0;
+/// Font size of elements' names.
 pub(crate) const FONT: f64 = 40.0;
+/// Font size of lever arms.
 pub(crate) const ARM_FONT: f64 = 34.0;
 /// Height of an element's name over its symbol.
 pub(crate) const NAME: f64 = 52.0;
@@ -76,7 +78,7 @@ pub(crate) struct Layout {
     pub texts: Vec<((f64, f64), String)>,
 }
 
-/// Height of a symbol in its lane, without the name over it.
+/// Height of a symbol without the name above it.
 pub(crate) fn height_of(symbol: Option<Symbol>) -> f64 {
     match symbol {
         Some(Symbol::Spring { zigzag: true, dashpot: true }) => 132.0,
@@ -104,7 +106,7 @@ fn need(item: &Item) -> f64 {
     (text_width(&item.name, FONT) + ROOM).max(SYMBOL).max(if arm > 0.0 { BARE + 2.0 * arm } else { 0.0 })
 }
 
-/// An element or a load before it has a place.
+/// An element or a load without a position.
 #[derive(Clone, Debug)]
 struct Item {
     name: String,
@@ -113,7 +115,7 @@ struct Item {
     arms: [Option<String>; 2],
 }
 
-/// An element over the row.
+/// An element above the row.
 struct Long {
     item: Item,
     columns: Vec<usize>,
@@ -190,7 +192,7 @@ fn sort(machine: &Description, connections: &[Connection], column: &[usize]) -> 
 }
 
 impl Layout {
-    /// The places of a machine's bodies and elements.
+    /// The layout of a machine.
     pub(crate) fn new(machine: &Description) -> Self {
         let connections = connections(machine);
         let order = order(machine.bodies.len(), &connections);
@@ -236,7 +238,7 @@ impl Layout {
         let stack = |gap: &Vec<Item>| gap.iter().map(lane).sum::<f64>();
         let tallest = sorted.gaps.iter().map(stack).fold(BOX.1, f64::max) + ROOM;
         let mut x = MARGIN + if walled(&sorted.gaps[0]) { WALL } else { 0.0 };
-        // An element over the row that ends at a wall begins to the left of its first box.
+        // An element above the row with a wall begins to the left of its first box.
         let walls = sorted.over.iter().filter(|long| long.walled && long.columns[0] == 0);
         let first = walls.map(|long| need(&long.item) + WALL).fold(0.0, f64::max);
         x += (first - widths[0]).max(0.0);
@@ -296,7 +298,7 @@ impl Layout {
         }
     }
 
-    /// Puts an item into the lane whose upper edge is at `y`.
+    /// Places an item in the lane whose upper edge is at `y`.
     fn put(&mut self, item: &Item, from: f64, to: f64, y: f64) {
         let Item { name, symbol, faces, arms } = item.clone();
         let y = y + NAME + 0.5 * (lane(item) - NAME - ROOM);

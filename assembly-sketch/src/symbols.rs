@@ -122,7 +122,7 @@ impl Hand<'_> {
         self.head(end, (end.0 - before.0, end.1 - before.1));
     }
 
-    /// An arrow's head with its tip a little beyond `at`.
+    /// An arrowhead with its tip a little beyond `at`.
     fn head(&mut self, at: Place, along: Place) {
         let size = along.0.hypot(along.1).max(f64::MIN_POSITIVE);
         let (dx, dy) = (along.0 / size, along.1 / size);
@@ -216,7 +216,7 @@ impl Hand<'_> {
         self.line(vec![(right, y), (to, y)]);
     }
 
-    /// Two plates that face one another.
+    /// A stop with two plates that face each other.
     fn plates(&mut self, from: f64, to: f64, y: f64, compliant: bool) {
         let middle = 0.5 * (from + to) - if compliant { 48.0 } else { 0.0 };
         let (left, right) = (middle - 0.5 * GAP, middle + 0.5 * GAP);
@@ -226,7 +226,7 @@ impl Hand<'_> {
         if compliant { self.beside(right, to, y) } else { self.line(vec![(right, y), (to, y)]) }
     }
 
-    /// A plate within a bracket that holds it back.
+    /// A stop with a plate behind the lips of a bracket.
     fn clasp(&mut self, from: f64, to: f64, y: f64, compliant: bool) {
         let middle = 0.5 * (from + to) - if compliant { 48.0 } else { 0.0 };
         let (lip, plate, back) = (middle - 0.5 * GAP, middle + 0.5 * GAP, middle + 1.4 * GAP);

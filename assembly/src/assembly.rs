@@ -87,7 +87,7 @@ impl Assembly {
         element.map_or_else(String::new, Element::dotted)
     }
 
-    /// The matrices.
+    /// The machine as matrices.
     pub fn system(&self) -> &System {
         &self.system
     }

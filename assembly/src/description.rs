@@ -5,12 +5,12 @@
 //! [`crate::Assembly`] is a checked description. Elements refer to bodies by their place in
 //! [`Description::bodies`].
 
-/// A machine of bodies with one coordinate each, and of elements between them.
+/// A machine: bodies with one coordinate each, and elements between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
     /// The machine's name.
     pub name: String,
-    /// Acceleration of gravity g, m/s²; it acts on a body by g times its [`Free::gravity`].
+    /// Acceleration of gravity g, m/s²; a body's share is g times its [`Free::gravity`].
     pub gravity: f64,
     /// Whether the machine starts at rest in equilibrium instead of at the bodies' own start
     /// values.
@@ -84,7 +84,7 @@ pub struct Free {
 /// b.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arms {
-    /// Place of the body and its arm.
+    /// Index of the body and its arm.
     pub terms: Vec<(usize, f64)>,
     /// Dimension of the elongation.
     pub dimension: Dimension,
@@ -100,8 +100,8 @@ impl Arms {
     }
 }
 
-/// A spring and a dashpot side by side. Its force f = preload + stiffness · e + damping · e'
-/// resists e: it acts on a body by -arm · f.
+/// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e' resists
+/// e: it acts on a body by -arm · f.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the springs.
@@ -198,7 +198,7 @@ pub struct Link {
 pub struct Load {
     /// Its name, unique among the loads.
     pub name: String,
-    /// Place of the body.
+    /// Index of the body.
     pub body: usize,
     /// N or N m.
     pub force: Signal,

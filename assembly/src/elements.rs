@@ -29,13 +29,13 @@ pub enum Element<'a> {
 /// How the force of an element follows from the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// One linear function of elongation and rate at all times.
+    /// A single linear function of elongation and rate.
     Linear,
     /// A linear function of elongation and rate in each state of the element.
     Switching,
     /// A constraint force while a contact is closed; impacts when it closes.
     Hitting,
-    /// A given level while slipping, a constraint force while sticking.
+    /// A given friction level while slipping, a constraint force while sticking.
     Rubbing,
     /// A constraint force at all times.
     Tying,
@@ -84,7 +84,7 @@ impl<'a> Element<'a> {
         format!("{}.{}", self.section(), self.name())
     }
 
-    /// The arms of its elongation; none of a load, which acts on a coordinate.
+    /// The arms of its elongation; `None` for a load, which acts on one coordinate.
     pub fn arms(self) -> Option<&'a Arms> {
         match self {
             Self::Spring(spring) => Some(&spring.arms),

@@ -98,7 +98,7 @@ pub enum Error {
     /// An end of a step that is before the present or not finite.
     #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]
     Step {
-        /// s.
+        /// Present, s.
         time: f64,
         /// s.
         end: f64,

@@ -5,6 +5,8 @@
 //! nearest known one:
 //!
 //! ```
+//! use vibro_assembly::file::{no_records, parse};
+//!
 //! let text = r#"
 //! name = "Bouncer"
 //! [body.ball]

@@ -47,8 +47,8 @@ pub struct SparseColumns<const R: usize>(Vec<(usize, [f64; R])>);
 impl<const R: usize> SparseColumns<R> {
     /// The nonzero ones among all columns.
     pub fn of(columns: impl IntoIterator<Item = [f64; R]>) -> Self {
-        let moving = |(_, column): &(usize, [f64; R])| column.iter().any(|x| *x != 0.0);
-        Self(columns.into_iter().enumerate().filter(moving).collect())
+        let nonzero = |(_, column): &(usize, [f64; R])| column.iter().any(|x| *x != 0.0);
+        Self(columns.into_iter().enumerate().filter(nonzero).collect())
     }
 
     /// The matrix times a vector.
@@ -84,7 +84,7 @@ impl Sparse {
         self.0.iter().map(|&(j, x)| x * z[j]).sum()
     }
 
-    /// The sum of the sizes of the row's terms, for a vector of sizes.
+    /// The sum of the terms' absolute values, for a vector of absolute values.
     #[inline(always)]
     pub fn size(&self, sizes: &[f64]) -> f64 {
         self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()
@@ -226,6 +226,7 @@ impl SparseMatrix {
 
 /// Rows of a block, whose products are computed together; half of them in the last block.
 const BLOCK: usize = 8;
+/// Rows of the last block where no more are left.
 const HALF: usize = BLOCK / 2;
 
 /// A dense matrix in blocks of eight rows; the last block has four where these suffice.

@@ -77,7 +77,7 @@ impl NumberKind {
         self.units[usize::from(dimension == Dimension::Rotation)]
     }
 
-    /// Whether a value in SI is allowed.
+    /// Whether a value in SI units is allowed.
     pub fn contains(&self, value: f64) -> bool {
         self.range.contains(value) && !(self.not_zero && value == 0.0)
     }

@@ -1,12 +1,11 @@
-//! Exact motions of any piecewise linear machine: bodies with one coordinate each, springs and
-//! dashpots, rigid links, rigid and compliant stops, Coulomb friction and loads, written as a text
-//! file.
+//! Exact motions of piecewise linear machines described by a text file: bodies with one coordinate
+//! each, springs and dashpots, rigid links, rigid and compliant stops, Coulomb friction and loads.
 //!
 //! ```text
 //! file → description → system → law (impacts, selection) → mode → flow → motion → energy
 //! ```
 //!
-//! The law is in `docs/assembly-law.md`, the file's grammar in `docs/assemblies.md`.
+//! `docs/assembly-law.md` states the law, `docs/assemblies.md` the grammar of the file.
 #![forbid(unsafe_code)]
 
 pub mod assembly;

@@ -1,10 +1,9 @@
-//! Quantities of bodies and elements: the columns of a motion, the outputs of an FMU, what studies
-//! measure.
+//! Quantities of bodies and elements: columns of a motion, outputs of an FMU, measures of studies.
 
 use crate::description::{Description, Dimension};
 use crate::elements::{Action, Element};
 
-/// What of a body or an element.
+/// Kind of a quantity of a body or an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum What {
     /// A body's coordinate.
@@ -22,10 +21,10 @@ pub enum What {
 }
 
 impl What {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 6] = [Self::S, Self::V, Self::A, Self::E, Self::Rate, Self::F];
 
-    /// Those of a body.
+    /// The kinds that bodies have.
     pub const OF_BODIES: [Self; 3] = [Self::S, Self::V, Self::A];
 
     /// The last part of a quantity's name.
@@ -52,44 +51,44 @@ impl What {
     }
 }
 
-/// Whose quantity it is, by place.
+/// Body or element that a quantity belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Owner {
-    /// Among [`Description::bodies`].
+    /// Index in [`Description::bodies`].
     Body(usize),
-    /// Among [`Description::elements`].
+    /// Index in [`Description::elements`].
     Element(usize),
 }
 
 /// A quantity of a given machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Quantity {
-    /// Whose it is.
+    /// Body or element.
     pub owner: Owner,
-    /// What it is.
+    /// Kind.
     pub what: What,
 }
 
-/// A quantity with what is said of it.
+/// A quantity with name, meaning and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedQuantity {
     /// `BODY.s`, `ELEMENT.f` and so on; unique in a machine.
     pub name: String,
-    /// What it is, in words.
+    /// Its meaning in words.
     pub meaning: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// Its place in the machine.
+    /// Owner and kind.
     pub quantity: Quantity,
 }
 
 impl Quantity {
-    /// Of a body, by its place.
+    /// A quantity of the body with this index.
     pub fn of_body(body: usize, what: What) -> Self {
         Self { owner: Owner::Body(body), what }
     }
 
-    /// Of an element, by its place among all.
+    /// A quantity of the element with this index in [`Description::elements`].
     pub fn of_element(element: usize, what: What) -> Self {
         Self { owner: Owner::Element(element), what }
     }

@@ -1,17 +1,17 @@
-//! Rates beyond what doubles carry: a machine that has them would move by numbers that are none, or
-//! never.
+//! Upper bound of the rates of a machine: beyond it the motion would overflow, or take sub-steps
+//! without end.
 
 use crate::description::{Description, StopLaw};
 use crate::elements::NamedSignal;
 use crate::error::Error;
 use crate::system::{Elongation, Part, System};
 
-/// The highest rate, rad/s, or frequency, Hz: its square times the largest coordinate, 1e100, is a
-/// number.
+/// The highest rate, rad/s, or frequency, Hz: its square times the largest coordinate, 1e100, is
+/// finite.
 const MOST_RATE: f64 = 1e100;
 
-/// Springs and compliant stops, with the inertias that they move, and harmonics are slower than
-/// that.
+/// Requires rates of at most [`MOST_RATE`] for springs and compliant stops, with the inertias that
+/// they move, and for harmonics.
 ///
 /// # Errors
 /// [`Error::TooFast`].
@@ -43,8 +43,8 @@ fn factors(system: &System, part: Part) -> Option<[f64; 2]> {
     }
 }
 
-/// The rates that a stiffness and a damping would make by themselves. What is linked to a light
-/// body moves with it, and makes them lower.
+/// Checks the rates that a stiffness and a damping would each cause alone. The inertia of bodies
+/// linked to a light one lowers them.
 fn check_force(name: &str, elongation: &Elongation, [stiffness, damping]: [f64; 2]) -> Result<(), Error> {
     let compliance = elongation.column.norm_squared();
     let rate = |force: f64| if force > 0.0 { force * compliance } else { 0.0 };

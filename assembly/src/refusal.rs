@@ -1,26 +1,26 @@
-//! What is said about a machine that cannot be: every problem of it, each with its place.
+//! Refusal of a machine: all its problems, each with line and dotted name.
 
 use std::borrow::Cow;
 use std::fmt;
 
-/// Problems written out at most; of a larger number the rest is only counted.
+/// Largest number of problems written out; the rest is counted.
 pub(crate) const SHOWN: usize = 50;
 
-/// One thing that is wrong.
+/// One problem of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// Line of the file, counted from 1; `None` for what stands in no file.
+    /// Line of the file, counted from 1; `None` without a file.
     pub line: Option<usize>,
-    /// Dotted name, such as `stop.upper.gap`; empty where the text is no TOML.
+    /// Dotted name, such as `stop.upper.gap`; empty where the text is not TOML.
     pub name: String,
-    /// What stands there, if anything does.
+    /// The value found, if any.
     pub value: Option<String>,
-    /// What is wrong with it and what is allowed.
+    /// The fault and what is allowed.
     pub text: String,
 }
 
 impl Problem {
-    /// A problem of something that is in no file.
+    /// A problem without a line.
     pub(crate) fn new(name: impl Into<String>, value: Option<String>, text: impl Into<String>) -> Self {
         Self { line: None, name: name.into(), value, text: text.into() }
     }
@@ -37,12 +37,12 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Characters of a name or value, and of what is said of it, that are written out: a damaged file
-/// must not fill the screen.
+/// Longest name or value written out, characters: a damaged file must not fill the screen.
 const LONGEST_NAME: usize = 150;
+/// Longest message written out, characters.
 const LONGEST_TEXT: usize = 2_000;
 
-/// A text up to some character, with an ellipsis where it is longer.
+/// The first `longest` characters of a text, with an ellipsis if more follow.
 pub(crate) fn cut(text: &str, longest: usize) -> Cow<'_, str> {
     match text.char_indices().nth(longest) {
         Some((end, _)) => format!("{}…", &text[..end]).into(),
@@ -50,17 +50,17 @@ pub(crate) fn cut(text: &str, longest: usize) -> Cow<'_, str> {
     }
 }
 
-/// A machine was refused, with all reasons that were found, in the order of their lines.
+/// Refusal of a machine with all problems found, in the order of their lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// The file, as it was called; empty where there is none.
+    /// Name of the file; empty without a file.
     pub file: String,
     /// One or more.
     pub problems: Vec<Problem>,
 }
 
 impl Refusal {
-    /// A refusal for one reason that lies in no file.
+    /// A refusal with one problem, without a file.
     pub(crate) fn one(problem: Problem) -> Self {
         Self { file: String::new(), problems: vec![problem] }
     }
@@ -87,11 +87,10 @@ impl fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
-/// Letters in a name for which a nearest one is sought; a longer one is no misspelling.
+/// Longest name, bytes, for which the nearest valid one is sought; a longer one is no misspelling.
 const LONGEST_MISSPELT: usize = 100;
 
-/// What to say of a name that is not among the valid ones: the nearest or, where none is near, all
-/// of them.
+/// Advice on an unknown name: the nearest valid name or, if none is near, all valid names.
 pub(crate) fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
     // A name that differs in more than half of its letters is another word.
     let far = (name.chars().count() / 2).max(1);

@@ -11,35 +11,36 @@ use factor::Factor;
 use nalgebra::{DMatrix, DVector};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// The proximal weight falls by this factor a step, from the largest stiffness per inertia to
-/// [`SOFTER`] of the least per largest inertia.
+/// Factor of the proximal weight from step to step, as it falls from the largest stiffness per
+/// inertia to [`SOFTER`] times the least stiffness per largest inertia.
 const FALL: f64 = 1e-4;
+/// Final proximal weight relative to the least stiffness per largest inertia.
 const SOFTER: f64 = 1e-4;
-/// The least weight in parts of the largest, so far above the 1e-32 of double-doubles that what is
-/// loose keeps six digits.
+/// Lower bound of the weight relative to the largest: far enough above the 1e-32 of double-doubles
+/// that loose coordinates keep six digits.
 const LEAST_WEIGHT: f64 = 1e-26;
-/// Steps, of which each at the least weight takes an error down by [`SOFTER`] times what many
-/// springs in series are softer than each.
+/// Largest number of steps. A step at the least weight multiplies the error by [`SOFTER`] times the
+/// ratio by which springs in series are softer than each of them.
 const STEPS: usize = 100;
-/// A force that is left on a coordinate counts as rounding under this part of the sizes of the
-/// forces on it.
+/// Relative rounding of the balance: bound of a residual force, relative to the forces on its
+/// coordinate.
 const BALANCED: f64 = 1e-13;
-/// A step counts as rounding under this part of the coordinates' sizes.
+/// Relative rounding of a step: bound of a step relative to the coordinates.
 const STANDS: f64 = 1e-15;
-/// What counts as rounding of a difference of places that are known to 32 digits.
+/// Relative rounding of a difference of coordinates that are known to 32 digits.
 const FINE: f64 = 1e-28;
 
-/// What holds a machine at rest.
+/// Forces on a machine at rest: contacts, springs and constant forces.
 struct Holding {
     contacts: Vec<RestContact>,
     springs: Vec<RestSpring>,
     /// The force on the coordinates at q = 0 but for the contacts.
     force: DVector<f64>,
-    /// Its terms' sizes.
+    /// The sum of the absolute values of the terms of `force`.
     sizes: DVector<f64>,
 }
 
-/// What a force acts on: coordinates with their arms.
+/// Coordinates that a force acts on, with their arms.
 type Direction = Vec<(usize, f64)>;
 
 struct RestSpring {
@@ -49,14 +50,14 @@ struct RestSpring {
 
 struct RestContact {
     w: Direction,
-    /// Its elongation, less that where it begins to act, at q = 0.
+    /// Its elongation at q = 0 minus the elongation at which it begins to act.
     excess: f64,
     /// Bounds of its force.
     force: (f64, f64),
     compliance: f64,
 }
 
-/// Which level of friction holds.
+/// The friction level that may hold the machine.
 #[derive(Clone, Copy, PartialEq)]
 enum FrictionLevel {
     None,
@@ -72,16 +73,16 @@ struct RestState {
     lambda: Vec<DoubleDouble>,
 }
 
-/// Of a proximal weight: the stiffness with the weight's, and each contact's direction divided by
-/// it.
+/// The factored stiffness with a proximal weight, and the contacts' directions scaled by the
+/// inverse factor.
 struct Weighted {
     factor: Factor,
     columns: DMatrix<f64>,
 }
 
-/// The coordinates at which a machine stands still at time 0. Friction bears nothing where there is
-/// an equilibrium without it; else it resists the way from the coordinates' zero. Of coordinates on
-/// which nothing acts, the nearest to zero are taken.
+/// The coordinates of static equilibrium at time 0. Friction carries force only where there is no
+/// equilibrium without it; it then resists the displacement from zero coordinates. Coordinates that
+/// no force determines are those nearest to zero.
 ///
 /// # Errors
 /// [`Error::NoEquilibrium`], with the body that is accelerated most.
@@ -107,18 +108,18 @@ fn direction(w: &DVector<f64>) -> Direction {
     w.iter().copied().enumerate().filter(|(_, w)| *w != 0.0).collect()
 }
 
-/// The elongation of a direction at a place.
+/// The elongation along a direction.
 fn along(w: &Direction, q: &[DoubleDouble]) -> DoubleDouble {
     let zero = DoubleDouble::default();
     w.iter().fold(zero, |sum, &(k, w)| sum + q[k].times(DoubleDouble::new(w)))
 }
 
-/// The sum of its terms' sizes.
+/// The sum of the absolute values of an elongation's terms.
 fn size_along(w: &Direction, q: &[DoubleDouble]) -> f64 {
     w.iter().map(|&(k, w)| (w * q[k].value()).abs()).sum()
 }
 
-/// Takes a force in a direction from the forces on the coordinates.
+/// Subtracts a force along a direction from the forces on the coordinates.
 fn take(force: DoubleDouble, w: &Direction, from: &mut [DoubleDouble]) {
     w.iter().for_each(|&(k, w)| from[k] = from[k].minus(force.times(DoubleDouble::new(w))));
 }
@@ -149,7 +150,7 @@ impl Holding {
             let level = level.dot(z).max(0.0);
             let w = &rows.elongation.w;
             if rate.abs() > known.zero_of(&rows.elongation.rate) {
-                // A body that moves as prescribed rubs against those at rest.
+                // A moving prescribed body slips against the bodies at rest.
                 force.axpy(-rate.signum() * rows.level.dot(z).max(0.0), w, 1.0);
                 sizes += w.abs() * level;
             } else if friction != FrictionLevel::None && level > 0.0 {
@@ -162,8 +163,8 @@ impl Holding {
         Self { contacts, springs, force, sizes }
     }
 
-    /// The equilibrium by proximal steps: each is the minimum of the energy and a weight times the
-    /// distance from the last in the inertia's metric. `Err` is the force that is left.
+    /// The equilibrium by proximal steps: each minimizes the energy plus a weight times the squared
+    /// distance from the last point in the inertia's metric. `Err` is the residual force.
     fn settle(&self, mass: &DMatrix<f64>) -> Result<DVector<f64>, DVector<f64>> {
         let (mut weight, mut least) = self.weights(mass);
         let zero = DoubleDouble::default();
@@ -198,9 +199,9 @@ impl Holding {
         if is_balanced(&left, &rounding) { Ok(rounded(&place.q)) } else { Err(rounded(&left)) }
     }
 
-    /// The proximal weights to begin and to end with: the largest stiffness per inertia, and far
-    /// under the least stiffness per largest inertia, so that what is light comes as far in a step
-    /// as what is heavy.
+    /// First and last proximal weight: the largest stiffness per inertia, and a weight far below
+    /// the least stiffness per largest inertia, so that heavy coordinates converge as fast as light
+    /// ones.
     fn weights(&self, mass: &DMatrix<f64>) -> (f64, f64) {
         let springs = self.springs.iter().map(|s| (&s.w, s.stiffness));
         let yielding = self.contacts.iter().filter(|c| c.compliance > 0.0);
@@ -238,7 +239,7 @@ impl Holding {
         (left, rounding)
     }
 
-    /// The stiffness with a proximal weight.
+    /// The stiffness with a proximal weight, factored; `None` where it is not positive.
     fn weighted(&self, weight: f64, mass: &DMatrix<f64>) -> Option<Weighted> {
         let (n, m) = (self.force.len(), self.contacts.len());
         let wide = DoubleDouble::new;
@@ -250,8 +251,7 @@ impl Holding {
             }
         }
         let factor = Factor::new(stiffness)?;
-        // A compliant contact yields by itself: a coordinate of its own, of which the square is the
-        // compliance.
+        // A compliant contact has a coordinate of its own, whose entry squared is its compliance.
         let mut columns = DMatrix::zeros(n + m, m);
         for (k, contact) in self.contacts.iter().enumerate() {
             let mut w = vec![DoubleDouble::default(); n];
@@ -262,9 +262,8 @@ impl Holding {
         Some(Weighted { factor, columns })
     }
 
-    /// Takes the place to the minimum of ½ δᵀHδ - leftᵀδ and the contacts' energies, with H the
-    /// weighted stiffness; returns the coordinates' changes δ. `None` where stops cannot be
-    /// satisfied together.
+    /// Moves `place` by the δ that minimizes ½ δᵀHδ - leftᵀδ plus the contacts' energies, with H
+    /// the weighted stiffness; returns δ. `None` where stops cannot be satisfied together.
     fn step(
         &self,
         weighted: &Weighted,
@@ -279,7 +278,8 @@ impl Holding {
             let yielded = DoubleDouble::new(contact.compliance).times(place.lambda[k]);
             let gap = (along(&contact.w, &place.q) + along(&contact.w, &free)).plus(contact.excess);
             b[k] = gap.minus(yielded).value();
-            // What yields has the force of the finest difference; what does not, of none.
+            // A compliant contact's force follows from its elongation to all digits; a rigid
+            // contact's does not depend on it.
             let fine = if contact.compliance > 0.0 { FINE } else { STANDS };
             let sizes = size_along(&contact.w, &place.q) + contact.excess.abs() + yielded.value().abs();
             zero[k] = STANDS * size_along(&contact.w, &free) + fine * sizes;

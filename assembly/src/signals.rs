@@ -1,6 +1,6 @@
-//! Signals of time as coordinates of the augmented state, in which every mode is one autonomous
+//! Signals of time as coordinates of the augmented state, in which every mode is an autonomous
 //! linear system (docs/assembly-law.md (A2)): the number 1, cosine and sine of each frequency, and
-//! for what is polynomial between knots its value and derivatives.
+//! value and derivatives of each piecewise polynomial.
 
 use crate::description::{Record, Signal, Step};
 use crate::kernel::Sparse;
@@ -8,7 +8,7 @@ use nalgebra::DVector;
 use std::f64::consts::TAU;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Value and derivatives of an input: a cubic from the time it was set.
+/// Value and derivatives of an input, which is a cubic from the time it was set.
 pub type Input = [f64; 4];
 
 /// The part of a signal that is a polynomial between knots.
@@ -16,16 +16,16 @@ pub type Input = [f64; 4];
 struct SignalPiece {
     /// Place of its value in the augmented state; its derivatives follow.
     first: usize,
-    /// Value and derivatives that are carried.
+    /// Number of coordinates: value and derivatives.
     count: usize,
     steps: Vec<Step>,
     table: Option<Cubics>,
     rate: f64,
-    /// Its place among the inputs.
+    /// Its index among the inputs.
     input: Option<usize>,
 }
 
-/// A record as cubics between its knots.
+/// A record as a cubic on each interval between knots.
 #[derive(Clone, Debug)]
 struct Cubics {
     knots: Vec<(f64, f64)>,
@@ -65,7 +65,7 @@ impl Cubics {
     }
 }
 
-/// A cubic's value and derivatives a time `dt` later.
+/// Value and derivatives of a cubic after a time `dt`.
 pub fn shifted(d: &[f64; 4], dt: f64) -> [f64; 4] {
     [
         d[0] + dt * (d[1] + dt * (0.5 * d[2] + dt * d[3] / 6.0)),
@@ -87,8 +87,7 @@ fn small_turn(angle: f64) -> (f64, f64) {
     (angle * sine, cosine)
 }
 
-/// The largest angle for which so many terms do: the first ones left out are under 0.4¹⁶/16! <
-/// 3e-20.
+/// Largest angle of the series in [`TURN`]: its first omitted terms are below 0.4¹⁶/16! < 3e-20.
 pub(crate) const SMALL: f64 = 0.4;
 
 /// 1/k! for even and odd k.
@@ -105,39 +104,40 @@ const TURN: [[f64; 2]; 8] = {
 /// The signals of a machine as coordinates from [`Signals::one`] on.
 #[derive(Clone, Debug)]
 pub struct Signals {
-    /// Place of the coordinate that is always 1.
+    /// Index of the coordinate that is always 1.
     pub one: usize,
-    /// Frequencies, Hz; each has a cosine and a sine behind the number 1.
+    /// Frequencies, Hz; the cosine and sine of each follow the number 1.
     frequencies: Vec<f64>,
     pieces: Vec<SignalPiece>,
     /// The times of all steps and of all knots of records, in order.
     knots: Vec<f64>,
     /// The length of the augmented state.
     pub size: usize,
-    /// How many signals take an input.
+    /// Number of signals with an input.
     pub inputs: usize,
     /// The rows of the signals' coordinates in z' = A z.
     rates: Vec<Sparse>,
 }
 
-/// Makes [`Signals`]: first every signal is announced, then each has a row.
+/// Builder of [`Signals`]: [`add`](Self::add) takes every signal, then [`finish`](Self::finish)
+/// returns a row for each.
 #[derive(Debug)]
 pub struct Builder {
     signals: Signals,
-    /// Amplitudes of cosine and sine, and the constant, by signal.
+    /// The parts of each signal.
     parts: Vec<Parts>,
 }
 
 #[derive(Debug)]
 struct Parts {
     constant: f64,
-    /// Place of the frequency, cosine's and sine's amplitude.
+    /// Index of the frequency, amplitudes of cosine and sine.
     harmonics: Vec<(usize, f64, f64)>,
     piece: Option<usize>,
 }
 
 impl Builder {
-    /// For an augmented state whose coordinates before `one` are not signals.
+    /// A builder for an augmented state whose first `one` coordinates are not signals.
     pub fn new(one: usize) -> Self {
         let signals = Signals {
             one,
@@ -151,7 +151,7 @@ impl Builder {
         Self { signals, parts: Vec::new() }
     }
 
-    /// Announces a signal, with the rate of an even motion that is added; returns its number.
+    /// Adds a signal plus `rate` times the time; returns its index.
     pub fn add(&mut self, signal: &Signal, rate: f64) -> usize {
         let mut harmonics = Vec::new();
         for h in &signal.harmonics {
@@ -188,7 +188,7 @@ impl Builder {
         self.parts.len() - 1
     }
 
-    /// The coordinates, and the row of each signal in the order of the announcements.
+    /// The coordinates, and the row of each signal in the order of [`add`](Self::add).
     pub fn finish(mut self) -> (Signals, Vec<DVector<f64>>) {
         let signals = &mut self.signals;
         let mut place = signals.one + 1 + 2 * signals.frequencies.len();
@@ -245,11 +245,11 @@ impl Signals {
         &self.rates
     }
 
-    /// Writes the signals just after a time into the augmented state.
+    /// Writes the signals just after `time` into the augmented state.
     pub fn fill(&self, time: DoubleDouble, inputs: &[(f64, Input)], z: &mut [f64]) {
         z[self.one] = 1.0;
         for (f, &frequency) in self.frequencies.iter().enumerate() {
-            // The turns in 32 digits less their whole number: the phase does not drift.
+            // The fraction of the turns, taken in 32 digits, keeps the phase from drifting.
             let turns = time.times(DoubleDouble::new(frequency)).fraction().value();
             let (sine, cosine) = (TAU * turns).sin_cos();
             (z[self.one + 1 + 2 * f], z[self.one + 2 + 2 * f]) = (cosine, sine);
@@ -268,12 +268,12 @@ impl Signals {
         }
     }
 
-    /// The place of an input's value in the augmented state.
+    /// The index of an input's value in the augmented state.
     pub(crate) fn place_of_input(&self, i: usize) -> Option<usize> {
         self.pieces.iter().find(|piece| piece.input == Some(i)).map(|piece| piece.first)
     }
 
-    /// Carries what is polynomial between knots on by a time `dt`, whatever knots are in between.
+    /// Advances the polynomials by a time `dt`, ignoring knots in between.
     pub(crate) fn carry(&self, dt: f64, z: &mut [f64]) {
         for piece in &self.pieces {
             let place = piece.first..piece.first + piece.count;
@@ -283,9 +283,9 @@ impl Signals {
         }
     }
 
-    /// Carries all on by a time `dt` between knots, in which no frequency turns by more than
-    /// [`SMALL`] rad: from the augmented state `from` to that in `to`. Like a sub-step this adds a
-    /// rounding, which [`fill`](Self::fill) takes off.
+    /// Advances the signals of `from` by a time `dt` and writes them to `to`. Requires that no knot
+    /// lies in between and no frequency turns by more than [`SMALL`] rad. Its rounding, like a
+    /// sub-step's, lasts until the next [`fill`](Self::fill).
     #[inline(always)]
     pub(crate) fn carry_within(&self, from: &[f64], dt: f64, to: &mut [f64]) {
         to[self.one..].copy_from_slice(&from[self.one..]);
@@ -303,7 +303,7 @@ impl Signals {
         self.knots.get(self.knots.partition_point(|&t| t <= time)).copied()
     }
 
-    /// The first place behind the coordinates whose size never changes: 1, cosines and sines.
+    /// The index after the last coordinate of constant amplitude: 1, cosines and sines.
     pub fn constant_size_until(&self) -> usize {
         self.one + 1 + 2 * self.frequencies.len()
     }

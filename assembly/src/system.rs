@@ -1,5 +1,6 @@
-//! The machine as matrices: minimal coordinates, inertia, and every elongation, rate and force as a
-//! row that acts on the augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to (A4)).
+//! The machine as matrices: minimal coordinates, inertia matrix, and every elongation, rate and
+//! force as a row on the augmented state z = (q, v, 1, signals)
+//! (docs/assembly-law.md (A1) to (A4)).
 
 mod parts;
 mod rows;
@@ -14,8 +15,8 @@ use crate::error::Error;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// A link whose largest arm on a free coordinate is under this part of its largest arm adds nothing
-/// to the others.
+/// Pivot of a redundant link: after elimination its largest arm on a free coordinate is below this
+/// part of its largest arm.
 const NO_PIVOT: f64 = 1e-12;
 
 /// The machine as matrices; it does not change during a motion.
@@ -23,25 +24,25 @@ const NO_PIVOT: f64 = 1e-12;
 pub struct System {
     /// Number of coordinates q, N.
     pub coordinates: usize,
-    /// The body whose coordinate each q is.
+    /// The index of the body whose coordinate each q is.
     pub bodies_of: Vec<usize>,
-    /// Signals behind q and v in the augmented state.
+    /// Signals, which follow q and v in the augmented state.
     pub signals: Signals,
-    /// Cholesky factor L of the inertia.
+    /// Cholesky factor L of the inertia matrix.
     pub inertia: Cholesky<f64, Dyn>,
-    /// The inertia.
+    /// The inertia matrix M.
     pub mass: DMatrix<f64>,
-    /// Whether no link couples the coordinates' inertias.
+    /// Whether the inertia matrix is diagonal: no link couples the coordinates.
     pub(crate) is_diagonal: bool,
     /// The forces on the coordinates that always act: M a = forces · z + …
     pub forces: DMatrix<f64>,
-    /// Springs so stiff that their forces are found apart, by their places.
+    /// Indices of the stiff springs, whose forces are evaluated separately.
     pub(crate) stiff_springs: Vec<usize>,
-    /// The forces that always act but for those of stiff springs, where there are such.
+    /// `forces` without those of stiff springs; `None` without such springs.
     soft: Option<DMatrix<f64>>,
     /// All bodies.
     pub bodies: Vec<BodyRows>,
-    /// What each element of the description consists of, by its place among all.
+    /// The parts of each element, by its index in [`Description::elements`].
     pub parts: Vec<Vec<Part>>,
     /// Springs.
     pub springs: Vec<SpringRows>,
@@ -55,8 +56,8 @@ pub struct System {
     pub load_bodies: Vec<usize>,
     /// Whether any body's motion is prescribed.
     pub has_motions: bool,
-    /// The momentum that prescribed bodies carry through links, Bᵀ m D p' as rows; none where no
-    /// link does that.
+    /// The momentum Bᵀ m D p' that prescribed bodies impart through links, as rows; `None` where it
+    /// is zero.
     carried: Option<DMatrix<f64>>,
     /// Inertia of each free body; 0 for prescribed ones.
     pub inertias: Vec<f64>,
@@ -67,14 +68,14 @@ pub struct System {
 /// The free bodies' coordinates in terms of q and of the prescribed bodies.
 struct Reduction {
     kept: Vec<usize>,
-    /// By body: weights of q.
+    /// Weights of q, by body.
     q: Vec<DVector<f64>>,
-    /// By body: weights of the prescribed bodies' coordinates, by body.
+    /// Weights of the prescribed bodies' coordinates, by body.
     prescribed: Vec<DVector<f64>>,
 }
 
-/// Eliminates one coordinate for each link: the one with the largest arm that is left, so that no
-/// arm is divided by a small one.
+/// Eliminates one coordinate for each link, the one with the largest remaining arm, so that no arm
+/// is divided by a small one.
 fn reduce(d: &Description) -> Result<Reduction, Error> {
     let count = d.bodies.len();
     let free: Vec<bool> = d.bodies.iter().map(|b| matches!(b.kind, BodyKind::Free(_))).collect();
@@ -199,9 +200,8 @@ impl System {
         Ok(system)
     }
 
-    /// The momentum Bᵀ m D p' that prescribed bodies carry through links, where there is any: what
-    /// changes a coordinate's rate by Δv takes the work Δv · Bᵀ m D p' from them
-    /// (docs/assembly-law.md (A9)).
+    /// The momentum Bᵀ m D p' that prescribed bodies impart through links, if any: a change Δv of
+    /// the velocities takes the work Δv · Bᵀ m D p' from them (docs/assembly-law.md (A9)).
     pub(crate) fn carried(&self, z: &DVector<f64>) -> Option<DVector<f64>> {
         self.carried.as_ref().map(|carried| carried * z)
     }
@@ -286,12 +286,12 @@ impl System {
         vec![Part::Friction(self.frictions.len() - 1)]
     }
 
-    /// The forces that always act but for those of stiff springs.
+    /// The forces that always act, without those of stiff springs.
     pub(crate) fn soft_forces(&self) -> &DMatrix<f64> {
         self.soft.as_ref().unwrap_or(&self.forces)
     }
 
-    /// Sets the forces that always act, and tells stiff springs from the others.
+    /// Sets the forces that always act, and selects the stiff springs.
     fn add_forces(&mut self) {
         self.forces = self.forces_without(&[]);
         self.stiff_springs = self.stiff_ties(&[]);
@@ -300,7 +300,8 @@ impl System {
         }
     }
 
-    /// Weight, loads, springs but for some, and what prescribed bodies do through links.
+    /// Weight, loads, springs except `left_out`, and inertia forces of prescribed bodies through
+    /// links.
     fn forces_without(&self, left_out: &[usize]) -> DMatrix<f64> {
         let mut forces = DMatrix::zeros(self.coordinates, self.signals.size);
         for ((body, &inertia), &weight) in self.bodies.iter().zip(&self.inertias).zip(&self.weights) {
@@ -320,7 +321,7 @@ impl System {
     }
 }
 
-/// The rows of all bodies' coordinates.
+/// The rows of all bodies.
 fn bodies(
     d: &Description,
     reduction: &Reduction,

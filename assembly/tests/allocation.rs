@@ -1,6 +1,6 @@
-//! A motion in steady operation takes no memory, neither between its events nor at those of one
-//! element. Alone in its process, since it has an allocator of its own.
-#![allow(unsafe_code)] // an allocator is one
+//! A motion in steady operation allocates nothing, neither between events nor at events of a single
+//! element. The test is alone in its process, since it replaces the allocator.
+#![allow(unsafe_code)] // `GlobalAlloc` is an unsafe trait
 
 mod common;
 
@@ -31,8 +31,7 @@ fn damper() -> Description {
     }
 }
 
-/// A sled that a belt drags along by friction against a spring and an elastic stop: it sticks and
-/// slips.
+/// A sled on a belt, held by a spring and an elastic stop: stick-slip motion.
 fn sled() -> Description {
     Description {
         bodies: vec![body("sled", 1.0, 0.0, 0.4), prescribed("belt", Signal::default(), 0.4)],
@@ -46,11 +45,10 @@ fn sled() -> Description {
     }
 }
 
-/// Follows a machine for 30 s; each of some kinds of events must come 20 times, and nothing be
-/// allocated.
+/// Follows a machine for 30 s; requires 20 events of each of these kinds, and no allocation.
 fn follow(machine: Description, kinds: &[fn(&EventKind) -> bool]) {
     let mut motion = motion(machine);
-    // In this time every mode has been met, and from each those that follow it.
+    // By this time all modes and all transitions between them have occurred.
     motion.advance_to(60.0).unwrap();
     let mut counts = [0; 4];
     let before = COUNT.get();

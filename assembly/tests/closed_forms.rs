@@ -10,11 +10,11 @@ use vibro_assembly::law::Sizes;
 use vibro_assembly::law::impact::Instant;
 use vibro_assembly::motion::EventKind;
 
-/// Some roundings of numbers of order one, and of sums of a few hundred of them.
+/// Roundings of numbers of order one, and of sums of a few hundred of them.
 const ROUNDING: f64 = 1e-12;
 
-/// What is left of a transient that falls by more than a quarter with each impact, after more than
-/// a hundred, and rounding.
+/// Rest of a transient that falls by more than a quarter at each impact, after more than a hundred
+/// impacts, and rounding.
 const SETTLED: f64 = 1e-12;
 
 fn is_impact(kind: &EventKind) -> bool {
@@ -82,9 +82,9 @@ fn closed_form_impact_pair() {
         .iter()
         .rev()
         .find_map(|e| if let EventKind::Impact { speed, .. } = e.kind { Some(speed) } else { None });
-    // The block's own speed c: it reverses, c(1 - ε) = -b(1 + ε) with the base's speed b at the
-    // impact, and in half a period it goes 2(L + sqrt(1 - b²)) = π c. The closing speed is c - b =
-    // 4c/3.
+    // The block's speed c reverses at an impact, c(1 - ε) = -b(1 + ε) with the base's speed b; in
+    // half a period the block travels 2(L + sqrt(1 - b²)) = π c. The closing speed is
+    // c - b = 4c/3.
     let c = 1.50557395311726;
     assert!((last.unwrap() - 4.0 * c / 3.0).abs() < SETTLED, "{last:?}");
 }
@@ -196,8 +196,8 @@ fn others_models_coupled_clutches() {
 
 #[test]
 fn closed_form_bead_column() {
-    // Five beads that fall on a floor one upon the other, plastic: all lie, each contact bears what
-    // is above it.
+    // Five beads fall on a floor one upon the other, with plastic impacts: all come to rest, and
+    // each contact bears the weight above it.
     let count = 5;
     let bodies =
         (0..count).map(|i| heavy(&format!("bead{i}"), 1.0, -1.0, 0.1 * (i + 1) as f64, 0.0)).collect();
@@ -224,7 +224,7 @@ fn closed_form_bead_column() {
 
 #[test]
 fn closed_form_redundant_stops() {
-    // Two floors at the same height under one block: whatever the forces' shares, the block lies.
+    // Two floors at the same height under one block: it rests, however the two share the force.
     let d = Description {
         gravity: 9.81,
         bodies: vec![heavy("block", 2.0, -1.0, 0.3, 0.0)],
@@ -242,7 +242,7 @@ fn closed_form_redundant_stops() {
     assert!((m.stop(0)[2] + m.stop(1)[2] - 2.0 * 9.81).abs() < ROUNDING * 10.0);
 }
 
-/// A light body that rests at a wall, and one of mass 1 that touches it with a speed.
+/// A light body at rest at a wall, touched by one of mass 1 that moves towards it.
 fn anvil(mass: f64, speed: f64) -> Description {
     Description {
         bodies: vec![body("light", mass, 0.0, 0.0), body("heavy", 1.0, 0.0, speed)],
@@ -253,9 +253,8 @@ fn anvil(mass: f64, speed: f64) -> Description {
 
 #[test]
 fn closed_form_light_body_between_a_wall_and_a_heavy_one() {
-    // The heavy body drives the light one against the wall, where both stop; then a load draws them
-    // away together. The two impulses on the light body cancel but for rounding, which is all that
-    // its speed has ever been.
+    // The heavy body drives the light one against the wall, where both stop; then a load pulls them
+    // away together. The two impulses on the light body cancel; its speed is their rounding.
     for k in 1..100 {
         let (mass, speed) = (0.83f64.powi(k), 0.37 * k as f64);
         let mut d = anvil(mass, speed);
@@ -274,7 +273,7 @@ fn closed_form_light_body_between_a_wall_and_a_heavy_one() {
 
 #[test]
 fn invariant_an_impact_without_impulse_ends_the_sequence() {
-    // A speed of the light body that is rounding beside what counts as zero of the heavy one's.
+    // The light body's speed is below the zero threshold of the heavy body's speed.
     let machine = Assembly::new(anvil(0.01, 0.0)).unwrap();
     let system = machine.system();
     let mut z = DVector::zeros(system.signals.size);
@@ -305,10 +304,10 @@ fn closed_form_shares_of_impulses_that_cancel() {
 
 #[test]
 fn closed_form_bounces_that_follow_one_another_ever_faster() {
-    // Two equal bodies fall, the lower one drawn down faster: restitution 1/2 at the ground, 0
-    // between them. Where both fall with v, the lower one bounces with v/2 and meets the upper one,
-    // and both fall with v/4. Each pause is of the size of the square of the one before: after some
-    // impacts there are no doubles between two of them, and in the end both lie still.
+    // Two equal bodies fall, the lower one pulled down faster: restitution 1/2 at the ground, 0
+    // between them. If both fall at v, the lower one bounces at v/2, meets the upper one, and both
+    // fall at v/4. Each pause is of the size of the square of the last one: soon there is no double
+    // between two impacts, and in the end both bodies rest.
     let d = Description {
         gravity: 9.81,
         bodies: vec![heavy("lower", 1.0, -1.0, 0.1, 0.0), heavy("upper", 1.0, -1.0, 0.101, -1.0)],
@@ -342,10 +341,9 @@ fn closed_form_bounces_that_follow_one_another_ever_faster() {
 
 #[test]
 fn closed_form_redundant_friction_that_was_released_holds_again() {
-    // A sled on the ground, held by two frictions, with a block on it that a load draws. At first
-    // the block's friction would hand on more than the static levels on the ground; then it slips
-    // at its own level of 1.5, and two frictions with a level of 1 each are enough: the sled never
-    // moves.
+    // A sled held by two frictions on the ground carries a block that a load pulls. While the block
+    // sticks, the load exceeds the static levels on the ground; once it slips at its level of 1.5,
+    // the two frictions of 1 each suffice: the sled never moves.
     let ground = || Friction { static_force: Some(constant(1.1)), ..friction(&[(1, 1.0)], 1.0) };
     let block = Friction { static_force: Some(constant(4.0)), ..friction(&[(1, -1.0), (0, 1.0)], 1.5) };
     let d = Description {

@@ -1,5 +1,5 @@
-//! The machines of examples/assembly against the figures that their files state, and closed forms
-//! of every kind of element and signal.
+//! The machines of examples/assembly against the figures in their files, and every kind of element
+//! and signal against closed forms.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -7,9 +7,9 @@ use vibro_assembly::file::{no_records, parse, read};
 use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Motion};
 
-/// Figures of fifteen digits, after some hundreds of roundings.
+/// Figures of fifteen digits after hundreds of roundings.
 const FIGURE: f64 = 2e-13;
-/// Some roundings of numbers of order one.
+/// Roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
 
 fn example(name: &str) -> Motion {
@@ -82,8 +82,8 @@ fn closed_form_bouncing_ball() {
 #[test]
 fn closed_form_den_hartog() {
     let mut m = example("den_hartog.toml");
-    // The transient of an undamped oscillator is eaten by friction: after hundreds of periods the
-    // amplitude is the steady one.
+    // Friction damps the transient of the undamped oscillator: after hundreds of periods the
+    // amplitude is steady.
     let period = std::f64::consts::TAU / 1.5;
     m.advance_to(600.0 * period).unwrap();
     let mut largest = 0.0f64;
@@ -91,7 +91,7 @@ fn closed_form_den_hartog() {
         m.advance_to((600.0 + k as f64 / 400.0) * period).unwrap();
         largest = largest.max(m.body(0)[0].abs());
     }
-    // The largest of 400 samples lies below the amplitude by up to (π/400)²/2 of it.
+    // The largest of 400 samples is below the amplitude by up to (π/400)²/2 of it.
     assert!((largest - 0.721110255092798).abs() < 1e-4, "{largest}");
 }
 
@@ -105,7 +105,7 @@ fn closed_form_impact_on_spring_and_pair() {
     near(free[0] - first, 0.0312600152681233, FIGURE);
     let mut m = example("impact_pair.toml");
     let all = events(&mut m, 60.0);
-    // Its start has ten digits.
+    // The start value has ten digits.
     let speeds: Vec<f64> = all
         .iter()
         .filter_map(|e| if let EventKind::Impact { speed, .. } = e.kind { Some(speed) } else { None })
@@ -127,25 +127,25 @@ fn closed_form_column_and_balls() {
     }
 }
 
-/// A mass on which one thing acts from rest.
+/// A mass under a load, from rest.
 fn pulled(load: &str) -> Motion {
     text(&format!("name = \"P\"\n[body.a]\nmass = 2.0\n[load.l]\non = \"a\"\n{load}\n"))
 }
 
 #[test]
 fn closed_form_signals() {
-    // Steps are added heights, each knot an event.
+    // Steps add heights; each is an event.
     let mut m = pulled("constant = 4.0\nsteps = [[0.5, 2.0], [1.0, -6.0]]");
     let all = events(&mut m, 2.0);
     assert_eq!(times(&all, |k| matches!(k, EventKind::Knot)), [0.5, 1.0]);
     // a = 2, then 3, then 0: v = 1 + 1.5, s = 0.25 + (0.5 + 0.375) + 2.5.
     near(m.body(0)[1], 2.5, ROUNDING);
     near(m.body(0)[0], 0.25 + 0.5 + 0.375 + 2.5, ROUNDING);
-    // A straight record: force 6 t up to 1 s, then its last value.
+    // A piecewise linear record: force 6 t up to 1 s, then constant.
     let mut m = pulled("table = [[0.0, 0.0], [1.0, 6.0]]");
     m.advance_to(2.0).unwrap();
     near(m.body(0)[0], 0.5 + 1.5 + 1.5, ROUNDING);
-    // A cubic record through three points of a straight line is the line.
+    // A cubic record through three points of a line is that line.
     let mut m = pulled("table = [[0.0, 0.0], [0.5, 3.0], [1.0, 6.0]]\ninterpolation = \"cubic\"");
     m.advance_to(1.0).unwrap();
     near(m.body(0)[0], 0.5, ROUNDING);
@@ -179,7 +179,7 @@ fn closed_form_links_and_prescribed_bodies() {
     let (kinetic, _) = m.kinetic_and_stored();
     near(kinetic, 13.0, ROUNDING);
     near(m.energy().balance(), 13.0, ROUNDING);
-    // A base that moves evenly pulls a mass by a spring: s = v (t - sin(ω t)/ω).
+    // A base at constant speed pulls a mass by a spring: s = v (t - sin(ω t)/ω).
     let mut m = text(
         "name = \"B\"\n[body.base]\nmotion = { rate = \"2 m/s\" }\n[body.a]\nmass = 1.0\n\
          [spring.k]\nbetween = [\"base\", \"a\"]\nstiffness = 9.0\n",
@@ -188,8 +188,7 @@ fn closed_form_links_and_prescribed_bodies() {
     near(m.body(1)[0], 2.0 * (2.0 - 6.0f64.sin() / 3.0), ROUNDING);
     let (kinetic, stored) = m.kinetic_and_stored();
     near(m.energy().motions.value(), kinetic + stored, 10.0 * ROUNDING);
-    // A link to a prescribed body carries its inertia: the work of the motion is the kinetic
-    // energy.
+    // A prescribed body moves a linked mass: the work of the motion is the kinetic energy.
     let mut m = text(
         "name = \"L\"\n[body.cam]\nmotion = { amplitude = 0.5, frequency = \"2 rad/s\", rate = 1.0 }\n[body.follower]\nmass = 3.0\n\
          start = { v = 2.0 }\n[body.tip]\nmass = 1.0\n[link.rod]\nbetween = [\"cam\", \"follower\"]\n\
@@ -234,7 +233,7 @@ fn invariant_split_steps_and_saved_states() {
         }
         for i in 0..whole.assembly().description.bodies.len() {
             let (a, b) = (whole.body(i), split.body(i));
-            // Dozens of impacts magnify the roundings of other sub-steps.
+            // Dozens of impacts magnify the rounding differences of other sub-steps.
             assert!((a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-6, "{name} {i} {a:?} {b:?}");
         }
     }

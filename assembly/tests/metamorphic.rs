@@ -1,5 +1,5 @@
-//! Machines that are the same but for how they are written: mirrored, in other units, at another
-//! time, in another order. What follows from which is known without any other method.
+//! Metamorphic tests: a machine mirrored, in other units, at another time or in another order has a
+//! motion that follows from the original one without another method.
 
 mod common;
 
@@ -12,25 +12,23 @@ use vibro_assembly::description::*;
 use vibro_assembly::motion::Event;
 use vibro_assembly::{Assembly, Motion};
 
-/// Events after which a motion is followed no longer: bounces of restitution 1 that are pressed
-/// together have no end.
+/// Largest number of events of a motion: bodies pressed together with restitution 1 bounce without
+/// end.
 const EVENTS: usize = 300;
-/// Followed so long, s, in so many parts: their ends are sums without rounding at any start.
+/// Duration, s, and number of parts; their ends are exact sums for any start.
 const END: (f64, u32) = (2.0, 16);
-/// By this, s, the ends of the parts come before times of short decimals, at which bodies with such
-/// numbers meet: before a meeting and after it is then no question of rounding.
+/// Offset of the parts' ends, s, before times with few decimals, at which bodies may meet: rounding
+/// must not decide whether an end is before or after a contact.
 const BEFORE: f64 = 0.0078125;
-/// A start that is off by this shows how much a motion magnifies an error.
+/// Perturbation of a start, which measures how much a motion magnifies errors.
 const OFF: f64 = 1e-10;
-/// Errors that two motions make, in the same measure. Displacements are off by some tens of
-/// roundings, 1e-14, speeds by up to sqrt(k/m) = 1e3/s times that, where a body of 0.01 kg is on a
-/// spring or stop of 1e4 N/m.
+/// Rounding of two motions, in the unit of [`OFF`]: tens of roundings of displacements, 1e-14, and
+/// for speeds up to sqrt(k/m) = 1e3/s times that, with 0.01 kg on a spring or stop of 1e4 N/m.
 const OWN: f64 = 3e-11;
-/// Speeds of what sticks fall by 1e-16 a sub-step; under this they count as zero, before powers of
-/// two can underflow.
+/// Speed that counts as zero: while sticking, speeds fall by 1e-16 a sub-step, and scaling by
+/// powers of two must not underflow.
 const NOTHING: f64 = 1e-200;
-/// A motion that magnifies errors by more than this is at a place where a rounding decides what
-/// follows.
+/// Magnification of errors beyond which rounding decides the motion.
 const DECIDED: f64 = 1e4;
 
 /// States by time: s and v of every body.
@@ -73,14 +71,13 @@ fn all_arms(d: &mut Description) -> impl Iterator<Item = &mut Arms> {
     springs.chain(stops).chain(frictions).chain(d.links.iter_mut().map(|x| &mut x.arms))
 }
 
-/// The nearest time to which any of some minutes is added without rounding.
+/// The nearest time to which times of some minutes are added without rounding.
 fn on_grid(time: f64) -> f64 {
     (time * 1048576.0).round() / 1048576.0
 }
 
-/// The same machine off by [`OFF`]: all speeds alike, every second one, or all gaps of rigid stops.
-/// The first leaves what two bodies do to each other, and only the last tells that a stop is just
-/// touched, where no speed is of help.
+/// The machine perturbed by [`OFF`]: all speeds, every second speed, or all gaps of rigid stops.
+/// The first preserves relative speeds; only the last detects a stop that is just touched.
 fn off(d: &Description) -> [Description; 3] {
     let [mut all, mut second, mut gaps] = [0, 1, 2].map(|_| d.clone());
     free(&mut all).for_each(|b| b.v += OFF);
@@ -89,7 +86,7 @@ fn off(d: &Description) -> [Description; 3] {
     [all, second, gaps]
 }
 
-/// Whether two paths agree within what the motion makes of errors.
+/// Whether two paths agree within the errors as the motion magnifies them.
 fn agree(d: &Description, one: &Path, other: &Path) -> Result<(), TestCaseError> {
     let moved = off(d).map(|off| path(motion(off), &all(d)).0);
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
@@ -108,8 +105,7 @@ fn agree(d: &Description, one: &Path, other: &Path) -> Result<(), TestCaseError>
     Ok(())
 }
 
-/// Always the same machines, but where `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more and
-/// for others.
+/// A fixed seed, unless `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more or other machines.
 fn config() -> ProptestConfig {
     let asked = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
     let is_set = |name: &str| std::env::var_os(name).is_some();
@@ -138,7 +134,7 @@ proptest! {
 
     #[test]
     fn invariant_units_of_length_and_mass_change_no_bit(d in assembly()) {
-        // Powers of two, so that nothing is rounded anew.
+        // Powers of two scale without rounding.
         let (length, mass) = (1024.0, 0.015625);
         let mut other = d.clone();
         other.gravity *= length;
@@ -166,7 +162,7 @@ proptest! {
 
     #[test]
     fn invariant_the_time_of_the_start(d in assembly(), later in (0..200u8).prop_map(|k| 0.25 * f64::from(k))) {
-        // Knots at times that a sum with the start's does not round.
+        // Knots at times whose sum with the start is exact.
         let mut d = d;
         for signal in signals(&mut d) {
             signal.steps.iter_mut().for_each(|s| s.time = on_grid(s.time));
@@ -201,8 +197,8 @@ proptest! {
 
     #[test]
     fn invariant_bodies_that_touch_nothing(d in assembly()) {
-        // Machines of few coordinates have tables of their sub-steps, those of many go by the
-        // series of each state.
+        // Machines with few coordinates use tables of sub-steps, those with many a series for each
+        // state.
         let mut other = d.clone();
         other.bodies.extend((0..10).map(|i| body(&format!("idle{i}"), 1.0, 0.0, 0.0)));
         let (one, _) = path(motion(d.clone()), &all(&d));
@@ -229,8 +225,8 @@ fn closed_form_rigid_stop_as_the_limit_of_a_stiff_one() {
         let floor = compliant("floor", &[(0, -1.0)], 0.0, stiffness, 0.0, DampingLimit::NoPull);
         let soft = path(motion(ball(floor)), &[0]).0;
         let apart = (rigid.last().unwrap()[0] - soft.last().unwrap()[0]).abs();
-        // Two contacts of half a period π sqrt(m/k) each, in which the rigid ball flies at under 5
-        // m/s both ways.
+        // Two contacts of half a period π sqrt(m/k) each, during which the rigid ball flies at less
+        // than 5 m/s both ways.
         let most = 2.0 * 10.0 * std::f64::consts::PI / stiffness.sqrt();
         assert!(apart <= most && apart < 0.2 * before, "1e{exponent}: {apart:e}, {most:e}, {before:e}");
         before = apart;
@@ -257,8 +253,7 @@ fn closed_form_grazing_by_a_part_of_the_gap() {
             let all = events(&mut motion(oscillators(&[gap])), 3.0);
             let found = times(&all, |k| matches!(k, vibro_assembly::motion::EventKind::Impact { .. }));
             assert_eq!(found.len(), hits, "{depth:e} {gap} {all:?}");
-            // A root of sin t = gap: the rounding of gap, over the speed there, which is sqrt(2
-            // depth).
+            // Error of a root of sin t = gap: the gap's rounding over the speed, sqrt(2 depth).
             let near = 1e-15 / (2.0 * depth).sqrt();
             assert!(found.iter().all(|t| (t - gap.asin()).abs() < 4.0 * near), "{depth:e} {found:?}");
         }
@@ -267,9 +262,9 @@ fn closed_form_grazing_by_a_part_of_the_gap() {
 
 #[test]
 fn closed_form_what_only_touches_is_no_event() {
-    // Released from its stop without speed an oscillator comes back to it each turn and turns
-    // there. A rounding of the place, 1e-16, would be met with 1e-8 m/s. Beside it friction whose
-    // level 1 + sin comes to zero once a second, on a body that it does not stop.
+    // An oscillator released from its stop without speed returns to it each period and reverses
+    // there; a rounding of the coordinate, 1e-16, would be an impact at 1e-8 m/s. Another body has
+    // friction whose level 1 + sin touches zero once a second without stopping it.
     for k in 1..20 {
         let (stiffness, mass, from) =
             (17.3 * f64::from(k), 0.37 * f64::from(k % 7 + 1), 0.061 * f64::from(k));
@@ -290,15 +285,15 @@ fn closed_form_what_only_touches_is_no_event() {
 
 #[test]
 fn closed_form_corners_met_at_one_instant() {
-    // Three stops at one time, each as if it were alone; and two between which a body is caught.
+    // Three stops at one instant, each as if it were alone; and a body caught between two stops.
     let alone = path(motion(oscillators(&[0.5])), &[0]).0;
     let together = path(motion(oscillators(&[0.5, 0.5, 0.5])), &[0, 1, 2]).0;
     for (a, b) in alone.iter().zip(&together) {
         let apart = b.chunks(2).flat_map(|b| [(a[0] - b[0]).abs(), (a[1] - b[1]).abs()]).fold(0.0, f64::max);
         assert!(apart < 1e-14, "{a:?} {b:?}");
     }
-    // A body that meets a stop and another body at one instant: masses 1 and 1, the second at rest
-    // between them.
+    // A body of mass 1 meets a stop and another body of mass 1, at rest between them, at one
+    // instant.
     let d = Description {
         bodies: vec![body("a", 1.0, -1.0, 1.0), body("b", 1.0, 1.0, -1.0), body("c", 1.0, 0.0, 0.0)],
         stops: vec![

@@ -1,5 +1,5 @@
-//! Machines in which nothing moves freely: test rigs whose bodies all move as prescribed, or are
-//! tied to such bodies by links.
+//! Machines without coordinates: test rigs whose bodies are all prescribed or linked to prescribed
+//! ones.
 
 mod common;
 
@@ -8,12 +8,12 @@ use std::f64::consts::TAU;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::EventKind;
 
-/// Some hundreds of roundings of numbers of order one.
+/// Hundreds of roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
-/// Of works that are summed over a hundred sub-steps.
+/// Rounding of works that are summed over a hundred sub-steps.
 const WORK: f64 = 1e-12;
 
-/// A ram that moves as a sine on a spring with a dashpot, a buffer and a brake to the ground.
+/// A ram with a prescribed sine, and a spring with a dashpot, a buffer and a brake to ground.
 fn rig() -> Description {
     Description {
         name: "Rig".into(),
@@ -30,7 +30,7 @@ fn closed_form_a_ram_that_moves_as_prescribed() {
     rig().check().unwrap();
     let mut m = motion(rig());
     let all = events(&mut m, 1.0);
-    // The buffer is met where sin ωt = 1/2.
+    // The buffer is met at sin ωt = 1/2.
     let pressed = times(&all, |k| matches!(k, EventKind::Press { .. }));
     assert!(pressed.len() == 1 && (pressed[0] - 1.0 / 12.0).abs() < ROUNDING, "{all:?}");
     let slips = times(&all, |k| matches!(k, EventKind::Slip { .. }));
@@ -38,8 +38,8 @@ fn closed_form_a_ram_that_moves_as_prescribed() {
         !slips.is_empty() && slips.iter().all(|t| ((t * 4.0) % 2.0 - 1.0).abs() < 4.0 * ROUNDING),
         "{all:?}"
     );
-    // Over a period: the dashpot ½ d (ωA)², friction F times the way of 4 A, all of it work of the
-    // motion.
+    // Losses per period, equal to the work of the motion: ½ d (ωA)² T of the dashpot, 4 A F of
+    // friction.
     let energy = m.energy();
     let dashpot = 0.5 * 3.0 * (0.1 * TAU).powi(2);
     assert!((energy.dashpots[0].value() - dashpot).abs() < WORK, "{energy:?}");
@@ -56,8 +56,7 @@ fn closed_form_a_ram_that_moves_as_prescribed() {
 
 #[test]
 fn closed_form_what_links_tie_to_a_motion_is_carried() {
-    // A drum of 2 kg m² on a motor that turns with 3 rad/s, five times as slow and the other way
-    // round; a load on it.
+    // A motor at 3 rad/s drives a loaded drum of 2 kg m² through a link of ratio -1/5.
     let mut d = Description {
         name: "Drum".into(),
         bodies: vec![prescribed("motor", constant(0.0), 3.0), body("drum", 2.0, 0.0, -0.6)],
@@ -73,7 +72,7 @@ fn closed_form_what_links_tie_to_a_motion_is_carried() {
     assert!((m.energy().loads[0].value() + 7.0 * 1.2).abs() < WORK);
     assert!((m.energy().motions.value() - 7.0 * 1.2).abs() < WORK, "{:?}", m.energy());
     assert_eq!(m.energy().balance().abs().max(WORK), WORK);
-    // Without a motion nothing would ever move.
+    // With a free motor instead of the prescribed one, nothing may ever move.
     d.bodies[0] = body("motor", 1.0, 0.0, 0.0);
     d.bodies[1] = body("drum", 2.0, 0.0, 0.0);
     d.links.push(Link { name: "second".into(), arms: arms(&[(0, 1.0), (1, -1.0)]) });

@@ -1,5 +1,5 @@
-//! Random assemblies against invariants: no stop is violated, no force pulls or exceeds its level,
-//! energy is accounted for, and every motion goes on.
+//! Random assemblies against invariants: no stop is violated, no stop pulls, no friction exceeds
+//! its level, energy is balanced, and every motion continues.
 
 mod common;
 
@@ -12,7 +12,7 @@ use vibro_assembly::description::{DampingLimit, Description, Friction, Load};
 use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::motion::EventKind;
 
-/// Rounding of a few thousand sub-steps, in parts of the sizes that occur.
+/// Rounding of a few thousand sub-steps, relative to the largest values.
 const ROUNDING: f64 = 1e-9;
 
 fn energy(m: &Motion) -> f64 {
@@ -51,11 +51,11 @@ fn check(m: &Motion, start: f64, largest: f64) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A machine whose bounces of restitution 1 are pressed together goes through millions of them:
-/// followed are so many events.
+/// Largest number of events of a motion: bodies pressed together with restitution 1 bounce millions
+/// of times.
 const EVENTS: usize = 1000;
 
-/// Follows a machine and checks it on the way, at the events and between them.
+/// Follows a machine and checks it at events and between them.
 fn follow(d: Description) -> Result<(), TestCaseError> {
     let mut m = motion(d);
     let start = energy(&m) - m.energy().balance(); // impacts at time 0 are accounted for already
@@ -79,8 +79,7 @@ fn follow(d: Description) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Always the same machines, but where `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more and
-/// for others.
+/// A fixed seed, unless `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more or other machines.
 fn config() -> ProptestConfig {
     let asked = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
     let is_set = |name: &str| std::env::var_os(name).is_some();
@@ -100,8 +99,8 @@ proptest! {
     }
 }
 
-/// A light body that lies at its stop, until friction takes it along with a heavy one that turns
-/// round on springs.
+/// A light body at rest on its stop, until friction drags it along with a heavy one that oscillates
+/// on springs.
 fn taken_along() -> Description {
     Description {
         gravity: 9.81,
@@ -128,8 +127,8 @@ fn taken_along() -> Description {
 
 #[test]
 fn invariant_a_light_body_is_taken_off_its_stop_by_friction_without_an_impact() {
-    // The heavy body's speed at its turning point is rounding of what it was. The light one, which
-    // has never moved, is held to it, and what it does to the stop with that speed is no impact.
+    // At its turning point the heavy body's speed is rounding of its earlier speed. The light one
+    // sticks to it and takes that speed, which must not cause an impact on the stop.
     follow(taken_along()).unwrap();
     let mut motion = motion(taken_along());
     let all = events(&mut motion, 0.06);
@@ -138,7 +137,8 @@ fn invariant_a_light_body_is_taken_off_its_stop_by_friction_without_an_impact() 
     assert_eq!(all[0].time, all[1].time);
 }
 
-/// A body that a spring draws to a rigid stop, where an elastic one ends at the same place.
+/// A body pulled by a spring to a rigid stop, with an elastic stop that ends at the same
+/// coordinate.
 fn between_two_stops() -> Description {
     Description {
         bodies: vec![body("body", 0.14040273358480032, 0.0, 1.0), body("far", 1.0, -1.0, 0.0)],
@@ -153,8 +153,8 @@ fn between_two_stops() -> Description {
 
 #[test]
 fn invariant_bounces_end_at_an_elastic_stop_that_ends_at_the_same_place() {
-    // At the top of the lowest bounces the elastic stop's force is at its cap and at zero, both but
-    // for rounding.
+    // At the top of the lowest bounces the elastic stop's force is both zero and at its limit,
+    // within rounding.
     follow(between_two_stops()).unwrap();
     let all = events(&mut motion(between_two_stops()), 0.1);
     let close = times(&all, |kind| matches!(kind, EventKind::Close { stop: 1 }));

@@ -7,17 +7,17 @@ use vibro_assembly::description::*;
 use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::{Assembly, Error};
 
-/// Some tens of roundings of numbers of order one.
+/// Hundreds of roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
-/// Of a place, in parts of the sizes of the elongations that it consists of: what issue and page
-/// promise, some thousand roundings.
+/// Error of a coordinate relative to the sum of its elongations' sizes, as documented: thousands of
+/// roundings.
 const PLACE: f64 = 1e-12;
 
 fn at_rest(d: Description) -> Description {
     Description { gravity: 10.0, starts_at_rest: true, ..d }
 }
 
-/// Nothing moves or happens until a time.
+/// Requires that no body moves and no event occurs until a time.
 fn stands(m: &mut vibro_assembly::Motion, end: f64) {
     let free = |b: &Body| matches!(b.kind, BodyKind::Free(_));
     let bodies = &m.assembly().description.bodies;
@@ -27,7 +27,7 @@ fn stands(m: &mut vibro_assembly::Motion, end: f64) {
     assert!(all.is_empty(), "{all:?}");
     for (i, s) in before {
         let [now, v, a] = m.body(i);
-        // The start's places are rounded, and a stiff spring feels it.
+        // A stiff spring magnifies the rounding of the initial coordinates.
         assert!(
             (now - s).abs() < ROUNDING && v.abs() < 10.0 * ROUNDING && a.abs() < 1e2 * ROUNDING,
             "{i} {now} {v} {a}"
@@ -37,7 +37,7 @@ fn stands(m: &mut vibro_assembly::Motion, end: f64) {
 
 #[test]
 fn closed_form_hanging_chain() {
-    // Two masses on two springs: the upper bears both, the lower its own.
+    // Two masses on two springs: the upper spring bears both, the lower one its own mass.
     let d = Description {
         bodies: vec![heavy("a", 1.0, 1.0, 0.0, 0.0), heavy("b", 2.0, 1.0, 0.0, 0.0)],
         springs: vec![spring(&[(0, 1.0)], 300.0, 1.0), spring(&[(0, -1.0), (1, 1.0)], 1e5, 0.0)],
@@ -50,8 +50,8 @@ fn closed_form_hanging_chain() {
 
 #[test]
 fn closed_form_preloaded_stops() {
-    // A block pressed on a rigid stop by a preloaded spring; a second one on a rubber that lies on
-    // the first.
+    // A block pressed on a rigid stop by a preloaded spring; a second block on a rubber on the
+    // first.
     let d = Description {
         bodies: vec![heavy("block", 1.0, 1.0, 0.0, 0.0), heavy("rider", 3.0, 1.0, 0.0, 0.0)],
         springs: vec![Spring { preload: -50.0, ..spring(&[(0, 1.0)], 100.0, 0.0) }],
@@ -72,7 +72,7 @@ fn closed_form_preloaded_stops() {
 
 #[test]
 fn closed_form_friction_holds_where_it_must() {
-    // Nothing but friction bears the first block; the second hangs on a spring, and friction bears
+    // Friction alone bears the first block; the second hangs on a spring, where friction bears
     // nothing.
     let held = |level| Description {
         bodies: vec![heavy("held", 1.0, 1.0, 0.0, 0.0), heavy("hung", 1.0, 1.0, 0.0, 0.0)],
@@ -88,7 +88,7 @@ fn closed_form_friction_holds_where_it_must() {
     assert!((m.friction(0)[2] - 10.0).abs() < ROUNDING * 100.0, "{:?}", m.friction(0));
     assert_eq!(m.mode().frictions, [FrictionState::Stuck; 2]);
     stands(&mut m, 1.0);
-    // By its static level alone.
+    // The static level alone holds the weight.
     stands(&mut motion(at_rest(held(9.0))), 1.0);
 }
 
@@ -132,7 +132,7 @@ fn closed_form_belt_rubs_a_body_at_rest() {
     stands(&mut m, 0.5);
 }
 
-/// Numbers in [0, 1), by a seed (Numerical Recipes' generator).
+/// Random numbers in [0, 1) from a seed (generator of Numerical Recipes).
 struct Random(u64);
 
 impl Random {
@@ -146,10 +146,10 @@ impl Random {
     }
 }
 
-/// A forest: each body hangs on the ground or on one before it; stiffnesses up to 1e12 apart,
-/// inertias 1e11, each under gravity or a load. Some springs are buffers, pressed by what they
-/// bear, or have a closed rigid stop or friction that bears nothing beside them. Also each body's
-/// place, with the sizes of the elongations on its way to the ground.
+/// A forest: each body hangs on ground or on an earlier body, under gravity or a load; stiffnesses
+/// differ by up to 1e12, inertias by 1e11. Some springs are pressed buffers, or have a closed rigid
+/// stop or friction in parallel that bears nothing. Returned with it are the coordinate of each
+/// body and the sum of the absolute elongations between it and ground.
 fn forest(random: &mut Random, count: usize) -> (Description, Vec<(f64, f64)>) {
     let mut d = Description::default();
     let (mut parents, mut stiffnesses, mut own) = (Vec::new(), Vec::new(), Vec::new());
@@ -176,7 +176,7 @@ fn forest(random: &mut Random, count: usize) -> (Description, Vec<(f64, f64)>) {
         stiffnesses.push(stiffness);
         own.push(force);
     }
-    // What each bears: its own and that of all on it.
+    // Each spring bears the force on its body and on all bodies that hang on that body.
     let mut borne = own;
     for i in (0..count).rev() {
         if let Some(parent) = parents[i] {
@@ -207,8 +207,8 @@ fn closed_form_forests_of_springs_whose_stiffnesses_are_far_apart() {
 
 #[test]
 fn closed_form_a_sensor_on_a_stiff_spring_of_a_soft_one() {
-    // Two springs in series, 1e8 to 1e12 apart; the lower one also as a buffer on which the sensor
-    // lies.
+    // Two springs in series with a stiffness ratio of 1e8 to 1e12; the sensor is on the stiff one,
+    // which may also be a buffer.
     for stiff in [1e10, 1e12, 1e14] {
         for mass in [1e-8, 1e-3, 1.0] {
             for is_buffer in [false, true] {
@@ -227,8 +227,8 @@ fn closed_form_a_sensor_on_a_stiff_spring_of_a_soft_one() {
                 let s = 10.0 * (1.0 + mass) / 100.0;
                 assert!((found[0] - s).abs() <= PLACE * s, "{stiff:e} {mass:e} {is_buffer}: {found:?}");
                 assert!((found[1] - found[0]).abs() <= 10.0 * mass / stiff + PLACE * s, "{found:?}");
-                // A light body that nothing bears is the one that is named, however stiff what
-                // holds the others is.
+                // The error names the light body that nothing bears, however stiff the other
+                // bodies' supports are.
                 d.bodies.push(heavy("loose", 1e-8, 0.5, 0.0, 0.0));
                 let refused = Assembly::new(at_rest(d)).unwrap_err();
                 let Error::NoEquilibrium { body, acceleration } = &refused else { panic!("{refused}") };
@@ -257,8 +257,8 @@ fn closed_form_a_belt_whose_speed_is_rounding_of_its_amplitude_does_not_rub() {
 
 #[test]
 fn closed_form_belts_that_move_rub_with_the_level_of_slipping_not_with_the_static_one() {
-    // Up and down, beside a static level that is three times as high; a second body needs its own
-    // static level.
+    // Up and down, with a static level three times as high; a second body is held by its static
+    // level.
     for rate in [0.5, -0.5] {
         let d = Description {
             bodies: vec![

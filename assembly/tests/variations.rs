@@ -1,4 +1,4 @@
-//! Variations over events, against closed forms and against differences of motions.
+//! Variations through events against closed forms and against differences of motions.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ fn motion(text: &str) -> Motion {
     Motion::new(Arc::new(Assembly::new(machine).unwrap())).unwrap()
 }
 
-/// The variations at a time of the states and inputs at the start, through every event.
+/// The variations at `end` with respect to the initial states and inputs, through every event.
 fn varied(motion: &mut Motion, end: f64) -> Vec<Vec<f64>> {
     let mut variations = motion.unit_variations();
     while motion.advance_with(end, &mut variations).unwrap() == Outcome::Event {}
@@ -20,15 +20,15 @@ fn varied(motion: &mut Motion, end: f64) -> Vec<Vec<f64>> {
 
 #[test]
 fn closed_form_a_ball_that_falls_on_a_floor() {
-    // Some roundings of a state of the size 10.
+    // Roundings of a state of the size 10.
     const ROUNDING: f64 = 1e-13;
     let text = "name = \"Ball\"\ngravity = 10.0\n[body.ball]\nmass = 2.0\ngravity = 1.0\nstart = { v = 1.0 }\n\
                 [stop.floor]\nbetween = [\"ground\", \"ball\"]\ngap = 4.0\nrestitution = 0.5\n\
                 [load.push]\non = \"ball\"\ninput = true\n";
     let (h, v0, g, e, m, end) = (4.0_f64, 1.0_f64, 10.0_f64, 0.5, 2.0, 1.0);
     let variations = varied(&mut motion(text), end);
-    // It meets the floor with u after t; by s(0) sooner by 1/u, by v(0) sooner by t/u, and faster
-    // by energy.
+    // It meets the floor at speed u after t: dt/ds(0) = -1/u, dt/dv(0) = -t/u; the derivatives of u
+    // follow from energy.
     let u = (v0 * v0 + 2.0 * g * h).sqrt();
     let t = (u - v0) / g;
     let left = end - t;
@@ -40,7 +40,7 @@ fn closed_form_a_ball_that_falls_on_a_floor() {
     };
     let by_s = after(-1.0 / u, -g / u);
     let by_v = after(-t / u, v0 / u);
-    // A constant push F adds F/m to g.
+    // A constant force F adds F/m to g.
     let (dt_g, du_g) = (-0.5 * t * t / u, t - 0.5 * g * t * t / u);
     let mut by_g = after(dt_g, du_g);
     by_g[0] += 0.5 * left * left;
@@ -66,18 +66,18 @@ fn closed_form_friction_that_comes_to_rest_keeps_no_rate() {
 
 #[test]
 fn closed_form_what_a_closed_stop_holds_does_not_vary() {
-    // Both move on together, with the momentum of both.
+    // Both bodies move on together; momentum is conserved.
     let text = "name = \"Pair\"\n[body.a]\nmass = 1.0\nstart = { v = 2.0 }\n[body.b]\nmass = 3.0\n\
                 [stop.bump]\nbetween = [\"b\", \"a\"]\ngap = 1.0\nrestitution = 0.0\n\
                 [load.push]\non = \"a\"\nconstant = 4.0\n";
     let (a, m, end) = (4.0_f64, 1.0, 3.0);
     let variations = varied(&mut motion(text), end);
-    // By v of a: t from 1 = v t + a t²/2.
+    // Derivatives by the speed v of a, with t from 1 = v t + a t²/2.
     let v = 2.0_f64;
     let u = (v * v + 2.0 * a).sqrt();
     let t = (u - v) / a;
     let (dt, du) = (-t / u, v / u);
-    // Of both after it: V = u m/4 + (end - t) a/4; the position is 1 less than that of a.
+    // Common speed after the impact: V = u m/4 + (end - t) a/4; b is 1 behind a.
     let both = du * m / 4.0 - dt * a / 4.0;
     let left = end - t;
     let place = du * m / 4.0 * left - dt * (u * m / 4.0 + a / 4.0 * left);
@@ -87,16 +87,15 @@ fn closed_form_what_a_closed_stop_holds_does_not_vary() {
     }
 }
 
-/// In parts of a column's largest entry: a difference of fourth order leaves the fourth power of
-/// its step, and rounding over the step.
+/// Error of a fourth-order difference relative to a column's largest entry: fourth power of the
+/// step, and rounding over the step.
 const DIFFERENCE: f64 = 2e-5;
 
-/// The examples, each up to a time by which it has passed events of its kinds and stands at none.
-/// A ball of mass 1 with u hits the first of two that touch, at rest. Both stops take part:
+/// A ball of mass 1 at speed u hits the first of two touching balls at rest. Both stops take part:
 /// P = (4/3, 2/3) u for ε = 1 and equal masses, by (A7), so that the speeds are -u/3, 2u/3, 2u/3.
 #[test]
 fn closed_form_a_ball_that_hits_two_that_touch() {
-    // Roundings of a few operations; a difference of impacts would have 1e-10.
+    // Roundings of a few operations; a difference quotient would have 1e-10.
     const ROUNDING: f64 = 1e-14;
     let text = "name = \"Three\"\n[body.a]\nmass = 1.0\nstart = { v = 1.0 }\n[body.b]\nmass = 1.0\n[body.c]\nmass = 1.0\n\
                 [stop.ab]\nbetween = [\"b\", \"a\"]\ngap = 0.5\nrestitution = 1.0\n\
@@ -105,7 +104,7 @@ fn closed_form_a_ball_that_hits_two_that_touch() {
     let mut variations = varied(&mut three, 2.0);
     let speeds = [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0];
     assert!((0..3).all(|i| (three.rate(i) - speeds[i]).abs() < ROUNDING));
-    // By the rate of a: the impact is at 0.5/u, at one place, and all speeds are in proportion.
+    // By the rate of a: the impact is at time 0.5/u at a fixed position; all speeds scale with u.
     let by_rate = variations.swap_remove(3);
     for i in 0..3 {
         let place = speeds[i] * (1.5 + 0.5);
@@ -119,11 +118,11 @@ fn second_method_the_examples_against_differences_of_motions() {
     for (name, end, events, step) in [
         ("bouncing_ball", 3.0, 2, 2e-5),
         ("paper_machine", 12.0, 3, 2e-5),
-        // Its friction comes to rest within micrometres of the buffer: changes must be smaller.
+        // Friction comes to rest within micrometres of the buffer: the step must be small.
         ("damper_with_buffer", 0.5, 10, 5e-7),
         ("msl_elastogap", 3.0, 2, 2e-5),
-        // Its flanks make of a rounding of the angles 4e4/s times as much in the speeds: changes
-        // must be greater.
+        // The flanks magnify a rounding of the angles by 4e4/s in the speeds: the step must be
+        // large.
         ("gear_backlash", 0.03, 4, 1e-4),
         ("msl_coupled_clutches", 1.3, 4, 2e-5),
         ("two_blocks", 0.1, 1, 2e-5),

@@ -16,7 +16,7 @@ const KINDS: &str = "allowed is one of mass, inertia, motion";
 pub(super) struct Names(Vec<(String, Option<Dimension>)>);
 
 impl Names {
-    /// The place of a body and its dimension.
+    /// The index of a body and its dimension.
     pub fn find(&self, name: &str) -> Option<(usize, Option<Dimension>)> {
         self.0.iter().position(|body| body.0 == name).map(|place| (place, self.0[place].1))
     }

@@ -177,7 +177,7 @@ fn arms(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Arms>
     }
 }
 
-/// An end of an element: ground, or a body.
+/// End of an element: a body with its dimension, or `None` for ground.
 type End = Option<(usize, Option<Dimension>)>;
 
 fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {

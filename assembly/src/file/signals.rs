@@ -101,7 +101,7 @@ fn harmonic(reading: &mut Reading, table: &FileTable, values: Values) -> Option<
     Some(Harmonic { amplitude: amplitude?, frequency: frequency?, phase: phase? })
 }
 
-/// Pairs of a time and a value.
+/// Reads a list of pairs of time and value.
 fn pairs(reading: &mut Reading, list: &Entry, values: Values, allowed: &str) -> Option<Vec<(f64, f64)>> {
     let Some(items) = reading.items(list) else {
         reading.refuse(list, allowed);

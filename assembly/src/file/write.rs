@@ -117,7 +117,7 @@ fn friction(text: &mut String, friction: &Friction) {
     }
 }
 
-/// A signal as a number or an inline table.
+/// A signal as a number or as an inline table.
 fn signal(signal: &Signal) -> String {
     if signal.is_constant() {
         return format!("{:?}", signal.constant);

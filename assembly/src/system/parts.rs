@@ -1,31 +1,30 @@
-//! What elements consist of: the springs, stops, frictions and loads on which the law acts.
+//! Parts of elements: the springs, stops, frictions and loads of the law.
 //!
-//! An element of the description is one thing to its user, with one name, one force and one energy;
-//! the law knows its parts alone.
+//! The user sees an element, with one name, one force and one energy; the law sees its parts.
 
 use super::{Elongation, StateRow, System};
 use crate::mode::{Contact, Mode, StopState};
 
-/// A part of an element, by its place among the system's own.
+/// A part of an element, by index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Among [`System::springs`].
+    /// Index in [`System::springs`].
     Spring(usize),
-    /// Among [`System::stops`].
+    /// Index in [`System::stops`].
     Stop(usize),
-    /// Among [`System::frictions`].
+    /// Index in [`System::frictions`].
     Friction(usize),
-    /// Among [`System::loads`].
+    /// Index in [`System::loads`].
     Load(usize),
 }
 
 impl System {
-    /// The place, among all elements, of the one that has a part.
+    /// The index of the element that has a part, among all elements.
     pub fn element_of(&self, part: Part) -> usize {
         self.parts.iter().position(|parts| parts.contains(&part)).unwrap_or_default()
     }
 
-    /// The elongation of a part; a load has none.
+    /// The elongation of a part; `None` for a load.
     pub fn elongation_of_part(&self, part: Part) -> Option<&Elongation> {
         match part {
             Part::Spring(i) => Some(&self.springs[i].elongation),

@@ -9,7 +9,7 @@ use std::ops::Deref;
 /// A row that acts on the augmented state.
 pub type StateRow = DVector<f64>;
 
-/// A row with the list of its terms, by which its values are found.
+/// A row with the list of its nonzero terms, for fast evaluation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Functional {
     row: StateRow,
@@ -23,19 +23,19 @@ impl Functional {
         Self { row, terms }
     }
 
-    /// Its value.
+    /// Its value at `z`.
     #[inline(always)]
     pub fn at(&self, z: &[f64]) -> f64 {
         self.terms.dot(z)
     }
 
-    /// Its terms that are not zero, with their places.
+    /// Its nonzero terms, with their indices.
     #[inline(always)]
     pub fn terms(&self) -> &[(usize, f64)] {
         self.terms.terms()
     }
 
-    /// The sum of its terms' sizes, for a vector of sizes.
+    /// The sum of the terms' absolute values, for a vector of absolute values.
     #[inline(always)]
     pub fn size(&self, sizes: &[f64]) -> f64 {
         self.terms.size(sizes)
@@ -50,25 +50,24 @@ impl Deref for Functional {
     }
 }
 
-/// What is common to all elements: the elongation e = Σ arm · s and its rate.
+/// The elongation e = Σ arm · s of an element, with its rate.
 #[derive(Clone, Debug)]
 pub struct Elongation {
     /// e.
     pub e: StateRow,
     /// e'.
     pub rate: Functional,
-    /// The direction in which its force acts on the coordinates, w = ∂e'/∂v; the acceleration is
-    /// e'' = w·a + drift·z.
+    /// The direction of its force on the coordinates, w = ∂e'/∂v; e'' = w·a + drift·z.
     pub w: DVector<f64>,
     /// The part of e'' that prescribed bodies make.
     pub drift: StateRow,
     /// L⁻¹ w.
     pub column: DVector<f64>,
-    /// The change of the velocities by a unit of impulse, M⁻¹ w.
+    /// The change of the velocities by a unit impulse, M⁻¹ w.
     pub mobility: DVector<f64>,
 }
 
-/// A body's coordinate.
+/// A body's coordinate as rows.
 #[derive(Clone, Debug)]
 pub struct BodyRows {
     /// s.
@@ -86,11 +85,11 @@ pub struct BodyRows {
 pub struct SpringRows {
     /// Its elongation.
     pub elongation: Elongation,
-    /// N/m.
+    /// N/m or N m/rad.
     pub stiffness: f64,
-    /// N s/m.
+    /// N s/m or N m s/rad.
     pub damping: f64,
-    /// N.
+    /// N or N m.
     pub preload: f64,
     /// Its force.
     pub force: StateRow,
@@ -103,16 +102,16 @@ pub struct StopRows {
     pub elongation: Elongation,
     /// e - gap.
     pub excess: Functional,
-    /// What it does.
+    /// Contact law.
     pub law: StopLaw,
-    /// A compliant stop's force where its law is linear: stiffness (e - gap) + damping e'.
+    /// A compliant stop's force without its limit: stiffness (e - gap) + damping e'.
     pub force: Functional,
-    /// The force of its spring alone: stiffness (e - gap).
+    /// The spring's share of a compliant stop's force: stiffness (e - gap).
     pub spring: Functional,
 }
 
 impl StopRows {
-    /// The restitution coefficient of a rigid stop.
+    /// The restitution coefficient; `None` for a compliant stop.
     pub fn restitution(&self) -> Option<f64> {
         match self.law {
             StopLaw::Rigid { restitution } => Some(restitution),
@@ -120,7 +119,7 @@ impl StopRows {
         }
     }
 
-    /// The stiffness of a compliant stop; 0 of a rigid one, N/m or N m/rad.
+    /// The stiffness of a compliant stop, N/m or N m/rad; 0 for a rigid one.
     pub fn stiffness(&self) -> f64 {
         match self.law {
             StopLaw::Rigid { .. } => 0.0,
@@ -128,8 +127,8 @@ impl StopRows {
         }
     }
 
-    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its
-    /// cap there.
+    /// The state of a compliant stop just after it closes with speed: an `ElastoGap`'s dashpot
+    /// starts at its limit.
     pub fn entered(&self) -> StopState {
         if self.is_elastogap() && self.force != self.spring { StopState::Capped } else { StopState::Pressed }
     }
