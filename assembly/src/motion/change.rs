@@ -1,5 +1,4 @@
-//! A motion that goes on in a machine of which numbers have changed, and one that goes on from what
-//! was saved.
+//! Continuing a motion in a machine with changed parameters, or from a saved state.
 
 use super::jump::Parted;
 use super::{Hybrid, Motion};
@@ -11,8 +10,7 @@ use nalgebra::DVector;
 use std::sync::Arc;
 
 impl Motion {
-    /// The motion that goes on from what was saved of one of this machine; none where it does not
-    /// [fit](Hybrid::fits).
+    /// Continues from a saved state; `None` where it does not [fit](Hybrid::fits) the machine.
     pub fn resumed(assembly: Arc<Assembly>, saved: &Hybrid) -> Option<Self> {
         if !saved.fits(&assembly) {
             return None;
@@ -22,14 +20,14 @@ impl Motion {
         Some(motion)
     }
 
-    /// The same motion from the present instant on in a machine with the same elements, of which
-    /// numbers have changed: bodies keep coordinates and rates, signals take their new values at
-    /// once. An event that is due comes first, by the old numbers. The accounts of energy go on, so
-    /// that the balance jumps by what the change has put in.
+    /// Continues from the present instant in a machine with the same elements and changed
+    /// parameters: bodies keep coordinates and rates, signals take their new values at once. A
+    /// pending event is applied first, with the old parameters. Energy accounts continue, so that
+    /// the balance jumps by the energy that the change puts in.
     ///
     /// # Errors
-    /// [`Error::Violated`] where a rigid stop's gap is now less than its e, [`Error::Jammed`];
-    /// [`Error::OutOfRange`] for a machine whose coordinates are those of other bodies.
+    /// [`Error::Violated`] where a rigid stop's gap is now less than its e; [`Error::Jammed`];
+    /// [`Error::OutOfRange`] for a machine whose coordinates belong to other bodies.
     pub fn changed(&self, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.pass_event(&mut None)?;
@@ -76,8 +74,8 @@ impl Motion {
         Ok(motion)
     }
 
-    /// A closed stop keeps e; where its gap has grown it touches no more, and where that is less
-    /// than e it is violated.
+    /// Opens the rigid stops whose gap has grown beyond e; a gap that is now less than e is an
+    /// error.
     fn open_what_is_off(&mut self) -> Result<(), Error> {
         let (system, sizes) = (&self.assembly.system, &self.hybrid.sizes);
         let mut off = Vec::new();

@@ -1,11 +1,9 @@
-//! A motion whose course between events a host's solver finds: time and states come from there,
-//! derivatives and what is watched go there, and the law at events is the same as in the exact
-//! motion.
+//! Model exchange: a host's solver integrates between events. It sets time and states and reads
+//! derivatives and event indicators; the law at events is that of the exact motion.
 //!
-//! A solver's states are a little off. So that the law finds at an event what it must decide on, an
-//! indicator passes zero a little late: where its functional has passed zero by [`LATE`] of its
-//! size. Just after an event an indicator is then positive, which hosts that look for a change of
-//! sign need.
+//! A solver's states carry its error. So that the law recognizes at an event what has passed zero,
+//! an indicator passes zero late: where its functional exceeds zero by [`LATE`] of its size. Just
+//! after an event an indicator is then positive, as hosts that look for a change of sign need.
 
 use super::event::Event;
 use super::jump::Parted;
@@ -23,26 +21,27 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// By this part of its size a watched functional has passed zero where its indicator passes zero.
-/// Above the rounding of roots that solvers find, and so small that an impact at this depth is as
-/// exact as a solver's tolerance.
+/// Relative overshoot of a watched functional where its indicator passes zero: above the rounding of
+/// roots that solvers find, and so small that an impact at this depth is as exact as a solver's
+/// tolerance.
 pub(super) const LATE: f64 = 1e-11;
-/// Modes that may follow one another at one instant, for each element and one more.
+/// Limit of modes in succession at one instant: times the number of indicators plus one.
 const CHAIN: usize = 10;
 
-/// Where a host's solver has come from.
+/// Last event and last accepted point of a host's solver.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Course {
-    /// The time of the last event, s: knots of signals after it have not come yet.
+    /// Time of the last event, s: the signals' knots after it are still to come.
     event: f64,
-    /// The last accepted point: time, s, and state.
+    /// Time of the last accepted point, s.
     time: f64,
+    /// State at that point.
     #[serde(with = "saved::vector")]
     z: DVector<f64>,
 }
 
 impl Course {
-    /// Whether it can be one of a motion of this machine.
+    /// Whether it can belong to a motion of this machine: its size, and finite numbers.
     pub fn fits(&self, assembly: &Assembly) -> bool {
         self.z.len() == assembly.system.signals.size
             && self.event.is_finite()
@@ -51,9 +50,8 @@ impl Course {
     }
 }
 
-/// The place of each element's indicators: one of a rigid stop; of a compliant one that of its edge
-/// and that of its force; of friction those of slipping upwards, of slipping downwards, of its
-/// level.
+/// Order of the event indicators: one per rigid stop; two per compliant stop, of its edge and of its
+/// force; three per friction, of slipping upwards, of slipping downwards and of its level.
 impl System {
     /// Number of indicators: the same in every mode.
     pub fn indicators(&self) -> usize {
@@ -64,8 +62,8 @@ impl System {
         self.stops[..i].iter().map(|stop| if stop.restitution().is_some() { 1 } else { 2 }).sum()
     }
 
-    /// The place of a watched functional's indicator; `second` tells that it is the second of its
-    /// kind.
+    /// Index of a watched functional's indicator; `second` marks the second functional of an
+    /// `ElastoGap`'s force.
     fn indicator(&self, watch: Watch, second: bool) -> usize {
         let friction = |i: usize| self.first_indicator_of_stop(self.stops.len()) + 3 * i;
         match watch {
@@ -73,8 +71,7 @@ impl System {
                 self.first_indicator_of_stop(i)
             }
             Watch::Changes(i) => self.first_indicator_of_stop(i) + usize::from(!second),
-            // The direction does not matter: a friction slips one way, or its force can leave
-            // either way.
+            // A slipping friction watches one direction only and uses the first indicator.
             Watch::Stops(i) | Watch::Slips(i, true) => friction(i),
             Watch::Slips(i, false) => friction(i) + 1,
             Watch::Level(i) => friction(i) + 2,
@@ -83,13 +80,13 @@ impl System {
 }
 
 impl Assembly {
-    /// The bodies whose coordinates, and then rates, are the states of a host's solver.
+    /// The bodies whose coordinates, then rates, are the continuous states.
     pub fn states(&self) -> &[usize] {
         &self.system.bodies_of
     }
 
-    /// Sizes that are usual of the states, of coordinates first: what starts, gaps and loads make,
-    /// by the springs and the weights that hold against them. All are positive.
+    /// Nominal values of the continuous states, coordinates first, from start values, gaps, and
+    /// loads with the stiffness and mass that resist them. All are positive.
     pub fn nominals(&self) -> Vec<f64> {
         let (system, n) = (&self.system, self.system.coordinates);
         let mut z: Row = DVector::from_element(system.signals.size, 1.0);
@@ -123,7 +120,7 @@ impl Assembly {
 }
 
 impl Motion {
-    /// Hands the motion over to a host's solver, at the present time. An event that is due comes
+    /// Hands the motion over to a host's solver at the present time. A pending event is applied
     /// first.
     ///
     /// # Errors
@@ -137,59 +134,58 @@ impl Motion {
         Ok(Course { event: self.time(), time: self.time(), z: self.hybrid.z.clone() })
     }
 
-    /// Goes on with a course that was saved with this motion.
+    /// Continues with a course that was saved with this motion.
     pub fn resume_course(&mut self) {
         self.late = LATE;
     }
 
-    /// As [`changed`](Self::changed), on a course.
+    /// [`changed`](Self::changed) where a host's solver integrates.
     ///
     /// # Errors
-    /// As [`changed`](Self::changed); the course is then as it was.
+    /// As [`changed`](Self::changed); the course is then unchanged.
     pub fn changed_on(&self, course: &mut Course, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.accept(&mut course.clone());
-        // Where a host's solver has left its closed stops, which is not what a change of numbers
-        // does.
+        // The solver's drift off closed stops must not count as an effect of the change.
         old.keep_contacts();
         let changed = old.changed(assembly)?;
         *course = Course { event: self.time(), time: self.time(), z: changed.hybrid.z.clone() };
         Ok(changed)
     }
 
-    /// Puts it at another time, the states being as they are.
+    /// Sets the time; the continuous states stay.
     pub fn place_at(&mut self, course: &Course, time: f64) {
         self.hybrid.time = DoubleDouble::new(time);
         self.refill_on(course);
     }
 
-    /// The states of a host's solver: coordinates, then rates.
+    /// The continuous states: coordinates, then rates.
     pub fn states(&self) -> &[f64] {
         &self.hybrid.z.as_slice()[..self.assembly.system.signals.one]
     }
 
-    /// Sets them; as many as there are.
+    /// Sets the continuous states; `states` has as many entries as [`states`](Self::states).
     pub fn set_states(&mut self, states: &[f64]) {
         let own = self.assembly.system.signals.one;
         self.hybrid.z.as_mut_slice()[..own].iter_mut().zip(states).for_each(|(z, state)| *z = *state);
     }
 
-    /// Their time derivatives.
+    /// Time derivatives of the continuous states.
     pub fn state_derivatives(&self) -> Vec<f64> {
         self.rates_of(&self.hybrid.z).as_slice().to_vec()
     }
 
-    /// Sets an input that the solver sees at once, without derivatives. It acts from the last
-    /// accepted point on.
+    /// Sets an input's value between events, without derivatives. It acts from the last accepted
+    /// point on.
     pub fn set_input_on(&mut self, course: &mut Course, i: usize, value: f64) {
         self.hybrid.inputs[i] = (course.event, [value, 0.0, 0.0, 0.0]);
         self.refill_on(course);
         if self.time() == course.time {
-            // Accelerations on the way from there are to be those that the solver sees.
+            // The accelerations from there on must be those that the solver sees.
             let own = self.assembly.system.signals.one;
             course.z.as_mut_slice()[own..].copy_from_slice(&self.hybrid.z.as_slice()[own..]);
         }
-        // What depends on nothing but inputs has no other size, and would count as zero.
+        // A functional of inputs alone has no other size, and would count as zero.
         if let Some(place) = self.assembly.system.signals.place_of_input(i) {
             self.hybrid.sizes.include_from(place, &[value]);
         }
@@ -198,26 +194,24 @@ impl Motion {
     /// Sets inputs at an event, as [`set_inputs`](Self::set_inputs): prescribed bodies may jump.
     ///
     /// # Errors
-    /// As [`set_inputs`](Self::set_inputs); nothing has changed then.
+    /// As [`set_inputs`](Self::set_inputs); the motion is then unchanged.
     pub fn set_inputs_on(&mut self, course: &mut Course, inputs: &[(usize, Input)]) -> Result<(), Error> {
         let left = self.hybrid.z.clone();
-        // As at an event: what a host's solver has left of closed contacts is no impact. Their
-        // places are the jump's: the table of a closed stop may have been set elsewhere since the
-        // last event.
+        // The solver's residual rates of closed contacts are no impact. Coordinates are left to the
+        // jump: a prescribed body at a closed stop may have been set elsewhere since the last event.
         self.keep_rates();
         self.set_inputs(inputs).inspect_err(|_| self.hybrid.z = left)?;
         *course = Course { event: self.time(), time: self.time(), z: self.hybrid.z.clone() };
         Ok(())
     }
 
-    /// Whether it stands where something watched has passed zero or a signal has a knot, and the
-    /// law of it is still to be applied.
+    /// Whether an event is pending: a watched functional has passed zero or a signal has a knot.
     pub fn is_event_due_on(&self, course: &Course) -> bool {
         self.is_at_knot(course) || !self.passed().is_empty()
     }
 
-    /// What is watched, in parts of its size, by elements: stops, then frictions. An event is where
-    /// one becomes negative; of what is not watched now it is 1.
+    /// The event indicators, stops first, then frictions: watched functionals relative to their
+    /// sizes. An event is where one becomes negative; indicators not in use in this mode are 1.
     pub fn indicators(&self) -> Vec<f64> {
         let system = &self.assembly.system;
         let mut indicators = vec![1.0; system.indicators()];
@@ -227,7 +221,7 @@ impl Motion {
         indicators
     }
 
-    /// Every watched functional in parts of its size, by the place of its indicator.
+    /// Every watched functional relative to its size, with the index of its indicator.
     fn watched_now(&self) -> impl Iterator<Item = (usize, f64)> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         let mut last = None;
@@ -239,7 +233,7 @@ impl Motion {
         })
     }
 
-    /// What has passed zero, by more than half of what an indicator is late.
+    /// The functionals that have passed zero, by more than half of [`LATE`].
     fn passed(&self) -> Vec<Watch> {
         let passed = self.watched_now().map(|(_, value)| value > 0.5 * LATE);
         passed.zip(&self.table().watched).filter(|(passed, _)| *passed).map(|(_, w)| w.watch).collect()
@@ -254,20 +248,19 @@ impl Motion {
         self.next_knot_on(course).is_some_and(|knot| knot <= self.time())
     }
 
-    /// Takes the present point as accepted: the accounts of energy go on to here. Whether an event
-    /// was passed over.
+    /// Accepts the present point and adds the step to the energy accounts; returns whether an event
+    /// is pending there.
     pub fn accept(&mut self, course: &mut Course) -> bool {
         self.hybrid.energy = self.energy_on(course);
         (course.time, course.z) = (self.time(), self.hybrid.z.clone());
         self.is_at_knot(course) || self.indicators().iter().any(|indicator| *indicator <= 0.0)
     }
 
-    /// The law at an event: impacts and the mode that follows where something watched has passed
-    /// zero, and a signal's knot. True where there was one: states or, which for a solver is as
-    /// much of a new start, their derivatives have changed.
+    /// Applies the law at an event: the signals' knot, impacts, and the mode that follows. Returns
+    /// whether states or derivatives have changed, so that the solver must restart.
     ///
     /// # Errors
-    /// As [`apply_event`](Self::apply_event); nothing has changed then.
+    /// As [`apply_event`](Self::apply_event); motion and course are then unchanged.
     pub fn handle_on(
         &mut self,
         course: &mut Course,
@@ -292,9 +285,9 @@ impl Motion {
         if !self.is_event_due_on(course) {
             return Ok(false);
         }
-        // First its closed contacts, which a host's solver has left a little off where they move:
-        // that is neither an impact nor their end. What has passed zero by that alone has not.
-        // Where prescribed bodies jump, places are the jump's.
+        // Closed contacts are projected first: the solver's drift off them is neither an impact nor
+        // their end, and what has passed zero by drift alone is no event. Where prescribed bodies
+        // may jump, only rates are projected: coordinates are left to the jump.
         let (left, is_at_knot) = (self.hybrid.z.clone(), self.is_at_knot(course));
         if is_at_knot {
             self.keep_rates()
@@ -326,14 +319,14 @@ impl Motion {
         Err(self.stuck("the modes change without end"))
     }
 
-    /// Whether the state is the other one but for what counts as zero: contacts that are put right
-    /// once more leave a rounding.
+    /// Whether the state equals `other` up to [`ZERO`] of the sizes: projecting onto contacts once
+    /// more leaves rounding.
     fn counts_as(&self, other: &DVector<f64>) -> bool {
         let Hybrid { z, sizes, .. } = &self.hybrid;
         z.iter().zip(other).zip(&sizes.0).all(|((is, was), size)| (is - was).abs() <= ZERO * size)
     }
 
-    /// The accounts of energy up to the present point.
+    /// The energy accounts up to the present point.
     pub fn energy_on(&self, course: &Course) -> Accounts {
         let mut energy = self.hybrid.energy.clone();
         let (dt, system) = (self.time() - course.time, &self.assembly.system);
@@ -346,8 +339,9 @@ impl Motion {
         energy
     }
 
-    /// The state at a part of the way from the last accepted point: of the coordinates the quintic
-    /// by values, rates and accelerations at both ends, of the rates its derivative.
+    /// The state at the fraction `u` of the step from the last accepted point: coordinates by the
+    /// quintic Hermite interpolant of values, rates and accelerations at both ends, rates by its
+    /// derivative.
     fn between(&self, course: &Course, u: f64) -> DVector<f64> {
         let n = self.assembly.system.coordinates;
         let (h, from, to) = (self.time() - course.time, &course.z, &self.hybrid.z);
@@ -356,7 +350,7 @@ impl Motion {
         for k in 0..n {
             let (q0, v0, a0) = (from[k], h * from[n + k], h * h * a[n + k]);
             let (q1, v1, a1) = (to[k], h * to[n + k], h * h * b[n + k]);
-            // Powers 3 to 5 of what is left beside the parabola of the first end.
+            // Coefficients 3 to 5 of the remainder beyond the parabola at the first end.
             let (d, e, f) = (q1 - q0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0);
             let (c3, c4, c5) =
                 (10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f);
@@ -366,19 +360,20 @@ impl Motion {
         z
     }
 
-    /// Rates and accelerations of a state.
+    /// Rates and accelerations in a state.
     fn rates_of(&self, z: &DVector<f64>) -> DVector<f64> {
         self.table().a.rows_times(0..self.assembly.system.signals.one, z.as_slice())
     }
 
+    /// Computes the signals' part of the state, knots after the last event left out.
     fn refill_on(&mut self, course: &Course) {
         let signals = self.signals_on(course, self.hybrid.time);
         let own = self.assembly.system.signals.one;
         self.hybrid.z.as_mut_slice()[own..].copy_from_slice(&signals.as_slice()[own..]);
     }
 
-    /// The signals at a time as coordinates of an augmented state whose others are zero, knots
-    /// after the last event left out.
+    /// An augmented state that is zero but for the signals at `time`, knots after the last event
+    /// left out.
     fn signals_on(&self, course: &Course, time: DoubleDouble) -> DVector<f64> {
         let (signals, event) = (&self.assembly.system.signals, DoubleDouble::new(course.event));
         let (mut now, mut pieces) = (DVector::zeros(signals.size), DVector::zeros(signals.size));
