@@ -1,4 +1,9 @@
-//! What happens at an event: impacts, the mode that follows, and what is reported.
+//! The law at an event: impacts, the mode that follows, and the report.
+//!
+//! `Motion::settle` is the general path: flags of what the event says, projection of touching stops
+//! onto their gaps, impacts (docs/assembly-law.md (A7) to (A9)), selection of the mode ((A10) to
+//! (A12)), projection onto its contacts. The order matters: the selection needs velocities with
+//! which no touching stop closes.
 
 use super::event::EventKind;
 use super::jump::{Before, Parted};
@@ -14,17 +19,17 @@ use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 
-/// A watched functional's coefficient that is positive where the law says negative is rounding up
-/// to this many times the size under which it counts as zero; beyond, the modes would change
-/// without end, which is told.
+/// Rounding of a coefficient that is positive where the law says negative: at most this many times
+/// the size under which it counts as zero. Beyond that the modes would change without end, which
+/// is reported as an error.
 pub(super) const DOUBTFUL: f64 = 1e3;
 
-/// A body that moves goes further in a flight than this part of its length times what the forces by
-/// themselves would make of the rate; the place of one that stands still has the rounding of this
-/// way at most.
+/// Fraction of flight time times the rate that the forces' separate terms would cause which counts
+/// as a size of the coordinate. A moving body goes further; the coordinate of one that stands still
+/// has at most the rounding of this distance.
 const STANDING: f64 = 0.01;
 
-/// What an event says of the elements that take part.
+/// Elements at their limits by an event's verdict, whatever rounding says.
 #[derive(Clone, Default)]
 pub(super) struct Flags {
     stops: Vec<bool>,
@@ -34,15 +39,15 @@ pub(super) struct Flags {
 }
 
 impl Flags {
-    /// What the law asks, with places of stops that are open whatever their speed.
+    /// Input of the selection; `open` lists stops that are open whatever their speed.
     fn touching<'a>(&'a self, open: &'a [usize]) -> Touching<'a> {
         let Self { stops, resting, edges, limits } = self;
         Touching { stops, resting, edges, limits, open }
     }
 
-    /// What is left of it after impacts that changed the velocities by `kick`: friction whose rate
-    /// they changed no longer rests, and the force of a compliant stop with a dashpot is no longer
-    /// at a limit.
+    /// The flags still valid after impacts that changed the velocities by `kick`: friction whose
+    /// rate has changed no longer rests, and a compliant stop whose rate has changed is no longer at
+    /// a limit of its force.
     fn after(&self, kick: &DVector<f64>, system: &System, sizes: &Sizes) -> Self {
         let mut flags = self.clone();
         let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero_of(&e.rate);
@@ -54,15 +59,15 @@ impl Flags {
     }
 }
 
-/// Whether a bounce with a speed against an acceleration stays below the `least` height that is
-/// followed, by (A15).
+/// Whether a bounce with speed `rebound` against `acceleration` stays below the height `least`
+/// under which bounces are not followed (docs/assembly-law.md (A15)).
 pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
     rebound * rebound < 2.0 * acceleration * least
 }
 
 impl Motion {
-    /// Impacts and the mode that follow the present state, where the functionals `ended` have
-    /// passed zero and a jump has taken contacts `parted`.
+    /// Applies impacts and enters the mode that follows, where the functionals `ended` have passed
+    /// zero and a jump has separated the contacts `parted`.
     pub(super) fn settle(
         &mut self,
         ended: &[Watch],
@@ -89,7 +94,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Takes the flight since the mode began into the sizes of velocities and places
+    /// Includes the flight since the last call in the sizes of rates and coordinates
     /// (docs/assembly-law.md (A14)).
     pub(super) fn take_in_flight(&mut self) {
         let (time, one) = (self.time(), self.assembly.system.signals.one);
@@ -115,20 +120,20 @@ impl Motion {
         hybrid.since = time;
     }
 
-    /// Takes into the sizes what the contacts of the mode in force hold together.
+    /// Includes in the sizes what the contacts of the mode in force hold together.
     pub(super) fn take_in_contacts(&mut self) {
         let Hybrid { sizes, mode, .. } = &mut self.hybrid;
         mode.basis.iter().for_each(|&contact| sizes.include_contact(&self.assembly.system, contact));
     }
 
-    /// A knot of a signal: prescribed bodies may have jumped.
+    /// Applies a signal's knot, at which prescribed bodies may jump.
     pub(super) fn knot(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         report(observer, self.time(), EventKind::Knot);
         self.set_anew(stood, observer)
     }
 
-    /// What follows where signals have been set anew.
+    /// Applies jump, impacts and mode after signals were set anew.
     pub(super) fn set_anew(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
         let mut parted = Parted::default();
         if let Some(stood) = stood {
@@ -145,6 +150,7 @@ impl Motion {
         self.hybrid.z.rows(n, n).into_owned()
     }
 
+    /// Flags by the state and by the functionals `ended` that have passed zero.
     fn flags(&self, ended: &[Watch], parted: &Parted) -> Flags {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         let mut flags = Flags {
@@ -170,12 +176,12 @@ impl Motion {
                 Watch::Presses(i) | Watch::Leaves(i) => flags.edges[i] = true,
                 Watch::Changes(i) => {
                     let (stop, z) = (&system.stops[i], &hybrid.z);
-                    // A cap is met on the way in only, however near the edge: what is at its edge
-                    // on its way in would be entered once more.
+                    // A cap is met only inwards, so that it is a limit however near the edge: an
+                    // edge passed inwards would be entered a second time.
                     let cap = hybrid.mode.stops[i] == StopState::Capped
                         || (stop.is_elastogap() && stop.force.dot(z) > stop.spring.dot(z));
-                    // What presses and still goes in is past its edge: the rate would enter it once
-                    // more.
+                    // A pressed stop with e' > 0 is past its edge: as an edge it would be entered a
+                    // second time.
                     let rate = &stop.elongation.rate;
                     let enters = hybrid.mode.stops[i] == StopState::Pressed
                         && rate.at(z.as_slice()) > hybrid.sizes.zero_of(rate);
@@ -189,11 +195,11 @@ impl Motion {
         flags
     }
 
-    /// The rows that are zero by the law: e - gap and e' of closed stops, e' of sticking friction,
-    /// moved onto zero by the least change in the inertia's metric.
+    /// Projects the state onto the constraints of the mode in force, in the inertia's metric:
+    /// e = gap and e' = 0 of closed stops, e' = 0 of sticking friction.
     pub(super) fn keep_contacts(&mut self) {
         let Hybrid { mode, z, .. } = &mut self.hybrid;
-        // Stops come first, and so does their part of the triangle.
+        // The basis lists stops first; R of the stops is the leading block of the triangle.
         let stops = mode.basis.iter().take_while(|c| matches!(c, Contact::Stop(_))).count();
         if stops > 0 {
             let (system, r) = (&self.assembly.system, &self.tables.at(self.place).table.triangle);
@@ -202,7 +208,7 @@ impl Motion {
         self.keep_rates();
     }
 
-    /// The same for the rates alone.
+    /// Projects the rates alone onto the constraints of the mode in force.
     pub(super) fn keep_rates(&mut self) {
         let Hybrid { mode, z, .. } = &mut self.hybrid;
         if mode.basis.is_empty() {
@@ -212,8 +218,8 @@ impl Motion {
         project(system, &mode.basis, r, true, z.as_mut_slice(), &mut self.scratch.off);
     }
 
-    /// Puts touching stops exactly on their gap. Others that this moves onto theirs touch, too:
-    /// they take part in the impacts.
+    /// Projects touching stops onto e = gap. Stops that this brings onto their own gap are flagged,
+    /// too, and take part in the impacts.
     fn place_on_contacts(&mut self, flags: &mut Flags, parted: &Parted) {
         loop {
             let contacts: Vec<Contact> =
@@ -235,9 +241,9 @@ impl Motion {
         Error::Jammed { time: self.time(), stops: names.collect::<Vec<_>>().join(", ") }
     }
 
-    /// Impacts of the touching stops; those whose bounces would be too low to matter end at once.
-    /// Returns the impacts, and the stops that close with the time until their bounces would have
-    /// accumulated.
+    /// Applies the impacts of the touching stops, with restitution 0 where the bounce is too low to
+    /// be followed. Returns the impacts, and each stop that closes with the time until its bounces would have
+    /// accumulated, s.
     fn collide(&mut self, touching: &[usize], flags: &Flags) -> Result<(Impacts, Vec<(usize, f64)>), Error> {
         let assembly = self.assembly.clone();
         let system = &assembly.system;
@@ -248,8 +254,8 @@ impl Motion {
             let mut z = before.clone();
             let instant = Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
             let mut stay_closed = |z: &DVector<f64>, stops: &[usize], closing: &[usize], before_it: usize| {
-                // In the first impact those that were not open before, in later ones those that the
-                // forces keep closed.
+                // In the first impact stops that were not open before stay closed; in later ones,
+                // those that the forces keep closed.
                 let was_open = |i: usize| self.hybrid.mode.stops.get(i) == Some(&StopState::Open);
                 if before_it == 0 && !stops.iter().any(|&i| was_open(i)) {
                     return Ok(vec![true; stops.len()]);
@@ -282,8 +288,8 @@ impl Motion {
         }
     }
 
-    /// The stops of an impact whose bounces are too low to matter, with the time until they would
-    /// have accumulated.
+    /// Stops whose bounces are too low to be followed, with the time until the bounces would have
+    /// accumulated, s.
     fn plastic(
         &mut self,
         impacts: &Impacts,
@@ -306,7 +312,7 @@ impl Motion {
         for i in candidates {
             let stop = &system.stops[i];
             let rebound = -stop.elongation.rate.dot(&self.hybrid.z);
-            // Of several impacts of the instant the fastest counts.
+            // The fastest of the instant's impacts counts.
             let speed = impacts.fastest(i);
             let a = stop.elongation.w.dot(&acceleration) + stop.elongation.drift.dot(&self.hybrid.z);
             let scale = self.hybrid.sizes.of(&stop.excess);
@@ -320,13 +326,14 @@ impl Motion {
         Ok(found)
     }
 
+    /// The mode that follows the present state.
     pub(super) fn select(&self, flags: &Flags) -> Result<Mode, Error> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.touching(&[]))
             .map_err(|jam| self.jammed(&jam))
     }
 
-    /// Puts a mode in force, and finds the order with which each watched functional leaves zero.
+    /// Puts a mode in force and finds the order with which each watched functional leaves zero.
     fn enter(&mut self, mode: Mode) {
         self.tables.make_room();
         self.place = self.tables.place_of(&mode, &self.assembly.system);
@@ -339,28 +346,28 @@ impl Motion {
         }
     }
 
-    /// Finds the order of the zero from which each watched functional of the mode goes down,
-    /// [`ORDERS`] where it is zero throughout.
+    /// Finds the order of each watched functional's zero, from which it falls: 0 for no zero,
+    /// [`ORDERS`] for zero throughout the mode.
     fn find_departures(&mut self) {
         let Hybrid { departing, sizes, z, .. } = &mut self.hybrid;
         let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
         let (table, rows) = (&self.tables.at(self.place).table, &mut self.scratch.rows);
         departing.clear();
-        // The law says that the first derivative is negative; what rounding has made positive
+        // By the law the first nonzero derivative is negative; a positive one is rounding and
         // counts as zero.
         departing.extend(table.watched.iter().map(|w| match table.departure(w, z, sizes, DOUBTFUL, rows) {
             None => ORDERS,
             Some((0, _)) => 0,
-            // A positive one follows one of the last order but for rounding: the passage is at hand
-            // and must not be divided out.
+            // A positive derivative that remains means a root close to the start, which dividing by
+            // this order would remove; the order is one less.
             Some((order, value)) => order - usize::from(value > 0.0),
         }));
     }
 
-    /// Where a body is caged by compliant stops at whose edges it is for ever, by the law, what
-    /// goes into one of them goes out of another. A rate that counts as zero is put to zero there
-    /// like those of contacts: it would drift from one to the other without end. What may drift
-    /// into a stop alone keeps its rate. True where there is such a cage.
+    /// Sets rates that count as zero to zero where a body rests at the edges of several compliant
+    /// stops that cage it, so that what enters one leaves another: it would drift from one to the
+    /// other without end. A body that can drift into one stop only keeps its rate. Returns whether
+    /// there is such a cage.
     fn rest_at_edges(&mut self) -> bool {
         let Hybrid { departing, z, mode, sizes, .. } = &mut self.hybrid;
         let (system, watched) = (&self.assembly.system, &self.tables.at(self.place).table.watched);
@@ -393,9 +400,9 @@ impl Motion {
     }
 }
 
-/// Moves rows that the law keeps at zero onto it by the least change in the inertia's metric: e -
-/// gap of stops, or the contacts' `rates`. Rᵀ R is the contacts' WᵀM⁻¹W, in a leading part of `r`;
-/// `off` is memory.
+/// Projects `z` onto the contacts' constraints in the inertia's metric: e = gap of stops or, with
+/// `rates`, e' = 0 of all. RᵀR = WᵀM⁻¹W of the contacts, with R a leading block of `r`; `off` is a
+/// buffer.
 pub(super) fn project(
     system: &System,
     contacts: &[Contact],

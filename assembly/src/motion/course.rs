@@ -21,8 +21,8 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Relative overshoot of a watched functional where its indicator passes zero: above the rounding of
-/// roots that solvers find, and so small that an impact at this depth is as exact as a solver's
+/// Relative overshoot of a watched functional where its indicator passes zero: above the rounding
+/// of roots that solvers find, and so small that an impact at this depth is as exact as a solver's
 /// tolerance.
 pub(super) const LATE: f64 = 1e-11;
 /// Limit of modes in succession at one instant: times the number of indicators plus one.
@@ -50,8 +50,8 @@ impl Course {
     }
 }
 
-/// Order of the event indicators: one per rigid stop; two per compliant stop, of its edge and of its
-/// force; three per friction, of slipping upwards, of slipping downwards and of its level.
+/// Order of the event indicators: one per rigid stop; two per compliant stop, of its edge and of
+/// its force; three per friction, of slipping upwards, of slipping downwards and of its level.
 impl System {
     /// Number of indicators: the same in every mode.
     pub fn indicators(&self) -> usize {
@@ -198,7 +198,7 @@ impl Motion {
     pub fn set_inputs_on(&mut self, course: &mut Course, inputs: &[(usize, Input)]) -> Result<(), Error> {
         let left = self.hybrid.z.clone();
         // The solver's residual rates of closed contacts are no impact. Coordinates are left to the
-        // jump: a prescribed body at a closed stop may have been set elsewhere since the last event.
+        // jump: a prescribed body at a closed stop may have moved since the last event.
         self.keep_rates();
         self.set_inputs(inputs).inspect_err(|_| self.hybrid.z = left)?;
         *course = Course { event: self.time(), time: self.time(), z: self.hybrid.z.clone() };

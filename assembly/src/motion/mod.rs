@@ -1,13 +1,13 @@
 //! A motion: the state of a machine that advances from event to event, exactly.
 //!
 //! Between events the augmented state follows z' = A z of the [mode](Mode) in force
-//! (docs/assembly-law.md (A5)): [`step`] advances by sub-steps, [`passage`] finds the first root of
-//! a watched functional or proves that there is none, [`long`] joins sub-steps of a stiff machine.
-//! At an event [`contact`] applies the law; [`lone`] is its shortcut where one element alone is
-//! concerned. [`course`] applies the law where a host's solver integrates between events.
+//! (docs/assembly-law.md (A5)): `step` advances by sub-steps, `passage` finds the first root of a
+//! watched functional or proves that there is none, `long` joins sub-steps of a stiff machine. At
+//! an event `contact` applies the law; `lone` is its shortcut where one element alone is concerned.
+//! `course` applies the law where a host's solver integrates between events.
 //!
-//! [`Hybrid`] holds all that a saved state needs; everything else in [`Motion`] is settings,
-//! caches and memory, and must not influence the bits of a motion: a resumed motion is
+//! [`Hybrid`] holds all that a saved state needs. The rest of [`Motion`] is settings, caches and
+//! buffers; caches and buffers must not influence its bits, so that a resumed motion is
 //! bit-identical to one that was never saved.
 
 mod change;
@@ -136,7 +136,7 @@ pub struct Motion {
 /// Buffers of a sub-step, reused to avoid allocation.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
-    /// By group of watched functionals: value, slope and bound of the second derivative at the start.
+    /// By group of watched functionals: value, slope and bound of the curvature at the start.
     heads: Vec<Group>,
     /// By watched functional: bits of the intervals in which it may pass zero.
     near: Vec<u8>,

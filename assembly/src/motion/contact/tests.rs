@@ -1,12 +1,12 @@
-//! The sizes that decide what is rounding.
+//! Tests of flights' sizes and of flags after an impact.
 
 use crate::file::{no_records, parse};
 use crate::{Assembly, Motion};
 use std::sync::Arc;
 
 #[test]
-fn closed_form_what_stands_by_forces_that_cancel_has_the_rounding_of_their_sizes() {
-    // 6 N of weight and as much from outside on 3 kg: 2 m/s² each, over the time since they act.
+fn closed_form_a_body_at_rest_under_cancelling_forces_has_the_rounding_of_their_sizes() {
+    // 6 N of weight against a load of 6 N on 3 kg: 2 m/s² each, during 0.5 s.
     let text = "name = \"A\"\ngravity = 2.0\n[body.b]\nmass = 3.0\ngravity = 1.0\n\
                 [load.l]\non = \"b\"\ninput = true\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 1e-9\n";
     let machine = parse(text, "a.toml", &no_records).unwrap();
@@ -16,12 +16,12 @@ fn closed_form_what_stands_by_forces_that_cancel_has_the_rounding_of_their_sizes
     assert!(motion.body(0).iter().all(|x| x.abs() < 1e-20), "{:?}", motion.body(0));
     motion.take_in_flight();
     let sizes = motion.hybrid.sizes.0.as_slice();
-    // The place has a hundredth of the way that these would make.
+    // The coordinate's size is STANDING times the distance that these would cause.
     assert!((sizes[1] - 2.0).abs() < 1e-12 && (sizes[0] - 0.01).abs() < 1e-14, "{sizes:?}");
 }
 
 #[test]
-fn closed_form_an_impact_ends_what_an_event_says_of_the_elements_that_it_moves() {
+fn closed_form_an_impact_clears_the_flags_of_the_elements_that_it_moves() {
     let text = "name = \"A\"\n[body.a]\nmass = 1.0\n[body.b]\nmass = 2.0\nstart = { v = 1.0 }\n\
                 [friction.fa]\nbetween = [\"ground\", \"a\"]\nforce = 1.0\n\
                 [friction.fb]\nbetween = [\"ground\", \"b\"]\nforce = 1.0\n\
@@ -31,7 +31,7 @@ fn closed_form_an_impact_ends_what_an_event_says_of_the_elements_that_it_moves()
     let motion = Motion::new(Arc::new(Assembly::new(machine).unwrap())).unwrap();
     let all = || vec![true; 2];
     let flags = super::Flags { stops: all(), resting: all(), edges: all(), limits: all() };
-    // The second body alone is hit; its 1 m/s is what speeds are beside which 1e-14 m/s is none.
+    // Only the second body is hit; beside its 1 m/s a change of 1e-14 m/s counts as zero.
     for (kick, stays) in [(-0.5, false), (1e-14, true), (0.0, true)] {
         let kick = nalgebra::DVector::from_vec(vec![0.0, kick]);
         let after = flags.after(&kick, &motion.assembly.system, &motion.hybrid.sizes);
