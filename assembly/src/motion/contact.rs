@@ -24,9 +24,9 @@ use nalgebra::{DMatrix, DVector};
 /// is reported as an error.
 pub(super) const DOUBTFUL: f64 = 1e3;
 
-/// Fraction of flight time times the rate that the forces' separate terms would cause which counts
-/// as a size of the coordinate. A moving body goes further; the coordinate of one that stands still
-/// has at most the rounding of this distance.
+/// Least size of a coordinate after a flight, as a fraction of its duration times the rate that the
+/// separate terms of the forces would cause (docs/assembly-law.md (A14)). A moving body goes
+/// further; this bounds the rounding of one that stands still.
 const STANDING: f64 = 0.01;
 
 /// Elements at their limits by an event's verdict, whatever rounding says.
@@ -46,8 +46,8 @@ impl Flags {
     }
 
     /// The flags still valid after impacts that changed the velocities by `kick`: friction whose
-    /// rate has changed no longer rests, and a compliant stop whose rate has changed is no longer at
-    /// a limit of its force.
+    /// rate has changed no longer rests, and a compliant stop whose rate has changed is no longer
+    /// at a limit of its force.
     fn after(&self, kick: &DVector<f64>, system: &System, sizes: &Sizes) -> Self {
         let mut flags = self.clone();
         let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero_of(&e.rate);
@@ -242,8 +242,8 @@ impl Motion {
     }
 
     /// Applies the impacts of the touching stops, with restitution 0 where the bounce is too low to
-    /// be followed. Returns the impacts, and each stop that closes with the time until its bounces would have
-    /// accumulated, s.
+    /// be followed. Returns the impacts, and each stop that closes with the time until its bounces
+    /// would have accumulated, s.
     fn collide(&mut self, touching: &[usize], flags: &Flags) -> Result<(Impacts, Vec<(usize, f64)>), Error> {
         let assembly = self.assembly.clone();
         let system = &assembly.system;

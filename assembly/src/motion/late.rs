@@ -31,9 +31,9 @@ impl Motion {
         self.late * (LATE_BOUNCES + (2.0 * kept / (1.0 - kept)).min(MOST_LATE_BOUNCES))
     }
 
-    /// Where stops are met late, closes those that an impact of others opens for a bounce too low to
-    /// be followed, and returns them. A body between two stops would otherwise bounce from one to
-    /// the other without end, since every late impact gains the energy of its overshoot.
+    /// Where stops are met late, closes those that an impact of others opens for a bounce too low
+    /// to be followed, and returns them. A body between two stops would otherwise bounce from one
+    /// to the other without end, since every late impact gains the energy of its overshoot.
     pub(super) fn hold_low(
         &mut self,
         touching: &[usize],

@@ -13,16 +13,16 @@ const MOST: f64 = 1e100;
 const LOOK: u64 = 1 << 16;
 
 impl Motion {
-    /// Sets the limit of sub-steps in one call, default 20 million: a call that needs more ends with
-    /// [`Error::TooStiff`], and a further call continues.
+    /// Sets the limit of sub-steps in one call, default 20 million: a call that needs more ends
+    /// with [`Error::TooStiff`], and a further call continues.
     #[must_use]
     pub fn with_most_work(mut self, sub_steps: u64) -> Self {
         self.most_work = sub_steps;
         self
     }
 
-    /// Sets an interruption flag: a call ends with [`Error::Interrupted`] soon after `asked` is set,
-    /// and a further call continues.
+    /// Sets an interruption flag: a call ends with [`Error::Interrupted`] soon after `asked` is
+    /// set, and a further call continues.
     #[must_use]
     pub fn with_interruption(mut self, asked: Arc<AtomicBool>) -> Self {
         self.asked = Some(asked);

@@ -1,5 +1,5 @@
-//! Long sub-steps: where a stiff machine's fast motions have decayed, or move nothing that is
-//! watched (docs/assembly-law.md (A22)).
+//! Long sub-steps of a stiff machine whose fast motions have decayed or move no watched functional
+//! (docs/assembly-law.md (A22)).
 
 use super::passage::Flight;
 use super::{Hybrid, Motion, Scratch};
@@ -7,8 +7,8 @@ use crate::flow::{RUNGS, Table};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 impl Motion {
-    /// Goes on by 2, 4, 8, … sub-steps at once, but not up to `goal`, where it is proved that
-    /// nothing watched passes zero in them; tells whether it has.
+    /// Advances by 2, 4, 8, … sub-steps at once, ending before `goal`, if it is proved that no
+    /// watched functional passes zero in them; returns whether it has advanced.
     #[inline(never)]
     pub(super) fn long_step(&mut self, goal: DoubleDouble) -> bool {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -32,9 +32,9 @@ impl Motion {
     }
 }
 
-/// The longest of 2, 4, 8, … sub-steps that is shorter than a time and in which no watched
-/// functional passes its limit: below value + slope t + bend t²/2 throughout, which is convex, it
-/// is below the limit if this is so at both ends. Leaves the rates in memory.
+/// The largest k for which 2ᵏ sub-steps are shorter than `remaining` and no watched functional
+/// passes its limit in them. The bound value + slope t + bend t²/2 is convex, so that it is below
+/// the limit throughout if it is at both ends. Leaves z' and z'' in `scratch`.
 fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scratch) -> Option<usize> {
     let z = hybrid.z.as_slice();
     let Scratch { rates, second, .. } = scratch;
@@ -44,12 +44,11 @@ fn safe_rung(table: &Table, hybrid: &Hybrid, remaining: f64, scratch: &mut Scrat
     table.rates(rates, second);
     let flight = Flight { table, hybrid };
     let own = table.watched.iter().enumerate();
-    // By how far a functional is beyond its limit, which is negative.
+    // Value of a functional less its limit; negative before an event.
     let beyond = |place: usize, value: f64| value - flight.limit(place);
     let stays_below = |value: f64, slope: f64, bend: f64, t: f64| value + t * (slope + 0.5 * bend * t) < 0.0;
     let longest = (1..RUNGS).take_while(|k| table.long_length(*k) < remaining).last()?;
-    // The bends of the present instant, which are no bounds, tell at once which lengths are too
-    // long.
+    // The present second derivatives are no bounds, but rule out lengths that are too long.
     let mut k = longest;
     for (place, w) in own.clone() {
         let (value, slope, bend) = (beyond(place, w.row.at(z)), w.slope.dot(z), w.slope.dot(rates).abs());

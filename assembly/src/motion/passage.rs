@@ -1,5 +1,8 @@
-//! The way to the first event within a sub-step: samples and bounds prove that there is none, or
-//! name the intervals to search.
+//! The first event in a sub-step: bounds of the watched functionals between samples prove that
+//! there is none, or select the intervals to search for the first root.
+//!
+//! No event is missed: every interval that is skipped needs a bound that proves it (see
+//! `near_intervals`). A change must keep that proof, and the bits of the golden motions.
 
 use super::contact::DOUBTFUL;
 use super::{Hybrid, Scratch};
@@ -7,26 +10,27 @@ use crate::flow::{Ahead, Group, Head, INTERVALS, LOCAL, ORDERS, Series, Table, h
 use crate::mode::Watch;
 use vibro_impact::events::{crossing_after_start, first_crossing};
 
-/// A sub-step is halved while a stop's e may move by more than this many times its largest size so
-/// far: beyond, the roots would lose more than a digit. By how much it may move is a bound, mostly
-/// some times too large. It is not halved more often than [`HALVINGS`], since what begins at zero
-/// has no size yet.
+/// Reach of a sub-step: it is halved while the bound of a stop's change of e exceeds this many
+/// times the size of e - gap, beyond which roots would lose more than a digit. The bound mostly
+/// overestimates several times. At most [`HALVINGS`] times, since what begins at zero has no size
+/// yet.
 const REACH: f64 = 9.0;
-/// Halvings of a sub-step for its reach.
+/// Limit of halvings of a sub-step by [`REACH`].
 const HALVINGS: i32 = 6;
-/// What passes in this part of a sub-step before a knot, and is no further beyond there than what
-/// counts as zero, passes at the knot.
+/// Fraction of a sub-step before a knot within which a passage counts as one at the knot if no
+/// functional exceeds zero there by more than rounding.
 const AT_KNOT: f64 = 1e-7;
-/// A functional that was zero throughout is watched again beyond this many times the size under
-/// which it counts as zero.
+/// Multiple of the size under which a functional counts as zero beyond which one that was zero
+/// throughout is watched again.
 pub(super) const LEAVES_ZERO: f64 = 16.0;
-/// It is followed up to a little more, so that it is beyond that where it has come there.
+/// Limit of a functional that is zero throughout, in the unit of [`LEAVES_ZERO`]: a little more, so
+/// that at this limit it is beyond `LEAVES_ZERO` despite rounding.
 const PASSES: f64 = LEAVES_ZERO + 1.0;
-/// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6!
-/// < 4e-6 of its size.
+/// Order of departure from zero from which on the whole span is searched in one piece: at the first
+/// interval's end such a functional is still under 0.375⁶/6! < 4e-6 of its size.
 const LATE: usize = 6;
 
-/// Where a sub-step ends, or is searched: a part of an interval.
+/// A time in a sub-step, by interval.
 #[derive(Clone, Copy)]
 pub(super) struct Point {
     /// The interval.
@@ -52,19 +56,19 @@ impl Point {
     }
 }
 
-/// The first passage of a watched functional in a sub-step.
+/// Passage of a watched functional through its limit in a sub-step.
 pub(super) struct Passage {
     pub(super) at: Point,
-    /// The functional's place.
+    /// Index of the functional.
     pub(super) place: usize,
 }
 
-/// Whether a functional leaves zero so late that it is searched in one piece.
+/// Whether a functional leaves zero with so high an order that it is searched in one piece.
 fn is_late(order: usize) -> bool {
     (LATE..ORDERS).contains(&order)
 }
 
-/// A sub-step's start in a mode.
+/// Start of a sub-step: the mode's table and the state.
 pub(super) struct Flight<'a> {
     pub(super) table: &'a Table,
     pub(super) hybrid: &'a Hybrid,
@@ -77,16 +81,15 @@ impl Flight<'_> {
         self.hybrid.departing[place] == ORDERS
     }
 
-    /// The order of the zero from which a functional goes: none where it is zero throughout the
-    /// mode.
+    /// Order of the zero that a functional leaves; 0 where it is zero throughout the mode.
     #[inline(always)]
     pub(super) fn order(&self, place: usize) -> usize {
         self.hybrid.departing[place] % ORDERS
     }
 
-    /// What a functional passes: zero or, where it is zero throughout the mode, that beyond which
-    /// it is so no longer. What an event has left beyond that, as the rounding of a law that says
-    /// otherwise, passes what is no rounding.
+    /// Limit of a functional: zero or, where it is zero throughout the mode, the value beyond which
+    /// it counts as nonzero. Where rounding at an event has left it beyond that value already, the
+    /// limit is the larger value beyond which it is no rounding ([`DOUBTFUL`]).
     #[inline(always)]
     pub(super) fn limit(&self, place: usize) -> f64 {
         if !self.is_unwatched(place) {
@@ -98,10 +101,10 @@ impl Flight<'_> {
         (zero * if is_left { DOUBTFUL + 1.0 } else { PASSES }).max(f64::MIN_POSITIVE)
     }
 
-    /// The same within a short sub-step. There no place or speed that is zero throughout passes
-    /// anything: what a flight makes of it is looked at where the sub-step ends, with the flight
-    /// taken into the sizes. Before that, what begins at nothing, of which any multiple is nothing,
-    /// would leave zero again and again.
+    /// Limit of a functional within a sub-step that is not long: [`limit`](Self::limit), but none
+    /// for a coordinate or rate that is zero throughout. That is tested at the sub-step's end, with
+    /// the flight included in the sizes; before, a quantity without a size of its own would leave
+    /// zero again and again.
     #[inline(always)]
     fn short_limit(&self, place: usize) -> f64 {
         match self.table.watched[place].watch {
@@ -114,7 +117,8 @@ impl Flight<'_> {
         }
     }
 
-    /// The longest span of `span`, `span`/2, … in which the watched stops' e stay within reach.
+    /// The longest of `span`, `span`/2, … in which the e of all watched stops stays within
+    /// [`REACH`].
     #[inline(always)]
     pub(super) fn within_reach(&self, mut span: f64, heads: &[Group]) -> f64 {
         let least = span * 0.5f64.powi(HALVINGS);
@@ -125,7 +129,7 @@ impl Flight<'_> {
             let head = head_of(heads, place);
             let path = |span: f64| span * (head.slope.abs() + 0.5 * head.bend * span);
             if path(span) <= REACH * head.value.abs() {
-                continue; // its size is at least its value's
+                continue; // a size is at least the present value
             }
             let size = w.row.size(self.hybrid.sizes.0.as_slice());
             while path(span) > REACH * size && span > least {
@@ -135,8 +139,8 @@ impl Flight<'_> {
         span
     }
 
-    /// The first passage of a watched functional from below zero to above within a span, or the
-    /// proof that there is none.
+    /// The first passage of a watched functional upwards through its limit within a span; `None` is
+    /// proved.
     #[inline(always)]
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
@@ -162,8 +166,8 @@ impl Flight<'_> {
             *begun = Some(interval);
             let from = &start[..];
             let length = if interval == end.interval { end.dt } else { table.interval() };
-            // A root early in the interval is found anew in a shorter one, of which the
-            // coefficients' rounding is smaller.
+            // A root early in the first interval is computed again in a shorter one, in which the
+            // rounding of the coefficients is smaller.
             let (mut found, mut length, mut again) = (None, length, true);
             while again && let Some((dt, place)) = self.passage_within(near, from, ahead, (interval, length))
             {
@@ -179,9 +183,8 @@ impl Flight<'_> {
         late
     }
 
-    /// Whether a passage is one at the knot at the end of its span, but for rounding: there nothing
-    /// watched is beyond its limit by more than what counts as zero, or the clock shows the knot's
-    /// time.
+    /// Whether a passage coincides with the knot at the end of its span up to rounding: its time
+    /// rounds to the knot's, or no watched functional exceeds zero there by more than rounding.
     #[inline(never)]
     pub(super) fn is_at_knot(
         &self,
@@ -206,9 +209,9 @@ impl Flight<'_> {
         table.watched.iter().all(|w| w.row.at(&there) <= hybrid.sizes.zero_of(&w.row))
     }
 
-    /// The first passage of a functional that leaves zero with a high order: at the ends of the
-    /// first intervals it may still be rounding, so that it is searched in one piece, with the zero
-    /// at its start divided out.
+    /// The first passage of a functional that leaves zero with a high order. At the ends of the
+    /// first intervals it may still be rounding, so that the whole span is searched in one piece,
+    /// with the zero at its start divided out.
     #[inline(never)]
     fn late_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
         let table = self.table;
@@ -229,8 +232,8 @@ impl Flight<'_> {
         first.map(|(u, place)| Passage { at: Point::end(u * span, table), place })
     }
 
-    /// The first passage within a time `length` from the start of an interval, with its time, among
-    /// the functionals that may have one there.
+    /// Time and index of the first passage within `length` from the start of an interval, among the
+    /// functionals that `near` marks there.
     #[inline(always)]
     fn passage_within(
         &self,
@@ -273,12 +276,12 @@ impl Flight<'_> {
         first
     }
 
-    /// Whether a functional, by its value at the begin and its coefficients over a span, goes no
-    /// further beyond zero than what counts as zero: a stop that is just touched, without speed, is
-    /// not hit, a level that is zero for an instant stays, and what is held up to its limit is
-    /// held. Rounding in the place would make of it the root of this as a speed. A stop or a level
-    /// that slowly passes zero has an event as soon as it is so far beyond; of what is known better
-    /// than that, as a force is, it is one at once.
+    /// Whether a functional, with value `begin` at the start and coefficients `c` over the span,
+    /// exceeds zero by no more than rounding: a stop that is touched without speed is not hit, a
+    /// level that is zero for an instant does not change sign, and a contact held up to its limit
+    /// holds. Taken as events, rounding of the coordinate would become a speed of its square root.
+    /// A stop or a level that passes zero slowly has its event once it exceeds the rounding; a
+    /// force, which is known better, at the root itself.
     #[inline(never)]
     fn only_touches(&self, place: usize, begin: f64, c: &[f64; LOCAL]) -> bool {
         let w = &self.table.watched[place];
@@ -289,7 +292,7 @@ impl Flight<'_> {
             Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) => false,
         };
         let lower = begin - zero;
-        // Where it is beyond at the end, as mostly, it has passed.
+        // Mostly it exceeds the rounding at the end, which settles it without a search.
         turns && lower + sum_behind(c, |x| x) < 0.0 && {
             let mut c = *c;
             c[0] = lower;
@@ -298,8 +301,8 @@ impl Flight<'_> {
     }
 }
 
-/// Whether what is beyond zero at the end of a span is on its way back there, or comes to its
-/// vertex before it is further beyond by `zero`.
+/// Whether a functional that exceeds zero in a span returns: it is not positive at the end, falls
+/// there, or by slope and second derivative there rises by no more than `zero` to its vertex.
 fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
     let (mut slope, mut bend) = (0.0, 0.0);
     for (k, x) in c.iter().enumerate().skip(1) {
@@ -310,9 +313,9 @@ fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
     begin + sum_behind(c, |x| x) <= 0.0 || slope <= 0.0 || slope * slope <= -2.0 * bend * zero
 }
 
-/// The intervals of a sub-step in which a functional may pass zero, as bits: of the others it is
-/// proved that it stays below zero. Between two samples a distance h apart it lies within M h²/8 of
-/// their chord, where M bounds its second derivative. With `order` it leaves zero at the start.
+/// Bits of the intervals in which a functional may pass zero; in the others it is proved to stay
+/// negative. Between samples a distance h apart it lies within M h²/8 of their chord, where M
+/// bounds its second derivative. With `order` > 0 it leaves zero at the start.
 #[inline(always)]
 fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -> [f64; INTERVALS]) -> u8 {
     if order >= LATE {
@@ -320,16 +323,16 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
     }
     let Head { value, slope, bend } = *head;
     let length = step * INTERVALS as f64;
-    // What bounds it, value + slope t + bend t²/2, is convex: it is below zero throughout if it is
-    // at both ends.
+    // The bound value + slope t + bend t²/2 is convex: negative at both ends, it is negative
+    // throughout.
     let begins = if order == 0 { value < 0.0 } else { order == 1 };
     let start = if order == 0 { value } else { 0.0 };
     if begins && start + length * (slope + 0.5 * bend * length) < 0.0 {
         return 0;
     }
     let margin = bend * step * step * 0.125;
-    // From zero it goes down throughout the first interval if the slope outweighs what the second
-    // derivative adds.
+    // From zero it falls throughout the first interval if the slope outweighs the second
+    // derivative.
     let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
     let mut ends = 0u64;
     for (k, sample) in samples().into_iter().enumerate() {
@@ -341,7 +344,7 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
     (if leaves { near & !1 } else { near }) as u8
 }
 
-/// The sum of what is made of the coefficients behind the first one, in four sums side by side.
+/// Sum of `part` of the coefficients except the first, in four partial sums for vector registers.
 #[inline(always)]
 fn sum_behind(c: &[f64; LOCAL], part: impl Fn(f64) -> f64) -> f64 {
     let mut sums = [-part(c[0]), 0.0, 0.0, 0.0];
