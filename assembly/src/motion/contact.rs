@@ -144,6 +144,7 @@ impl Motion {
         self.hybrid.z.rows(n, n).into_owned()
     }
 
+    /// Flags by the state and by the functionals `ended` that have passed zero.
     fn flags(&self, ended: &[Watch], parted: &Parted) -> Flags {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         let mut flags = Flags {
@@ -319,6 +320,7 @@ impl Motion {
         Ok(found)
     }
 
+    /// The mode that follows the present state.
     pub(super) fn select(&self, flags: &Flags) -> Result<Mode, Error> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.verdict(&[]))

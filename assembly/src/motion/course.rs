@@ -36,6 +36,7 @@ pub struct Course {
     event: f64,
     /// Time of the last accepted point, s.
     time: f64,
+    /// State at that point.
     #[serde(with = "saved::vector")]
     z: DVector<f64>,
 }
@@ -139,10 +140,10 @@ impl Motion {
         self.overshoot = OVERSHOOT;
     }
 
-    /// As [`changed`](Self::changed), on a course.
+    /// [`changed`](Self::changed) where a host's solver integrates.
     ///
     /// # Errors
-    /// As [`changed`](Self::changed); the course is then as it was.
+    /// As [`changed`](Self::changed); the course is then unchanged.
     pub fn changed_on(&self, course: &mut Course, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.accept(&mut course.clone());
@@ -193,7 +194,7 @@ impl Motion {
     /// Sets inputs at an event, as [`set_inputs`](Self::set_inputs): prescribed bodies may jump.
     ///
     /// # Errors
-    /// As [`set_inputs`](Self::set_inputs); nothing has changed then.
+    /// As [`set_inputs`](Self::set_inputs); the motion is then unchanged.
     pub fn set_inputs_on(&mut self, course: &mut Course, inputs: &[(usize, Input)]) -> Result<(), Error> {
         let left = self.hybrid.z.clone();
         // Errors of the solver at closed contacts are no impacts. Only rates are projected, since
@@ -261,7 +262,7 @@ impl Motion {
     /// restart, since states or derivatives have changed.
     ///
     /// # Errors
-    /// As [`apply_event`](Self::apply_event); nothing has changed then.
+    /// As [`apply_event`](Self::apply_event); motion and course are then unchanged.
     pub fn handle_on(
         &mut self,
         course: &mut Course,
@@ -365,6 +366,7 @@ impl Motion {
         self.table().a.rows_times(0..self.assembly.system.signals.one, z.as_slice())
     }
 
+    /// Computes the signals' part of the state, knots after the last event left out.
     fn refill_on(&mut self, course: &Course) {
         let signals = self.signals_on(course, self.hybrid.time);
         let own = self.assembly.system.signals.one;

@@ -1,35 +1,35 @@
-//! Where a motion cannot go on, or not in one call.
+//! Limits of a motion and of a call, and the errors at them.
 
 use super::Motion;
 use crate::error::Error;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The largest coordinate or rate, m, rad, m/s or rad/s: sizes are looked at after 16 sub-steps at
-/// the latest, in which they grow by 1e21 at most, so that energies stay numbers.
+/// Limit of coordinates and rates, m, rad, m/s or rad/s. They are checked at least every 16
+/// sub-steps, in which they grow by a factor of at most 1e21, so that energies stay finite.
 const MOST: f64 = 1e100;
 
-/// Sub-steps between two looks at whether somebody asks for the end: some hundredths of a second.
+/// Sub-steps between two checks of the interruption flag: some hundredths of a second.
 const LOOK: u64 = 1 << 16;
 
 impl Motion {
-    /// The same motion with so many sub-steps in a call at most: a call that needs more ends with
-    /// [`Error::TooStiff`], and a further one goes on. Without this it is 20 million.
+    /// Sets the limit of sub-steps in one call, default 20 million: a call that needs more ends
+    /// with [`Error::TooStiff`], and a further call continues.
     #[must_use]
     pub fn with_most_work(mut self, sub_steps: u64) -> Self {
         self.most_work = sub_steps;
         self
     }
 
-    /// The same motion, of which a call ends with [`Error::Interrupted`] soon after `asked` is set;
-    /// a further one goes on.
+    /// Sets an interruption flag: a call ends with [`Error::Interrupted`] soon after `asked` is
+    /// set, and a further call continues.
     #[must_use]
     pub fn with_interruption(mut self, asked: Arc<AtomicBool>) -> Self {
         self.asked = Some(asked);
         self
     }
 
-    /// Ends a call where somebody asks for it, after so many sub-steps in it.
+    /// Checks the interruption flag every [`LOOK`] sub-steps.
     pub(super) fn hear(&self, sub_steps: u64) -> Result<(), Error> {
         let is_asked = || self.asked.as_ref().is_some_and(|asked| asked.load(Ordering::Relaxed));
         if (sub_steps + 1).is_multiple_of(LOOK) && is_asked() {
@@ -38,7 +38,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Refuses coordinates and rates whose energies would not be numbers.
+    /// Refuses coordinates and rates whose energies would not be finite.
     pub(super) fn check_sizes(&self) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, self.hybrid.z.as_slice());
         let beyond = z[..system.signals.one].iter().position(|x| x.abs() > MOST || x.is_nan());
@@ -50,7 +50,7 @@ impl Motion {
         })
     }
 
-    /// The end of a call that would take hours.
+    /// Error of a call that exceeds its limit of sub-steps.
     pub(super) fn too_stiff(&self) -> Error {
         let (table, system, n) = (self.table(), &self.assembly.system, self.assembly.system.coordinates);
         let rate = |k: usize| {
@@ -67,8 +67,7 @@ impl Motion {
         Error::TooStiff { time: self.time(), cause }
     }
 
-    /// The end of a call in which events follow one another so fast that its end would not be
-    /// reached.
+    /// Error of a call in which events follow one another so fast that it would not end.
     pub(super) fn too_many(&self, sub_steps: u64, began: f64) -> Error {
         let cause = format!(
             "{sub_steps} sub-steps in one call, which went on from t = {began} s: events end them long before the {:e} s that one could last; a \
@@ -78,7 +77,7 @@ impl Motion {
         self.stuck(&cause)
     }
 
-    /// The end of a motion whose events have no end.
+    /// Error of a motion whose events accumulate.
     pub(super) fn stuck(&self, cause: &str) -> Error {
         let last = self.hybrid.last.map(|watch| self.assembly.name_of(watch));
         let cause = match last {

@@ -1,6 +1,10 @@
-//! Events at which one element alone comes to a limit: by far the commonest. What follows is
-//! guessed, and certain where everything that is watched is then inside its limits by more than
-//! rounding: the mode that follows is unique. Wherever that is not so the general law decides.
+//! Shortcut for events at which one element alone comes to a limit, by far the commonest.
+//!
+//! The mode that follows is guessed and then verified: it is certain where every watched functional
+//! is inside its limit by more than rounding, since the mode that follows is unique
+//! (docs/assembly-law.md (A11)). Otherwise nothing is changed and the general law decides. Modes
+//! are those of the general law; a change must keep the comparisons with
+//! [`Motion::by_general_law`] green.
 
 use super::event::EventKind;
 use super::report::report;
@@ -10,8 +14,8 @@ use crate::mode::{ElementState, FrictionState, StopState, Watch};
 use crate::system::Elongation;
 
 impl Motion {
-    /// What follows where the functional `watch` has passed zero, if its element alone is
-    /// concerned; tells whether it is.
+    /// Applies the law where `watch` has passed zero and its element alone is concerned; returns
+    /// whether it is.
     pub(super) fn lone_event(&mut self, watch: Watch, observer: &mut Observer) -> bool {
         if self.is_general || !self.hybrid.mode.is_independent() {
             return false;
@@ -26,11 +30,11 @@ impl Motion {
         }
     }
 
-    /// The states that may follow at the passage of `watch`, the likelier first.
+    /// Candidate states of the element after the passage of `watch`, the likelier first.
     fn followers(&self, watch: Watch) -> [Option<ElementState>; 2] {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
-        // Which friction leaves its static level first is another question than which mode is
-        // possible.
+        // With other static levels the mode is not unique: (A12) decides which friction leaves
+        // first.
         let others_are_static = |i: usize| {
             let frictions = hybrid.mode.frictions.iter().zip(&system.frictions).enumerate();
             frictions
@@ -73,7 +77,7 @@ impl Motion {
         }
     }
 
-    /// The change of an element to its state `next`, where it is certain; else nothing changes.
+    /// Puts the element in the state `next` where that is certain; else changes nothing.
     fn lone_change(&mut self, watch: Watch, next: ElementState, observer: &mut Observer) -> bool {
         let system = &self.assembly.system;
         if self.tables.known_after(self.place, next).is_none() && self.tables.make_room() {
@@ -90,7 +94,7 @@ impl Motion {
         self.scratch.start.copy_from(&self.hybrid.z);
         self.keep_contacts();
         self.take_in_contacts();
-        // A stop that is just entered stands at its edge.
+        // A stop just entered is at its edge: it is exempt from the test of those that press.
         let entered = if let Watch::Presses(i) = watch { Some(i) } else { None };
         if self.departs_alone(next, entered) {
             self.report_change(was, 0.0, observer);
@@ -102,9 +106,9 @@ impl Motion {
         false
     }
 
-    /// Whether at the passage of `watch` another functional of its element is at zero too, or so
-    /// near that the general law may take it for rounding: where a friction's level vanishes beside
-    /// the forces that it holds against, say. An `ElastoGap` has two of the same kind.
+    /// Whether at the passage of `watch` another functional of its element is at zero, too, or so
+    /// near that the general law may take it for rounding; for example where a friction's level
+    /// vanishes. An `ElastoGap` has two functionals with one `watch`.
     fn is_at_corner(&self, element: ElementState, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
         let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
@@ -113,10 +117,10 @@ impl Motion {
         near.any(|w| w.watch != watch || std::mem::replace(&mut passed, true))
     }
 
-    /// Whether in the mode in force the functionals of `own` leave zero downwards or are below it,
-    /// and all others are below by more than rounding, as are those stops that are not watched
-    /// since they press: all but the one that is `entered`. Then all conditions of the mode hold
-    /// (docs/assembly-law.md (A11)), and the orders of departure are noted.
+    /// Whether all conditions of the mode in force hold with a margin (docs/assembly-law.md (A11));
+    /// if so, stores the orders of departure. Functionals of `own` must be negative or leave zero
+    /// downwards, all others must be negative by more than rounding, and pressing stops except
+    /// `entered` must be beyond their gap by more than rounding.
     fn departs_alone(&mut self, own: ElementState, entered: Option<usize>) -> bool {
         let (hybrid, scratch, table) =
             (&mut self.hybrid, &mut self.scratch, &self.tables.at(self.place).table);
@@ -137,12 +141,12 @@ impl Motion {
         true
     }
 
-    /// The impact of the stop `i` at its gap, if it is a lone one; tells whether it was.
+    /// Applies the impact of stop `i` at its gap if it is a lone one; returns whether it is.
     ///
-    /// It is one where its impulse (A7) moves no closed stop and no sticking friction, and where
-    /// after it every watched functional but its own is below what counts as zero. Then no other
-    /// open stop touches, the closed ones close with no speed, and by (A11) the mode in force
-    /// follows: all its conditions hold with a margin, and the mode that follows is unique.
+    /// A lone impact's impulse (A7) moves no closed stop and no sticking friction, and after it
+    /// every watched functional except that of the stop is negative by more than rounding. Then no
+    /// other open stop touches, closed stops have no closing speed, and the mode stays in force:
+    /// its conditions hold with a margin, and by (A11) the mode that follows is unique.
     fn lone_impact(&mut self, i: usize, observer: &mut Observer) -> bool {
         let restitution = self.assembly.system.stops[i].restitution().filter(|&e| e > 0.0);
         let Some(restitution) = restitution else { return false };
@@ -158,7 +162,7 @@ impl Motion {
         if held || compliance <= 0.0 || speed <= hybrid.sizes.zero_of(&e.rate) {
             return false;
         }
-        // On its gap, then away from it.
+        // Projection onto e = gap, then the impulse.
         let before = scratch.start.as_mut_slice();
         before.copy_from_slice(hybrid.z.as_slice());
         let off = stop.excess.at(before) / compliance;
@@ -185,8 +189,7 @@ impl Motion {
         true
     }
 
-    /// Whether an open stop, which has just been left, is met again after a bounce that is too low
-    /// to be followed, by (A15).
+    /// Whether the bounce that begins at open stop `i` is too low to be followed, by (A15).
     fn is_low_bounce(&self, i: usize, least: f64) -> bool {
         let (stop, z) = (&self.assembly.system.stops[i], self.hybrid.z.as_slice());
         let rebound = -stop.elongation.rate.at(z);

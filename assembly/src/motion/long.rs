@@ -1,5 +1,5 @@
-//! Long sub-steps: where a stiff machine's fast motions have decayed, or move nothing that is
-//! watched (docs/assembly-law.md (A22)).
+//! Long sub-steps of a stiff machine whose fast motions have decayed or move no watched functional
+//! (docs/assembly-law.md (A22)).
 
 use super::passage::PassageSearch;
 use super::{Hybrid, Motion, Scratch};
@@ -7,8 +7,8 @@ use crate::flow::{FlowTable, RUNGS};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 impl Motion {
-    /// Goes on by 2, 4, 8, … sub-steps at once, but not up to `goal`, where it is proved that
-    /// nothing watched passes zero in them; tells whether it has.
+    /// Advances by 2, 4, 8, … sub-steps at once, ending before `goal`, if it is proved that no
+    /// watched functional passes zero in them; returns whether it has advanced.
     #[inline(never)]
     pub(super) fn long_step(&mut self, goal: DoubleDouble) -> bool {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -44,12 +44,11 @@ fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut S
     table.rates(rates, second);
     let flight = PassageSearch { table, hybrid };
     let own = table.watched.iter().enumerate();
-    // By how far a functional is beyond its limit, which is negative.
+    // Value of a functional less its limit; negative before an event.
     let beyond = |place: usize, value: f64| value - flight.limit(place);
     let stays_below = |value: f64, slope: f64, bend: f64, t: f64| value + t * (slope + 0.5 * bend * t) < 0.0;
     let longest = (1..RUNGS).take_while(|k| table.long_length(*k) < remaining).last()?;
-    // The bends of the present instant, which are no bounds, tell at once which lengths are too
-    // long.
+    // The present second derivatives are no bounds, but rule out lengths that are too long.
     let mut k = longest;
     for (place, w) in own.clone() {
         let (value, slope, bend) = (beyond(place, w.row.at(z)), w.slope.dot(z), w.slope.dot(rates).abs());

@@ -1,5 +1,5 @@
-//! Low bounces, and what lateness makes of them where a host's solver finds the motion between
-//! events.
+//! Low bounces (docs/assembly-law.md (A15)), and their limits where a host's solver integrates
+//! between events and meets stops late.
 
 use super::Motion;
 use super::contact::{Flags, is_low, project};
@@ -8,7 +8,7 @@ use crate::law::box_qp::{independent, triangle};
 use crate::law::impact::Impacts;
 use crate::mode::{Contact, StopState};
 
-/// A stop whose bounces would be lower than this part of its largest e so far is closed.
+/// Lowest bounce that is followed, relative to the size of e - gap; under it the stop closes.
 const LEAST_BOUNCE: f64 = 1e-12;
 
 /// Where stops are met late, bounces under this many times the lateness are too low to matter.
@@ -20,9 +20,9 @@ const OVERSHOOT_BOUNCES: f64 = 100.0;
 const MOST_OVERSHOOT_BOUNCES: f64 = 1e4;
 
 impl Motion {
-    /// The part of a stop's largest e so far under which a bounce is too low to matter. Where stops
-    /// are met late by a depth d, a ball falls on by it, and its bounces do not get lower than d
-    /// e²/(1 - e²).
+    /// Relative height under which bounces are not followed. Where stops are met late by a depth d,
+    /// a ball falls d further at every impact, so that with restitution ε its bounces never get
+    /// lower than d ε²/(1 - ε²).
     pub(super) fn least_bounce(&self, restitution: f64) -> f64 {
         if self.overshoot == 0.0 {
             return LEAST_BOUNCE;
@@ -31,9 +31,9 @@ impl Motion {
         self.overshoot * (OVERSHOOT_BOUNCES + (2.0 * kept / (1.0 - kept)).min(MOST_OVERSHOOT_BOUNCES))
     }
 
-    /// Where stops are met late, holds those that an impact of others opens by less than matters,
-    /// and tells which. A body between two stops would be driven from one to the other without end,
-    /// since every late impact gains what it falls on.
+    /// Where stops are met late, closes those that an impact of others opens for a bounce too low
+    /// to be followed, and returns them. A body between two stops would otherwise bounce from one
+    /// to the other without end, since every late impact gains the energy of its overshoot.
     pub(super) fn hold_low(
         &mut self,
         touching: &[usize],

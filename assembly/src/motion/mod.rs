@@ -1,4 +1,14 @@
 //! A motion: the state of a machine that advances from event to event, exactly.
+//!
+//! Between events the augmented state follows z' = A z of the [mode](Mode) in force
+//! (docs/assembly-law.md (A5)): `step` advances by sub-steps, `passage` finds the first root of a
+//! watched functional or proves that there is none, `long` joins sub-steps of a stiff machine. At
+//! an event `contact` applies the law; `lone` is its shortcut where one element alone is concerned.
+//! `course` applies the law where a host's solver integrates between events.
+//!
+//! [`Hybrid`] holds all that a saved state needs. The rest of [`Motion`] is settings, caches and
+//! buffers; caches and buffers must not influence its bits, so that a resumed motion is
+//! bit-identical to one that was never saved.
 
 mod change;
 mod contact;
@@ -37,7 +47,7 @@ use std::sync::atomic::AtomicBool;
 use tables::Tables;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// What is told of events while a motion advances.
+/// Callback for the events of an advance.
 pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
 
 /// Where an advance ended.
@@ -45,7 +55,7 @@ pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
 pub enum Outcome {
     /// At the time asked for.
     End,
-    /// At an event: after its law or, where that was asked for, before it.
+    /// At an event: after its law or, for [`Motion::advance_before_event`], before it.
     Event,
 }
 
@@ -61,9 +71,9 @@ enum Due {
 /// The impacts of a stop since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StopRecord {
-    /// How many.
+    /// Number of impacts.
     pub count: u64,
-    /// The impulse of the last one, N s.
+    /// Impulse of the last impact, N s.
     pub impulse: f64,
 }
 
@@ -73,32 +83,33 @@ impl StopRecord {
     }
 }
 
-/// All that changes while a motion advances.
+/// Complete hybrid state of a motion: what a saved state holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hybrid {
     time: DoubleDouble,
-    /// When the mode began, s.
+    /// Start of the flight not yet taken into the sizes, s (docs/assembly-law.md (A14)).
     since: f64,
     #[serde(with = "saved::vector")]
     z: DVector<f64>,
     mode: Mode,
-    /// Orders of the zero that each watched functional has at the time of the last event, 0 for
-    /// none.
+    /// By watched functional: order of its zero at the last event, 0 for no zero, `ORDERS` for zero
+    /// throughout the mode.
     departing: Vec<usize>,
     sizes: Sizes,
+    /// By input: time at which it was set, value and derivatives there.
     inputs: Vec<(f64, Input)>,
-    /// By stop.
+    /// Impacts by stop.
     impacts: Vec<StopRecord>,
     energy: crate::energy::Accounts,
-    /// Events at the present instant without progress.
+    /// Events since time last advanced.
     chain: usize,
-    /// Whole sub-steps since an event, or since the last attempt at a long one.
+    /// Whole sub-steps since the last event or the last attempt at a long sub-step.
     carried: u32,
-    /// Sub-steps since the signals were found from the clock.
+    /// Sub-steps since the signals were last computed from the clock.
     turns: u32,
-    /// What ended the last mode.
+    /// Functional whose zero was the last event.
     last: Option<Watch>,
-    /// The event at which it stands, where its law is still to be applied.
+    /// Pending event: reached, its law not applied yet.
     due: Option<Due>,
 }
 
@@ -108,55 +119,55 @@ pub struct Motion {
     assembly: Arc<Assembly>,
     hybrid: Hybrid,
     tables: Tables,
-    /// The place of the mode in force.
+    /// Index in `tables` of the mode in force.
     place: usize,
     /// By this part of its size a watched functional has passed zero at its event: nothing in an
     /// exact motion.
     overshoot: f64,
     /// Whether the general law decides at every event.
     is_general: bool,
-    /// Sub-steps in one call at most.
+    /// Limit of sub-steps in one call.
     most_work: u64,
-    /// Set where a call is to end early.
+    /// Flag by which another thread interrupts a call.
     asked: Option<Arc<AtomicBool>>,
     scratch: Scratch,
     vectors: pulp::Arch,
 }
 
-/// Memory of a sub-step.
+/// Buffers of a sub-step, reused to avoid allocation.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
-    /// By functional its start.
+    /// By group of watched functionals: value, slope and bound of the curvature at the start.
     heads: Vec<Group>,
-    /// By functional the intervals in which it may pass zero.
+    /// By watched functional: bits of the intervals in which it may pass zero.
     near: Vec<u8>,
-    /// The state at an interval's start.
+    /// State at the start of `interval`, or a copy of the state at an event.
     start: DVector<f64>,
-    /// The interval, while a sub-step is made.
+    /// Interval of the sub-step that `start` and `ahead` belong to.
     interval: Option<usize>,
     ahead: Ahead,
-    /// z' and z'' where a long sub-step begins, or a sub-step in which forces are found apart; else
-    /// memory.
+    /// z' at the start of a long sub-step, or of one that computes elastic forces separately.
     rates: Vec<f64>,
+    /// z'' at that start.
     second: Vec<f64>,
     /// Derivatives of a functional.
     rows: DepartureRows,
     /// By contact how far it is off.
     off: Vec<f64>,
-    /// By functional its values where powers are found.
+    /// By functional of the powers: values at the quadrature nodes.
     values: Vec<crate::energy::AtNodes>,
 }
 
 impl Motion {
-    /// The motion from the start that the machine gives, at time 0.
+    /// Starts a motion at time 0 from the machine's start values.
     ///
     /// # Errors
-    /// [`Error::Jammed`] where prescribed bodies drive stops together at once.
+    /// [`Error::Jammed`] where prescribed bodies drive stops together at the start.
     pub fn new(assembly: Arc<Assembly>) -> Result<Self, Error> {
         Self::starting_at(assembly, 0.0)
     }
 
-    /// The same motion, of which the impacts at the start are told, too.
+    /// Starts a motion at time 0 and reports the impacts at the start to `observer`.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -164,8 +175,8 @@ impl Motion {
         Self::begin(assembly, 0.0, &mut Some(observer))
     }
 
-    /// The motion from the start that the machine gives, at another time in s: there the bodies
-    /// have their start values, while signals have the values of that time.
+    /// Starts a motion at `time`, s: bodies have their start values, signals their values at that
+    /// time.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::OutOfRange`] for a time that is not finite.
@@ -220,7 +231,7 @@ impl Motion {
         Ok(motion)
     }
 
-    /// With memory of the machine's size, before the mode that follows is put in force.
+    /// A motion in state `hybrid` with empty tables; the caller sets the mode in force.
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
         let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
@@ -249,14 +260,13 @@ impl Motion {
         self.hybrid.time.value()
     }
 
-    /// The augmented state (q, v, 1, signals) now, on which the [system](Assembly::system)'s rows
-    /// act.
+    /// The augmented state (q, v, 1, signals) now, to which the rows of the
+    /// [system](Assembly::system) apply.
     pub fn state(&self) -> &DVector<f64> {
         &self.hybrid.z
     }
 
-    /// What ends the mode, where it stands at an event whose law is still to be applied; `None`
-    /// elsewhere and at a signal's knot.
+    /// The functional whose zero is the pending event; `None` without one and at a signal's knot.
     pub fn due(&self) -> Option<Watch> {
         match self.hybrid.due {
             Some(Due::Passage(watch)) => Some(watch),
@@ -283,7 +293,7 @@ impl Motion {
         self.assembly.system.bodies[i].s.dot(&self.hybrid.z)
     }
 
-    /// Its rate alone, m/s or rad/s.
+    /// A body's rate alone, m/s or rad/s.
     pub fn rate(&self, i: usize) -> f64 {
         self.assembly.system.bodies[i].v.dot(&self.hybrid.z)
     }
@@ -297,11 +307,11 @@ impl Motion {
     /// A stop's elongation, its rate and its force.
     pub fn stop(&self, i: usize) -> [f64; 3] {
         let [e, rate, force] = self.stop_varied(i);
-        // Never a pull, by (A13): where it leaves off, rounding is on either side.
+        // Never a pull, by (A13): near its zero the computed force may be negative by rounding.
         [e, rate, force.max(0.0)]
     }
 
-    /// A stop's elongation, its rate and its force as linear functions of the state.
+    /// A stop's elongation, its rate and its force, linear in the state: not clipped at zero.
     fn stop_varied(&self, i: usize) -> [f64; 3] {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let stop = &system.stops[i];
@@ -325,13 +335,13 @@ impl Motion {
         [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
     }
 
-    /// The value of a quantity of the machine, SI.
+    /// The value of a quantity of the machine, in SI units.
     pub fn value(&self, quantity: Quantity) -> f64 {
         self.value_by(quantity, |i| self.stop(i)[2])
     }
 
-    /// The derivative of a quantity, of a motion that stands for a derivative: that of a stop's force
-    /// has either sign.
+    /// The value of a quantity in a motion that stands for a derivative (see
+    /// [`variation`](Self::variation)): a stop's force may then have either sign.
     pub fn value_varied(&self, quantity: Quantity) -> f64 {
         self.value_by(quantity, |i| self.stop_varied(i)[2])
     }
@@ -370,7 +380,7 @@ impl Motion {
         place.map_or(0.0, |k| self.table().lambda[k].dot(&self.hybrid.z))
     }
 
-    /// The impacts of a stop.
+    /// The record of a stop's impacts.
     pub fn impacts(&self, i: usize) -> StopRecord {
         self.hybrid.impacts[i]
     }
@@ -380,28 +390,28 @@ impl Motion {
         &self.hybrid.energy
     }
 
-    /// The same motion without energy accounts, which then stay as they are.
+    /// Switches the energy accounts off; they keep their present values.
     #[must_use]
     pub fn without_energy_accounts(mut self) -> Self {
         self.hybrid.energy = self.hybrid.energy.off();
         self
     }
 
-    /// The same motion with so many bytes, about, for the tables of the modes that it meets;
-    /// beyond, they are made again when they are needed. Without this it keeps 128 MB.
+    /// Sets the approximate limit, in bytes, of the memory for tables of modes; default 128 MB.
+    /// Beyond the limit all tables are dropped, and rebuilt when they are needed.
     #[must_use]
     pub fn with_table_memory(mut self, bytes: usize) -> Self {
         self.tables.most = bytes;
         self
     }
 
-    /// Bytes that the tables of the modes take now.
+    /// Present size of the tables of modes, bytes.
     pub fn table_memory(&self) -> usize {
         self.tables.bytes()
     }
 
-    /// The same motion with every event decided by the general law, also where one element alone is
-    /// concerned: a second way to what follows, for tests and comparisons.
+    /// Decides every event by the general law, even where one element alone is concerned: an
+    /// independent path for tests and comparisons.
     #[must_use]
     pub fn by_general_law(mut self) -> Self {
         self.is_general = true;
@@ -419,18 +429,19 @@ impl Motion {
         crate::signals::shifted(input, self.time() - from)
     }
 
-    /// All that changes, to go on from later.
+    /// A copy of the hybrid state, for [`restore`](Self::restore).
     pub fn save(&self) -> Hybrid {
         self.hybrid.clone()
     }
 
-    /// Goes back to what was saved of a motion of the same machine.
+    /// Restores a state saved from a motion of this machine.
     pub fn restore(&mut self, saved: &Hybrid) {
         self.hybrid = saved.clone();
         self.tables.make_room();
         self.place = self.tables.place_of(&self.hybrid.mode, &self.assembly.system);
     }
 
+    /// Computes the signals' part of the state from the clock.
     fn refill(&mut self) {
         let signals = &self.assembly.system.signals;
         signals.fill(self.hybrid.time, &self.hybrid.inputs, self.hybrid.z.as_mut_slice());

@@ -75,7 +75,7 @@ impl StepPoint {
     }
 }
 
-/// The first passage of a watched functional in a sub-step.
+/// Passage of a watched functional through its limit in a sub-step.
 pub(super) struct Passage {
     pub(super) at: StepPoint,
     /// Place of the functional.
@@ -148,7 +148,7 @@ impl PassageSearch<'_> {
             let head = head_of(heads, place);
             let path = |span: f64| span * (head.slope.abs() + 0.5 * head.bend * span);
             if path(span) <= REACH * head.value.abs() {
-                continue; // its size is at least its value's
+                continue; // a size is at least the present value
             }
             let size = w.row.size(self.hybrid.sizes.0.as_slice());
             while path(span) > REACH * size && span > least {

@@ -16,8 +16,9 @@ use crate::mode::{Contact, Mode};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
-/// A singular value of the compliances of stops that are hit together counts as zero under this part
-/// of the largest: the box problem of (A7) leaves out contacts whose columns depend on the others'.
+/// A singular value of the compliances of stops that are hit together counts as zero under this
+/// part of the largest: the box problem of (A7) leaves out contacts whose columns depend on the
+/// others'.
 const SINGULAR: f64 = 1e-12;
 /// A passage slower than this part of the sizes of its terms is a touch, at which there is no
 /// derivative.
@@ -63,8 +64,9 @@ struct LinearImpact {
 }
 
 impl Crossing<'_> {
-    /// Carries variations over the event, through the impacts that the motion has had. Where several
-    /// stops are hit at one instant there may be no derivative; that of these impacts is then taken.
+    /// Carries variations over the event, through the impacts that the motion has had. Where
+    /// several stops are hit at one instant there may be no derivative; that of these impacts is
+    /// then taken.
     pub fn carry<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
         let (impacts, own) = (self.impacts(system), 2 * system.coordinates);
         let [incoming, outgoing] = self.rates;

@@ -22,7 +22,7 @@ fn closed_form_what_stands_by_forces_that_cancel_has_the_rounding_of_their_sizes
 }
 
 #[test]
-fn closed_form_an_impact_ends_what_an_event_says_of_the_elements_that_it_moves() {
+fn closed_form_an_impact_clears_the_flags_of_the_elements_that_it_moves() {
     let text = "name = \"A\"\n[body.a]\nmass = 1.0\n[body.b]\nmass = 2.0\nstart = { v = 1.0 }\n\
                 [friction.fa]\nbetween = [\"ground\", \"a\"]\nforce = 1.0\n\
                 [friction.fb]\nbetween = [\"ground\", \"b\"]\nforce = 1.0\n\
