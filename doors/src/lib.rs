@@ -97,22 +97,26 @@ pub mod events;
 pub mod ffi;
 pub mod fmi2;
 pub mod fmi3;
+pub mod hybrid;
 pub mod identifier;
 pub mod instance;
 pub mod instantiation;
 pub mod life;
 pub mod log;
 pub mod messages;
+pub mod model;
 pub mod problem;
 pub mod tabular;
 pub mod values;
 
 pub use component::Component;
 pub use events::{Advance, EarlyEnd, Handled, Piece, StepOutcome, StepReason};
+pub use hybrid::Hybrid;
 pub use instantiation::{Instantiation, Named, Version};
 #[doc(hidden)]
 pub use libc; // what the macros name
 pub use life::{EventHandling, Experiment, Interface, Life, Phase};
+pub use model::Model;
 pub use problem::{Problem, Refusal};
 pub use values::{Base, Bases, Dependency, DependencyKind};
 

@@ -9,13 +9,14 @@ mod row;
 
 pub use row::{Role, Row};
 
-use crate::component::Component;
 use crate::description;
-use crate::events::{Advance, Handled};
+use crate::events::Handled;
+use crate::hybrid::{Ended, Hybrid, Met, StepEnd, Until};
 use crate::identifier::identifier;
 use crate::instantiation::{Instantiation, Named};
-use crate::life::{Interface, Life, Phase};
+use crate::life::{Interface, Life};
 use crate::log::{Category, Log};
+use crate::model::Model;
 use crate::problem::Problem;
 use crate::values::Bases;
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,10 @@ use std::marker::PhantomData;
 /// The events that one step may have. A model whose events follow each other ever faster would keep
 /// the host waiting for ever; with more, the step is refused.
 pub const MOST_EVENTS: usize = 1_000_000;
+
+/// Parts of a step, in each of which an input that follows a polynomial is held at its value in the
+/// middle: the motion is then exact but for the square of a part.
+const PARTS: f64 = 16.0;
 
 /// A model whose variables are the rows of a table. The value reference of a row is its place in
 /// the table, counted from 1; `values` are those of the rows, in their order and in the rows'
@@ -69,7 +74,25 @@ pub trait Tabular: 'static {
 /// The component of a table: what is exported, `fmi_doors::export!(FromTable<Model>)`.
 pub struct FromTable<T> {
     state: Saved,
+    /// Inputs that follow a polynomial within the present step.
+    courses: Vec<Course>,
     model: PhantomData<fn() -> T>,
+}
+
+/// An input that follows a polynomial.
+struct Course {
+    place: usize,
+    /// When it began, s.
+    since: f64,
+    /// Value and time derivatives 1 to 3 then.
+    polynomial: [f64; 4],
+}
+
+impl Course {
+    fn value(&self, time: f64) -> f64 {
+        let ([u, first, second, third], t) = (self.polynomial, time - self.since);
+        u + t * (first + t * (second / 2.0 + t * (third / 6.0)))
+    }
 }
 
 /// Everything that such a component knows.
@@ -79,6 +102,8 @@ pub struct Saved {
     values: Vec<f64>,
     /// Whether the last step has ended at an event whose law is still to be applied.
     due: bool,
+    /// The counters as they are shown until the host handles the events of the last step.
+    latched: Option<Vec<f64>>,
 }
 
 impl<T> fmt::Debug for FromTable<T> {
@@ -92,7 +117,11 @@ impl<T: Tabular> FromTable<T> {
 
     fn new(life: Life) -> Self {
         let values = T::ROWS.iter().map(|row| row.start).collect();
-        let mut made = Self { state: Saved { life, values, due: false }, model: PhantomData };
+        let mut made = Self {
+            state: Saved { life, values, due: false, latched: None },
+            courses: Vec::new(),
+            model: PhantomData,
+        };
         T::evaluate(&mut made.state.values);
         made
     }
@@ -153,38 +182,25 @@ impl<T: Tabular> FromTable<T> {
         Ok(())
     }
 
-    /// Applies the law of the event at which the last step has ended.
-    fn pass_due_event(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
-        self.pass_event(log)?;
-        self.state.due = false;
-        Ok(())
+    /// The counters.
+    fn counters() -> impl Iterator<Item = usize> {
+        (0..T::ROWS.len()).filter(|place| T::ROWS[*place].role == Role::Counter)
     }
 
-    /// To the end, or before the next event where the host handles events and takes steps that end
-    /// early.
-    fn go_to(&mut self, end: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
-        let handling = self.state.life.handling;
-        // The host has not handled the event at which the last step ended, so that its law is still
-        // to be applied.
-        if self.state.due {
-            self.pass_due_event(log)?;
+    /// The value of a variable as it is shown.
+    fn shown_value(&self, place: usize) -> f64 {
+        let latched = self.state.latched.iter().flatten();
+        let counter = Self::counters().zip(latched).find(|(counter, _)| *counter == place);
+        counter.map_or(self.state.values[place], |(_, value)| *value)
+    }
+
+    /// Gives inputs with a course their values at a time.
+    fn follow(&mut self, time: f64) -> Result<(), Problem> {
+        if self.courses.is_empty() {
+            return Ok(());
         }
-        for events in 0..=MOST_EVENTS {
-            let next = T::next_event(&self.state.values).max(self.state.values[Self::TIME]);
-            if next > end {
-                self.move_to(end)?;
-                return Ok(Advance { time: end, event: handling.event_mode && events > 0, early: false });
-            }
-            self.move_to(next)?;
-            if handling.event_mode && handling.early_return {
-                self.state.due = true;
-                return Ok(Advance { time: next, event: true, early: next < end });
-            }
-            self.pass_event(log)?;
-        }
-        let reached = self.state.values[Self::TIME];
-        let what = format!("a step with {MOST_EVENTS} events up to t = {reached} s: allowed are fewer");
-        Err(Problem::Sequence { what: what.into() })
+        let given: Vec<_> = self.courses.iter().map(|course| (course.place, course.value(time))).collect();
+        self.change(|values| given.into_iter().for_each(|(place, value)| values[place] = value))
     }
 
     /// Checks what bytes say, which may be any.
@@ -193,17 +209,18 @@ impl<T: Tabular> FromTable<T> {
         if saved.values.len() != T::ROWS.len() {
             return Err(refused(format!("it has {} values", saved.values.len())));
         }
-        let mut rows = T::ROWS.iter().zip(&saved.values);
+        let latched = saved.latched.iter().flatten();
+        let counters = Self::counters().map(|place| &T::ROWS[place]).zip(latched);
+        let mut rows = T::ROWS.iter().zip(&saved.values).chain(counters);
         rows.try_for_each(|(row, value)| {
             row.check_reached(*value).map_err(|problem| refused(problem.to_string()))
         })
     }
 }
 
-impl<T: Tabular> Component for FromTable<T> {
+impl<T: Tabular> Model for FromTable<T> {
     type Problem = Problem;
     type State = Saved;
-    type Pieces = ();
 
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, Problem> {
         request.check_token(&Self::token())?;
@@ -216,16 +233,6 @@ impl<T: Tabular> Component for FromTable<T> {
 
     fn life_mut(&mut self) -> &mut Life {
         &mut self.state.life
-    }
-
-    fn enter_initialization(&mut self) {
-        self.state.life.phase = Phase::Initialization;
-        self.state.values[Self::TIME] = self.state.life.start_time();
-    }
-
-    fn exit_initialization(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
-        self.state.life.begin();
-        Ok(())
     }
 
     fn reset(&mut self) {
@@ -250,7 +257,7 @@ impl<T: Tabular> Component for FromTable<T> {
     ) -> Result<(), Problem> {
         references.iter().try_for_each(|reference| Self::row(*reference, bases).map(drop))?;
         for (i, reference) in references.iter().enumerate() {
-            write(i, self.state.values[*reference as usize - 1]);
+            write(i, self.shown_value(*reference as usize - 1));
         }
         Ok(())
     }
@@ -270,43 +277,13 @@ impl<T: Tabular> Component for FromTable<T> {
         self.change(|values| taken.iter().for_each(|(place, value)| values[*place] = *value))
     }
 
-    /// In Model Exchange a host comes for an event that it found by the indicators: one is due
-    /// where the next is not to come.
-    fn handle_events(&mut self, log: &mut dyn Log) -> Result<Handled, Problem> {
-        let come = T::next_event(&self.state.values) <= self.time();
-        let states = self.state.due || come && self.state.life.interface == Interface::ModelExchange;
-        if states {
-            self.pass_due_event(log)?;
-        }
-        Ok(Handled { states, nominals: false })
-    }
-
     fn next_event_time(&mut self) -> Option<f64> {
         let stepping = self.state.life.interface == Interface::CoSimulation;
         Some(T::next_event(&self.state.values)).filter(|time| stepping && time.is_finite())
     }
 
-    fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
-        self.state.life.check_step(point, size, self.time())?;
-        let before = self.state.clone();
-        let outcome = self.go_to(point + size, log);
-        match outcome {
-            Ok(_) => self.state.life.phase = Phase::Step,
-            Err(_) => self.state = before,
-        }
-        outcome
-    }
-
-    fn number_of_continuous_states(&self) -> usize {
-        Self::states().count()
-    }
-
     fn number_of_event_indicators(&self) -> usize {
         T::INDICATORS.len()
-    }
-
-    fn set_time(&mut self, time: f64) -> Result<(), Problem> {
-        self.change(|values| values[Self::TIME] = time)
     }
 
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Problem> {
@@ -327,6 +304,10 @@ impl<T: Tabular> Component for FromTable<T> {
         Ok(T::INDICATORS.iter().map(|place| self.state.values[*place]).collect::<Vec<_>>())
     }
 
+    fn nominals(&self) -> impl AsRef<[f64]> {
+        vec![1.0; Self::states().count()]
+    }
+
     fn save(&self) -> Result<Saved, Problem> {
         Ok(self.state.clone())
     }
@@ -334,7 +315,8 @@ impl<T: Tabular> Component for FromTable<T> {
     fn restore(&mut self, saved: &Saved) -> Result<(), Problem> {
         let mut life = self.state.life;
         life.take_over(&saved.life)?;
-        self.state = Saved { life, ..saved.clone() };
+        let latched = saved.latched.clone().filter(|_| life.handling.event_mode);
+        self.state = Saved { life, latched, ..saved.clone() };
         Ok(())
     }
 
@@ -349,6 +331,109 @@ impl<T: Tabular> Component for FromTable<T> {
         }
         Self::check(&saved)?;
         Ok(saved)
+    }
+}
+
+impl<T: Tabular> Hybrid for FromTable<T> {
+    type Shown = Vec<f64>;
+    type Undo = Saved;
+
+    fn forget(&mut self) {
+        self.state.values[Self::TIME] = self.state.life.start_time();
+    }
+
+    fn start(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
+        Ok(())
+    }
+
+    /// Values that were set act at once. Left is the law of an event at which the last step has
+    /// ended and which the host has not handled.
+    fn take_over(&mut self, _: StepEnd, log: &mut dyn Log) -> Result<(Saved, bool), Problem> {
+        let before = self.state.clone();
+        if self.state.due {
+            self.apply_law(log)?;
+        }
+        Ok((before, false))
+    }
+
+    fn run(&mut self, end: StepEnd, until: Until, log: &mut dyn Log) -> Result<Met, Problem> {
+        let end = end.value().max(self.time());
+        let part = if self.courses.is_empty() { f64::INFINITY } else { (end - self.time()) / PARTS };
+        let mut met = Met::default();
+        while met.events <= MOST_EVENTS {
+            let to = (self.time() + part).min(end);
+            self.follow(0.5 * (self.time() + to))?;
+            let next = T::next_event(&self.state.values).max(self.time());
+            if next > to {
+                self.move_to(to)?;
+                if to < end {
+                    continue;
+                }
+                return Ok(met);
+            }
+            self.move_to(next)?;
+            if until == Until::Event {
+                self.state.due = true;
+                return Ok(Met { due: true, ..met });
+            }
+            self.pass_event(log)?;
+            met.events += 1;
+            if until == Until::After && next < end {
+                return Ok(Met { stopped: true, ..met });
+            }
+        }
+        let what = format!("a step with {MOST_EVENTS} events up to t = {} s: allowed are fewer", self.time());
+        Err(Problem::Sequence { what: what.into() })
+    }
+
+    fn undo(&mut self, before: Saved, problem: Problem) -> Problem {
+        self.state = before;
+        problem
+    }
+
+    fn apply_law(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
+        self.pass_event(log)?;
+        self.state.due = false;
+        Ok(())
+    }
+
+    fn shown(&self) -> Vec<f64> {
+        Self::counters().map(|place| self.state.values[place]).collect()
+    }
+
+    fn latch(&mut self, shown: Option<Vec<f64>>) {
+        self.state.latched = shown;
+    }
+
+    fn end_step(&mut self, _: Ended) {
+        // Where an input makes no value finite, what it was in the last part stays.
+        let _ = self.follow(self.time());
+        self.courses.clear();
+    }
+
+    fn set_input(&mut self, reference: u32, polynomial: [f64; 4]) {
+        let Ok((_, place)) = Self::row(reference, Bases::REAL) else { return };
+        self.courses.retain(|course| course.place != place);
+        if polynomial[1..] != [0.0; 3] {
+            self.courses.push(Course { place, since: self.time(), polynomial });
+        }
+        // The host has set this value itself, by which all others were finite.
+        let _ = self.change(|values| values[place] = polynomial[0]);
+    }
+
+    /// In Model Exchange a host comes for an event that it found by the indicators: one is due
+    /// where the next is not to come.
+    fn carry_out(&mut self, log: &mut dyn Log) -> Result<Handled, Problem> {
+        let come = T::next_event(&self.state.values) <= self.time();
+        let states = self.state.due || come && self.state.life.interface == Interface::ModelExchange;
+        if states {
+            self.apply_law(log)?;
+        }
+        Ok(Handled { states, nominals: false })
+    }
+
+    fn put_time(&mut self, time: f64) -> Result<(), Problem> {
+        self.change(|values| values[Self::TIME] = time)
     }
 }
 

@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // the C interface
 
 use fmi_doors::log::Log;
-use fmi_doors::{Advance, Base, Bases, Component, Instantiation, Life, Named, Phase, Problem};
+use fmi_doors::{Advance, Base, Bases, Component, Instantiation, Life, Model, Named, Phase, Problem};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::ptr::{null, null_mut};
@@ -31,10 +31,9 @@ impl Table {
     }
 }
 
-impl Component for Table {
+impl Model for Table {
     type Problem = Problem;
     type State = ();
-    type Pieces = ();
 
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, Problem> {
         let file = request.resource_folder()?.join("names.txt");
@@ -53,11 +52,6 @@ impl Component for Table {
 
     fn life_mut(&mut self) -> &mut Life {
         &mut self.life
-    }
-
-    fn exit_initialization(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
-        self.life.begin();
-        Ok(())
     }
 
     fn reset(&mut self) {
@@ -97,6 +91,15 @@ impl Component for Table {
             let place = self.place(reference, bases)?;
             self.values[place] = read(i);
         }
+        Ok(())
+    }
+}
+
+impl Component for Table {
+    type Pieces = ();
+
+    fn exit_initialization(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
+        self.life.begin();
         Ok(())
     }
 

@@ -10,7 +10,7 @@ use crate::component::{
     Advance, Handled, Instance, Interface, Piece, Pieces, Problem, Protocol, StepOutcome,
 };
 use crate::{fmi2, fmi3};
-use fmi_doors::{Component, Dependency, EarlyEnd, Instantiation, Life, Named, Refusal, Version};
+use fmi_doors::{Component, Dependency, EarlyEnd, Instantiation, Life, Model, Named, Refusal, Version};
 
 /// How far beyond a stop a solver may look, in gaps from the middle, in descriptions later than the
 /// first: farther out it does not look for an impact, but has gone astray.
@@ -35,14 +35,12 @@ impl Instance {
     }
 }
 
-impl Component for Instance {
+impl Model for Instance {
     type Problem = Problem;
     type State = SavedState;
-    type Pieces = Pieces;
 
     /// There are fewer than 100 variables; a saved state has less than a kilobyte.
     const MAX_COUNT: usize = 4096;
-    const INTERMEDIATE_UPDATE: bool = true;
     const EARLY_END: EarlyEnd = EarlyEnd { event: "impact", because: ", since stopAtImpact is true" };
 
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, Problem> {
@@ -92,37 +90,6 @@ impl Component for Instance {
                 "eventModeUsed is false, so impacts.clock never ticks; all else is right",
             );
         }
-    }
-
-    fn set_experiment(
-        &mut self,
-        tolerance: Option<f64>,
-        start: f64,
-        stop: Option<f64>,
-    ) -> Result<(), Problem> {
-        Self::set_experiment(self, tolerance, start, stop)
-    }
-
-    fn enter_initialization(&mut self) {
-        Self::enter_initialization(self);
-    }
-
-    /// In FMI 3.0 a closed form in Model Exchange is a mistake in the call, and not of a value.
-    fn exit_initialization(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
-        let closed = self.settings().mode != SolutionMode::EventDriven;
-        if closed && self.is_extended() && self.interface() == Interface::ModelExchange {
-            let what = "mode must be 1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate";
-            return Err(Problem::sequence(what));
-        }
-        Self::exit_initialization(self, log)
-    }
-
-    fn terminate(&mut self) {
-        Self::terminate(self);
-    }
-
-    fn fail(&mut self) {
-        Self::fail(self);
     }
 
     fn reset(&mut self) {
@@ -189,14 +156,6 @@ impl Component for Instance {
         Self::dependencies(self, reference)
     }
 
-    fn enter_event(&mut self) -> Result<(), Problem> {
-        Self::enter_event(self)
-    }
-
-    fn handle_events(&mut self, log: &mut dyn Log) -> Result<Handled, Problem> {
-        Self::handle_events(self, log)
-    }
-
     /// In Model Exchange events are the host's to find.
     fn next_event_time(&mut self) -> Option<f64> {
         if self.interface() == Interface::ModelExchange {
@@ -206,39 +165,8 @@ impl Component for Instance {
         prediction.known.then_some(prediction.time)
     }
 
-    fn leave_event(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
-        Self::leave_event(self, log)
-    }
-
-    #[inline]
-    fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
-        Self::advance(self, point, size, log)
-    }
-
-    #[inline]
-    fn step(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<StepOutcome, Problem> {
-        Self::step(self, point, size, log)
-    }
-
-    fn number_of_continuous_states(&self) -> usize {
-        STATES.len()
-    }
-
     fn number_of_event_indicators(&self) -> usize {
         EVENT_INDICATORS
-    }
-
-    fn enter_continuous(&mut self) -> Result<(), Problem> {
-        Self::enter_continuous(self);
-        Ok(())
-    }
-
-    fn complete_integrator_step(&mut self) -> Result<bool, Problem> {
-        Self::complete_integrator_step(self)
-    }
-
-    fn set_time(&mut self, time: f64) -> Result<(), Problem> {
-        Self::set_time(self, time)
     }
 
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Problem> {
@@ -273,12 +201,6 @@ impl Component for Instance {
     }
 
     #[inline]
-    fn save_into(&self, place: &mut SavedState) -> Result<(), Problem> {
-        *place = Self::save(self);
-        Ok(())
-    }
-
-    #[inline]
     fn restore(&mut self, saved: &SavedState) -> Result<(), Problem> {
         Self::restore(self, saved)
     }
@@ -289,6 +211,78 @@ impl Component for Instance {
 
     fn deserialize(&self, bytes: &[u8]) -> Result<SavedState, Problem> {
         SavedState::deserialize(bytes)
+    }
+}
+
+impl Component for Instance {
+    type Pieces = Pieces;
+
+    const INTERMEDIATE_UPDATE: bool = true;
+
+    fn set_experiment(
+        &mut self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Result<(), Problem> {
+        Self::set_experiment(self, tolerance, start, stop)
+    }
+
+    fn enter_initialization(&mut self) {
+        Self::enter_initialization(self);
+    }
+
+    /// In FMI 3.0 a closed form in Model Exchange is a mistake in the call, and not of a value.
+    fn exit_initialization(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
+        let closed = self.settings().mode != SolutionMode::EventDriven;
+        if closed && self.is_extended() && self.interface() == Interface::ModelExchange {
+            let what = "mode must be 1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate";
+            return Err(Problem::sequence(what));
+        }
+        Self::exit_initialization(self, log)
+    }
+
+    fn terminate(&mut self) {
+        Self::terminate(self);
+    }
+
+    fn fail(&mut self) {
+        Self::fail(self);
+    }
+
+    fn enter_event(&mut self) -> Result<(), Problem> {
+        Self::enter_event(self)
+    }
+
+    fn handle_events(&mut self, log: &mut dyn Log) -> Result<Handled, Problem> {
+        Self::handle_events(self, log)
+    }
+
+    fn leave_event(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
+        Self::leave_event(self, log)
+    }
+
+    #[inline]
+    fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
+        Self::advance(self, point, size, log)
+    }
+
+    #[inline]
+    fn step(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<StepOutcome, Problem> {
+        Self::step(self, point, size, log)
+    }
+
+    fn enter_continuous(&mut self) -> Result<(), Problem> {
+        Self::enter_continuous(self);
+        Ok(())
+    }
+
+    fn complete_integrator_step(&mut self) -> Result<bool, Problem> {
+        Self::complete_integrator_step(self)
+    }
+
+    fn set_time(&mut self, time: f64) -> Result<(), Problem> {
+        Self::set_time(self, time)
     }
 
     fn begin_pieces(&mut self, point: f64, size: f64) -> Result<Pieces, Problem> {

@@ -1,7 +1,7 @@
 //! Steps in pieces, and time in Model Exchange.
 
 use crate::solver::{Silent, Solver, get};
-use fmi_doors::{Component, EventHandling, Interface, Life, Piece};
+use fmi_doors::{Component, EventHandling, Interface, Life, Model, Piece};
 use std::path::Path;
 use std::sync::Arc;
 use vibro_assembly::file;
