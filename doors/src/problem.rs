@@ -127,6 +127,11 @@ pub enum Problem {
 }
 
 impl Problem {
+    /// A step or an event that failed and could not be taken back.
+    pub fn not_taken_back(cause: &impl ToString, refused: &impl ToString) -> Self {
+        Self::NotTakenBack { cause: cause.to_string(), refused: refused.to_string() }
+    }
+
     /// A value outside its range.
     pub fn value(
         name: impl Into<Cow<'static, str>>,

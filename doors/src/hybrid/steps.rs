@@ -247,9 +247,7 @@ impl<H: Hybrid> Pieces<H> {
         };
         match h.restore(&self.before) {
             Ok(()) => problem,
-            Err(refused) => {
-                Problem::NotTakenBack { cause: problem.to_string(), refused: refused.to_string() }.into()
-            }
+            Err(refused) => Problem::not_taken_back(&problem, &refused).into(),
         }
     }
 }

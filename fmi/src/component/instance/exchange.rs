@@ -2,60 +2,14 @@
 
 use super::events::Present;
 use super::initial::forces;
-use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
-use crate::component::continuous::{Continuous, check_states};
+use super::{Engine, Instance, Interface, Outcome, Problem};
+use crate::component::continuous::Continuous;
 use crate::component::structure::{DERIVATIVES, EVENT_INDICATORS, STATES};
+use fmi_doors::Model as _;
 use vibro_impact::model::Model;
 use vibro_impact::simulator;
 
 impl Instance {
-    /// The host's solver goes on from here.
-    pub fn enter_continuous(&mut self) {
-        self.life.phase = Phase::Continuous;
-    }
-
-    /// Accepts a step of the host's solver: the energy accounts are carried on. Returns whether the
-    /// host has passed over an event.
-    ///
-    /// # Errors
-    /// [`Sequence`](fmi_doors::Problem::Sequence) before initialization.
-    pub fn complete_integrator_step(&mut self) -> Outcome<bool> {
-        let continuous = self.continuous_mut()?;
-        continuous.accept();
-        let missed = continuous.missed_event();
-        self.invalidate();
-        Ok(missed)
-    }
-
-    /// Sets the time; at an event only to the present time, as some hosts do.
-    ///
-    /// # Errors
-    /// [`Value`](fmi_doors::Problem::Value) for a time that is not finite, or at an event another
-    /// than the present; one too large to resolve.
-    pub fn set_time(&mut self, time: f64) -> Outcome {
-        let refuse = |allowed| Err(Problem::value("time", time, allowed));
-        if !time.is_finite() {
-            return refuse("a finite number");
-        }
-        if self.life.phase == Phase::Event && time != self.continuous_mut()?.time() {
-            return refuse("the present time in Event Mode");
-        }
-        self.continuous_mut()?.set_time(time)?;
-        self.invalidate();
-        Ok(())
-    }
-
-    /// Sets the continuous states, in the order of [`STATES`].
-    ///
-    /// # Errors
-    /// [`Value`](fmi_doors::Problem::Value) for one that is not finite; nothing has changed then.
-    pub fn set_continuous_states(&mut self, states: &[f64; 6]) -> Outcome {
-        let state = check_states(states)?;
-        self.continuous_mut()?.set_state(state);
-        self.invalidate();
-        Ok(())
-    }
-
     /// The continuous states.
     ///
     /// # Errors
@@ -108,7 +62,7 @@ impl Instance {
         before.is_some_and(|before| before != now)
     }
 
-    fn continuous_mut(&mut self) -> Outcome<&mut Continuous> {
+    pub(super) fn continuous_mut(&mut self) -> Outcome<&mut Continuous> {
         match &mut self.engine {
             Engine::Continuous(continuous) => Ok(continuous),
             _ => Err(Problem::sequence("the instance is not initialized")),
