@@ -1,37 +1,16 @@
-//! How a component lives and steps, as the doors ask for it.
+//! How a component lives and steps, as the doors ask for it: the same for every [`Hybrid`].
 
-use crate::events::{Advance, Handled, Piece, StepOutcome, StepReason};
-use crate::life::{Experiment, Phase};
+use crate::events::{Advance, Handled, StepOutcome, StepReason};
+use crate::hybrid::{AtEvent, Hybrid, steps};
+use crate::life::{Experiment, Interface, Phase};
 use crate::log::Log;
-use crate::model::Model;
-use crate::problem::{Problem, Refusal};
-use std::fmt::Debug;
+use crate::problem::Problem;
 
-/// The life and the steps of a component: what a host may do with what the component is
-/// ([`Model`]).
+/// The life and the steps of a component: what an FMU is an instance of. Which call is allowed in
+/// which state of which version is the doors' to say.
 ///
-/// Which call is allowed in which state of which version is the doors' to say; they check
-/// arguments, keep saved states, and turn outcomes into statuses and messages. A component keeps a
-/// [`Life`](crate::Life); what it does not offer it leaves out, since the defaults refuse by name.
-///
-/// A simulation with events implements [`Hybrid`](crate::hybrid::Hybrid) instead and gets all of
-/// this. For others:
-///
-/// - anything: [`exit_initialization`](Self::exit_initialization);
-/// - Co-Simulation: [`advance`](Self::advance);
-/// - events: [`handle_events`](Self::handle_events);
-/// - Model Exchange: [`set_time`](Self::set_time) and the continuous states of [`Model`];
-/// - intermediate update: [`INTERMEDIATE_UPDATE`](Self::INTERMEDIATE_UPDATE),
-///   [`begin_pieces`](Self::begin_pieces) and what follows it.
-#[allow(unused_variables)] // of the defaults
-pub trait Component: Model {
-    /// A step in progress that looks at its course; `()` without intermediate update.
-    type Pieces: Debug;
-
-    /// Whether steps ask the host's callback (`providesIntermediateUpdate`); otherwise it is never
-    /// called.
-    const INTERMEDIATE_UPDATE: bool = false;
-
+/// No type implements it: every [`Hybrid`] is a component.
+pub trait Component: Hybrid {
     /// `fmi2SetupExperiment`, and what `fmi3EnterInitializationMode` says of it.
     ///
     /// # Errors
@@ -50,35 +29,46 @@ pub trait Component: Model {
     /// start.
     fn enter_initialization(&mut self) {
         self.life_mut().phase = Phase::Initialization;
+        self.forget();
     }
 
-    /// `fmi2ExitInitializationMode`, `fmi3ExitInitializationMode`: the motion begins, by
-    /// [`Life::begin`](crate::Life::begin).
+    /// `fmi2ExitInitializationMode`, `fmi3ExitInitializationMode`: the motion begins.
     ///
     /// # Errors
     /// When start values or parameters are not possible; it stays in initialization.
-    fn exit_initialization(&mut self, log: &mut dyn Log) -> Result<(), Self::Problem>;
+    fn exit_initialization(&mut self, log: &mut dyn Log) -> Result<(), Self::Problem> {
+        self.start(log)?;
+        self.life_mut().begin();
+        if self.life().phase == Phase::Event {
+            self.begin_event();
+        }
+        Ok(())
+    }
 
     /// `fmi2Terminate`, `fmi3Terminate`.
     fn terminate(&mut self) {
+        self.end(false);
         self.life_mut().phase = Phase::Terminated;
     }
 
     /// An error has ended it (FMI 3.0.2, 2.3.1). Nothing else has changed, so that what was shown
     /// of an event that was not carried out is not shown any more.
     fn fail(&mut self) {
+        self.end(true);
         self.life_mut().phase = Phase::Terminated;
     }
-
-    // Events
 
     /// `fmi2EnterEventMode`, `fmi3EnterEventMode`: the host comes to handle an event; there need
     /// not be one.
     ///
     /// # Errors
-    /// By default none.
+    /// As [`Hybrid::accept`].
     fn enter_event(&mut self) -> Result<(), Self::Problem> {
+        if self.life().interface == Interface::ModelExchange {
+            self.accept()?;
+        }
         self.life_mut().phase = Phase::Event;
+        self.begin_event();
         Ok(())
     }
 
@@ -88,51 +78,52 @@ pub trait Component: Model {
     /// # Errors
     /// When what was set is not possible; nothing has changed then.
     fn handle_events(&mut self, log: &mut dyn Log) -> Result<Handled, Self::Problem> {
-        Ok(Handled::default())
+        self.carry_out(log)
     }
 
-    /// `fmi3EnterStepMode`, `fmi3EnterContinuousTimeMode`: the motion goes on, by [`Life::go_on`](crate::Life::go_on).
+    /// `fmi3EnterStepMode`, `fmi3EnterContinuousTimeMode`: the motion goes on.
     ///
     /// # Errors
-    /// By default none.
+    /// As [`Hybrid::go_on`].
     fn leave_event(&mut self, log: &mut dyn Log) -> Result<(), Self::Problem> {
+        self.go_on(Some(log))?;
         self.life_mut().go_on();
         Ok(())
     }
 
-    // Co-Simulation
-
     /// `fmi3DoStep`: from the present time towards `point + size`. Own time is the truth; `point`
-    /// may be off by rounding ([`Life::check_step`](crate::Life::check_step)). What happens at an event inside is agreed by
-    /// [`EventHandling`](crate::EventHandling).
+    /// may be off by rounding ([`Life::check_step`](crate::Life::check_step)). What happens at an
+    /// event inside is agreed by [`EventHandling`](crate::EventHandling).
     ///
     /// # Errors
-    /// When the step was not carried out at all; it stands where it stood. By default always.
+    /// When the step was not carried out at all; it stands where it stood.
+    #[inline]
     fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, Self::Problem> {
-        not_offered("Co-Simulation")
+        let at_event = AtEvent::of(self.life().handling, self.ends_at_events());
+        steps::advance(self, (point, size), at_event, log)
     }
 
-    /// `fmi2DoStep`: [`advance`](Self::advance) for a host that knows nothing of events. Where it ends
-    /// early, the phase is then [`Phase::StoppedEarly`].
+    /// `fmi2DoStep`: [`advance`](Self::advance) for a host that knows nothing of events. Where it
+    /// ends early, the phase is then [`Phase::StoppedEarly`], and the next step may begin there.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
+    #[inline]
     fn step(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<StepOutcome, Self::Problem> {
-        let Advance { time, early, .. } = self.advance(point, size, log)?;
+        let at_event = if self.ends_at_events() { AtEvent::EndAfter } else { AtEvent::Pass };
+        let Advance { time, early, .. } = steps::advance(self, (point, size), at_event, log)?;
         if early {
             self.life_mut().phase = Phase::StoppedEarly;
         }
         Ok(StepOutcome { time, reason: if early { StepReason::Stopped } else { StepReason::EndReached } })
     }
 
-    // Model Exchange
-
     /// `fmi2EnterContinuousTimeMode`: the host's solver goes on from here.
     ///
     /// # Errors
-    /// When what was set at the event is not possible; it stands at the event then. By default
-    /// none.
+    /// As [`Hybrid::go_on`].
     fn enter_continuous(&mut self) -> Result<(), Self::Problem> {
+        self.go_on(None)?;
         self.life_mut().phase = Phase::Continuous;
         Ok(())
     }
@@ -141,89 +132,30 @@ pub trait Component: Model {
     /// Event Mode.
     ///
     /// # Errors
-    /// By default none.
+    /// As [`Hybrid::accept`].
     fn complete_integrator_step(&mut self) -> Result<bool, Self::Problem> {
-        Ok(false)
+        self.accept()
     }
 
-    /// `fmi2SetTime`, `fmi3SetTime`.
+    /// `fmi2SetTime`, `fmi3SetTime`: at an event only to the present time, as some hosts do.
     ///
     /// # Errors
-    /// A time that is not possible; by default always.
+    /// A time that is not possible.
     fn set_time(&mut self, time: f64) -> Result<(), Self::Problem> {
-        not_offered("Model Exchange")
-    }
-
-    // A step in pieces from event to event, for a host that looks into it, sets inputs for its
-    // course, or ends it early.
-
-    /// Begins a step as [`advance`](Self::advance) would make it.
-    ///
-    /// # Errors
-    /// As [`advance`](Self::advance), nothing having changed; by default always.
-    fn begin_pieces(&mut self, point: f64, size: f64) -> Result<Self::Pieces, Self::Problem> {
-        not_offered("intermediate update")
-    }
-
-    /// The time from here to the step's end, s.
-    fn left(&self, pieces: &Self::Pieces) -> f64 {
-        0.0
-    }
-
-    /// Lets an input follow the cubic through `values` at 0, 1/3, 2/3 and 3/3 of the next `span` s.
-    fn interpolate_input(&mut self, reference: u32, values: [f64; 4], span: f64) {}
-
-    /// Lets an input hold a value from here on.
-    fn hold_input(&mut self, reference: u32, value: f64) {}
-
-    /// Takes over what was set; where that is an event of its own, the step of a host that handles
-    /// events ends here.
-    ///
-    /// # Errors
-    /// For what is not possible; the step has been taken back then. By default always.
-    fn start_pieces(&mut self, pieces: &mut Self::Pieces, log: &mut dyn Log) -> Result<Piece, Self::Problem> {
-        not_offered("intermediate update")
-    }
-
-    /// To the next event, or to `until` (s; the step's end without it) if none comes before.
-    ///
-    /// # Errors
-    /// As [`advance`](Self::advance); the step has been taken back then. By default always.
-    fn next_piece(
-        &mut self,
-        pieces: &mut Self::Pieces,
-        until: Option<f64>,
-        log: &mut dyn Log,
-    ) -> Result<Piece, Self::Problem> {
-        not_offered("intermediate update")
-    }
-
-    /// Whether a step that meets an event ends before its law.
-    fn ends_before_event(&self, pieces: &Self::Pieces) -> bool {
-        false
-    }
-
-    /// Applies the law of the event before which the last piece has ended; true where the step ends
-    /// after it.
-    fn pass_event(&mut self, pieces: &mut Self::Pieces, log: &mut dyn Log) -> bool {
-        true
-    }
-
-    /// Ends the step where it stands.
-    fn end_pieces(&mut self, pieces: &Self::Pieces) -> Advance {
-        Advance { time: self.time(), event: false, early: false }
-    }
-
-    /// As before [`begin_pieces`](Self::begin_pieces).
-    ///
-    /// # Errors
-    /// As [`restore`](Model::restore); by default always.
-    fn take_pieces_back(&mut self, pieces: &Self::Pieces) -> Result<(), Self::Problem> {
-        not_offered("intermediate update")
+        let refuse = |allowed| Err(Problem::value("time", time, allowed).into());
+        if !time.is_finite() {
+            return refuse("a finite number");
+        }
+        if self.life().phase == Phase::Event && time != self.time() {
+            return refuse("the present time in Event Mode");
+        }
+        self.put_time(time)
     }
 }
 
+impl<H: Hybrid> Component for H {}
+
 /// Refuses by name.
-pub(crate) fn not_offered<T, P: Refusal>(what: &'static str) -> Result<T, P> {
+pub(crate) fn not_offered<T, P: crate::Refusal>(what: &'static str) -> Result<T, P> {
     Err(Problem::NotOffered { what }.into())
 }

@@ -12,17 +12,16 @@
 //! once. A host sees that in one of four ways, by what it has agreed to ([`AtEvent`]): the step goes
 //! over the event, ends after it, ends before its law, or goes over it while the host is shown what
 //! changes at events only from the event's handling on. How a step begins, is taken back, is cut
-//! into pieces and ends is the same for every simulation and stands in [`steps`]; what differs is
-//! [`Hybrid`].
+//! into pieces and ends is the same for every simulation; what differs is [`Hybrid`].
 //!
-//! Every `Hybrid` is a `Component` by one blanket implementation, so that a type implements either
-//! `Hybrid` or `Component`. An order that must stay: a step keeps where it began before it takes
+//! An order that must stay: a step keeps where it began before it takes
 //! over what was set, and what was set counts as taken over only once it can no longer fail.
 
-mod component;
-pub mod steps;
+mod pieces;
+pub(crate) mod steps;
 
-pub use steps::{AtEvent, Ended, Met, Pieces, StepEnd, Until};
+pub use pieces::Pieces;
+pub use steps::{AtEvent, Ended, Met, StepEnd, Until};
 
 use crate::component::not_offered;
 use crate::events::Handled;

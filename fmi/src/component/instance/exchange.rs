@@ -4,53 +4,9 @@ use super::events::Present;
 use super::initial::forces;
 use super::{Engine, Instance, Interface, Outcome, Problem};
 use crate::component::continuous::Continuous;
-use crate::component::structure::{DERIVATIVES, EVENT_INDICATORS, STATES};
 use fmi_doors::Model as _;
-use vibro_impact::model::Model;
-use vibro_impact::simulator;
 
 impl Instance {
-    /// The continuous states.
-    ///
-    /// # Errors
-    /// In initialization when the start is not possible.
-    pub fn continuous_states(&self) -> Outcome<[f64; 6]> {
-        self.with_continuous(STATES, |continuous| {
-            let simulator::State { x, v } = continuous.state();
-            [x[0], x[1], x[2], v[0], v[1], v[2]]
-        })
-    }
-
-    /// Their time derivatives.
-    ///
-    /// # Errors
-    /// In initialization when the start is not possible; [`Problem::Overflow`].
-    pub fn state_derivatives(&self) -> Outcome<[f64; 6]> {
-        self.with_continuous(DERIVATIVES, Continuous::derivatives)
-    }
-
-    /// Distances to both stops in flight, pressing acceleration in rest: an event is where one
-    /// becomes negative.
-    ///
-    /// # Errors
-    /// In initialization when the start is not possible; [`Problem::Overflow`].
-    pub fn event_indicators(&self) -> Outcome<[f64; EVENT_INDICATORS]> {
-        self.with_continuous(["an event indicator"; EVENT_INDICATORS], Continuous::indicators)
-    }
-
-    /// Nominal values of the continuous states, by the parameters as they are set: the gap, and the
-    /// gap times the drive's frequency. Each is positive and finite.
-    pub fn nominals(&self) -> [f64; 6] {
-        let parameters = &self.settings.parameters;
-        let positive = |value: f64| value.clamp(f64::MIN_POSITIVE, f64::MAX);
-        let length = positive(parameters.stop_gap);
-        let frequency = parameters.drive_frequency.abs();
-        // A drive that stands still leaves the system's own rates.
-        let own = || Model::new(parameters).map_or(1.0, |model| model.rate);
-        let speed = positive(length * if frequency > 0.0 { frequency } else { own() });
-        [length, length, length, speed, speed, speed]
-    }
-
     /// Whether the nominal values differ from those at the last event, which are from now on the
     /// present ones. Of interest to a host's solver alone.
     pub(super) fn nominals_changed(&mut self) -> bool {
@@ -71,7 +27,7 @@ impl Instance {
 
     /// Evaluates numbers of the model; in initialization at the start. None of them is ever not
     /// finite.
-    fn with_continuous<const N: usize>(
+    pub(super) fn with_continuous<const N: usize>(
         &self,
         names: [&'static str; N],
         evaluate: impl FnOnce(&Continuous) -> [f64; N],

@@ -8,10 +8,10 @@ use crate::component::log::{Category, Log};
 use crate::component::protocol::Protocol;
 use crate::component::saved_state::{EngineState, SavedState};
 use crate::component::settings::Settings;
-use crate::component::structure::EVENT_INDICATORS;
+use crate::component::structure::{DERIVATIVES, EVENT_INDICATORS, STATES};
 use crate::component::variables::{Bases, Edition, Get, READERS, Reader, WRITERS, Writer};
 use fmi_doors::{Dependency, EarlyEnd, Instantiation, Interface, Life, Model, Named};
-use vibro_impact::simulator::Simulator;
+use vibro_impact::simulator::{Simulator, State};
 
 /// Highest order of input derivatives.
 const INPUT_ORDER: i32 = 3;
@@ -22,6 +22,7 @@ const OUTPUT_ORDER: i32 = 3;
 /// first: farther out it does not look for an impact, but has gone astray.
 const REACH: f64 = 10.0;
 
+#[allow(refining_impl_trait)] // numbers of the model are arrays
 impl Model for Instance {
     type Problem = Problem;
     type State = SavedState;
@@ -267,20 +268,34 @@ impl Model for Instance {
         Ok(())
     }
 
-    fn continuous_states(&self) -> Outcome<impl AsRef<[f64]>> {
-        Self::continuous_states(self)
+    fn continuous_states(&self) -> Outcome<[f64; 6]> {
+        self.with_continuous(STATES, |continuous| {
+            let State { x, v } = continuous.state();
+            [x[0], x[1], x[2], v[0], v[1], v[2]]
+        })
     }
 
-    fn state_derivatives(&self) -> Outcome<impl AsRef<[f64]>> {
-        Self::state_derivatives(self)
+    fn state_derivatives(&self) -> Outcome<[f64; 6]> {
+        self.with_continuous(DERIVATIVES, Continuous::derivatives)
     }
 
-    fn event_indicators(&self) -> Outcome<impl AsRef<[f64]>> {
-        Self::event_indicators(self)
+    /// Distances to both stops in flight, pressing acceleration in rest: an event is where one
+    /// becomes negative.
+    fn event_indicators(&self) -> Outcome<[f64; EVENT_INDICATORS]> {
+        self.with_continuous(["an event indicator"; EVENT_INDICATORS], Continuous::indicators)
     }
 
-    fn nominals(&self) -> impl AsRef<[f64]> {
-        Self::nominals(self)
+    /// Nominal values of the continuous states, by the parameters as they are set: the gap, and the
+    /// gap times the drive's frequency. Each is positive and finite.
+    fn nominals(&self) -> [f64; 6] {
+        let parameters = &self.settings.parameters;
+        let positive = |value: f64| value.clamp(f64::MIN_POSITIVE, f64::MAX);
+        let length = positive(parameters.stop_gap);
+        let frequency = parameters.drive_frequency.abs();
+        // A drive that stands still leaves the system's own rates.
+        let own = || vibro_impact::model::Model::new(parameters).map_or(1.0, |model| model.rate);
+        let speed = positive(length * if frequency > 0.0 { frequency } else { own() });
+        [length, length, length, speed, speed, speed]
     }
 
     fn number_of_event_indicators(&self) -> usize {
