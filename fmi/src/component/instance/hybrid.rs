@@ -192,10 +192,10 @@ impl Hybrid for Instance {
             self.events.side = 0; // one that is due comes last; of others no host is told
         }
         let Engine::Simulation(simulator) = &self.engine else { return };
-        let now = simulator.loads();
-        for (load, now) in self.settings.loads.derivatives.iter_mut().zip(&now.derivatives) {
+        for (body, load) in self.settings.loads.derivatives.iter_mut().enumerate() {
             if load[1..] != [0.0; 3] {
-                *load = if ended.stopped { *now } else { [now[0], 0.0, 0.0, 0.0] };
+                let now = simulator.loads().derivatives[body];
+                *load = if ended.stopped { now } else { [now[0], 0.0, 0.0, 0.0] };
                 self.loads_set |= !ended.stopped;
             }
         }
