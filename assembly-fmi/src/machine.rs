@@ -1,11 +1,11 @@
 //! An instance of a described machine.
 
-mod component;
 mod derivatives;
 mod events;
 mod exchange;
 mod hybrid;
 mod last_step;
+mod model;
 mod moving;
 
 pub(crate) use derivatives::OUTPUT_ORDER;
