@@ -1,6 +1,5 @@
-//! What an FMU is an instance of, apart from how it steps: variables, continuous states, saved
-//! states. Every component writes these functions itself; how a component steps stands in
-//! [`Component`](crate::Component), which the [hybrid layer](crate::hybrid) can write for it.
+//! What an FMU is an instance of, apart from how it moves: variables, continuous states, saved
+//! states. How it moves is [`Hybrid`](crate::Hybrid).
 
 use crate::component::not_offered;
 use crate::events::EarlyEnd;

@@ -57,9 +57,8 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// Reports the rest or release that has come of what was set from outside; true where there was
-/// one.
-pub(super) fn report_contact(before: Contact, simulator: &Simulator, report: &mut dyn FnMut(&Event)) -> bool {
+/// Reports the rest or release that has come of what was set from outside, if there was one.
+pub(super) fn report_contact(before: Contact, simulator: &Simulator, report: &mut dyn FnMut(&Event)) {
     let (time, now) = (simulator.time(), simulator.contact());
     if now != before {
         report(&match now {
@@ -67,7 +66,6 @@ pub(super) fn report_contact(before: Contact, simulator: &Simulator, report: &mu
             rest => Event::Rest { time, side: rest.side() as i8 },
         });
     }
-    now != before
 }
 
 /// Tells events where that is wanted.

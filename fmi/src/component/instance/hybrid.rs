@@ -19,7 +19,7 @@ use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simul
 /// What brings a closed form back to where a step began; a simulator goes back to the begin of its
 /// [`LastStep`].
 #[derive(Debug)]
-pub struct Undo(Option<Data>);
+pub struct Undo(Option<Box<Data>>);
 
 impl Hybrid for Instance {
     type Shown = Discrete;
@@ -86,13 +86,17 @@ impl Hybrid for Instance {
                     step.loads = Some(*loads);
                     taken = simulator.set_loads(loads);
                 }
-                match taken {
-                    Ok(()) => Ok((Undo(None), report_contact(before, simulator, &mut teller(log)))),
-                    Err(error) => Err(self.undo(Undo(None), error.into())),
+                if let Err(error) = taken {
+                    return Err(self.undo(Undo(None), error.into()));
                 }
+                let moved = simulator.contact() != before;
+                if moved {
+                    report_contact(before, simulator, &mut teller(log));
+                }
+                Ok((Undo(None), moved))
             }
             Engine::Closed(form) => {
-                let before = form.data();
+                let before = Box::new(form.data());
                 if let Some(parameters) = changes.parameters {
                     form.set_parameters(parameters)?;
                 }
@@ -143,7 +147,7 @@ impl Hybrid for Instance {
         self.invalidate();
         match (&mut self.engine, undo.0, &self.last_step) {
             (Engine::Simulation(simulator), _, Some(step)) => take_back(simulator, &step.before, problem),
-            (Engine::Closed(form), Some(before), _) => match form.restore(before) {
+            (Engine::Closed(form), Some(before), _) => match form.restore(*before) {
                 Ok(()) => problem,
                 Err(refused) => fmi_doors::Problem::not_taken_back(&problem, &refused).into(),
             },
