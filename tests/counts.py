@@ -66,6 +66,12 @@ def functions_of_trait(text, name):
     return len(re.findall(r"^    fn ", body, re.M))
 
 
+def required_of_trait(text, name):
+    """Functions of a trait in a file that have no default."""
+    body = re.search(rf"^pub trait {name}\b[^{{]*\{{(.*?)^\}}", text, re.M | re.S).group(1)
+    return len(re.findall(r"^    fn [^;{]*;", body, re.M))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--names", action="store_true")
@@ -85,7 +91,14 @@ def main():
         ('documentation that begins "The same"', same(rust)),
         (f"names that {ALIKE} or more types share", len(alike)),
         ("files without tests that name frictions beside the other elements", len(lists)),
-        ("functions of the doors' trait Component", functions_of_trait(both["doors/src/component.rs"], "Component")),
+        (
+            "functions of the doors' traits that a component is written by (Model, Hybrid)",
+            sum(functions_of_trait(both[f"doors/src/{name.lower()}.rs"], name) for name in ("Model", "Hybrid")),
+        ),
+        (
+            "of these without a default",
+            sum(required_of_trait(both[f"doors/src/{name.lower()}.rs"], name) for name in ("Model", "Hybrid")),
+        ),
         ("words of README.md", len((ROOT / "README.md").read_text().split())),
         ("packages in Cargo.lock", (ROOT / "Cargo.lock").read_text().count("[[package]]")),
     ]

@@ -1,22 +1,20 @@
 //! An instance of a described machine.
 
-mod component;
 mod derivatives;
 mod events;
 mod exchange;
+mod hybrid;
 mod last_step;
+mod model;
 mod moving;
-mod pieces;
 
 pub(crate) use derivatives::OUTPUT_ORDER;
 pub(crate) use moving::{SavedMoving, Shown};
 
-pub use pieces::Pieces;
-
 use crate::plan::Plan;
 use crate::problem::MachineProblem;
 use crate::table::{Quantity, Role};
-use fmi_doors::{Interface, Life, Phase, Problem};
+use fmi_doors::{Interface, Life, Model, Phase, Problem};
 use last_step::{LastStep, StepMatrices};
 use moving::Moving;
 use std::f64::consts::TAU;
@@ -94,8 +92,8 @@ impl Machine {
         self.changed || self.pending.iter().any(Option::is_some)
     }
 
-    /// Lets a motion take over what was set.
-    fn take_over(&self, moving: &mut Moving) -> Result<(), MachineProblem> {
+    /// Gives what was set to a motion.
+    fn give(&self, moving: &mut Moving) -> Result<(), MachineProblem> {
         if self.changed {
             let numbers = self.numbers();
             moving.change(self.plan.machine(&numbers, true)?, numbers)?;
@@ -104,13 +102,13 @@ impl Machine {
     }
 
     /// The motion after it has taken over what was set.
-    fn taken_over(&self, moving: &Moving) -> Result<Moving, MachineProblem> {
+    fn ahead_of(&self, moving: &Moving) -> Result<Moving, MachineProblem> {
         let mut ahead = moving.clone();
         // An event that is due comes before what was set.
         if ahead.is_on_course() {
             ahead.handle(&mut |_| ())?;
         }
-        self.take_over(&mut ahead)?;
+        self.give(&mut ahead)?;
         Ok(ahead)
     }
 
@@ -121,7 +119,7 @@ impl Machine {
                 None => self.ahead = Some(self.start()?),
                 // An event that is due comes before what was set: both sides of it are to be seen.
                 Some(moving) if self.is_set() && !moving.is_event_due() => {
-                    self.ahead = Some(self.taken_over(moving)?);
+                    self.ahead = Some(self.ahead_of(moving)?);
                 }
                 Some(_) => {}
             }
@@ -134,7 +132,7 @@ impl Machine {
     fn value(&self, quantity: Quantity) -> f64 {
         let moving = self.ahead.as_ref().or(self.moving.as_ref());
         match quantity {
-            Quantity::Time => fmi_doors::Component::time(self),
+            Quantity::Time => self.time(),
             Quantity::Parameter(i) => self.values[i],
             Quantity::Input(i) => match (&self.pending[i], &self.moving) {
                 (Some(input), _) => input[0],
@@ -246,7 +244,7 @@ impl Machine {
     fn change(&mut self, values: &[(usize, f64)]) -> Result<(), MachineProblem> {
         let before = (self.values.clone(), self.phases.clone(), self.changed);
         values.iter().for_each(|&(i, value)| self.put(Quantity::Parameter(i), value));
-        let problem = match self.moving.as_ref().map(|moving| self.taken_over(moving)) {
+        let problem = match self.moving.as_ref().map(|moving| self.ahead_of(moving)) {
             Some(Ok(ahead)) => {
                 let due = self.moving.as_ref().is_some_and(Moving::is_event_due);
                 self.ahead = Some(ahead).filter(|_| !due);

@@ -84,7 +84,7 @@ impl Description {
 }
 
 /// What both interface types can do (FMI 2.0, 3.3.1 and 4.3.1; FMI 3.0.2, 2.4.2). `Default` is what
-/// the defaults of [`Component`](crate::Component) do: nothing.
+/// the defaults of [`Model`](crate::Model) do: nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
     /// States can be saved and restored.

@@ -5,6 +5,7 @@ use crate::component::Component;
 use crate::ffi::Fault;
 use crate::ffi::handles::Handles;
 use crate::instantiation::Instantiation;
+use crate::life::Phase;
 use crate::log::Categories;
 use crate::messages::{Logger, Sink, with_category};
 use crate::problem::Refused;
@@ -42,6 +43,11 @@ impl<C: Component> Instance<C> {
         self.component.tell_at_instantiation(&mut self.log(sink, function));
     }
 
+    /// Marks the component unusable after a panic.
+    pub fn break_down(&mut self) {
+        self.component.life_mut().phase = Phase::Broken;
+    }
+
     /// More elements than this in one call are taken for a mistake.
     #[inline]
     pub fn max_count(&self) -> usize {
@@ -51,7 +57,7 @@ impl<C: Component> Instance<C> {
     /// Number of continuous states.
     #[inline]
     pub fn number_of_states(&self) -> usize {
-        self.component.number_of_continuous_states()
+        self.component.nominals().as_ref().len()
     }
 
     /// Which log categories are enabled.
@@ -95,14 +101,14 @@ impl<C: Component> Instance<C> {
         if handle == 0 {
             return Ok(self.states.keep(self.component.save()?, 0)?);
         }
-        self.component.save_into(self.states.get_mut(handle)?)?;
+        *self.states.get_mut(handle)? = self.component.save()?;
         Ok(handle)
     }
 
     /// `fmi2SetFMUstate` and `fmi3SetFMUState`.
     ///
     /// # Errors
-    /// For a handle that is not this instance's, and as [`restore`](Component::restore).
+    /// For a handle that is not this instance's, and as [`restore`](crate::Model::restore).
     pub fn restore(&mut self, handle: usize) -> Result<(), Refused<C::Problem>> {
         Ok(self.component.restore(self.states.get(handle)?)?)
     }
@@ -127,7 +133,7 @@ impl<C: Component> Instance<C> {
     /// that is this instance's, else a new one.
     ///
     /// # Errors
-    /// As [`deserialize`](Component::deserialize).
+    /// As [`deserialize`](crate::Model::deserialize).
     pub fn deserialize(&mut self, serialized: &[u8], handle: usize) -> Result<usize, Refused<C::Problem>> {
         Ok(self.states.keep_new(self.component.deserialize(serialized)?, handle)?)
     }

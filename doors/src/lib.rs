@@ -9,9 +9,11 @@
 //!                      ▼
 //!                  instance       the component, its saved states, its log categories, alike in both
 //!                      ▼
-//!                  Component      what a type must be able to do: one trait, whose defaults refuse by name
+//!                  Component      life, steps and events, the same for every Hybrid
 //!                      ▲
-//!                  tabular        a component from a table of variables and what moves them
+//!              Model + Hybrid     what a type must be able to do; the defaults refuse by name
+//!                      ▲
+//!                  tabular        both from a table of variables and what moves them
 //! ```
 //!
 //! The doors check handles, pointers, counts and states, keep saved states, turn panics into
@@ -23,9 +25,10 @@
 //! 1. A crate whose library is a `cdylib`, with this crate among its dependencies.
 //! 2. A type that implements [`Tabular`](tabular::Tabular): a table of variables and what moves
 //!    them, as below and in `examples/bouncing_ball/ball.rs`, which has events. What it offers
-//!    follows: both interface types, event mode, saved states, ranges, phases and messages. Where a
-//!    table is too little (arrays, derivatives, what is known at run time only, intermediate
-//!    update), a type implements [`Component`] itself; its defaults refuse the rest by name.
+//!    follows: both interface types, event mode, intermediate update, saved states, ranges, phases
+//!    and messages. Where a table is too little (arrays, derivatives, what is known at run time
+//!    only), a type implements [`Model`] and [`Hybrid`] itself; their defaults refuse the rest by
+//!    name, and the steps are written ([`hybrid`]).
 //! 3. One line, [`export!`], makes all functions of FMI 2.0 and 3.0. It expands to `unsafe`
 //!    functions by the C names; the crate may deny `unsafe_code` elsewhere, but not forbid it.
 //! 4. A program that writes `modelDescription.xml` for each version (`examples/describe.rs`), from
@@ -97,22 +100,26 @@ pub mod events;
 pub mod ffi;
 pub mod fmi2;
 pub mod fmi3;
+pub mod hybrid;
 pub mod identifier;
 pub mod instance;
 pub mod instantiation;
 pub mod life;
 pub mod log;
 pub mod messages;
+pub mod model;
 pub mod problem;
 pub mod tabular;
 pub mod values;
 
 pub use component::Component;
 pub use events::{Advance, EarlyEnd, Handled, Piece, StepOutcome, StepReason};
+pub use hybrid::Hybrid;
 pub use instantiation::{Instantiation, Named, Version};
 #[doc(hidden)]
 pub use libc; // what the macros name
 pub use life::{EventHandling, Experiment, Interface, Life, Phase};
+pub use model::Model;
 pub use problem::{Problem, Refusal};
 pub use values::{Base, Bases, Dependency, DependencyKind};
 

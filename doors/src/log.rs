@@ -28,6 +28,18 @@ pub trait Log {
     fn log(&mut self, category: Category, message: &str);
 }
 
+/// A log that wants nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Silence;
+
+impl Log for Silence {
+    fn wants(&self, _: Category) -> bool {
+        false
+    }
+
+    fn log(&mut self, _: Category, _: &str) {}
+}
+
 /// A set of categories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Categories(u8);

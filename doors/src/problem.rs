@@ -104,6 +104,17 @@ pub enum Problem {
         /// Why.
         what: Cow<'static, str>,
     },
+    /// A step or an event that failed and could not be taken back: nothing is certain of where the
+    /// instance stands.
+    #[error(
+        "{cause}. That could not be taken back: {refused}. Remedy: restore a saved state, or reset the instance"
+    )]
+    NotTakenBack {
+        /// Why it failed.
+        cause: String,
+        /// Why the state before it was refused.
+        refused: String,
+    },
     /// What this component does not offer.
     #[error("this FMU does not offer {what}: its model description says so")]
     NotOffered {
@@ -116,6 +127,11 @@ pub enum Problem {
 }
 
 impl Problem {
+    /// A step or an event that failed and could not be taken back.
+    pub fn not_taken_back(cause: &impl ToString, refused: &impl ToString) -> Self {
+        Self::NotTakenBack { cause: cause.to_string(), refused: refused.to_string() }
+    }
+
     /// A value outside its range.
     pub fn value(
         name: impl Into<Cow<'static, str>>,

@@ -5,19 +5,19 @@
 //! from the table; the author writes the motion.
 
 mod describe;
+mod motion;
 mod row;
 
 pub use row::{Role, Row};
 
-use crate::component::Component;
 use crate::description;
-use crate::events::{Advance, Handled};
 use crate::identifier::identifier;
 use crate::instantiation::{Instantiation, Named};
-use crate::life::{Interface, Life, Phase};
-use crate::log::{Category, Log};
+use crate::life::{Interface, Life};
+use crate::model::Model;
 use crate::problem::Problem;
 use crate::values::Bases;
+use motion::Course;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::marker::PhantomData;
@@ -69,6 +69,8 @@ pub trait Tabular: 'static {
 /// The component of a table: what is exported, `fmi_doors::export!(FromTable<Model>)`.
 pub struct FromTable<T> {
     state: Saved,
+    /// Inputs that follow a polynomial within the present step.
+    courses: Vec<Course>,
     model: PhantomData<fn() -> T>,
 }
 
@@ -79,6 +81,8 @@ pub struct Saved {
     values: Vec<f64>,
     /// Whether the last step has ended at an event whose law is still to be applied.
     due: bool,
+    /// The counters as they are shown until the host handles the events of the last step.
+    latched: Option<Vec<f64>>,
 }
 
 impl<T> fmt::Debug for FromTable<T> {
@@ -92,7 +96,11 @@ impl<T: Tabular> FromTable<T> {
 
     fn new(life: Life) -> Self {
         let values = T::ROWS.iter().map(|row| row.start).collect();
-        let mut made = Self { state: Saved { life, values, due: false }, model: PhantomData };
+        let mut made = Self {
+            state: Saved { life, values, due: false, latched: None },
+            courses: Vec::new(),
+            model: PhantomData,
+        };
         T::evaluate(&mut made.state.values);
         made
     }
@@ -138,53 +146,16 @@ impl<T: Tabular> FromTable<T> {
         Ok(result)
     }
 
-    fn move_to(&mut self, time: f64) -> Result<(), Problem> {
-        self.change(|values| {
-            T::advance(values, time);
-            values[Self::TIME] = time;
-        })
+    /// The counters.
+    fn counters() -> impl Iterator<Item = usize> {
+        (0..T::ROWS.len()).filter(|place| T::ROWS[*place].role == Role::Counter)
     }
 
-    fn pass_event(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
-        let what = self.change(T::event)?;
-        if log.wants(Category::Events) {
-            log.log(Category::Events, &format!("{what} at t = {} s", self.state.values[Self::TIME]));
-        }
-        Ok(())
-    }
-
-    /// Applies the law of the event at which the last step has ended.
-    fn pass_due_event(&mut self, log: &mut dyn Log) -> Result<(), Problem> {
-        self.pass_event(log)?;
-        self.state.due = false;
-        Ok(())
-    }
-
-    /// To the end, or before the next event where the host handles events and takes steps that end
-    /// early.
-    fn go_to(&mut self, end: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
-        let handling = self.state.life.handling;
-        // The host has not handled the event at which the last step ended, so that its law is still
-        // to be applied.
-        if self.state.due {
-            self.pass_due_event(log)?;
-        }
-        for events in 0..=MOST_EVENTS {
-            let next = T::next_event(&self.state.values).max(self.state.values[Self::TIME]);
-            if next > end {
-                self.move_to(end)?;
-                return Ok(Advance { time: end, event: handling.event_mode && events > 0, early: false });
-            }
-            self.move_to(next)?;
-            if handling.event_mode && handling.early_return {
-                self.state.due = true;
-                return Ok(Advance { time: next, event: true, early: next < end });
-            }
-            self.pass_event(log)?;
-        }
-        let reached = self.state.values[Self::TIME];
-        let what = format!("a step with {MOST_EVENTS} events up to t = {reached} s: allowed are fewer");
-        Err(Problem::Sequence { what: what.into() })
+    /// The value of a variable as it is shown.
+    fn shown_value(&self, place: usize) -> f64 {
+        let latched = self.state.latched.iter().flatten();
+        let counter = Self::counters().zip(latched).find(|(counter, _)| *counter == place);
+        counter.map_or(self.state.values[place], |(_, value)| *value)
     }
 
     /// Checks what bytes say, which may be any.
@@ -193,17 +164,18 @@ impl<T: Tabular> FromTable<T> {
         if saved.values.len() != T::ROWS.len() {
             return Err(refused(format!("it has {} values", saved.values.len())));
         }
-        let mut rows = T::ROWS.iter().zip(&saved.values);
+        let latched = saved.latched.iter().flatten();
+        let counters = Self::counters().map(|place| &T::ROWS[place]).zip(latched);
+        let mut rows = T::ROWS.iter().zip(&saved.values).chain(counters);
         rows.try_for_each(|(row, value)| {
             row.check_reached(*value).map_err(|problem| refused(problem.to_string()))
         })
     }
 }
 
-impl<T: Tabular> Component for FromTable<T> {
+impl<T: Tabular> Model for FromTable<T> {
     type Problem = Problem;
     type State = Saved;
-    type Pieces = ();
 
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, Problem> {
         request.check_token(&Self::token())?;
@@ -216,16 +188,6 @@ impl<T: Tabular> Component for FromTable<T> {
 
     fn life_mut(&mut self) -> &mut Life {
         &mut self.state.life
-    }
-
-    fn enter_initialization(&mut self) {
-        self.state.life.phase = Phase::Initialization;
-        self.state.values[Self::TIME] = self.state.life.start_time();
-    }
-
-    fn exit_initialization(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
-        self.state.life.begin();
-        Ok(())
     }
 
     fn reset(&mut self) {
@@ -250,7 +212,7 @@ impl<T: Tabular> Component for FromTable<T> {
     ) -> Result<(), Problem> {
         references.iter().try_for_each(|reference| Self::row(*reference, bases).map(drop))?;
         for (i, reference) in references.iter().enumerate() {
-            write(i, self.state.values[*reference as usize - 1]);
+            write(i, self.shown_value(*reference as usize - 1));
         }
         Ok(())
     }
@@ -270,43 +232,13 @@ impl<T: Tabular> Component for FromTable<T> {
         self.change(|values| taken.iter().for_each(|(place, value)| values[*place] = *value))
     }
 
-    /// In Model Exchange a host comes for an event that it found by the indicators: one is due
-    /// where the next is not to come.
-    fn handle_events(&mut self, log: &mut dyn Log) -> Result<Handled, Problem> {
-        let come = T::next_event(&self.state.values) <= self.time();
-        let states = self.state.due || come && self.state.life.interface == Interface::ModelExchange;
-        if states {
-            self.pass_due_event(log)?;
-        }
-        Ok(Handled { states, nominals: false })
-    }
-
     fn next_event_time(&mut self) -> Option<f64> {
         let stepping = self.state.life.interface == Interface::CoSimulation;
         Some(T::next_event(&self.state.values)).filter(|time| stepping && time.is_finite())
     }
 
-    fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, Problem> {
-        self.state.life.check_step(point, size, self.time())?;
-        let before = self.state.clone();
-        let outcome = self.go_to(point + size, log);
-        match outcome {
-            Ok(_) => self.state.life.phase = Phase::Step,
-            Err(_) => self.state = before,
-        }
-        outcome
-    }
-
-    fn number_of_continuous_states(&self) -> usize {
-        Self::states().count()
-    }
-
     fn number_of_event_indicators(&self) -> usize {
         T::INDICATORS.len()
-    }
-
-    fn set_time(&mut self, time: f64) -> Result<(), Problem> {
-        self.change(|values| values[Self::TIME] = time)
     }
 
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Problem> {
@@ -327,6 +259,10 @@ impl<T: Tabular> Component for FromTable<T> {
         Ok(T::INDICATORS.iter().map(|place| self.state.values[*place]).collect::<Vec<_>>())
     }
 
+    fn nominals(&self) -> impl AsRef<[f64]> {
+        vec![1.0; Self::states().count()]
+    }
+
     fn save(&self) -> Result<Saved, Problem> {
         Ok(self.state.clone())
     }
@@ -334,7 +270,8 @@ impl<T: Tabular> Component for FromTable<T> {
     fn restore(&mut self, saved: &Saved) -> Result<(), Problem> {
         let mut life = self.state.life;
         life.take_over(&saved.life)?;
-        self.state = Saved { life, ..saved.clone() };
+        let latched = saved.latched.clone().filter(|_| life.handling.event_mode);
+        self.state = Saved { life, latched, ..saved.clone() };
         Ok(())
     }
 

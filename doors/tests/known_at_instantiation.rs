@@ -2,8 +2,9 @@
 //! them.
 #![allow(unsafe_code)] // the C interface
 
+use fmi_doors::hybrid::{Met, StepEnd, Until};
 use fmi_doors::log::Log;
-use fmi_doors::{Advance, Base, Bases, Component, Instantiation, Life, Named, Phase, Problem};
+use fmi_doors::{Base, Bases, Handled, Hybrid, Instantiation, Life, Model, Named, Phase, Problem};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::ptr::{null, null_mut};
@@ -31,10 +32,9 @@ impl Table {
     }
 }
 
-impl Component for Table {
+impl Model for Table {
     type Problem = Problem;
     type State = ();
-    type Pieces = ();
 
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, Problem> {
         let file = request.resource_folder()?.join("names.txt");
@@ -53,11 +53,6 @@ impl Component for Table {
 
     fn life_mut(&mut self) -> &mut Life {
         &mut self.life
-    }
-
-    fn exit_initialization(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
-        self.life.begin();
-        Ok(())
     }
 
     fn reset(&mut self) {
@@ -99,9 +94,36 @@ impl Component for Table {
         }
         Ok(())
     }
+}
 
-    fn advance(&mut self, _: f64, _: f64, _: &mut dyn Log) -> Result<Advance, Problem> {
-        Ok(Advance { time: 0.0, event: false, early: false })
+impl Hybrid for Table {
+    type Shown = ();
+    type Undo = ();
+
+    fn start(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
+        Ok(())
+    }
+
+    fn take_over(&mut self, _: StepEnd, _: &mut dyn Log) -> Result<((), bool), Problem> {
+        Ok(((), false))
+    }
+
+    fn run(&mut self, _: StepEnd, _: Until, _: &mut dyn Log) -> Result<Met, Problem> {
+        Ok(Met::default())
+    }
+
+    fn undo(&mut self, (): (), problem: Problem) -> Problem {
+        problem
+    }
+
+    fn apply_law(&mut self, _: &mut dyn Log) -> Result<(), Problem> {
+        Ok(())
+    }
+
+    fn shown(&self) {}
+
+    fn carry_out(&mut self, _: &mut dyn Log) -> Result<Handled, Problem> {
+        Ok(Handled::default())
     }
 }
 

@@ -6,6 +6,8 @@
 mod bouncing_ball;
 #[path = "common/calls.rs"]
 mod calls;
+#[path = "second_component/looked_into.rs"]
+mod looked_into;
 #[path = "second_component/random_calls.rs"]
 mod random_calls;
 

@@ -5,10 +5,11 @@
 use crate::archive::Content;
 use crate::error::Result;
 use fmi_doors::description::Experiment;
+use fmi_doors::{Component as _, Model as _};
 use std::fmt::Write;
 use vibro_figures::html::escape;
 use vibro_fmi::component::identity::default_experiment;
-use vibro_fmi::component::log::{Category, Log};
+use vibro_fmi::component::log::Silence;
 use vibro_fmi::component::variables::{Bases, reference};
 use vibro_fmi::component::{Instance, Interface, structure};
 use vibro_impact::parameters::{FIELDS, Groups, Scales};
@@ -174,16 +175,6 @@ fn own_smoke_test() -> String {
     smoke_test(Experiment { step_size, ..experiment }, "1e-8 m")
 }
 
-/// Takes no messages.
-struct Silent;
-
-impl Log for Silent {
-    fn wants(&self, _: Category) -> bool {
-        false
-    }
-    fn log(&mut self, _: Category, _: &str) {}
-}
-
 /// A serialized instance that was initialized with [`SETTLED`]. It holds no digit that a processor
 /// could have rounded otherwise.
 fn settled_state() -> Vec<u8> {
@@ -194,7 +185,7 @@ fn settled_state() -> Vec<u8> {
         .and_then(|()| instance.set_experiment(None, 0.0, None))
         .and_then(|()| {
             instance.enter_initialization();
-            instance.exit_initialization(&mut Silent)
+            instance.exit_initialization(&mut Silence)
         })
         .and_then(|()| instance.save().serialize());
     // The numbers are constants, and a test restores them.

@@ -57,7 +57,7 @@ impl Machine {
         mut write: impl FnMut(usize, f64),
     ) -> Result<(), MachineProblem> {
         let exchange = self.life.interface == Interface::ModelExchange;
-        let count = fmi_doors::Component::number_of_continuous_states(self);
+        let count = self.plan.nominals.len();
         let (mut states, mut inputs) = (vec![0.0; count], vec![0.0; self.pending.len()]);
         for (&known, &part) in knowns.iter().zip(seed) {
             if !part.is_finite() {

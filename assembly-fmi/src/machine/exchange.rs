@@ -1,51 +1,18 @@
-//! Model Exchange: time and states come from a host's solver.
+//! Model Exchange: states of a host's solver.
 
 use super::Machine;
 use super::moving::Moving;
 use crate::problem::MachineProblem;
-use fmi_doors::{Phase, Problem};
+use fmi_doors::Problem;
 use std::borrow::Cow;
-use vibro_assembly::motion::Course;
 
 impl Machine {
-    /// What moves, with where the host's solver has come from; none before initialization has
-    /// ended.
-    fn on_course(&mut self) -> Result<(&mut Moving, Course), MachineProblem> {
-        let none = || Problem::Sequence { what: "the instance is not initialized".into() };
-        let moving = self.moving.as_mut().ok_or_else(none)?;
-        let course = moving.course.clone().ok_or_else(none)?;
-        Ok((moving, course))
-    }
-
-    /// What was set at an event whose states the host did not update acts from here on.
-    pub(super) fn take_ahead(&mut self) -> Result<(), MachineProblem> {
-        let ahead = self.ahead.take();
-        if let Some(moving) = self.moving.as_ref().filter(|_| self.is_set()) {
-            self.moving = Some(ahead.map_or_else(|| self.taken_over(moving), Ok)?);
-            self.end_taking_over();
-        }
-        Ok(())
-    }
-
-    pub(super) fn put_time(&mut self, time: f64) -> Result<(), MachineProblem> {
-        let at_event = self.life.phase == Phase::Event;
-        let (moving, course) = self.on_course()?;
-        if !time.is_finite() {
-            return Err(Problem::value("time", time, "a finite number").into());
-        }
-        if at_event && time != moving.motion.time() {
-            return Err(Problem::value("time", time, "the present time in Event Mode").into());
-        }
-        moving.motion.place_at(&course, time);
-        Ok(())
-    }
-
     pub(super) fn put_states(&mut self, states: &[f64]) -> Result<(), MachineProblem> {
-        let plan = self.plan.clone();
-        let (moving, _) = self.on_course()?;
+        let none = || Problem::Sequence { what: "the instance is not initialized".into() };
+        let moving = self.moving.as_mut().filter(|moving| moving.is_on_course()).ok_or_else(none)?;
         if let Some((place, value)) = states.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-            let bodies = plan.assembly.states();
-            let body = &plan.assembly.description.bodies[bodies[place % bodies.len()]].name;
+            let bodies = self.plan.assembly.states();
+            let body = &self.plan.assembly.description.bodies[bodies[place % bodies.len()]].name;
             let what = if place < bodies.len() { "s" } else { "v" };
             return Err(Problem::value(format!("{body}.{what}"), *value, "a finite number").into());
         }
@@ -58,7 +25,7 @@ impl Machine {
         match (&self.ahead, &self.moving) {
             (Some(ahead), _) => Ok(Cow::Borrowed(ahead)),
             (None, Some(moving)) if self.is_set() && !moving.is_event_due() => {
-                Ok(Cow::Owned(self.taken_over(moving)?))
+                Ok(Cow::Owned(self.ahead_of(moving)?))
             }
             (None, Some(moving)) => Ok(Cow::Borrowed(moving)),
             (None, None) => Ok(Cow::Owned(self.start()?)),

@@ -13,8 +13,8 @@ use vibro_assembly::signals::Input;
 use vibro_assembly::{Assembly, Error, Motion};
 
 /// A motion, and what its energy is held against.
-#[derive(Clone)]
-pub(super) struct Moving {
+#[derive(Clone, Debug)]
+pub struct Moving {
     pub(super) motion: Motion,
     /// The mechanical energy that it would have without work and losses, J. A prescribed motion
     /// that is set anew may stretch springs at once, as may a changed parameter; what that adds is
@@ -224,8 +224,8 @@ impl Moving {
 }
 
 /// What changes at events only, as a host sees it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Shown {
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Shown {
     /// By stop: state, impacts, last impulse.
     pub(super) stops: Vec<(f64, f64, f64)>,
     /// By friction.

@@ -5,7 +5,7 @@
 use crate::plans;
 use crate::solver::{Silent, Solver, get, set};
 use fmi_doors::description::Unknown;
-use fmi_doors::{Component, DependencyKind, Interface, Phase};
+use fmi_doors::{Component, DependencyKind, Interface, Model, Phase};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use vibro_assembly::{Element, Owner, What};

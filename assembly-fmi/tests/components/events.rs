@@ -3,7 +3,7 @@
 use crate::plans;
 use crate::solver::{Silent, get};
 use fmi_doors::log::{Category, Log};
-use fmi_doors::{Component, EventHandling, Interface, Life};
+use fmi_doors::{Component, EventHandling, Interface, Life, Model};
 use std::collections::HashSet;
 use vibro_assembly_fmi::{Machine, Plan, Quantity};
 

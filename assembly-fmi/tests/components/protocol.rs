@@ -1,7 +1,8 @@
 //! Steps in pieces, and time in Model Exchange.
 
 use crate::solver::{Silent, Solver, get, set};
-use fmi_doors::{Component, EventHandling, Interface, Life, Piece};
+use fmi_doors::hybrid::Pieces;
+use fmi_doors::{Component, EventHandling, Interface, Life, Model, Piece};
 use std::path::Path;
 use std::sync::Arc;
 use vibro_assembly::file;
@@ -31,14 +32,14 @@ fn closed_form_an_input_holds_its_last_value_after_a_step_in_which_it_had_a_cour
     let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
     let plan = Arc::new(Plan::new(text.into(), FILE).unwrap());
     let mut sled = begun(&plan, EventHandling::default());
-    let mut pieces = sled.begin_pieces(0.0, 0.5).unwrap();
-    assert_eq!(sled.left(&pieces), 0.5);
+    let mut pieces = Pieces::begin(&sled, 0.0, 0.5).unwrap();
+    assert_eq!(pieces.left(&sled), 0.5);
     // t² + t³, of which the derivatives at the step's end are not zero.
     let push = |t: f64| t * t + t * t * t;
-    sled.interpolate_input(plan.table.inputs[0], [0.0, 1.0, 2.0, 3.0].map(|k| push(k / 6.0)), 0.5);
-    sled.start_pieces(&mut pieces, &mut Silent).unwrap();
-    assert_eq!(sled.next_piece(&mut pieces, None, &mut Silent).unwrap(), Piece::End);
-    let ended = sled.end_pieces(&pieces);
+    pieces.interpolate(&mut sled, plan.table.inputs[0], [0.0, 1.0, 2.0, 3.0].map(|k| push(k / 6.0)));
+    pieces.start(&mut sled, &mut Silent).unwrap();
+    assert_eq!(pieces.next(&mut sled, None, &mut Silent).unwrap(), Piece::End);
+    let ended = pieces.end(&mut sled);
     assert_eq!((ended.time, ended.event, ended.early), (0.5, false, false));
     let v = (0.125 / 3.0 + 0.0625 / 4.0) / 4.0;
     let rate = plan.table.reference("sled.v").unwrap();
@@ -53,15 +54,15 @@ fn closed_form_what_changes_at_events_is_shown_once_they_are_handled() {
     let plan = ball();
     let mut ball = begun(&plan, EventHandling { event_mode: true, early_return: false });
     let [impacts, rate] = ["floor.impacts", "ball.v"].map(|name| plan.table.reference(name).unwrap());
-    let mut pieces = ball.begin_pieces(0.0, 0.5).unwrap();
-    ball.start_pieces(&mut pieces, &mut Silent).unwrap();
-    assert_eq!(ball.next_piece(&mut pieces, None, &mut Silent).unwrap(), Piece::Event);
+    let mut pieces = Pieces::begin(&ball, 0.0, 0.5).unwrap();
+    pieces.start(&mut ball, &mut Silent).unwrap();
+    assert_eq!(pieces.next(&mut ball, None, &mut Silent).unwrap(), Piece::Event);
     // The fall of a metre.
     assert!((ball.time() - (2.0 / 9.81f64).sqrt()).abs() < ROUNDING);
-    assert!(!ball.ends_before_event(&pieces));
-    ball.pass_event(&mut pieces, &mut Silent);
-    assert_eq!(ball.next_piece(&mut pieces, None, &mut Silent).unwrap(), Piece::End);
-    let ended = ball.end_pieces(&pieces);
+    assert!(!pieces.ends_before_event());
+    pieces.pass_event(&mut ball, &mut Silent);
+    assert_eq!(pieces.next(&mut ball, None, &mut Silent).unwrap(), Piece::End);
+    let ended = pieces.end(&mut ball);
     assert_eq!((ended.time, ended.event, ended.early), (0.5, true, false));
     assert_eq!(get(&mut ball, impacts), Some(0.0));
     assert!(get(&mut ball, rate).unwrap() < 0.0);

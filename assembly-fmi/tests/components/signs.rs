@@ -2,7 +2,7 @@
 
 use crate::plans;
 use crate::solver::{Silent, Solver, get};
-use fmi_doors::{Bases, Component, Interface};
+use fmi_doors::{Bases, Component, Interface, Model};
 use std::sync::Arc;
 use vibro_assembly_fmi::{Machine, Plan};
 

@@ -2,7 +2,7 @@
 //! found by halving.
 
 use fmi_doors::log::{Category, Log};
-use fmi_doors::{Base, Bases, Component, EventHandling, Interface, Life, Phase};
+use fmi_doors::{Base, Bases, Component, EventHandling, Interface, Life, Model, Phase};
 use std::sync::Arc;
 use vibro_assembly_fmi::{Machine, Plan, SavedState};
 

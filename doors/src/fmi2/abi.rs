@@ -104,7 +104,7 @@ pub unsafe fn call<C: Component>(
         Ok(Ok(())) => Status::Ok as FmiStatus,
         Ok(Err(problem)) => refuse(instance, host, function, &problem),
         Err(panic) => {
-            instance.component.break_down();
+            instance.break_down();
             refuse(instance, host, function, &panic.into())
         }
     }
@@ -290,7 +290,7 @@ macro_rules! export_fmi2 {
             fmi2EnterInitializationMode, EnterInitializationMode() |instance, _| instance.enter_initialization_mode();
             fmi2ExitInitializationMode, ExitInitializationMode() |instance, host| instance.exit_initialization_mode(host);
             fmi2Terminate, Terminate() |instance, _| Ok::<(), $crate::ffi::Fault>(Component::terminate(&mut instance.component));
-            fmi2Reset, Reset() |instance, _| Ok::<(), $crate::ffi::Fault>(Component::reset(&mut instance.component));
+            fmi2Reset, Reset() |instance, _| Ok::<(), $crate::ffi::Fault>($crate::Model::reset(&mut instance.component));
 
             "2.1.7":
             fmi2GetReal, GetReal(array vr: u32[nvr], value nvr: usize, out value: f64[nvr])
@@ -334,7 +334,7 @@ macro_rules! export_fmi2 {
                 array vUnknown_ref: u32[nUnknown], value nUnknown: usize,
                 array vKnown_ref: u32[nKnown], value nKnown: usize,
                 array dvKnown: f64[nKnown], out dvUnknown: f64[nUnknown])
-                |instance, _| Component::directional_derivative(&mut instance.component,
+                |instance, _| $crate::Model::directional_derivative(&mut instance.component,
                     vUnknown_ref, vKnown_ref, dvKnown, |i, x| dvUnknown.put(i, x));
 
             "3.2.2":
@@ -353,25 +353,25 @@ macro_rules! export_fmi2 {
             "3.2.1":
             fmi2SetTime, SetTime(value time: f64) |instance, _| Component::set_time(&mut instance.component, time);
             fmi2SetContinuousStates, SetContinuousStates(states x: f64[nx], value nx: usize)
-                |instance, _| Component::set_continuous_states(&mut instance.component, x);
+                |instance, _| $crate::Model::set_continuous_states(&mut instance.component, x);
 
             "3.2.2":
             fmi2GetDerivatives, GetDerivatives(out derivatives: f64[nx], value nx: usize)
-                |instance, _| derivatives.copy(Component::state_derivatives(&instance.component)?.as_ref(), "nx");
+                |instance, _| derivatives.copy($crate::Model::state_derivatives(&instance.component)?.as_ref(), "nx");
             fmi2GetEventIndicators, GetEventIndicators(out eventIndicators: f64[ni], value ni: usize)
-                |instance, _| eventIndicators.copy(Component::event_indicators(&instance.component)?.as_ref(), "ni");
+                |instance, _| eventIndicators.copy($crate::Model::event_indicators(&instance.component)?.as_ref(), "ni");
             fmi2GetContinuousStates, GetContinuousStates(out x: f64[nx], value nx: usize)
-                |instance, _| x.copy(Component::continuous_states(&instance.component)?.as_ref(), "nx");
+                |instance, _| x.copy($crate::Model::continuous_states(&instance.component)?.as_ref(), "nx");
             fmi2GetNominalsOfContinuousStates, GetNominalsOfContinuousStates(out x_nominal: f64[nx], value nx: usize)
-                |instance, _| x_nominal.copy(Component::nominals(&instance.component).as_ref(), "nx");
+                |instance, _| x_nominal.copy($crate::Model::nominals(&instance.component).as_ref(), "nx");
 
             "4.2.1":
             fmi2SetRealInputDerivatives, SetRealInputDerivatives(
                 array vr: u32[nvr], value nvr: usize, array order: $crate::libc::c_int[nvr], array value: f64[nvr])
-                |instance, _| Component::set_input_derivatives(&mut instance.component, vr, order, value);
+                |instance, _| $crate::Model::set_input_derivatives(&mut instance.component, vr, order, value);
             fmi2GetRealOutputDerivatives, GetRealOutputDerivatives(
                 array vr: u32[nvr], value nvr: usize, array order: $crate::libc::c_int[nvr], out value: f64[nvr])
-                |instance, _| Component::output_derivatives(&mut instance.component, vr, order, |i, x| value.put(i, x));
+                |instance, _| $crate::Model::output_derivatives(&mut instance.component, vr, order, |i, x| value.put(i, x));
 
             "4.2.2":
             /// Whether the host may come back to an earlier time makes no difference here: nothing

@@ -171,7 +171,7 @@ impl<C: Component> Instance<C> {
     /// `fmi2Get…` (FMI 2.0, 2.1.7).
     ///
     /// # Errors
-    /// As [`get`](Component::get).
+    /// As [`get`](crate::Model::get).
     #[inline(always)]
     pub fn get(&mut self, bases: Bases, references: &[u32], write: impl FnMut(usize, f64)) -> Outcome<C> {
         Ok(self.component.get(bases, references, write)?)
@@ -194,7 +194,7 @@ impl<C: Component> Instance<C> {
     /// `fmi2Set…` (FMI 2.0, 2.1.7).
     ///
     /// # Errors
-    /// As [`set`](Component::set).
+    /// As [`set`](crate::Model::set).
     #[inline(always)]
     pub fn set(&mut self, bases: Bases, references: &[u32], read: impl Fn(usize) -> f64) -> Outcome<C> {
         Ok(self.component.set(bases, references, read)?)

@@ -1,15 +1,15 @@
 //! Why a call was refused, and the status that says so.
 
 use super::states::{Function, Stage};
-use crate::component::Component;
 use crate::events::EarlyEnd;
 use crate::ffi::Fault;
 use crate::life::Interface;
 use crate::messages::Status;
+use crate::model::Model;
 use crate::problem::{Refusal, Refused};
 
 /// Outcome of a call on a component `C`.
-pub type Outcome<C, T = ()> = Result<T, Problem<<C as Component>::Problem>>;
+pub type Outcome<C, T = ()> = Result<T, Problem<<C as Model>::Problem>>;
 
 /// Why a call was refused. Each text names the thing, its value and what is allowed; the function's
 /// name is put before it when it is logged.

@@ -127,7 +127,7 @@ impl<C: Component> Instance<C> {
                 self.failed = Some(function);
                 self.component.fail();
             }
-            Status::Fatal => self.component.break_down(),
+            Status::Fatal => self.break_down(),
             _ => {}
         }
     }
@@ -178,7 +178,7 @@ impl<C: Component> Instance<C> {
     /// `fmi3Get{VariableType}` (FMI 3.0.2, 2.2.7.2): hands value `i` to `write`.
     ///
     /// # Errors
-    /// For another number of values than the variables have; else as [`get`](Component::get).
+    /// For another number of values than the variables have; else as [`get`](crate::Model::get).
     #[inline]
     pub fn get(
         &mut self,
@@ -214,7 +214,7 @@ impl<C: Component> Instance<C> {
     /// `fmi3Set{VariableType}` (FMI 3.0.2, 2.2.7.2): takes value `i` from `read`.
     ///
     /// # Errors
-    /// For another number of values than the variables have; else as [`set`](Component::set).
+    /// For another number of values than the variables have; else as [`set`](crate::Model::set).
     #[inline]
     pub fn set(
         &mut self,

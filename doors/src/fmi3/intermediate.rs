@@ -14,6 +14,7 @@ use super::states::Function;
 use super::types::StepEnd;
 use crate::component::Component;
 use crate::events::{Advance, Piece};
+use crate::hybrid::Pieces;
 use crate::life::Phase;
 use crate::log::Category;
 use crate::messages::{Sink, Status};
@@ -30,7 +31,7 @@ pub enum Turn {
 /// A step in progress.
 #[derive(Debug)]
 pub struct Progress<C: Component> {
-    pieces: C::Pieces,
+    pieces: Pieces<C>,
     /// Length, s.
     span: f64,
     begin: f64,
@@ -66,11 +67,7 @@ impl<C: Component> Instance<C> {
     ) -> Outcome<C> {
         for &reference in references {
             let variable = self.common.component.variable(reference)?;
-            if variable.continuous_input
-                && has_callback
-                && C::INTERMEDIATE_UPDATE
-                && !self.required.contains(&reference)
-            {
+            if variable.continuous_input && has_callback && !self.required.contains(&reference) {
                 self.required.push(reference);
             }
             if !variable.intermediate_update && self.enabled().contains(Category::Warnings) {
@@ -142,9 +139,9 @@ impl<C: Component> Instance<C> {
         size: f64,
         sink: &mut dyn Sink,
     ) -> Outcome<C, (Progress<C>, Turn)> {
-        let pieces = self.component.begin_pieces(point, size)?;
+        let pieces = Pieces::begin(&self.component, point, size)?;
         let mut progress = Progress {
-            span: self.component.left(&pieces),
+            span: pieces.left(&self.component),
             begin: self.component.time(),
             inputs: vec![[0.0; 4]; self.required.len()],
             pieces,
@@ -180,14 +177,14 @@ impl<C: Component> Instance<C> {
     ) -> Outcome<C, Turn> {
         self.update = None;
         if self.component.life().phase == Phase::Terminated {
-            self.component.take_pieces_back(&progress.pieces)?;
+            progress.pieces.take_back(&mut self.component)?;
             return Err(Problem::Sequence {
                 what: "a call inside the callback was refused: the step has been taken back",
             });
         }
         if let (Some(time), Asked::Event | Asked::End) = (until, progress.asked) {
             let now = self.component.time();
-            let end = now + self.component.left(&progress.pieces);
+            let end = now + progress.pieces.left(&self.component);
             progress.until = Some(if time > now { time } else { now }).filter(|time| *time < end);
         }
         match progress.asked {
@@ -197,13 +194,13 @@ impl<C: Component> Instance<C> {
                     return Ok(self.ask_inputs(progress, n + 1));
                 }
                 for (input, values) in self.required.iter().zip(&progress.inputs) {
-                    self.common.component.interpolate_input(*input, *values, progress.span);
+                    progress.pieces.interpolate(&mut self.common.component, *input, *values);
                 }
                 self.start(progress, sink)
             }
             Asked::Event => {
                 let mut log = self.log(sink, Function::DoStep.name());
-                let ends = self.component.pass_event(&mut progress.pieces, &mut log);
+                let ends = progress.pieces.pass_event(&mut self.component, &mut log);
                 let here = progress.until.is_some_and(|until| until <= self.component.time());
                 if ends || here { Ok(self.end_step(progress)) } else { self.go_on(progress, sink) }
             }
@@ -226,7 +223,7 @@ impl<C: Component> Instance<C> {
 
     fn start(&mut self, progress: &mut Progress<C>, sink: &mut dyn Sink) -> Outcome<C, Turn> {
         let mut log = self.log(sink, Function::DoStep.name());
-        match self.component.start_pieces(&mut progress.pieces, &mut log)? {
+        match progress.pieces.start(&mut self.component, &mut log)? {
             Piece::Event => Ok(self.end_step(progress)),
             Piece::End => self.go_on(progress, sink),
         }
@@ -235,9 +232,9 @@ impl<C: Component> Instance<C> {
     /// To the next event or the end.
     fn go_on(&mut self, progress: &mut Progress<C>, sink: &mut dyn Sink) -> Outcome<C, Turn> {
         let mut log = self.log(sink, Function::DoStep.name());
-        let piece = self.component.next_piece(&mut progress.pieces, progress.until, &mut log)?;
+        let piece = progress.pieces.next(&mut self.component, progress.until, &mut log)?;
         let event = piece == Piece::Event;
-        if event && self.component.ends_before_event(&progress.pieces) || !event && progress.until.is_some() {
+        if event && progress.pieces.ends_before_event() || !event && progress.until.is_some() {
             return Ok(self.end_step(progress));
         }
         progress.asked = if event { Asked::Event } else { Asked::End };
@@ -245,9 +242,9 @@ impl<C: Component> Instance<C> {
     }
 
     fn end_step(&mut self, progress: &Progress<C>) -> Turn {
-        let Advance { time, event, early } = self.component.end_pieces(&progress.pieces);
+        let Advance { time, event, early } = progress.pieces.end(&mut self.component);
         for (input, values) in self.required.iter().zip(&progress.inputs).filter(|_| !early) {
-            self.common.component.hold_input(*input, values[3]);
+            self.common.component.set_input(*input, [values[3], 0.0, 0.0, 0.0]);
         }
         Turn::Done(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
     }

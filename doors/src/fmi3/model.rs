@@ -2,9 +2,10 @@
 //! 3.2.1 and 4.1.2).
 
 use super::instance::Instance;
-use super::problem::Outcome;
+use super::problem::{Outcome, Problem};
 use crate::component::Component;
 use crate::ffi::pointers::check_count;
+use crate::problem::Refusal;
 use crate::values::Dependency;
 
 impl<C: Component> Instance<C> {
@@ -13,7 +14,7 @@ impl<C: Component> Instance<C> {
     ///
     /// # Errors
     /// For other numbers of elements than there are knowns and unknowns; else as
-    /// [`directional_derivative`](Component::directional_derivative).
+    /// [`directional_derivative`](crate::Model::directional_derivative).
     pub fn directional_derivative(
         &mut self,
         (unknowns, knowns): (&[u32], &[u32]),
@@ -26,25 +27,43 @@ impl<C: Component> Instance<C> {
     }
 
     /// `fmi3GetAdjointDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and
-    /// sensitivity.
+    /// sensitivity: the sum over the unknowns of seed times derivative with respect to each known.
     ///
     /// # Errors
-    /// As [`directional_derivative`](Self::directional_derivative).
+    /// As [`directional_derivative`](Self::directional_derivative); a seed or a sum that is not
+    /// finite. Nothing is written then.
     pub fn adjoint_derivative(
         &mut self,
         (unknowns, knowns): (&[u32], &[u32]),
         (seed, sensitivity): (&[f64], usize),
-        write: impl FnMut(usize, f64),
+        mut write: impl FnMut(usize, f64),
     ) -> Outcome<C> {
         check_count("nSeed", seed.len(), unknowns.len())?;
         check_count("nSensitivity", sensitivity, knowns.len())?;
-        Ok(self.component.adjoint_derivative(unknowns, knowns, seed, write)?)
+        for (unknown, &part) in unknowns.iter().zip(seed) {
+            if !part.is_finite() {
+                let what = format!("seed of {}", self.component.variable(*unknown)?.name);
+                return Err(refused(what, part, "a finite number"));
+            }
+        }
+        let mut sums = vec![0.0; knowns.len()];
+        for (known, sum) in knowns.iter().zip(&mut sums) {
+            let part = |i: usize, x: f64| *sum += seed[i] * x;
+            self.component.directional_derivative(unknowns, &[*known], &[1.0], part)?;
+            if !sum.is_finite() {
+                let what = format!("adjoint derivative by {}", self.component.variable(*known)?.name);
+                let allowed = "a finite number: seed and derivatives are too large together";
+                return Err(refused(what, *sum, allowed));
+            }
+        }
+        sums.into_iter().enumerate().for_each(|(k, sum)| write(k, sum));
+        Ok(())
     }
 
     /// `fmi3GetOutputDerivatives` (FMI 3.0.2, 4.1.2).
     ///
     /// # Errors
-    /// As [`output_derivatives`](Component::output_derivatives).
+    /// As [`output_derivatives`](crate::Model::output_derivatives).
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -60,7 +79,7 @@ impl<C: Component> Instance<C> {
     /// What a variable depends on now, by `fmi3GetVariableDependencies` (FMI 3.0.2, 2.2.9).
     ///
     /// # Errors
-    /// As [`dependencies`](Component::dependencies).
+    /// As [`dependencies`](crate::Model::dependencies).
     pub fn dependencies(&self, reference: u32) -> Outcome<C, Vec<Dependency>> {
         Ok(self.component.dependencies(reference)?)
     }
@@ -82,4 +101,9 @@ impl<C: Component> Instance<C> {
     pub fn never(&self) -> Outcome<C> {
         Ok(())
     }
+}
+
+/// A number that is not finite, refused in the component's name.
+fn refused<P: Refusal>(what: String, value: f64, allowed: &'static str) -> Problem<P> {
+    P::from(crate::Problem::value(what, value, allowed)).into()
 }

@@ -44,6 +44,8 @@ impl<T: Tabular> FromTable<T> {
             }),
             co_simulation: Some(CoSimulation {
                 might_return_early_from_do_step: true,
+                provides_intermediate_update: true,
+                can_return_early_after_intermediate_update: true,
                 has_event_mode: true,
                 ..CoSimulation::default()
             }),

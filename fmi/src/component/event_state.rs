@@ -20,7 +20,7 @@ pub(crate) struct EventState {
 
 /// What changes at events only.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Discrete {
+pub struct Discrete {
     contact: Contact,
     pub(crate) impacts: ImpactRecord,
     impact_loss: f64,

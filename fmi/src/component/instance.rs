@@ -6,18 +6,17 @@
 //! say; the component knows [`Phase`]s, which decide on what may be set.
 
 mod access;
-mod advance;
 mod arrival;
 mod dependencies;
 mod derivative;
 mod events;
 mod exchange;
 mod given;
+mod hybrid;
 mod initial;
 mod last_step;
-mod pieces;
+mod model;
 mod prediction;
-mod step;
 
 #[cfg(test)]
 mod tests;
@@ -25,7 +24,6 @@ mod tests;
 use super::closed_form::ClosedForm;
 use super::continuous::Continuous;
 use super::event_state::EventState;
-use super::log::{Category, Log};
 use super::problem::{Outcome, Problem};
 use super::protocol::Protocol;
 use super::saved_state::{EngineState, SavedState};
@@ -34,11 +32,9 @@ use super::steady;
 use super::values::{OutputValues, Prediction, StepMatrices, Tick};
 use super::variables::{Access, Edition, Numbering, VARIABLES};
 use events::Present;
-use fmi_doors::{EventHandling, Experiment, Interface, Life, Phase};
+use fmi_doors::{Interface, Life, Phase};
 use last_step::LastStep;
 use vibro_impact::simulator::Simulator;
-
-pub use pieces::Pieces;
 
 /// What moves.
 #[derive(Debug)]
@@ -121,26 +117,6 @@ impl Instance {
         }
     }
 
-    /// Its dealings with the host.
-    pub fn life(&self) -> &Life {
-        &self.life
-    }
-
-    /// The same, to be changed.
-    pub fn life_mut(&mut self) -> &mut Life {
-        &mut self.life
-    }
-
-    /// Which description it is of.
-    pub fn edition(&self) -> Edition {
-        self.edition
-    }
-
-    /// How it is used.
-    pub fn interface(&self) -> Interface {
-        self.life.interface
-    }
-
     /// What is set.
     pub fn settings(&self) -> &Settings {
         &self.settings
@@ -155,72 +131,6 @@ impl Instance {
     #[cfg(test)]
     pub(crate) fn force(&mut self, phase: Phase) {
         self.life.phase = phase;
-    }
-
-    /// Marks the component unusable after a panic.
-    pub fn break_down(&mut self) {
-        self.life.phase = Phase::Broken;
-    }
-
-    /// When to begin, and the time past which no step may go; `tolerance` is only checked: the flow
-    /// is exact.
-    ///
-    /// # Errors
-    /// As [`Experiment::new`].
-    pub fn set_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Outcome {
-        self.life.experiment = Some(Experiment::new(tolerance, start, stop)?);
-        Ok(())
-    }
-
-    /// From now on outputs show the start that the settings describe.
-    pub fn enter_initialization(&mut self) {
-        self.life.phase = Phase::Initialization;
-        self.invalidate();
-    }
-
-    /// Ends initialization: builds what moves.
-    ///
-    /// # Errors
-    /// When the start values or the parameters are not possible; the component stays in
-    /// initialization.
-    pub fn exit_initialization(&mut self, log: &mut dyn Log) -> Outcome {
-        let (engine, objections) = self.initial_engine()?;
-        match &engine {
-            Engine::Simulation(simulator) => drop(finite(OutputValues::of(simulator))?),
-            Engine::Closed(form) => drop(finite(form.values())?),
-            Engine::Continuous(continuous) => drop(finite(continuous.values())?),
-            Engine::None => {}
-        }
-        if log.wants(Category::Warnings) {
-            let half = given::half_a_machine(&self.settings.parameters, self.given);
-            objections.into_iter().chain(half).for_each(|text| log.log(Category::Warnings, &text));
-        }
-        self.nominals_told = Some(self.nominals());
-        self.engine = engine;
-        self.taken_over();
-        if self.life.interface == Interface::ModelExchange || self.life.handling.event_mode {
-            self.begin_event();
-        } else {
-            self.life.phase = Phase::Step;
-        }
-        Ok(())
-    }
-
-    /// As just made.
-    pub fn reset(&mut self) {
-        let (numbering, edition) = (self.numbering, self.edition);
-        let protocol = Protocol { numbering, handling: self.life.handling, start: self.initial, edition };
-        *self = Self::of_protocol(self.life.interface, protocol);
-    }
-
-    /// Present time, s; before initialization ends, the start.
-    pub fn time(&self) -> f64 {
-        match &self.engine {
-            Engine::Simulation(simulator) => simulator.time(),
-            Engine::Closed(form) => form.time(),
-            Engine::Continuous(continuous) => continuous.time(),
-            Engine::None => self.start_time(),
-        }
     }
 
     /// Everything it needs to continue from here.
@@ -245,58 +155,6 @@ impl Instance {
                 Engine::Continuous(continuous) => EngineState::Continuous(continuous.data()),
             },
         }
-    }
-
-    /// Goes back to a saved state, or takes over that of another component; also where it was never
-    /// initialized. Continuing gives the same bits as not having left.
-    ///
-    /// # Errors
-    /// [`SavedState`](fmi_doors::Problem::SavedState) for one of the other interface type, or in a
-    /// phase that does not go with what moves; [`Problem::Model`] for one that is not possible.
-    /// Nothing has changed then.
-    pub fn restore(&mut self, saved: &SavedState) -> Outcome {
-        let mut life = self.life;
-        let SavedState { interface, phase, experiment, .. } = *saved;
-        life.take_over(&Life { interface, phase, experiment, ..life })?;
-        saved.check()?;
-        match (&mut self.engine, &saved.engine) {
-            (engine, EngineState::None) => *engine = Engine::None,
-            (Engine::Simulation(simulator), EngineState::Simulation(snapshot)) => {
-                simulator.restore(snapshot)?;
-            }
-            (engine, EngineState::Simulation(snapshot)) => {
-                // Any valid simulator does: the snapshot brings its own parameters and state.
-                let standard = Settings::default();
-                let mut simulator = Simulator::new(&standard.parameters, &standard.start, 0.0)?;
-                simulator.restore(snapshot)?;
-                *engine = Engine::Simulation(Box::new(simulator));
-            }
-            (Engine::Closed(form), EngineState::Closed(data)) => form.restore(*data)?,
-            (engine, EngineState::Closed(data)) => {
-                *engine = Engine::Closed(Box::new(ClosedForm::of(*data)?));
-            }
-            (Engine::Continuous(continuous), EngineState::Continuous(data)) => continuous.restore(*data)?,
-            (engine, EngineState::Continuous(data)) => {
-                *engine = Engine::Continuous(Box::new(Continuous::of(*data)?));
-            }
-        }
-        self.life = life;
-        self.derived_stale |= self.settings.parameters != saved.settings.parameters;
-        self.settings = saved.settings;
-        if saved.settings.stop_at_impact == saved.stop_by_default {
-            self.settings.stop_at_impact = self.initial.stop_at_impact;
-        }
-        self.slopes_set = saved.slopes_set;
-        self.parameters_set = saved.parameters_set;
-        self.loads_set = saved.loads_set;
-        self.last_step = None;
-        self.events = saved.events;
-        self.tick = saved.tick;
-        self.nominals_told = saved.nominals_told;
-        self.given = saved.given;
-        self.invalidate();
-        self.meet_own_protocol();
-        Ok(())
     }
 
     /// Of a state that a host with another handling of events has saved: where this one has no

@@ -116,25 +116,10 @@ pub(crate) fn jets(course: &Course<'_>) -> OutputValues<Jet> {
 }
 
 impl OutputValues<Jet> {
-    /// How much all of it changes in a short time, to first order.
+    /// How much all of it changes in a short time, to first order; what changes at events only does
+    /// not.
     pub(crate) fn rates(&self, time: f64) -> OutputValues {
-        let rate = |jet: Jet| time * jet.0[1];
-        OutputValues {
-            time: rate(self.time),
-            x: self.x.map(rate),
-            v: self.v.map(rate),
-            acceleration: self.acceleration.map(rate),
-            relative: (rate(self.relative.0), rate(self.relative.1)),
-            contact_force: rate(self.contact_force),
-            coupling_force: rate(self.coupling_force),
-            indicators: self.indicators.map(rate),
-            mechanical: rate(self.mechanical),
-            input: rate(self.input),
-            damped: rate(self.damped),
-            impact_loss: 0.0,
-            contact: self.contact,
-            impacts: self.impacts,
-        }
+        self.with(self, |jet, _| time * jet.0[1])
     }
 }
 

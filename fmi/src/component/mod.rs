@@ -33,6 +33,6 @@ pub use fmi_doors::log;
 pub use fmi_doors::{
     Advance, Dependency, EventHandling, Handled, Interface, Phase, Piece, StepOutcome, StepReason,
 };
-pub use instance::{Instance, Pieces};
+pub use instance::Instance;
 pub use problem::{Outcome, Problem};
 pub use protocol::Protocol;

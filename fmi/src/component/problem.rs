@@ -71,17 +71,6 @@ pub enum Problem {
         /// The block's relative speed there times a sub-step's length over the gap.
         path: f64,
     },
-    /// A step or an event that failed and could not be taken back: nothing is certain of where the
-    /// instance stands.
-    #[error(
-        "{cause}. That could not be taken back: {refused}. Remedy: restore a saved state, or reset the instance"
-    )]
-    NotTakenBack {
-        /// Why it failed.
-        cause: String,
-        /// Why the state before it was refused.
-        refused: String,
-    },
     /// The model refuses.
     #[error(transparent)]
     Model(#[from] vibro_impact::error::Error),

@@ -217,20 +217,26 @@ impl OutputValues {
 
     /// Each value together with its rate; what changes at events only is taken from `self`.
     pub fn varied(&self, rate: &Self) -> OutputValues<Varied> {
-        let pair = |value, rate| Varied { value, rate };
-        let three = |value: [f64; 3], rate: [f64; 3]| std::array::from_fn(|i| pair(value[i], rate[i]));
+        self.with(rate, |value, rate| Varied { value, rate })
+    }
+}
+
+impl<T: Copy> OutputValues<T> {
+    /// Made of each of these values and another; what changes at events only is taken from `self`.
+    pub(crate) fn with<U: Copy, V>(&self, other: &OutputValues<U>, f: impl Fn(T, U) -> V) -> OutputValues<V> {
+        let three = |own: [T; 3], other: [U; 3]| std::array::from_fn(|i| f(own[i], other[i]));
         OutputValues {
-            time: pair(self.time, rate.time),
-            x: three(self.x, rate.x),
-            v: three(self.v, rate.v),
-            acceleration: three(self.acceleration, rate.acceleration),
-            relative: (pair(self.relative.0, rate.relative.0), pair(self.relative.1, rate.relative.1)),
-            contact_force: pair(self.contact_force, rate.contact_force),
-            coupling_force: pair(self.coupling_force, rate.coupling_force),
-            indicators: three(self.indicators, rate.indicators),
-            mechanical: pair(self.mechanical, rate.mechanical),
-            input: pair(self.input, rate.input),
-            damped: pair(self.damped, rate.damped),
+            time: f(self.time, other.time),
+            x: three(self.x, other.x),
+            v: three(self.v, other.v),
+            acceleration: three(self.acceleration, other.acceleration),
+            relative: (f(self.relative.0, other.relative.0), f(self.relative.1, other.relative.1)),
+            contact_force: f(self.contact_force, other.contact_force),
+            coupling_force: f(self.coupling_force, other.coupling_force),
+            indicators: three(self.indicators, other.indicators),
+            mechanical: f(self.mechanical, other.mechanical),
+            input: f(self.input, other.input),
+            damped: f(self.damped, other.damped),
             impact_loss: self.impact_loss,
             contact: self.contact,
             impacts: self.impacts,

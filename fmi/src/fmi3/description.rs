@@ -10,7 +10,7 @@ pub use crate::component::identity::{
 use crate::component::settings::Settings;
 use crate::component::structure::{self, STATES};
 pub use crate::component::variables::Edition;
-use crate::component::variables::{Access, Causality, Initial, Kind, Numbering, Variability, Variable};
+use crate::component::variables::{Access, Causality, Initial, Kind, Numbering, Variable};
 use crate::description::Table;
 use fmi_doors::description::{self, CoSimulation, Description, ModelExchange};
 use fmi_doors::messages::{Category, log_categories};
@@ -107,13 +107,6 @@ pub fn derivative(variable: &Variable) -> Option<&'static str> {
     }
 }
 
-/// Whether a variable can be set or read in Intermediate Update Mode (FMI 3.0.2, 4.2.2): continuous
-/// inputs and outputs.
-pub fn intermediate_update(variable: &Variable) -> bool {
-    matches!(variable.causality, Causality::Input | Causality::Output)
-        && variable.variability == Variability::Continuous
-}
-
 /// Whether a variable belongs to the clock of impacts.
 pub fn is_clocked(variable: &Variable) -> bool {
     matches!(variable.access, Access::Tick(_)) && variable.kind != Kind::Clock
@@ -162,7 +155,7 @@ pub fn description(edition: Edition) -> Description {
     let clock = table.reference(CLOCK);
     let mut description = table.description();
     for (described, (_, variable)) in description.variables.iter_mut().zip(variables(edition)) {
-        described.intermediate_update = intermediate_update(variable);
+        described.intermediate_update = variable.is_seen_within_steps();
         described.clock = clock.filter(|_| is_clocked(variable));
         described.alias = alias(variable).map(Into::into);
     }

@@ -7,7 +7,7 @@
 #![allow(missing_docs)]
 
 use fmi_doors::log::{Category, Log};
-use fmi_doors::{Bases, Component, EventHandling, Interface, Life};
+use fmi_doors::{Bases, Component, EventHandling, Interface, Life, Model};
 use libfuzzer_sys::fuzz_target;
 use std::sync::Arc;
 use vibro_assembly_fmi::{FILE, Machine, Plan};

@@ -90,26 +90,26 @@ macro_rules! export_fmi3 {
             fmi3SetTime, SetTime(value time: f64) |instance, _| Component::set_time(&mut instance.component, time);
             fmi3SetContinuousStates, SetContinuousStates(states continuousStates: f64[nContinuousStates],
                 value nContinuousStates: usize)
-                |instance, _| Component::set_continuous_states(&mut instance.component, continuousStates);
+                |instance, _| $crate::Model::set_continuous_states(&mut instance.component, continuousStates);
             fmi3GetContinuousStateDerivatives, GetContinuousStateDerivatives(out derivatives: f64[nContinuousStates],
                 value nContinuousStates: usize)
-                |instance, _| derivatives.copy(Component::state_derivatives(&instance.component)?.as_ref(), "nContinuousStates");
+                |instance, _| derivatives.copy($crate::Model::state_derivatives(&instance.component)?.as_ref(), "nContinuousStates");
             fmi3GetEventIndicators, GetEventIndicators(out eventIndicators: f64[nEventIndicators],
                 value nEventIndicators: usize)
-                |instance, _| eventIndicators.copy(Component::event_indicators(&instance.component)?.as_ref(), "nEventIndicators");
+                |instance, _| eventIndicators.copy($crate::Model::event_indicators(&instance.component)?.as_ref(), "nEventIndicators");
 
             "2.3.3":
             fmi3GetContinuousStates, GetContinuousStates(out continuousStates: f64[nContinuousStates],
                 value nContinuousStates: usize)
-                |instance, _| continuousStates.copy(Component::continuous_states(&instance.component)?.as_ref(), "nContinuousStates");
+                |instance, _| continuousStates.copy($crate::Model::continuous_states(&instance.component)?.as_ref(), "nContinuousStates");
             fmi3GetNominalsOfContinuousStates, GetNominalsOfContinuousStates(out nominals: f64[nContinuousStates],
                 value nContinuousStates: usize)
-                |instance, _| nominals.copy(Component::nominals(&instance.component).as_ref(), "nContinuousStates");
+                |instance, _| nominals.copy($crate::Model::nominals(&instance.component).as_ref(), "nContinuousStates");
 
             "2.3.2":
             fmi3GetNumberOfEventIndicators, GetNumberOfEventIndicators(out nEventIndicators: usize[1])
                 |instance, _| {
-                    nEventIndicators.put(0, Component::number_of_event_indicators(&instance.component));
+                    nEventIndicators.put(0, $crate::Model::number_of_event_indicators(&instance.component));
                     instance.never()
                 };
             fmi3GetNumberOfContinuousStates, GetNumberOfContinuousStates(out nContinuousStates: usize[1])

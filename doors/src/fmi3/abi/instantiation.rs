@@ -58,7 +58,7 @@ impl Request {
             Ok(instance) => Box::into_raw(Box::new(Shared {
                 instance: RefCell::new((instance, host)),
                 environment: self.environment,
-                intermediate_update: intermediate_update.filter(|_| C::INTERMEDIATE_UPDATE),
+                intermediate_update,
             }))
             .cast(),
             Err(problem) => {

@@ -22,7 +22,9 @@ pub(super) fn advance(
 }
 
 /// Goes on to an event that lies past a step's end by rounding alone and stands before it; without
-/// one nothing happens. A host that comes to the time of an event it was told must find it there.
+/// one nothing happens. A host that comes to the time of an event it was told must find it there,
+/// or have it behind itself: else its next step would end where it began, and it would not
+/// progress.
 pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Error> {
     if is_clear(simulator, rounding(end)) {
         return Ok(false);
@@ -34,20 +36,6 @@ pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Err
     }
     simulator.restore(&before)?;
     Ok(false)
-}
-
-/// Carries out an event that lies past a step's end by rounding alone. A master that comes to the
-/// time of an event it was told must have it behind itself: else its next step would end where it
-/// began, and it would not progress.
-pub(super) fn pass_event_at_end(
-    simulator: &mut Simulator,
-    end: f64,
-    report: EventObserver<'_, '_>,
-) -> Result<(), Error> {
-    if is_at_end(simulator, end)? {
-        simulator.apply_due_event(report);
-    }
-    Ok(())
 }
 
 /// Whether no event can come within the rounding of a time: the block in flight is so far from the
@@ -67,10 +55,12 @@ fn is_clear(simulator: &Simulator, late: f64) -> bool {
     simulator.contact_force() > (MARGIN + 8.0 * late * fastest) * forces
 }
 
-/// How far off a step's end an impact still is at its end, s: a master's sum of time and step size
-/// may be off by this.
+/// Units in the last place of a step's end by which a master's sum of time and step size may be
+/// off.
+pub(super) const UNITS: f64 = 4.0;
+
+/// How far off a step's end an impact still is at its end, s.
 pub(super) fn rounding(end: f64) -> f64 {
-    const UNITS: f64 = 4.0; // of the last place
     UNITS * f64::EPSILON * end.abs()
 }
 
@@ -101,14 +91,14 @@ fn size(simulator: &Simulator) -> f64 {
 
 /// Takes back a step that failed, and says why it did, or that it could not be taken back.
 #[cold]
-pub(super) fn take_back(simulator: &mut Simulator, before: &Snapshot, error: Error) -> Problem {
+pub(super) fn take_back(simulator: &mut Simulator, before: &Snapshot, problem: Problem) -> Problem {
     if let Err(refused) = simulator.restore(before) {
-        return Problem::NotTakenBack { cause: error.to_string(), refused: refused.to_string() };
+        return fmi_doors::Problem::not_taken_back(&problem, &refused).into();
     }
-    match error {
-        Error::WorkLimit { time, events, restitution, path, .. } => {
+    match problem {
+        Problem::Model(Error::WorkLimit { time, events, restitution, path, .. }) => {
             Problem::WorkLimit { own: simulator.time(), time, events, restitution, path }
         }
-        error => error.into(),
+        problem => problem,
     }
 }

@@ -21,8 +21,8 @@ impl Instance {
     ///
     /// # Errors
     /// [`Reference`](fmi_doors::Problem::Reference) when there is no such variable.
-    pub fn dependencies(&self, reference: u32) -> Outcome<Vec<Dependency>> {
-        let variable = self.variable(reference)?;
+    pub(super) fn present_dependencies(&self, reference: u32) -> Outcome<Vec<Dependency>> {
+        let variable = self.variable_of(reference)?;
         let place = self.numbering.place(reference);
         let initial = matches!(self.engine, Engine::None);
         let declared = if initial {

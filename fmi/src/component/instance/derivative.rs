@@ -49,7 +49,7 @@ impl Instance {
     /// # Errors
     /// A reference that is no unknown or known here, a seed or a derivative that is not finite, or
     /// that overflows on the way, as with seeds near the largest doubles; nothing is written then.
-    pub fn directional_derivative(
+    pub(super) fn derivative_along(
         &mut self,
         unknowns: &[u32],
         knowns: &[u32],
@@ -229,7 +229,7 @@ impl Instance {
         };
         let size = read(&self.settings, variable).abs().max(least);
         let turns = variable.unit() == Some("rad/s") && at_start;
-        let size = if turns { size.min(TURN / self.start_time().abs()) } else { size };
+        let size = if turns { size.min(TURN / self.life.start_time().abs()) } else { size };
         if size > 0.0 && size.is_finite() { size } else { 1.0 }
     }
 
@@ -263,11 +263,12 @@ impl Instance {
         }
         let values = if settings.mode == SolutionMode::EventDriven && !settings.start_on_orbit {
             // The contact is held: a start at a stop must not change sides.
-            let (p, time) = (&settings.parameters, self.start_time());
+            let (p, time) = (&settings.parameters, self.life.start_time());
             Continuous::at(p, settings.start, time, contact, forces(settings))?.values()
         } else {
-            let orbit =
-                |s: &Settings| ClosedForm::new(SolutionMode::ExactOrbit, &s.parameters, self.start_time());
+            let orbit = |s: &Settings| {
+                ClosedForm::new(SolutionMode::ExactOrbit, &s.parameters, self.life.start_time())
+            };
             if orbit(settings)?.counted_side() != orbit(&self.settings)?.counted_side() {
                 return Err(over_an_impact());
             }

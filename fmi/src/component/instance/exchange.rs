@@ -2,101 +2,11 @@
 
 use super::events::Present;
 use super::initial::forces;
-use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
-use crate::component::continuous::{Continuous, check_states};
-use crate::component::structure::{DERIVATIVES, EVENT_INDICATORS, STATES};
-use vibro_impact::model::Model;
-use vibro_impact::simulator;
+use super::{Engine, Instance, Interface, Outcome, Problem};
+use crate::component::continuous::Continuous;
+use fmi_doors::Model as _;
 
 impl Instance {
-    /// The host's solver goes on from here.
-    pub fn enter_continuous(&mut self) {
-        self.life.phase = Phase::Continuous;
-    }
-
-    /// Accepts a step of the host's solver: the energy accounts are carried on. Returns whether the
-    /// host has passed over an event.
-    ///
-    /// # Errors
-    /// [`Sequence`](fmi_doors::Problem::Sequence) before initialization.
-    pub fn complete_integrator_step(&mut self) -> Outcome<bool> {
-        let continuous = self.continuous_mut()?;
-        continuous.accept();
-        let missed = continuous.missed_event();
-        self.invalidate();
-        Ok(missed)
-    }
-
-    /// Sets the time; at an event only to the present time, as some hosts do.
-    ///
-    /// # Errors
-    /// [`Value`](fmi_doors::Problem::Value) for a time that is not finite, or at an event another
-    /// than the present; one too large to resolve.
-    pub fn set_time(&mut self, time: f64) -> Outcome {
-        let refuse = |allowed| Err(Problem::value("time", time, allowed));
-        if !time.is_finite() {
-            return refuse("a finite number");
-        }
-        if self.life.phase == Phase::Event && time != self.continuous_mut()?.time() {
-            return refuse("the present time in Event Mode");
-        }
-        self.continuous_mut()?.set_time(time)?;
-        self.invalidate();
-        Ok(())
-    }
-
-    /// Sets the continuous states, in the order of [`STATES`].
-    ///
-    /// # Errors
-    /// [`Value`](fmi_doors::Problem::Value) for one that is not finite; nothing has changed then.
-    pub fn set_continuous_states(&mut self, states: &[f64; 6]) -> Outcome {
-        let state = check_states(states)?;
-        self.continuous_mut()?.set_state(state);
-        self.invalidate();
-        Ok(())
-    }
-
-    /// The continuous states.
-    ///
-    /// # Errors
-    /// In initialization when the start is not possible.
-    pub fn continuous_states(&self) -> Outcome<[f64; 6]> {
-        self.with_continuous(STATES, |continuous| {
-            let simulator::State { x, v } = continuous.state();
-            [x[0], x[1], x[2], v[0], v[1], v[2]]
-        })
-    }
-
-    /// Their time derivatives.
-    ///
-    /// # Errors
-    /// In initialization when the start is not possible; [`Problem::Overflow`].
-    pub fn state_derivatives(&self) -> Outcome<[f64; 6]> {
-        self.with_continuous(DERIVATIVES, Continuous::derivatives)
-    }
-
-    /// Distances to both stops in flight, pressing acceleration in rest: an event is where one
-    /// becomes negative.
-    ///
-    /// # Errors
-    /// In initialization when the start is not possible; [`Problem::Overflow`].
-    pub fn event_indicators(&self) -> Outcome<[f64; EVENT_INDICATORS]> {
-        self.with_continuous(["an event indicator"; EVENT_INDICATORS], Continuous::indicators)
-    }
-
-    /// Nominal values of the continuous states, by the parameters as they are set: the gap, and the
-    /// gap times the drive's frequency. Each is positive and finite.
-    pub fn nominals(&self) -> [f64; 6] {
-        let parameters = &self.settings.parameters;
-        let positive = |value: f64| value.clamp(f64::MIN_POSITIVE, f64::MAX);
-        let length = positive(parameters.stop_gap);
-        let frequency = parameters.drive_frequency.abs();
-        // A drive that stands still leaves the system's own rates.
-        let own = || Model::new(parameters).map_or(1.0, |model| model.rate);
-        let speed = positive(length * if frequency > 0.0 { frequency } else { own() });
-        [length, length, length, speed, speed, speed]
-    }
-
     /// Whether the nominal values differ from those at the last event, which are from now on the
     /// present ones. Of interest to a host's solver alone.
     pub(super) fn nominals_changed(&mut self) -> bool {
@@ -108,7 +18,7 @@ impl Instance {
         before.is_some_and(|before| before != now)
     }
 
-    fn continuous_mut(&mut self) -> Outcome<&mut Continuous> {
+    pub(super) fn continuous_mut(&mut self) -> Outcome<&mut Continuous> {
         match &mut self.engine {
             Engine::Continuous(continuous) => Ok(continuous),
             _ => Err(Problem::sequence("the instance is not initialized")),
@@ -117,7 +27,7 @@ impl Instance {
 
     /// Evaluates numbers of the model; in initialization at the start. None of them is ever not
     /// finite.
-    fn with_continuous<const N: usize>(
+    pub(super) fn with_continuous<const N: usize>(
         &self,
         names: [&'static str; N],
         evaluate: impl FnOnce(&Continuous) -> [f64; N],

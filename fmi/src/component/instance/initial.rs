@@ -7,14 +7,10 @@ use crate::component::continuous::Continuous;
 use crate::component::settings::{Settings, SolutionMode};
 use crate::component::structure::input_of;
 use crate::component::values::OutputValues;
+use crate::component::variables::Edition;
 use vibro_impact::simulator::{Simulator, State};
 
 impl Instance {
-    /// Start time.
-    pub(super) fn start_time(&self) -> f64 {
-        self.life.experiment.unwrap_or_default().start
-    }
-
     /// What will move, with what speaks against a steady state that is played or started on.
     ///
     /// # Errors
@@ -32,11 +28,13 @@ impl Instance {
             return Ok((engine, objections));
         }
         if self.life.interface == Interface::ModelExchange {
-            return Err(Problem::value(
-                "mode",
-                f64::from(settings.mode.number()),
-                "1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate",
-            ));
+            const ALLOWED: &str =
+                "1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate";
+            // In later descriptions it is a mistake in the call, and not of a value.
+            return Err(match self.edition {
+                Edition::Every => Problem::value("mode", f64::from(settings.mode.number()), ALLOWED),
+                _ => fmi_doors::Problem::Sequence { what: format!("mode must be {ALLOWED}").into() }.into(),
+            });
         }
         let form = self.initial_form(settings)?;
         let objections = form.solution().objections();
@@ -54,7 +52,7 @@ impl Instance {
     /// A simulator at the start, with the loads that act there.
     pub(super) fn initial_simulator(&self, settings: &Settings) -> Outcome<(Simulator, Option<String>)> {
         let (start, objections) = self.initial_state(settings)?;
-        let mut simulator = Simulator::new(&settings.parameters, &start, self.start_time())?;
+        let mut simulator = Simulator::new(&settings.parameters, &start, self.life.start_time())?;
         simulator.set_loads(&settings.loads)?;
         Ok((simulator, objections))
     }
@@ -64,7 +62,7 @@ impl Instance {
         if !settings.start_on_orbit {
             return Ok((settings.start, None));
         }
-        let form = ClosedForm::new(SolutionMode::ExactOrbit, &settings.parameters, self.start_time())?;
+        let form = ClosedForm::new(SolutionMode::ExactOrbit, &settings.parameters, self.life.start_time())?;
         Ok((form.values().state(), form.solution().objections()))
     }
 
@@ -75,7 +73,7 @@ impl Instance {
                 return Err(Problem::value(name, value, NO_LOADS));
             }
         }
-        ClosedForm::new(settings.mode, &settings.parameters, self.start_time())
+        ClosedForm::new(settings.mode, &settings.parameters, self.life.start_time())
     }
 }
 

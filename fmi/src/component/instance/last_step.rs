@@ -50,7 +50,7 @@ impl Instance {
         let mut replay = Simulator::clone(simulator).without_energy_accounts();
         replay.restore(&step.before).ok()?;
         let LastStep { parameters, loads, .. } = step;
-        Changes { parameters: parameters.as_ref(), loads: loads.as_ref() }.put(&mut replay, None).ok()?;
+        Changes { parameters: parameters.as_ref(), loads: loads.as_ref() }.put(&mut replay).ok()?;
         sensitivity::matrices(replay, &reached).ok()
     }
 }

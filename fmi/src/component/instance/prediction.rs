@@ -3,6 +3,7 @@
 use super::{Engine, Instance, Interface, Outcome, SolutionMode};
 use crate::component::closed_form::ClosedForm;
 use crate::component::values::Prediction;
+use fmi_doors::Model as _;
 use vibro_impact::model::Model;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Event, Simulator};
@@ -47,7 +48,7 @@ impl Instance {
         match &self.engine {
             Engine::Simulation(simulator) if self.changes().any() => {
                 let mut ahead = (**simulator).clone();
-                self.changes().put(&mut ahead, None)?;
+                self.changes().put(&mut ahead)?;
                 time_of_next(&ahead, horizon)
             }
             Engine::Simulation(simulator) => time_of_next(simulator, horizon),

@@ -1,17 +1,9 @@
 use super::*;
 use crate::component::Instance;
-use crate::component::log::{Category, Log};
+use crate::component::log::Silence;
 use crate::component::variables::{Base, Bases, reference};
+use fmi_doors::{Component as _, Model as _};
 use std::path::PathBuf;
-
-struct Silence;
-
-impl Log for Silence {
-    fn wants(&self, _: Category) -> bool {
-        false
-    }
-    fn log(&mut self, _: Category, _: &str) {}
-}
 
 fn set(instance: &mut Instance, name: &str, value: f64) {
     let any = Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration]);

@@ -152,6 +152,13 @@ pub struct Variable {
 }
 
 impl Variable {
+    /// Whether it can be set or read within a step, from the host's callback: continuous inputs and
+    /// outputs.
+    pub fn is_seen_within_steps(&self) -> bool {
+        matches!(self.causality, Causality::Input | Causality::Output)
+            && self.variability == Variability::Continuous
+    }
+
     /// Type of its values.
     pub const fn base(&self) -> Base {
         match self.kind {

@@ -1,6 +1,7 @@
 //! Steps that end where an event was announced, and what is logged of events that an input causes.
 
 use super::*;
+use fmi_doors::hybrid::Pieces;
 
 /// Handles the event at which a step has ended, if there is one.
 fn handle(fmu: &mut Instance, event: bool, messages: &mut Messages) {
@@ -127,8 +128,8 @@ fn a_release_by_an_input_is_logged_by_each_protocol() {
             assert_eq!(get(&mut fmu, "stop.state"), 2.0);
             set(&mut fmu, "block.f", -0.5).unwrap();
             if pieces {
-                let mut course = fmu.begin_pieces(0.1, 0.05).unwrap();
-                fmu.start_pieces(&mut course, &mut messages).unwrap();
+                let mut course = Pieces::begin(&fmu, 0.1, 0.05).unwrap();
+                course.start(&mut fmu, &mut messages).unwrap();
             } else {
                 fmu.advance(0.1, 0.05, &mut messages).unwrap();
             }

@@ -35,7 +35,7 @@ fn exchange(prepare: impl Fn(&mut Instance)) -> Instance {
     prepare(&mut fmu);
     let mut fmu = initialize(fmu);
     fmu.handle_events(&mut Messages::default()).unwrap();
-    fmu.enter_continuous();
+    fmu.enter_continuous().unwrap();
     fmu
 }
 
@@ -328,7 +328,7 @@ fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
     }
     let mut fmu = initialize(fmu);
     fmu.handle_events(&mut Silence).unwrap();
-    fmu.enter_continuous();
+    fmu.enter_continuous().unwrap();
     for accepted in [true, false] {
         if !accepted {
             fmu.set_time(0.01).unwrap();

@@ -47,7 +47,7 @@ fn run_within(late: f64, fmu: &mut Instance, stop: f64, messages: &mut Messages)
     let mut events = 0;
     loop {
         fmu.handle_events(messages).unwrap();
-        fmu.enter_continuous();
+        fmu.enter_continuous().unwrap();
         assert!(fmu.event_indicators().unwrap().iter().all(|z| *z != 0.0));
         let signs = positive(fmu);
         let mut x = fmu.continuous_states().unwrap();
@@ -129,7 +129,7 @@ fn invariant_the_input_is_what_the_balance_leaves() {
     }
     let initial = get(&mut host, "energy.mechanical");
     host.handle_events(&mut Silence).unwrap();
-    host.enter_continuous();
+    host.enter_continuous().unwrap();
     for n in 0..20 {
         let (time, x) = (f64::from(n) * COARSE, host.continuous_states().unwrap());
         let rates = derivatives(&mut host, time, &x);
@@ -237,7 +237,7 @@ fn tunable_parameters_and_inputs_act_at_once() {
     assert_eq!(get(&mut fmu, "box.a"), 2.0);
     set(&mut fmu, "box.k", 4.0).unwrap();
     fmu.handle_events(&mut messages).unwrap();
-    fmu.enter_continuous();
+    fmu.enter_continuous().unwrap();
     assert!(set(&mut fmu, "box.k", 1.0).is_err());
     set(&mut fmu, "box.s", 0.5).unwrap();
     assert_eq!(fmu.continuous_states().unwrap()[0], 0.5);
@@ -259,7 +259,7 @@ fn bad_values_are_refused_and_change_nothing() {
     assert!(fmu.set_time(1.0).is_err());
     fmu.set_time(0.0).unwrap();
     fmu.handle_events(&mut messages).unwrap();
-    fmu.enter_continuous();
+    fmu.enter_continuous().unwrap();
     let error = fmu.set_continuous_states(&[0.0, 1.0, 2.0, f64::NAN, 0.0, 0.0]).unwrap_err();
     assert_eq!(error.to_string(), "box.v = NaN: allowed is a finite number");
     assert_eq!(fmu.continuous_states().unwrap(), [0.0; 6]);
@@ -307,13 +307,13 @@ fn an_event_that_the_host_passes_over_is_asked_for() {
     let mut fmu = initialize(exchange());
     let mut messages = Messages::default();
     fmu.handle_events(&mut messages).unwrap();
-    fmu.enter_continuous();
+    fmu.enter_continuous().unwrap();
     fmu.set_continuous_states(&[0.0, 1.01, 0.0, 0.0, 0.5, 0.0]).unwrap();
     assert!(fmu.complete_integrator_step().unwrap());
     fmu.enter_event().unwrap();
     assert!(fmu.handle_events(&mut messages).unwrap().states);
     assert!(messages.0[0].1.starts_with("impact on the upper stop"));
-    fmu.enter_continuous();
+    fmu.enter_continuous().unwrap();
     let [x1, x2, .., v1, v2, _] = fmu.continuous_states().unwrap();
     assert!(x2 - x1 < 1.0 && x2 - x1 > 1.0 - 1e-11);
     assert!((v2 - v1 + 0.75 * 0.5).abs() < 1e-15 && (v1 + 0.1 * v2 - 0.05).abs() < 1e-15);
@@ -367,7 +367,7 @@ fn invariant_eulers_rule_stays_bounded_over_the_default_experiment() {
     let largest = |factor: f64| -> f64 {
         let mut fmu = initialize(Instance::new(Interface::ModelExchange));
         fmu.handle_events(&mut Messages::default()).unwrap();
-        fmu.enter_continuous();
+        fmu.enter_continuous().unwrap();
         let (step, mut largest) = (factor * experiment.step_size, 0.0_f64);
         for i in 1..=(experiment.stop_time / step).round() as u32 {
             let (mut x, rates) = (fmu.continuous_states().unwrap(), fmu.state_derivatives().unwrap());
@@ -377,7 +377,7 @@ fn invariant_eulers_rule_stays_bounded_over_the_default_experiment() {
             if fmu.complete_integrator_step().unwrap() {
                 fmu.enter_event().unwrap();
                 fmu.handle_events(&mut Messages::default()).unwrap();
-                fmu.enter_continuous();
+                fmu.enter_continuous().unwrap();
             }
             largest = x.iter().fold(largest, |most, x| most.max(x.abs()));
         }
@@ -452,7 +452,7 @@ fn invariant_a_second_call_at_an_event_does_nothing() {
         fmu.enter_initialization();
         fmu.exit_initialization(&mut Silence).unwrap();
         fmu.handle_events(&mut Silence).unwrap();
-        fmu.enter_continuous();
+        fmu.enter_continuous().unwrap();
         // Before the stop, on it, or past it as a late host comes; fast, slowly, or not at all.
         let depth = choose(uniform(), &[-5e-10, -1e-12, 0.0, 1e-14, 1e-10, 1e-6, 0.2]);
         let rate = choose(uniform(), &[-0.1, -1e-7, 0.0, 1e-12, 1e-7, 1e-4, 0.3]) * uniform();

@@ -1,11 +1,12 @@
 //! The component as a door would use it.
 
 use super::*;
+use crate::component::log::{Category, Log};
 use crate::component::structure;
 use crate::component::variables::{
     Base, Bases, Causality, Edition, VARIABLES, Variability, place, reference,
 };
-use fmi_doors::{Advance, StepOutcome, StepReason};
+use fmi_doors::{Advance, Component as _, EventHandling, Model as _, StepOutcome, StepReason};
 
 mod announced;
 mod closed;

@@ -1,27 +1,21 @@
-//! A described machine as the doors want it.
+//! Variables, continuous states and saved states of a described machine.
 
-use super::{Machine, Moving, Pieces};
+use super::{Machine, Moving};
 use crate::plan::Plan;
 use crate::problem::MachineProblem;
 use crate::problem::refused;
 use crate::saved_state::SavedState;
 use crate::table::{Quantity, Role};
-use fmi_doors::log::Log;
-use fmi_doors::{
-    Advance, Base, Bases, Component, EarlyEnd, Handled, Instantiation, Interface, Life, Named, Phase, Piece,
-    Problem,
-};
+use fmi_doors::{Base, Bases, EarlyEnd, Instantiation, Interface, Life, Model, Named, Problem};
 use std::sync::Arc;
 
 /// Highest order of derivatives of inputs.
 const INPUT_ORDER: i32 = 3;
 
-impl Component for Machine {
+impl Model for Machine {
     type Problem = MachineProblem;
     type State = SavedState;
-    type Pieces = Pieces;
 
-    const INTERMEDIATE_UPDATE: bool = true;
     const EARLY_END: EarlyEnd = EarlyEnd { event: "event", because: "since the host handles events" };
 
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
@@ -34,25 +28,6 @@ impl Component for Machine {
 
     fn life_mut(&mut self) -> &mut Life {
         &mut self.life
-    }
-
-    fn set_experiment(
-        &mut self,
-        tolerance: Option<f64>,
-        start: f64,
-        stop: Option<f64>,
-    ) -> Result<(), MachineProblem> {
-        self.life.experiment = Some(fmi_doors::Experiment::new(tolerance, start, stop)?);
-        self.ahead = None;
-        Ok(())
-    }
-
-    fn exit_initialization(&mut self, _: &mut dyn Log) -> Result<(), MachineProblem> {
-        self.present()?;
-        self.moving = self.ahead.take();
-        self.pending.fill(None);
-        self.life.begin();
-        Ok(())
     }
 
     fn reset(&mut self) {
@@ -172,17 +147,6 @@ impl Component for Machine {
         self.derivatives_along(unknowns, knowns, seed, write)
     }
 
-    fn enter_event(&mut self) -> Result<(), MachineProblem> {
-        self.life.phase = Phase::Event;
-        (self.latched, self.matrices) = (None, None);
-        self.moving.iter_mut().for_each(|moving| _ = moving.accept());
-        Ok(())
-    }
-
-    fn handle_events(&mut self, log: &mut dyn Log) -> Result<Handled, MachineProblem> {
-        self.handle(log)
-    }
-
     /// The next knot of a signal; impacts and the like are not known before.
     fn next_event_time(&mut self) -> Option<f64> {
         let Moving { motion, course, .. } = self.moving.as_ref()?;
@@ -192,38 +156,8 @@ impl Component for Machine {
         motion.assembly().system().signals.next_knot(motion.time())
     }
 
-    fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, MachineProblem> {
-        self.go(point, size, log)
-    }
-
-    fn enter_continuous(&mut self) -> Result<(), MachineProblem> {
-        self.take_ahead()?;
-        self.life.phase = Phase::Continuous;
-        Ok(())
-    }
-
-    fn leave_event(&mut self, _: &mut dyn Log) -> Result<(), MachineProblem> {
-        if self.life.interface == Interface::ModelExchange {
-            self.take_ahead()?;
-        }
-        self.life.go_on();
-        Ok(())
-    }
-
-    fn number_of_continuous_states(&self) -> usize {
-        2 * self.plan.assembly.states().len()
-    }
-
     fn number_of_event_indicators(&self) -> usize {
         self.plan.table.indicators.len()
-    }
-
-    fn complete_integrator_step(&mut self) -> Result<bool, MachineProblem> {
-        Ok(self.moving.as_mut().is_some_and(Moving::accept))
-    }
-
-    fn set_time(&mut self, time: f64) -> Result<(), MachineProblem> {
-        self.put_time(time)
     }
 
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), MachineProblem> {
@@ -243,7 +177,7 @@ impl Component for Machine {
     }
 
     fn nominals(&self) -> impl AsRef<[f64]> {
-        self.plan.nominals.clone()
+        &self.plan.nominals
     }
 
     fn save(&self) -> Result<SavedState, MachineProblem> {
@@ -302,51 +236,5 @@ impl Component for Machine {
             ..saved.clone()
         })?;
         Ok(saved)
-    }
-
-    fn begin_pieces(&mut self, point: f64, size: f64) -> Result<Pieces, MachineProblem> {
-        self.begin(point, size)
-    }
-
-    fn left(&self, pieces: &Pieces) -> f64 {
-        self.left_of(pieces)
-    }
-
-    fn interpolate_input(&mut self, reference: u32, values: [f64; 4], span: f64) {
-        self.interpolate(reference, values, span);
-    }
-
-    fn hold_input(&mut self, reference: u32, value: f64) {
-        self.hold(reference, value);
-    }
-
-    fn start_pieces(&mut self, pieces: &mut Pieces, _: &mut dyn Log) -> Result<Piece, MachineProblem> {
-        self.start_course(pieces)
-    }
-
-    fn next_piece(
-        &mut self,
-        pieces: &mut Pieces,
-        until: Option<f64>,
-        log: &mut dyn Log,
-    ) -> Result<Piece, MachineProblem> {
-        self.go_on(pieces, until, log)
-    }
-
-    fn ends_before_event(&self, pieces: &Pieces) -> bool {
-        self.ends_before(pieces)
-    }
-
-    fn pass_event(&mut self, pieces: &mut Pieces, log: &mut dyn Log) -> bool {
-        self.pass(pieces, log);
-        false
-    }
-
-    fn end_pieces(&mut self, pieces: &Pieces) -> Advance {
-        self.end_course(pieces)
-    }
-
-    fn take_pieces_back(&mut self, pieces: &Pieces) -> Result<(), MachineProblem> {
-        self.take_back(pieces)
     }
 }

@@ -1,0 +1,168 @@
+//! A step in pieces from event to event, for a host that looks into it, sets inputs for its course,
+//! or ends it early.
+
+use super::steps::{is_early, shown};
+use super::{AtEvent, Ended, Hybrid, Met, StepEnd, Until};
+use crate::events::{Advance, Piece};
+use crate::life::Phase;
+use crate::log::Log;
+use crate::problem::Problem;
+
+/// A step in progress.
+#[derive(Debug)]
+pub struct Pieces<H: Hybrid> {
+    end: StepEnd,
+    at_event: AtEvent,
+    /// To take the step back.
+    before: H::State,
+    undo: Option<H::Undo>,
+    /// What was shown at the step's start of what changes at events only, where the host handles
+    /// events.
+    shown: Option<H::Shown>,
+    /// Whether it stands before the law of an event, and events so far.
+    met: Met,
+    /// Why the law of an event could not be applied; the step is then taken back.
+    failed: Option<H::Problem>,
+}
+
+impl<H: Hybrid> Pieces<H> {
+    /// Begins a step as [`advance`](crate::Component::advance) would make it.
+    ///
+    /// # Errors
+    /// As [`advance`](crate::Component::advance).
+    pub fn begin(h: &H, point: f64, size: f64) -> Result<Self, H::Problem> {
+        h.check(point, size)?;
+        Ok(Self {
+            end: StepEnd { point, size },
+            at_event: AtEvent::of(h.life().handling, h.ends_at_events()),
+            before: h.save()?,
+            undo: None,
+            shown: shown(h),
+            met: Met::default(),
+            failed: None,
+        })
+    }
+
+    /// The time from here to the step's end, s.
+    pub fn left(&self, h: &H) -> f64 {
+        (self.end.value() - h.time()).max(0.0)
+    }
+
+    /// Lets an input follow the cubic through `values` at 0, 1/3, 2/3 and 3/3 of the way to the
+    /// step's end.
+    pub fn interpolate(&self, h: &mut H, reference: u32, values: [f64; 4]) {
+        let polynomial = cubic(values, self.left(h), h.time());
+        h.set_input(reference, polynomial);
+    }
+
+    /// Takes over what was set; where that is an event of its own, the step of a host that handles
+    /// events ends here.
+    ///
+    /// # Errors
+    /// For what is not possible; the step has been taken back then.
+    pub fn start(&mut self, h: &mut H, log: &mut dyn Log) -> Result<Piece, H::Problem> {
+        match h.take_over(self.end, log) {
+            Err(problem) => Err(self.taken_back(h, problem)),
+            Ok((undo, moved)) => {
+                self.undo = Some(undo);
+                self.met.events += usize::from(moved);
+                h.taken_over();
+                let ends = moved && self.ends_before_event();
+                Ok(if ends { Piece::Event } else { Piece::End })
+            }
+        }
+    }
+
+    /// To the next event, or to `until` (s; the step's end without it) if none comes before.
+    ///
+    /// # Errors
+    /// As [`advance`](crate::Component::advance); the step has been taken back then.
+    pub fn next(&mut self, h: &mut H, until: Option<f64>, log: &mut dyn Log) -> Result<Piece, H::Problem> {
+        let end = until.map_or(self.end, |point| StepEnd { point, size: 0.0 });
+        let met = match self.failed.take() {
+            Some(problem) => Err(problem),
+            None => h.run(end, Until::Event, log),
+        };
+        match met {
+            Err(problem) => Err(self.taken_back(h, problem)),
+            Ok(met) => {
+                self.met.due = met.due;
+                Ok(if met.due { Piece::Event } else { Piece::End })
+            }
+        }
+    }
+
+    /// Whether a step that meets an event ends before its law.
+    pub fn ends_before_event(&self) -> bool {
+        self.at_event == AtEvent::EndBefore
+    }
+
+    /// Applies the law of the event before which the last piece has ended; true where the step ends
+    /// after it. A law that cannot be applied is told with the next piece.
+    pub fn pass_event(&mut self, h: &mut H, log: &mut dyn Log) -> bool {
+        self.failed = h.apply_law(log).err();
+        self.met = Met { due: self.failed.is_some(), events: self.met.events + 1, ..self.met };
+        if let Some(shown) = &self.shown {
+            h.latch(Some(shown.clone()));
+        }
+        self.at_event == AtEvent::EndAfter
+    }
+
+    /// Ends the step where it stands.
+    pub fn end(&self, h: &mut H) -> Advance {
+        let Met { due, events, .. } = self.met;
+        let (event, early) = (self.shown.is_some() && (due || events > 0), is_early(h, self.end));
+        h.life_mut().phase = Phase::Step;
+        h.latch(self.shown.clone().filter(|_| event));
+        h.end_step(Ended { event, due, stopped: false, interpolated: true });
+        Advance { time: h.time(), event, early }
+    }
+
+    /// Goes back to before the step.
+    ///
+    /// # Errors
+    /// As [`restore`](crate::Model::restore).
+    pub fn take_back(&self, h: &mut H) -> Result<(), H::Problem> {
+        h.restore(&self.before)
+    }
+
+    /// Takes a step back that has met a problem; the problem, or that the step could not be taken
+    /// back.
+    fn taken_back(&mut self, h: &mut H, problem: H::Problem) -> H::Problem {
+        let problem = match self.undo.take() {
+            Some(undo) => h.undo(undo, problem),
+            None => problem,
+        };
+        match self.take_back(h) {
+            Ok(()) => problem,
+            Err(refused) => Problem::not_taken_back(&problem, &refused).into(),
+        }
+    }
+}
+
+/// Value and derivatives at 0 of the cubic through `values` at 0, 1/3, 2/3 and 3/3 of `span` s, at
+/// a time of the motion.
+fn cubic([u0, u1, u2, u3]: [f64; 4], span: f64, time: f64) -> [f64; 4] {
+    // Newton's forward differences at the first value; three intervals to the span.
+    let (first, second, third) = (u1 - u0, (u2 - u1) - (u1 - u0), (u3 - u2) - 2.0 * (u2 - u1) + (u1 - u0));
+    let rate = 3.0 / span;
+    let slopes = [first - 0.5 * second + third / 3.0, second - third, third];
+    let scale = [rate, rate * rate, rate * rate * rate];
+    let polynomial = [u0, slopes[0] * scale[0], slopes[1] * scale[1], slopes[2] * scale[2]];
+    // In a step of the length of rounding the differences say nothing.
+    let says = span > f64::EPSILON * time.abs().max(1.0) && polynomial.iter().all(|x| x.is_finite());
+    if says { polynomial } else { [u0, 0.0, 0.0, 0.0] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cubic;
+
+    #[test]
+    fn closed_form_derivatives_of_a_cubic() {
+        // 1 - 2 t + 3 t² - 4 t³ over 3 s, of which all numbers are exact.
+        let values = [0.0, 1.0, 2.0, 3.0].map(|t: f64| 1.0 - 2.0 * t + 3.0 * t * t - 4.0 * t * t * t);
+        assert_eq!(cubic(values, 3.0, 0.0), [1.0, -2.0, 6.0, -24.0]);
+        assert_eq!(cubic(values, 1e-17, 0.0), [1.0, 0.0, 0.0, 0.0]);
+    }
+}

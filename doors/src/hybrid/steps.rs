@@ -1,0 +1,154 @@
+//! Whole steps.
+
+use super::Hybrid;
+use crate::events::Advance;
+use crate::life::{EventHandling, Phase};
+use crate::log::Log;
+
+/// What a step does at an event inside it.
+///
+/// | event mode | may end early, and ends at events | at an event |
+/// |---|---|---|
+/// | no | no | [`Pass`](Self::Pass) |
+/// | no | yes | [`EndAfter`](Self::EndAfter) |
+/// | yes | yes | [`EndBefore`](Self::EndBefore) |
+/// | yes | no | [`Latch`](Self::Latch) |
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AtEvent {
+    /// Applies its law and goes on.
+    Pass,
+    /// Applies its law and goes on; what changes at events only is shown when the host handles
+    /// events.
+    Latch,
+    /// Applies its law and ends.
+    EndAfter,
+    /// Ends before its law.
+    EndBefore,
+}
+
+impl AtEvent {
+    /// As it was agreed with the host, of a model whose steps may end at events or not.
+    pub(crate) fn of(handling: EventHandling, ends: bool) -> Self {
+        match (handling.event_mode, handling.early_return && ends) {
+            (false, false) => Self::Pass,
+            (false, true) => Self::EndAfter,
+            (true, true) => Self::EndBefore,
+            (true, false) => Self::Latch,
+        }
+    }
+}
+
+/// Where a step is to end: `point + size`, s, of which the rounding is not lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepEnd {
+    /// Begin by the host's clock, s.
+    pub point: f64,
+    /// Length, s; 0 for an end that the host has chosen under way.
+    pub size: f64,
+}
+
+impl StepEnd {
+    /// As a double, s.
+    pub fn value(self) -> f64 {
+        self.point + self.size
+    }
+
+    /// Whether the host has chosen it under way: no event beyond it is taken with it.
+    pub fn is_chosen(self) -> bool {
+        self.size == 0.0
+    }
+}
+
+/// How far a run goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Until {
+    /// To the end, over all events.
+    End,
+    /// Before the law of the first event.
+    Event,
+    /// After the law of the first event at which a step is to end.
+    After,
+}
+
+/// What a run has met.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Met {
+    /// Whether it stands before the law of an event.
+    pub due: bool,
+    /// Events whose laws it has applied.
+    pub events: usize,
+    /// Whether it has ended after the law of an event before the end.
+    pub stopped: bool,
+}
+
+/// How a step has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ended {
+    /// Whether the host must handle an event.
+    pub event: bool,
+    /// Whether the law of an event is still to be applied.
+    pub due: bool,
+    /// Whether it has ended after an event before its end, from where the next step goes on.
+    pub stopped: bool,
+    /// Whether inputs may have followed a course that the host's callback has given.
+    pub interpolated: bool,
+}
+
+/// Whether the step has ended before its end.
+pub(super) fn is_early<H: Hybrid>(h: &H, end: StepEnd) -> bool {
+    end.value() - h.time() > H::ROUNDING * f64::EPSILON * end.value().abs()
+}
+
+/// What changes at events only, where the host handles events.
+pub(super) fn shown<H: Hybrid>(h: &H) -> Option<H::Shown> {
+    h.life().handling.event_mode.then(|| h.shown())
+}
+
+/// A whole step.
+#[inline]
+pub(crate) fn advance<H: Hybrid>(
+    h: &mut H,
+    (point, size): (f64, f64),
+    at_event: AtEvent,
+    log: &mut dyn Log,
+) -> Result<Advance, H::Problem> {
+    h.check(point, size)?;
+    let (end, shown) = (StepEnd { point, size }, shown(h));
+    let (undo, moved) = h.take_over(end, log)?;
+    let met = match whole(h, end, (at_event, moved), log) {
+        Ok(met) => met,
+        Err(problem) => return Err(h.undo(undo, problem)),
+    };
+    h.taken_over();
+    h.life_mut().phase = Phase::Step;
+    let event = match at_event {
+        AtEvent::Latch | AtEvent::EndBefore => shown.is_some() && (met.due || met.events > 0),
+        AtEvent::Pass | AtEvent::EndAfter => false,
+    };
+    h.latch(shown.filter(|_| event));
+    let early = met.stopped || at_event == AtEvent::EndBefore && is_early(h, end);
+    h.end_step(Ended { event, due: met.due, stopped: met.stopped, interpolated: false });
+    Ok(Advance { time: h.time(), event, early })
+}
+
+/// Runs a step of which taking over may have been an event.
+#[inline]
+fn whole<H: Hybrid>(
+    h: &mut H,
+    end: StepEnd,
+    (at_event, moved): (AtEvent, bool),
+    log: &mut dyn Log,
+) -> Result<Met, H::Problem> {
+    let mut met = match at_event {
+        AtEvent::EndBefore if moved => Met::default(),
+        AtEvent::EndBefore => h.run(end, Until::Event, log)?,
+        AtEvent::EndAfter => h.run(end, Until::After, log)?,
+        AtEvent::Pass | AtEvent::Latch => h.run(end, Until::End, log)?,
+    };
+    met.events += usize::from(moved);
+    if met.due && matches!(at_event, AtEvent::Pass | AtEvent::EndAfter) {
+        h.apply_law(log)?;
+        met.due = false;
+    }
+    Ok(met)
+}
