@@ -14,8 +14,13 @@
 //! changes at events only from the event's handling on. How a step begins, is taken back, is cut
 //! into pieces and ends is the same for every simulation; what differs is [`Hybrid`].
 //!
-//! An order that must stay: a step keeps where it began before it takes
-//! over what was set, and what was set counts as taken over only once it can no longer fail.
+//! Two orders must stay. A step keeps where it began before it takes over what was set. In a whole
+//! step what was set counts as taken over after the run, which may fail; in a step in pieces at
+//! once, since the host may read what follows from it, and the state saved before takes it back.
+//!
+//! To change what a step does at an event: [`AtEvent`], the function `whole` of `steps.rs` and
+//! [`Pieces`]; every component follows. A new function of [`Hybrid`] gets a default that leaves the
+//! components as they are.
 
 mod pieces;
 pub(crate) mod steps;
