@@ -12,13 +12,12 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats
+from ._assembly_description import AssemblyDescription
 from ._result import Result, fields_of, records
 
 if TYPE_CHECKING:
     import pandas
     from numpy.typing import NDArray
-
-    from ._assembly import Assembly
 
 #: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
 EVENT = np.dtype([("t", "f8"), ("kind", "U6"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
@@ -40,7 +39,7 @@ def _column(columns: list[str], values: Floats, name: str) -> Floats:
 class AssemblyRun(Result):
     """A motion of a machine of your own; ``run["box.s"]`` is an array."""
 
-    machine: Assembly
+    machine: AssemblyDescription
     "Whose motion it is."
     t: Floats
     "Instants, shape (n,), s."
@@ -109,7 +108,7 @@ class AssemblyDirection(Result):
 class AssemblyDiagram(Result):
     """A bifurcation diagram in both directions."""
 
-    machine: Assembly
+    machine: AssemblyDescription
     "The machine whose parameter varies."
     name: str
     "The parameter."
@@ -163,6 +162,6 @@ class Sketch:
         return f"Sketch({self._described.name()!r})"
 
 
-def run_of(machine: Assembly, t: Floats, found: dict[str, Any]) -> AssemblyRun:
+def run_of(machine: AssemblyDescription, t: Floats, found: dict[str, Any]) -> AssemblyRun:
     energy = fields_of(ASSEMBLY_ENERGY, found["energy"])
     return AssemblyRun(machine, t, machine.columns, found["values"], records(EVENT, found), energy)

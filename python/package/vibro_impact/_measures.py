@@ -11,11 +11,10 @@ import numpy as np
 from . import _native
 from ._arguments import Floats, choice
 from ._result import Result
+from ._values import ParameterValues
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-
-    from ._machine import Machine
 
 #: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
 MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.measures()}
@@ -64,7 +63,7 @@ def keeping(made: Callable[[Any], Any]) -> Iterator[None]:
 class Spectrum(Result):
     """A Lyapunov spectrum."""
 
-    machine: Machine
+    machine: ParameterValues
     "Whose motion it is."
     exponents: Floats
     "The exponents, largest first, shape (7,), 1/s; -inf for directions lost in rest or at plastic impacts."
