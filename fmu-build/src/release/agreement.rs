@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use toml::{Table, Value};
 use vibro_fmi::component::identity::VERSION;
 use vibro_fmi::fmi2::description::guid;
-use vibro_fmi::fmi3::description::{ARRAYS, CLOCKED, MAIN, instantiation_token};
+use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
 
 /// What is asked of a release.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -70,12 +70,10 @@ pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
 
 /// Model descriptions that are committed, each with the token of the library that this program was
 /// compiled with.
-fn tokens() -> [(&'static str, String); 4] {
+fn tokens() -> [(&'static str, String); 2] {
     [
         ("modelDescription/modelDescription.xml", guid()),
         ("modelDescription/fmi3.xml", instantiation_token(MAIN)),
-        ("modelDescription/fmi3-arrays.xml", instantiation_token(ARRAYS)),
-        ("modelDescription/fmi3-clocked.xml", instantiation_token(CLOCKED)),
     ]
 }
 
