@@ -10,7 +10,7 @@ use fmu_build::compile::workspace;
 use fmu_build::kit::{KIT_FILE, Kit};
 use fmu_build::platforms::Binaries;
 use fmu_build::release::agreement::{Agreed, Intent, agreed};
-use fmu_build::release::changelog::{self, Section};
+use fmu_build::release::changelog::{self, ChangelogSection};
 use fmu_build::release::contents::{archive_of, disagreements};
 use fmu_build::release::notes::{Part, notes};
 use fmu_build::release::wheels::{self, ENTRY, WHEELS, WheelPlatform, sdist_file};
@@ -25,7 +25,7 @@ use std::time::{Duration, SystemTime};
 use vibro_fmi::component::identity::VERSION;
 use vibro_fmi::fmi2::description::guid;
 use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
-use vibro_pack::{PLACES, Place};
+use vibro_pack::{PACKED_PLATFORMS, PackedPlatform};
 
 /// Files of the workspace in which something must agree.
 fn files_that_agree() -> Vec<String> {
@@ -144,7 +144,7 @@ fn the_notes_have_the_section_of_the_version_and_a_preview_says_so() {
     assert!(!text.contains("Left out"), "{text}");
 
     let preview = changelog::of(CHANGELOG, "0.3.0", true).unwrap();
-    let expected = Section { name: "Unreleased".into(), date: None, text: "- Next.".into() };
+    let expected = ChangelogSection { name: "Unreleased".into(), date: None, text: "- Next.".into() };
     assert_eq!(preview, expected);
     let text =
         notes(&Agreed { version: "0.3.0".into(), changes: preview }, &[], &["win64 is left out".into()]);
@@ -236,8 +236,8 @@ fn files_that_agree_are_released() {
     assert_eq!(Dist::new().disagreements(), [""; 0]);
 }
 
-/// Cargo goes by dates: by those in the source distribution it would take what was built from other
-/// sources for these.
+/// Cargo compares modification times: with those stored in the source distribution it would reuse a
+/// build of other sources.
 #[test]
 fn unpacked_sources_are_newer_than_what_was_built_before() {
     let before = SystemTime::now() - Duration::from_secs(60); // disks have coarser clocks
@@ -250,7 +250,8 @@ fn unpacked_sources_are_newer_than_what_was_built_before() {
 
 /// The file of a kit with a library for another platform.
 fn other_kit() -> Vec<u8> {
-    let other = PLACES.into_iter().find(|place| place.folder != Place::OWN.folder).unwrap();
+    let other =
+        PACKED_PLATFORMS.into_iter().find(|place| place.folder != PackedPlatform::OWN.folder).unwrap();
     let kit = Kit { binaries: [(other, b"library".to_vec())].into_iter().collect(), ..Kit::default() };
     archive::to_bytes(&kit.entries()).unwrap()
 }

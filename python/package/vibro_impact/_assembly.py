@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _MOST_SAMPLES = 10_000_000
 _MOST_VALUES = 20_000
-#: Where motions are looked at: a period in s, or the name of a stop or friction.
+#: Section of a motion: a period in s, or the name of a stop or friction.
 Section = Union[None, float, str]
 
 
@@ -62,7 +62,7 @@ class Assembly(AssemblyDescription):
         times: Optional[ArrayLike] = None,
         progress: bool = False,
     ) -> AssemblyRun:
-        """The motion, exactly from event to event: on the bits of ``vibro assembly run``.
+        """The motion, exact from event to event, bit-identical to ``vibro assembly run``.
 
         Parameters
         ----------
@@ -95,7 +95,7 @@ class Assembly(AssemblyDescription):
     def measure(
         self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, section: Section = None
     ) -> dict[str, float | str | None]:
-        """Measures of the settled motion by name; :attr:`measures` has all. As ``vibro assembly sweep`` has them.
+        """Measures of the settled motion by name, as in ``vibro assembly sweep``; :attr:`measures` lists all.
 
         Parameters
         ----------
@@ -118,7 +118,7 @@ class Assembly(AssemblyDescription):
         progress: bool = False,
         **parameter: ArrayLike,
     ) -> AssemblyDiagram:
-        """Local maxima of a quantity over a parameter in both directions, with classes: on the bits of ``vibro assembly bifurcation``.
+        """Local maxima of a quantity over a parameter in both directions, with classes, bit-identical to ``vibro assembly bifurcation``.
 
         ``damper.bifurcation("box.s", **{"stop.upper.gap": np.linspace(1e-3, 8e-3, 200)})``
 
@@ -159,7 +159,7 @@ class Assembly(AssemblyDescription):
         return AssemblyDiagram(self, name, of, up, down, found["hysteresis"], bool(at_section))
 
     def sketch(self) -> Sketch:
-        """The machine as an engineer draws it; a notebook shows the picture: on the bytes of ``vibro assembly draw``."""
+        """The sketch of the machine, which a notebook shows; byte-identical to ``vibro assembly draw``."""
         return Sketch(self._described)
 
     def fmu(self, path: Union[None, str, os.PathLike[str]] = None, version: int = 3) -> Path:
@@ -198,7 +198,7 @@ def _from_text(text: str) -> Assembly:
 
 
 def ends(machines: list[Assembly], until: object, progress: bool) -> AssemblyEnds:
-    """Of :func:`simulate_many`."""
+    """The ends of assemblies' motions, for :func:`simulate_many`."""
     end = _positive("until", until)
     columns = machines[0].columns if machines else []
     for index, machine in enumerate(machines):
@@ -213,7 +213,7 @@ def ends(machines: list[Assembly], until: object, progress: bool) -> AssemblyEnd
 def measures_of(
     machines: list[Assembly], measures: Sequence[str], periods: int, settle: int, section: Section, errors: str, progress: bool
 ) -> list[dict[str, float | str | None]]:
-    """Of :func:`measure_many`."""
+    """Measures of assemblies' settled motions, for :func:`measure_many`."""
     if isinstance(measures, str):
         raise TypeError(f"measures = {measures!r}: allowed is a sequence of names")
     names = list(measures)

@@ -21,7 +21,7 @@ Value = Union[float, str]
 
 
 class AssemblyDescription:
-    """A described machine: its parameters, its columns and what can be measured; what a machine is, without what it does."""
+    """A described machine: its parameters, columns and measures. Base of :class:`Assembly`, from which results import it."""
 
     __slots__ = ("_described",)
     _described: _native.Described
@@ -51,7 +51,7 @@ class AssemblyDescription:
 
     @property
     def parameters(self) -> dict[str, float]:
-        """All parameters with their values, in SI whatever unit the file has; :attr:`units` has it."""
+        """All parameters with their values, in SI independent of the units in the file; :attr:`units` has the SI units."""
         return {name: value for name, _, value, _ in self._described.parameters()}
 
     @property
@@ -61,18 +61,18 @@ class AssemblyDescription:
 
     @property
     def columns(self) -> list[str]:
-        """What a motion shows: ``box.s``, ``box.v``, ``box.a``; ``upper.e``, ``upper.rate``, ``upper.f``; ``shaker.f``."""
+        """Names of a motion's columns: ``box.s``, ``box.v``, ``box.a``; ``upper.e``, ``upper.rate``, ``upper.f``; ``shaker.f``."""
         return self._described.columns()
 
     @property
     def measures(self) -> dict[str, str]:
-        """What can be measured, by name: the SI unit (``1`` for none) and what it is."""
+        """All measures by name: SI unit (``1`` for none) and meaning."""
         return {name: f"{unit}: {what}" for name, unit, what in self._described.measures()}
 
     def replace(self, **parameters: Value) -> Self:
         """The machine with other values: ``replace(**{"stop.upper.gap": 4e-3, "body.box.mass": "12 kg"})``.
 
-        A number is in SI, whatever unit the file has: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
+        A number is in SI, independent of the file's units: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
         refused where the parameter has a unit.
 
         Raises
@@ -90,7 +90,7 @@ class AssemblyDescription:
         return self._of(self._described.replace(changes))
 
     def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
-        """Values in SI where some are texts with units."""
+        """The values, those given as texts with units converted to SI."""
         if isinstance(given, (list, tuple, np.ndarray)) and any(isinstance(value, str) for value in given):
             return [self.replace(**{name: value}).parameters[name] for value in given]
         return given

@@ -1,4 +1,4 @@
-"""What is found of machines of your own, and their sketch."""
+"""Results of machines of your own, and their sketch."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ASSEMBLY_ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8
 
 
 def _column(columns: list[str], values: Floats, name: str) -> Floats:
-    """The column of that name."""
+    """The column with a name."""
     try:
         index = columns.index(name)
     except ValueError:
@@ -125,7 +125,7 @@ class AssemblyDiagram(Result):
 
 
 class Sketch:
-    """The sketch of a machine; in a notebook it shows itself."""
+    """The sketch of a machine; a notebook shows it as a picture."""
 
     __slots__ = ("_described", "svg")
     svg: str
@@ -155,7 +155,7 @@ class Sketch:
         return to
 
     def _repr_svg_(self) -> str:
-        """What a notebook shows."""
+        """The SVG, by which a notebook shows the sketch."""
         return self.svg
 
     def __repr__(self) -> str:

@@ -80,7 +80,7 @@ def _stops(axes: Axes, gap: float, horizontal: bool) -> None:
 
 
 def _require(what: str, result: object, *kinds: type) -> None:
-    """Refuses results of which there is no such picture."""
+    """Refuses results of types that the picture does not draw."""
     if not isinstance(result, kinds):
         allowed = " or ".join(kind.__name__ for kind in kinds)
         raise TypeError(f"{what} is of type {type(result).__name__}: allowed is {allowed}")
