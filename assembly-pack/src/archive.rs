@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-/// Name of the command line's program, without what Windows puts behind it.
+/// File name of the command line, without `.exe`.
 pub const PROGRAM: &str = "vibro";
 
 /// Content of an archive: path inside it → bytes, in the order of the paths.
@@ -60,7 +60,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// Temporary files are private by default; what we write is for everybody.
+/// Temporary files are private by default; written files get the usual permissions.
 trait Permissions {
     fn permissions_if_supported(&mut self) -> &mut Self;
 }
@@ -69,7 +69,7 @@ impl Permissions for tempfile::Builder<'_, '_> {
     #[cfg(unix)]
     fn permissions_if_supported(&mut self) -> &mut Self {
         use std::os::unix::fs::PermissionsExt;
-        self.permissions(fs::Permissions::from_mode(0o666)) // the umask takes its part
+        self.permissions(fs::Permissions::from_mode(0o666)) // reduced by the umask
     }
     #[cfg(not(unix))]
     fn permissions_if_supported(&mut self) -> &mut Self {
@@ -85,7 +85,7 @@ pub fn read_all(path: &Path) -> Result<Content> {
     of(fs::File::open(path).map_err(Error::file("opening", path))?, path)
 }
 
-/// Every file in the archive that something holds, which messages call by that path.
+/// Reads every file of an archive from a reader; `path` names it in messages.
 ///
 /// # Errors
 /// [`Error::Archive`].

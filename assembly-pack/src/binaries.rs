@@ -6,22 +6,22 @@ use std::collections::BTreeMap;
 
 /// A platform as archives name it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct PackedPlatform {
     /// Folder under `binaries/`: the names of FMI 2.0 for x86, and for other processors, as FMI
     /// 2.0.4 (2.3) has it, the platform tuples of FMI 3.0.
     pub folder: &'static str,
-    /// The same in FMI 3.0 (2.5.1.4.1): the platform tuple.
+    /// Folder under `binaries/` in FMI 3.0 (2.5.1.4.1): the platform tuple.
     pub tuple: &'static str,
     /// Ending of the library's name.
     pub ending: &'static str,
 }
 
-const fn place(folder: &'static str, tuple: &'static str, ending: &'static str) -> Place {
-    Place { folder, tuple, ending }
+const fn place(folder: &'static str, tuple: &'static str, ending: &'static str) -> PackedPlatform {
+    PackedPlatform { folder, tuple, ending }
 }
 
-/// Every platform that is packed, where it can be built.
-pub const PLACES: [Place; 7] = [
+/// All platforms for which a library may be packed.
+pub const PACKED_PLATFORMS: [PackedPlatform; 7] = [
     place("linux64", "x86_64-linux", ".so"),
     place("win64", "x86_64-windows", ".dll"),
     // Hosts on Apple's own processors look here too.
@@ -59,14 +59,14 @@ pub const PLATFORM_TUPLE: &str = match (std::env::consts::ARCH.as_bytes(), std::
 pub const SHARED_LIBRARY: &str = std::env::consts::DLL_SUFFIX;
 
 /// This platform.
-const OWN: Place = place(PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY);
+const OWN: PackedPlatform = place(PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY);
 
 /// Path inside an archive of a platform's binary of a model.
-pub fn binary_path(version: Version, model_identifier: &str, place: Place) -> String {
+pub fn binary_path(version: Version, model_identifier: &str, place: PackedPlatform) -> String {
     format!("binaries/{}/{model_identifier}{}", place.in_archive(version), place.ending)
 }
 
-impl Place {
+impl PackedPlatform {
     /// This platform.
     pub const OWN: Self = OWN;
 
@@ -76,36 +76,36 @@ impl Place {
     }
 }
 
-/// The compiled libraries of all archives: the same in each, in other folders.
+/// Compiled libraries by platform; archives of FMI 2.0 and 3.0 hold them under different folders.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Binaries(Vec<(Place, Vec<u8>)>);
+pub struct Binaries(Vec<(PackedPlatform, Vec<u8>)>);
 
-impl FromIterator<(Place, Vec<u8>)> for Binaries {
-    fn from_iter<T: IntoIterator<Item = (Place, Vec<u8>)>>(libraries: T) -> Self {
+impl FromIterator<(PackedPlatform, Vec<u8>)> for Binaries {
+    fn from_iter<T: IntoIterator<Item = (PackedPlatform, Vec<u8>)>>(libraries: T) -> Self {
         Self(libraries.into_iter().collect())
     }
 }
 
 impl Binaries {
-    /// One library for this machine.
+    /// One library, for this platform.
     pub fn own(bytes: Vec<u8>) -> Self {
         Self(vec![(OWN, bytes)])
     }
 
-    /// Those of some platforms alone, by their folders in FMI 3.0.
+    /// The libraries of some platforms, by their FMI 3.0 tuples.
     #[must_use]
     pub fn only(&self, tuples: &[&str]) -> Self {
         self.0.iter().filter(|(place, _)| tuples.contains(&place.tuple)).cloned().collect()
     }
 
-    /// The libraries by their folders in FMI 3.0.
+    /// The libraries with their FMI 3.0 tuples.
     pub fn folders(&self) -> impl Iterator<Item = (&'static str, &[u8])> {
         self.0.iter().map(|(place, bytes)| (place.tuple, &**bytes))
     }
 
-    /// Those that [`folders`](Self::folders) gave; none where a folder is of no platform.
+    /// Inverse of [`folders`](Self::folders); `None` for an unknown tuple.
     pub fn from_folders(libraries: BTreeMap<String, Vec<u8>>) -> Option<Self> {
-        let known = |name: &str| [OWN].into_iter().chain(PLACES).find(|place| place.tuple == name);
+        let known = |name: &str| [OWN].into_iter().chain(PACKED_PLATFORMS).find(|place| place.tuple == name);
         libraries.into_iter().map(|(name, bytes)| Some((known(&name)?, bytes))).collect()
     }
 
@@ -117,9 +117,9 @@ impl Binaries {
             .collect()
     }
 
-    /// Names of the folders in the archive of a version, this machine's own first.
+    /// Names of the folders in the archive of a version, this platform's first.
     pub fn names(&self, version: Version) -> Vec<&'static str> {
-        let (own, others): (Vec<Place>, _) =
+        let (own, others): (Vec<PackedPlatform>, _) =
             self.0.iter().map(|(place, _)| *place).partition(|place| place.folder == PLATFORM);
         own.into_iter().chain(others).map(|place| place.in_archive(version)).collect()
     }

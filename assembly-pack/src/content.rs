@@ -13,14 +13,13 @@ use vibro_assembly_fmi::{FILE, Plan};
 use vibro_figures::canvas;
 use vibro_sketch::Sketch;
 
-/// Path inside every archive of what describes its model.
+/// Path of the model description inside every archive.
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 
-/// Everything that the archive of a version holds; of the plan with arrays, that of FMI 3.0 with
-/// them.
+/// Content of a version's archive; a plan with arrays gives the archive of FMI 3.0 with arrays.
 ///
 /// # Errors
-/// [`Error::Picture`](crate::Error::Picture), which would be a mistake of ours.
+/// [`Error::Picture`](crate::Error::Picture): only by a defect of this crate.
 pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     let mut content = Content::from([
         (MODEL_DESCRIPTION.to_owned(), plan.xml(version, kit.date.clone()).into_bytes()),
@@ -30,7 +29,7 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     content.extend(pictures(version, plan)?);
     let folder = if version == Version::Fmi2 { "licenses" } else { "documentation/licenses" };
     for (name, text) in &kit.licences {
-        // FMI 3.0.2, 2.5.1.1.1: the file of this name is where one begins to read.
+        // FMI 3.0.2, 2.5.1.1.1: `index.html` is the entry point of the documentation.
         let first = version != Version::Fmi2 && name == LICENCE_LIST;
         let name = if first { "license.txt" } else { name };
         content.insert(format!("{folder}/{name}"), text.clone());

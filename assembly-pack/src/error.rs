@@ -32,7 +32,7 @@ pub enum Error {
         /// The file looked for.
         name: String,
     },
-    /// A machine cannot be made an FMU of.
+    /// The machine cannot be packed as an FMU.
     #[error("{0}")]
     Machine(#[from] vibro_assembly_fmi::MachineProblem),
     /// A picture could not be drawn.

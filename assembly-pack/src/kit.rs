@@ -1,4 +1,4 @@
-//! What is the same in the archives of all machines, and its file.
+//! The kit: the part that the archives of all machines share, and its file.
 
 use crate::archive::{self, Content};
 use crate::binaries::Binaries;
@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Name of the file of a kit that goes with the Python package.
 pub const KIT_FILE: &str = "machine-kit.zip";
-/// Name of the list of what is linked into the library, among the licences.
+/// Name, among the licences, of the list of linked packages.
 pub const LICENCE_LIST: &str = "README.txt";
 
 /// Folders of the entries of its file, and the entry of its date.
@@ -15,7 +15,7 @@ const BINARIES: &str = "binaries/";
 const LICENCES: &str = "licences/";
 const DATE: &str = "date.txt";
 
-/// What is the same in the archives of all machines.
+/// Compiled library and licences, shared by the archives of all machines.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Kit {
     /// The library that serves all machines, compiled.
@@ -27,7 +27,7 @@ pub struct Kit {
 }
 
 impl Kit {
-    /// The entries of its file.
+    /// The kit as entries of its file.
     pub fn entries(&self) -> Content {
         let date = self.date.iter().map(|date| (DATE.to_owned(), date.clone().into_bytes()));
         let binaries =
@@ -36,8 +36,7 @@ impl Kit {
         date.chain(binaries).chain(licences).collect()
     }
 
-    /// The kit that has these entries, whatever other ones there are; none where they are of no
-    /// platform.
+    /// Reads a kit from entries, ignoring others; `None` without a library of a known platform.
     pub fn from_entries(entries: Content) -> Option<Self> {
         let (mut binaries, mut licences, mut date) = (Content::new(), Content::new(), None);
         for (name, bytes) in entries {
@@ -52,7 +51,7 @@ impl Kit {
         Some(Self { binaries: Binaries::from_folders(binaries)?, licences, date })
     }
 
-    /// Writes its file.
+    /// Writes the kit's file.
     ///
     /// # Errors
     /// [`Error::Archive`], [`Error::File`].
@@ -60,7 +59,7 @@ impl Kit {
         archive::write(&self.entries(), path)
     }
 
-    /// Reads its file.
+    /// Reads a kit's file.
     ///
     /// # Errors
     /// [`Error::Archive`], [`Error::File`]; [`Error::Missing`] for an archive that is no kit.
@@ -80,7 +79,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(KIT_FILE);
         let kit = Kit {
-            binaries: crate::PLACES.into_iter().map(|place| (place, place.tuple.into())).collect(),
+            binaries: crate::PACKED_PLATFORMS.into_iter().map(|place| (place, place.tuple.into())).collect(),
             licences: Content::from([("a/LICENSE".to_owned(), b"text".to_vec())]),
             date: Some("2026-01-01T00:00:00Z".into()),
         };

@@ -19,7 +19,9 @@ pub mod reference;
 mod terminals;
 
 pub use archive::Content;
-pub use binaries::{Binaries, PLACES, PLATFORM, PLATFORM_TUPLE, Place, SHARED_LIBRARY, binary_path};
+pub use binaries::{
+    Binaries, PACKED_PLATFORMS, PLATFORM, PLATFORM_TUPLE, PackedPlatform, SHARED_LIBRARY, binary_path,
+};
 pub use content::{MODEL_DESCRIPTION, content, write};
 pub use error::{Error, Result};
 pub use kit::{KIT_FILE, Kit, LICENCE_LIST};

@@ -7,14 +7,14 @@ use vibro_assembly_fmi::{FILE, Plan, Quantity, Role};
 use vibro_figures::canvas;
 use vibro_sketch::Sketch;
 
-/// How the page looks: narrow enough to read, tables that do not break out of it, dark where the
-/// reader's other pages are, but for the sketch.
+/// Style sheet: limited line length, tables that scroll, a dark scheme on request; the sketch stays
+/// on white.
 const STYLE: &str = ":root{color-scheme:light dark}body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
     table{border-collapse:collapse;display:block;overflow-x:auto}td,th{text-align:left;padding:.15rem .8rem .15rem 0;border-bottom:1px solid #8884}\
     figure{margin:0;overflow-x:auto}svg{max-width:100%;height:auto;background:#fff}code{white-space:nowrap}";
 
-/// The least part of its own width at which a sketch is shown: its names have nine pixels then. On
-/// a narrower page it is moved sideways.
+/// Least width of the sketch, as a fraction of its own: its names then have nine pixels. On a
+/// narrower page it scrolls sideways.
 const LEAST: f64 = 0.7;
 
 /// Sections of the table: heading, what stands under it, roles.
@@ -41,7 +41,7 @@ const SECTIONS: [(&str, &str, &[Role]); 5] = [
 /// The page. Names and units consist of letters, digits and signs to which HTML gives no meaning.
 ///
 /// # Errors
-/// [`Error::Picture`](crate::Error::Picture), which would be a mistake of ours.
+/// [`Error::Picture`](crate::Error::Picture): only by a defect of this crate.
 pub fn page(plan: &Plan) -> Result<String> {
     let (name, machine) = (plan.name(), &plan.assembly.description);
     let sketch = canvas::svg(&Sketch::new(machine))?;

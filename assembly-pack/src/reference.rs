@@ -17,15 +17,14 @@ pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 /// Version of the layered standard.
 const VERSION: &str = "1.0.0-alpha.1";
 
-/// Every which step of the default experiment has a row in its result.
+/// Steps of the default experiment per row of its result.
 const REPORTED: u32 = 4;
-/// Events that are told, at most.
+/// Most events in the result.
 const EVENTS: usize = 1000;
-/// A second motion starts with coordinates and rates that differ by this part of their sizes, some
-/// roundings.
+/// Relative perturbation of the second motion's start: some roundings.
 const SHIFT: f64 = 1e-14;
-/// As long as both agree to this part of a column's largest value the result is told: other
-/// processors then agree as well.
+/// Relative agreement (of a column's largest value) of both motions up to which the result is
+/// written: other processors then agree as well.
 const AGREEMENT: f64 = 1e-9;
 
 /// What the files are, for a reader (`documentation/fmi-ls-ref.txt`).
@@ -36,7 +35,7 @@ smoke-test.xml   that experiment and its result, in the form of the draft's sche
                  that reproduces default.csv to 1e-8 of each column's largest value runs this FMU right\n\
 events.csv       its events, at most 1000: two rows at each one's time, the states before and after its law\n";
 
-/// The files by their names in the folder; none of a machine that cannot be moved.
+/// The files by their names in the folder; empty for a machine whose motion cannot be computed.
 pub fn files(plan: &Plan) -> Content {
     let experiment = plan.description().experiment;
     let Ok((rows, end)) = default_result(plan, experiment) else { return Content::new() };
@@ -62,7 +61,7 @@ pub fn files(plan: &Plan) -> Content {
 /// A file that the manifest names: media type, place, role, what it is.
 pub type Related<'a> = (&'a str, &'a str, &'a str, &'a str);
 
-/// What stands in every such folder: the explanation, and the default experiment.
+/// Files of every such folder: the explanation, and the default experiment.
 pub const ALWAYS: [Related<'_>; 2] = [
     (
         "application/xml",
@@ -92,7 +91,7 @@ pub fn manifest<'a>(files: impl IntoIterator<Item = Related<'a>>) -> String {
 }
 
 /// `smoke-test.xml`: an experiment whose result is in `default.csv`, by the draft's schema of
-/// experiments. `agreement` says how well it is to be reproduced.
+/// experiments. `agreement` is the text on the expected reproducibility.
 pub fn smoke_test(experiment: Experiment, agreement: &str) -> String {
     let Experiment { start_time, stop_time, tolerance, step_size } = experiment;
     format!(
@@ -121,7 +120,7 @@ fn push(text: &mut String, time: f64, states: &[f64]) {
     }
 }
 
-/// The motion that starts a few roundings beside the machine's own.
+/// The motion whose start differs by a few roundings from the machine's own.
 fn beside(plan: &Plan, motion: &Motion) -> Result<Motion, Error> {
     let states = states(motion);
     let starts =

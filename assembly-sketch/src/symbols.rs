@@ -4,7 +4,7 @@ use crate::connections::Symbol;
 use crate::layout::{ARM_FONT, BODY_FONT, BodyBox, FONT, Layout, NAME, Placed, WALL, height_of, room_of};
 use std::f64::consts::PI;
 use vibro_figures::canvas::palette::{BLACK, GREY, WHITE};
-use vibro_figures::canvas::{Across, Along, Canvas, Colour, Pen, Place, Writing};
+use vibro_figures::canvas::{Across, Along, Canvas, CanvasPoint, Colour, Pen, Writing};
 
 /// Fill of bodies.
 const BODY: Colour = Colour(214, 226, 242);
@@ -35,29 +35,29 @@ impl Hand<'_> {
         if self.named { 6.0 } else { 10.0 }
     }
 
-    fn scaled(&self, places: &[Place]) -> Vec<Place> {
+    fn scaled(&self, places: &[CanvasPoint]) -> Vec<CanvasPoint> {
         places.iter().map(|(x, y)| (self.scale * x, self.scale * y)).collect()
     }
 
-    fn stroke(&mut self, points: &[Place], colour: Colour, width: f64) {
+    fn stroke(&mut self, points: &[CanvasPoint], colour: Colour, width: f64) {
         let (points, width) = (self.scaled(points), self.scale * width);
         self.canvas.lines(&[points], Pen::solid(colour, width));
     }
 
-    fn fill(&mut self, corners: &[Place], colour: Colour) {
+    fn fill(&mut self, corners: &[CanvasPoint], colour: Colour) {
         let corners = self.scaled(corners);
         self.canvas.polygon(&corners, colour, 1.0);
     }
 
-    fn line(&mut self, points: Vec<Place>) {
+    fn line(&mut self, points: Vec<CanvasPoint>) {
         self.stroke(&points, BLACK, self.width());
     }
 
-    fn thick(&mut self, points: Vec<Place>) {
+    fn thick(&mut self, points: Vec<CanvasPoint>) {
         self.stroke(&points, BLACK, 2.0 * self.width());
     }
 
-    fn write(&mut self, at: Place, words: &str, size: f64, along: Along) {
+    fn write(&mut self, at: CanvasPoint, words: &str, size: f64, along: Along) {
         if self.named {
             let (at, size) = ((self.scale * at.0, self.scale * at.1), self.scale * size);
             let writing = Writing { size, colour: BLACK, along, across: Across::Centre, upwards: false };
@@ -112,7 +112,7 @@ impl Hand<'_> {
     }
 
     /// The arc that marks a body that turns.
-    fn turn(&mut self, (x, y): Place) {
+    fn turn(&mut self, (x, y): CanvasPoint) {
         let at = |k: u32| {
             let angle = PI * (1.15 + 0.65 * f64::from(k) / 12.0);
             (x + 46.0 * angle.cos(), y + 22.0 + 46.0 * angle.sin())
@@ -123,7 +123,7 @@ impl Hand<'_> {
     }
 
     /// An arrowhead with its tip a little beyond `at`.
-    fn head(&mut self, at: Place, along: Place) {
+    fn head(&mut self, at: CanvasPoint, along: CanvasPoint) {
         let size = along.0.hypot(along.1).max(f64::MIN_POSITIVE);
         let (dx, dy) = (along.0 / size, along.1 / size);
         let half = 1.6 * self.width() + 3.0;
@@ -134,7 +134,7 @@ impl Hand<'_> {
         self.fill(&corners, BLACK);
     }
 
-    fn arrow(&mut self, from: Place, to: Place) {
+    fn arrow(&mut self, from: CanvasPoint, to: CanvasPoint) {
         self.line(vec![from, to]);
         self.head(to, (to.0 - from.0, to.1 - from.1));
     }

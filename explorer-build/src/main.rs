@@ -56,7 +56,7 @@ enum Error {
         /// Why not.
         source: std::io::Error,
     },
-    /// The generator of the doors failed.
+    /// wasm-bindgen failed.
     #[error("wasm-bindgen: {0}")]
     Bindings(String),
 }
@@ -132,7 +132,7 @@ fn run(command: &mut Command) -> Result<String, Error> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Compiles the core and returns its place.
+/// Compiles the core; returns its path.
 fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(workspace()).args([
@@ -146,14 +146,15 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     // A target folder of its own, so that it never waits for the lock of a cargo that runs us.
     let folder = folder.join(if arguments.scalar { "cargo-scalar" } else { "cargo" });
     cargo.args(["--target", TARGET, "--target-dir"]).arg(&folder);
-    // No folder of this machine in the page.
+    // No path of this machine in the page.
     let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
     let mut flags = vec![remap(workspace(), "/vibro-impact")];
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     flags.extend(
         home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")),
     );
-    // Every browser that can unpack the page has them (since 2023).
+    // Every browser with DecompressionStream, which unpacks the page, has these vectors (since
+    // 2023).
     flags.extend((!arguments.scalar).then(|| "-Ctarget-feature=+simd128".to_owned()));
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     if arguments.quick {
@@ -168,7 +169,7 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     Ok(folder.join(TARGET).join("explorer/vibro_explorer.wasm"))
 }
 
-/// Writes the doors: `core.js`, `core.d.ts` and `core_bg.wasm`.
+/// Writes the bindings by wasm-bindgen: `core.js`, `core.d.ts` and `core_bg.wasm`.
 fn bindings(core: &Path, folder: &Path) -> Result<(), Error> {
     let problem = |e: &dyn std::fmt::Display| Error::Bindings(e.to_string());
     let mut bindgen = Bindgen::new();

@@ -12,9 +12,9 @@ use vibro_impact::Simulator;
 /// Sine and cosine differ in the last digit between C libraries, and products are not fused in
 /// WebAssembly: some ten last digits in twenty periods, where nothing makes them grow.
 const TOLERANCE: f64 = 1e-12;
-/// Chaos makes them grow, after an impact without much speed by orders of magnitude at once. By how
-/// much is seen in the native motion itself when its advances are split, which alters last digits
-/// too; the two kinds of difference are alike but for such a factor.
+/// Chaos amplifies rounding, by orders of magnitude at an impact with little speed. The
+/// amplification is measured on the native motion: splitting its advances alters last digits too.
+/// Differences of the two kinds agree to within this factor.
 const ALIKE: f64 = 30.0;
 /// Pieces of a drive period, as in the page's histories.
 const PIECES: u32 = 120;
@@ -88,7 +88,7 @@ fn second_method_the_native_library_over_twenty_periods() {
                 growth = growth.max((state.v[b] - other.v[b]).abs() / speed);
             }
             let allowed = TOLERANCE.max(ALIKE * growth);
-            // What is allowed in chaos is still a comparison.
+            // The tolerance still distinguishes motions in chaos.
             assert!(allowed < 1e-6, "{case}: {allowed}");
             assert!(
                 (row[0] - simulator.time()).abs() <= 4.0 * f64::EPSILON * row[0],

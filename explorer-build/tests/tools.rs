@@ -1,4 +1,4 @@
-//! A tool that is missing is said, with what to install.
+//! A missing tool is named, with what to install.
 
 use std::process::Command;
 

@@ -1,5 +1,5 @@
-//! What all pictures share: the palette, the embedded font, and a list of marks that is written as
-//! SVG and painted as PNG, so that both are the same picture on any machine.
+//! Canvas of all pictures: palette, embedded font, and a list of marks that is written as SVG and
+//! rasterized as PNG, so that both show one picture on any machine.
 
 mod bitmap;
 mod letters;
@@ -20,7 +20,7 @@ pub const PNG_SHRINK: u32 = 2;
 pub struct Colour(pub u8, pub u8, pub u8);
 
 impl Colour {
-    /// The colour of which a part, from 0 to 1, is replaced by another.
+    /// Mix of this colour with another; `part` from 0 (this one) to 1 (the other).
     #[must_use]
     pub fn towards(self, other: Self, part: f64) -> Self {
         let mix = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
@@ -45,8 +45,8 @@ impl Colour {
     }
 }
 
-/// A place in units of the drawing, from the upper left corner.
-pub type Place = (f64, f64);
+/// A point in units of the drawing, from the upper left corner, y downwards.
+pub type CanvasPoint = (f64, f64);
 
 /// A line's colour, width in units of the drawing, and lengths of dashes and gaps (none: solid).
 #[derive(Clone, Copy, Debug)]
@@ -66,60 +66,60 @@ impl Pen {
     }
 }
 
-/// Where a text's place lies along its line.
+/// Horizontal alignment of a text at its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
-    /// At its beginning.
+    /// The point is the text's beginning.
     Start,
-    /// At its middle.
+    /// The point is the text's middle.
     Middle,
-    /// At its end.
+    /// The point is the text's end.
     End,
 }
 
-/// Where a text's place lies across its line.
+/// Vertical alignment of a text at its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Across {
-    /// At the upper edge of the line.
+    /// The point is on the upper edge of the line.
     Top,
-    /// At half the height of a capital.
+    /// The point is at half the height of a capital.
     Centre,
-    /// At the lower edge of the line.
+    /// The point is on the lower edge of the line.
     Bottom,
 }
 
-/// How a text is written.
+/// Style of a text.
 #[derive(Clone, Copy, Debug)]
 pub struct Writing {
     /// Size of the font (its em) in units of the drawing.
     pub size: f64,
     /// Its colour.
     pub colour: Colour,
-    /// Where the place lies along it.
+    /// Horizontal alignment.
     pub along: Along,
-    /// Where the place lies across it.
+    /// Vertical alignment.
     pub across: Across,
     /// Whether it runs upwards.
     pub upwards: bool,
 }
 
-/// One thing on a canvas. Marks lie on each other in the order in which they were drawn.
+/// One element of a canvas; later marks cover earlier ones.
 #[derive(Clone, Debug)]
 enum Mark {
     /// Polylines drawn by one pen.
-    Lines { pieces: Vec<Vec<Place>>, pen: Pen },
+    Lines { pieces: Vec<Vec<CanvasPoint>>, pen: Pen },
     /// A filled polygon.
-    Polygon { corners: Vec<Place>, colour: Colour, opacity: f64 },
+    Polygon { corners: Vec<CanvasPoint>, colour: Colour, opacity: f64 },
     /// Filled rectangles, each an upper left corner and a size, with edges that are not smoothed.
-    Rectangles { rectangles: Vec<[Place; 2]>, colour: Colour },
+    Rectangles { rectangles: Vec<[CanvasPoint; 2]>, colour: Colour },
     /// Discs, or circles of a pen's width on white.
-    Circles { centres: Vec<Place>, radius: f64, colour: Colour, edge: Option<f64> },
-    /// A line of text whose place lies on its baseline.
-    Text { place: Place, words: String, size: f64, colour: Colour, along: Along, upwards: bool },
+    Circles { centres: Vec<CanvasPoint>, radius: f64, colour: Colour, edge: Option<f64> },
+    /// A line of text; its point is on the baseline.
+    Text { place: CanvasPoint, words: String, size: f64, colour: Colour, along: Along, upwards: bool },
     /// Marks that are moved together.
-    Moved { by: Place, marks: Vec<Mark> },
+    Moved { by: CanvasPoint, marks: Vec<Mark> },
     /// Marks cut at the edges of a rectangle, an upper left corner and a size.
-    Clipped { rectangle: [Place; 2], marks: Vec<Mark> },
+    Clipped { rectangle: [CanvasPoint; 2], marks: Vec<Mark> },
 }
 
 /// A picture that is being drawn.
@@ -131,27 +131,27 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// The number, which is noted where it is not finite.
+    /// Returns the number; one that is not finite makes [`svg()`] and [`png()`] fail.
     fn number(&mut self, value: f64) -> f64 {
         self.broken |= !value.is_finite();
         value
     }
 
-    fn place(&mut self, (x, y): Place) -> Place {
+    fn place(&mut self, (x, y): CanvasPoint) -> CanvasPoint {
         (self.number(x), self.number(y))
     }
 
-    fn places(&mut self, places: &[Place]) -> Vec<Place> {
+    fn places(&mut self, places: &[CanvasPoint]) -> Vec<CanvasPoint> {
         places.iter().map(|&place| self.place(place)).collect()
     }
 
     /// Upper left corner and size of a rectangle of two opposite corners.
-    fn rectangle(&mut self, [a, b]: [Place; 2]) -> [Place; 2] {
+    fn rectangle(&mut self, [a, b]: [CanvasPoint; 2]) -> [CanvasPoint; 2] {
         [self.place((a.0.min(b.0), a.1.min(b.1))), self.place(((b.0 - a.0).abs(), (b.1 - a.1).abs()))]
     }
 
     /// Polylines drawn by one pen, with round joins.
-    pub fn lines(&mut self, pieces: &[Vec<Place>], pen: Pen) {
+    pub fn lines(&mut self, pieces: &[Vec<CanvasPoint>], pen: Pen) {
         let pieces: Vec<_> =
             pieces.iter().map(|piece| self.places(piece)).filter(|p| !p.is_empty()).collect();
         if !pieces.is_empty() {
@@ -162,14 +162,14 @@ impl Canvas {
     }
 
     /// A filled polygon.
-    pub fn polygon(&mut self, corners: &[Place], colour: Colour, opacity: f64) {
+    pub fn polygon(&mut self, corners: &[CanvasPoint], colour: Colour, opacity: f64) {
         let corners = self.places(corners);
         self.marks.push(Mark::Polygon { corners, colour, opacity });
     }
 
     /// Filled rectangles of one colour, given by two opposite corners. Their edges are not
     /// smoothed: neighbours would show seams where they share a pixel.
-    pub fn rectangles(&mut self, corners: &[[Place; 2]], colour: Colour) {
+    pub fn rectangles(&mut self, corners: &[[CanvasPoint; 2]], colour: Colour) {
         let rectangles: Vec<_> = corners.iter().map(|&corners| self.rectangle(corners)).collect();
         if !rectangles.is_empty() {
             self.marks.push(Mark::Rectangles { rectangles, colour });
@@ -177,7 +177,7 @@ impl Canvas {
     }
 
     /// Discs of one colour, or circles of that pen on white.
-    pub fn circles(&mut self, centres: &[Place], radius: f64, colour: Colour, edge: Option<f64>) {
+    pub fn circles(&mut self, centres: &[CanvasPoint], radius: f64, colour: Colour, edge: Option<f64>) {
         let radius = self.number(radius - 0.5 * edge.unwrap_or(0.0));
         let centres = self.places(centres);
         let edge = edge.map(|edge| self.number(edge));
@@ -187,7 +187,7 @@ impl Canvas {
     }
 
     /// A line of text.
-    pub fn text(&mut self, (x, y): Place, words: &str, writing: &Writing) {
+    pub fn text(&mut self, (x, y): CanvasPoint, words: &str, writing: &Writing) {
         let drop = writing.size * letters::drop(writing.across);
         let place = self.place(if writing.upwards { (x + drop, y) } else { (x, y + drop) });
         let Writing { colour, along, upwards, .. } = *writing;
@@ -203,13 +203,13 @@ impl Canvas {
     }
 
     /// What `draw` draws, moved by `by`.
-    pub fn moved(&mut self, by: Place, draw: impl FnOnce(&mut Self)) {
+    pub fn moved(&mut self, by: CanvasPoint, draw: impl FnOnce(&mut Self)) {
         let (by, marks) = (self.place(by), self.apart(draw));
         self.marks.push(Mark::Moved { by, marks });
     }
 
     /// What `draw` draws, cut at the edges of a rectangle, which has two opposite corners.
-    pub fn clipped(&mut self, corners: [Place; 2], draw: impl FnOnce(&mut Self)) {
+    pub fn clipped(&mut self, corners: [CanvasPoint; 2], draw: impl FnOnce(&mut Self)) {
         let (rectangle, marks) = (self.rectangle(corners), self.apart(draw));
         self.marks.push(Mark::Clipped { rectangle, marks });
     }
@@ -223,7 +223,7 @@ pub trait Drawing {
     fn draw(&self, canvas: &mut Canvas);
 }
 
-/// What a drawing consists of.
+/// The marks of a drawing.
 fn marks(drawing: &impl Drawing) -> Result<Vec<Mark>> {
     let mut canvas = Canvas::default();
     drawing.draw(&mut canvas);
@@ -233,7 +233,7 @@ fn marks(drawing: &impl Drawing) -> Result<Vec<Mark>> {
     Ok(canvas.marks)
 }
 
-/// As SVG text.
+/// A drawing as SVG text.
 ///
 /// # Errors
 /// [`Error`] where a coordinate is not finite.
@@ -241,7 +241,7 @@ pub fn svg(drawing: &impl Drawing) -> Result<String> {
     Ok(vector::document(&marks(drawing)?, drawing.size()))
 }
 
-/// As a PNG file.
+/// A drawing as a PNG file.
 ///
 /// # Errors
 /// [`Error`] where a coordinate is not finite, or the pixels find no memory.
@@ -249,7 +249,7 @@ pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
     bitmap::file(&marks(drawing)?, drawing.size())
 }
 
-/// As SVG text and as a PNG file, drawn once.
+/// A drawing as SVG text and as a PNG file, drawn once.
 ///
 /// # Errors
 /// As [`svg()`] and [`png()`].

@@ -1,5 +1,4 @@
-//! What a figure consists of, as plain data: panels with axes and layers. How it looks is decided
-//! in `draw`.
+//! Figures as plain data: panels with axes and layers. Layout and style are in `draw`.
 
 pub use crate::canvas::Colour;
 use crate::canvas::palette::WHITE;
@@ -43,8 +42,7 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
     /// Whether it is logarithmic.
     pub log: bool,
-    /// How many units of the label one unit of the data is; 1 where `None`. The numbers at the
-    /// ticks are in the label's unit.
+    /// Factor from the data's unit to the label's, in which the ticks' numbers are; 1 where `None`.
     pub factor: Option<f64>,
     /// Names at 1, 2, … in place of numbers.
     pub names: Vec<String>,
@@ -170,7 +168,7 @@ impl Axis {
         Self { label: label.into(), range: Some((from, to)), ..Self::default() }
     }
 
-    /// The axis with numbers in the label's unit, of which one unit of the data has so many.
+    /// The axis with numbers in the label's unit, `factor` times those of the data.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { factor: Some(factor), ..self }
@@ -230,7 +228,7 @@ impl Layer {
         if self.pale { self.colour.towards(WHITE, PALE) } else { self.colour }
     }
 
-    /// What its entry in a legend says.
+    /// Text of its entry in a legend.
     pub(super) fn entry(&self) -> Option<&str> {
         self.label.as_deref().or(self.name.as_deref())
     }

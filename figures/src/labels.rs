@@ -1,13 +1,13 @@
-//! Names beside curves: where there is room for them.
+//! Placement of names beside curves.
 
-use crate::canvas::{Colour, Place, text_width};
+use crate::canvas::{CanvasPoint, Colour, text_width};
 use crate::scale::Frame;
 use crate::symbols::SMALL;
 
 /// Side of a square of the map, in units of the drawing.
 const SQUARE: f64 = 8.0;
-/// Room kept between a name and anything drawn, and between a name and a curve of another colour,
-/// at which a reader could take it for that curve's name.
+/// Least distance of a name from anything drawn (`AIR`), and from a curve of another colour, whose
+/// name it could be taken for (`APART`).
 const AIR: f64 = 6.0;
 const APART: f64 = 26.0;
 /// Distance of the places along a curve at which a name is tried.
@@ -19,7 +19,7 @@ const MOST_PIECES: usize = 5;
 /// Height of a name's box.
 const HEIGHT: f64 = 1.1 * SMALL;
 
-/// What covers the squares of a panel: nothing, curves of one colour, or more than that.
+/// Cover of a square of the map: free, one colour, or several.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Cover {
     Free,
@@ -27,7 +27,7 @@ enum Cover {
     Mixed,
 }
 
-/// A map of what is drawn in a panel.
+/// Map of the free and covered squares of a panel.
 pub(super) struct Room {
     frame: Frame,
     columns: usize,
@@ -67,7 +67,7 @@ impl Room {
     }
 
     /// Marks the squares along a curve.
-    pub fn cover_path(&mut self, path: &[Place], colour: Colour) {
+    pub fn cover_path(&mut self, path: &[CanvasPoint], colour: Colour) {
         for (x, y) in along(path, 0.5 * SQUARE) {
             self.cover(&Frame { left: x, top: y, right: x, bottom: y }, colour);
         }
@@ -86,21 +86,22 @@ impl Room {
                 .all(|i| matches!(self.squares[i], Cover::Free) || self.squares[i] == Cover::One(colour))
     }
 
-    /// The middle of a name beside its curve, and the name's room marked as covered; `None` where
-    /// there is none.
-    pub fn place(&mut self, words: &str, pieces: &[Vec<Place>], colour: Colour) -> Option<Place> {
+    /// Middle of a name beside its curve, and the name's area marked as covered; `None` where there
+    /// is no room.
+    pub fn place(&mut self, words: &str, pieces: &[Vec<CanvasPoint>], colour: Colour) -> Option<CanvasPoint> {
         let mut longest: Vec<_> = pieces.iter().collect();
         longest.sort_by(|a, b| length(b).total_cmp(&length(a)));
         longest.into_iter().take(MOST_PIECES).find_map(|piece| self.place_beside(words, piece, colour))
     }
 
-    /// The same beside one piece of the curve.
-    fn place_beside(&mut self, words: &str, piece: &[Place], colour: Colour) -> Option<Place> {
+    /// Middle of a name beside one piece of its curve, and the name's area marked as covered;
+    /// `None` where there is no room.
+    fn place_beside(&mut self, words: &str, piece: &[CanvasPoint], colour: Colour) -> Option<CanvasPoint> {
         let (half, high) = (0.5 * text_width(words, SMALL), 0.5 * HEIGHT);
         let away = AIR + SQUARE + 2.0;
         // From the middle of the piece to its ends: names stand best where a curve is alone.
         let stride = (length(piece) / (STEP * TRIES)).ceil().max(1.0) as usize;
-        let spots: Vec<Place> = along(piece, STEP).step_by(stride).collect();
+        let spots: Vec<CanvasPoint> = along(piece, STEP).step_by(stride).collect();
         let middle = spots.len() / 2;
         let order =
             (0..spots.len()).map(|i| if i % 2 == 0 { middle + i / 2 } else { middle - i.div_ceil(2) });
@@ -112,7 +113,7 @@ impl Room {
                 let name =
                     Frame { left: at.0 - half, top: at.1 - high, right: at.0 + half, bottom: at.1 + high };
                 if self.has_room(&name, colour) {
-                    // Another name must not touch it, whatever its colour.
+                    // Names of all colours keep off this one.
                     self.cover(&name, colour);
                     return Some(at);
                 }
@@ -122,13 +123,13 @@ impl Room {
     }
 }
 
-fn length(path: &[Place]) -> f64 {
+fn length(path: &[CanvasPoint]) -> f64 {
     path.windows(2).map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1)).sum()
 }
 
 /// Places along a path at about equal distances, with its first.
-fn along(path: &[Place], step: f64) -> impl Iterator<Item = Place> {
-    let between = move |pair: &[Place]| {
+fn along(path: &[CanvasPoint], step: f64) -> impl Iterator<Item = CanvasPoint> {
+    let between = move |pair: &[CanvasPoint]| {
         let (a, b) = (pair[0], pair[1]);
         let parts = ((b.0 - a.0).hypot(b.1 - a.1) / step).ceil().max(1.0) as u32;
         (1..=parts).map(move |i| {

@@ -16,7 +16,7 @@ mod panel;
 mod scale;
 mod symbols;
 
-/// A picture that cannot be made.
+/// Error of a picture that cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("making {what}: {problem}")]
 pub struct Error {

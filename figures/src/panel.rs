@@ -1,7 +1,7 @@
 //! One panel: axes, grid, layers and names beside curves.
 
 use crate::canvas::palette::BLACK;
-use crate::canvas::{Across, Along, Canvas, Colour, PNG_SHRINK, Pen, Place, Writing};
+use crate::canvas::{Across, Along, Canvas, CanvasPoint, Colour, PNG_SHRINK, Pen, Writing};
 use crate::chart::{Layer, Panel, Path, Shape};
 use crate::labels::Room;
 use crate::scale::{Frame, Scale};
@@ -24,7 +24,7 @@ pub(super) struct Layout<'p> {
     y: Scale,
     frame: Frame,
     /// Places of names and the layers they name.
-    names: Vec<(Place, &'p Layer)>,
+    names: Vec<(CanvasPoint, &'p Layer)>,
     /// Layers that need an entry in a legend.
     pub entries: Vec<&'p Layer>,
 }
@@ -43,8 +43,8 @@ impl<'p> Layout<'p> {
         layout
     }
 
-    /// Leaves all names to the legend where one of them is there: a legend of a part of the curves
-    /// looks as if it were of all.
+    /// Moves all names to the legend if one is there: a legend of some curves looks as if it were
+    /// of all.
     pub fn name_all_or_none(&mut self) {
         if self.entries.iter().any(|layer| layer.label.is_some()) {
             self.names.clear();
@@ -78,7 +78,7 @@ impl<'p> Layout<'p> {
         }
     }
 
-    /// What the layers leave free.
+    /// Map of the area that the layers leave free.
     fn room(&self) -> Room {
         let mut room = Room::new(self.frame);
         for layer in &self.panel.layers {
@@ -98,12 +98,12 @@ impl<'p> Layout<'p> {
         room
     }
 
-    fn place(&self, (x, y): (f64, f64)) -> Place {
+    fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
         (self.x.place(x), self.y.place(y))
     }
 
     /// The parts of curves inside the frame.
-    fn clipped(&self, pieces: &[Path]) -> Vec<Vec<Place>> {
+    fn clipped(&self, pieces: &[Path]) -> Vec<Vec<CanvasPoint>> {
         let parts = |piece: &Path| self.frame.clip_path(piece.iter().map(|&p| self.place(p)));
         pieces.iter().flat_map(parts).collect()
     }
@@ -126,7 +126,7 @@ impl<'p> Layout<'p> {
         self.axes(canvas);
     }
 
-    fn write(&self, canvas: &mut Canvas, at: Place, words: &str, colour: Colour) {
+    fn write(&self, canvas: &mut Canvas, at: CanvasPoint, words: &str, colour: Colour) {
         let (along, across) = (Along::Middle, Across::Centre);
         canvas.text(at, words, &Writing { size: SMALL, colour, along, across, upwards: false });
     }
@@ -198,7 +198,7 @@ impl<'p> Layout<'p> {
         let rows: Vec<&[u8]> = cells.chunks(columns).collect();
         let edge = |i: usize| y.0 + (y.1 - y.0) * i as f64 / rows.len() as f64;
         let side = |i: usize| x.0 + (x.1 - x.0) * i as f64 / columns as f64;
-        let whole = |place: Place| (place.0.round(), place.1.round());
+        let whole = |place: CanvasPoint| (place.0.round(), place.1.round());
         let mut areas = vec![Vec::new(); colours.len()];
         let mut from = 0;
         while from < rows.len() {
@@ -223,8 +223,8 @@ impl<'p> Layout<'p> {
     }
 }
 
-/// Cells of which no more than `most` lie side by side and above one another: of those that share a
-/// place the commonest is kept, and the first of equally common ones. Also the number of columns.
+/// Cells reduced to at most `most` in a row and in a column, and the new number of columns: of
+/// merged cells the commonest is kept, the first of equally common ones.
 fn merged(cells: &[u8], columns: usize, most: (usize, usize)) -> (usize, Cow<'_, [u8]>) {
     let rows = cells.len() / columns;
     let (across, up) = (columns.min(most.0), rows.min(most.1));

@@ -2,7 +2,7 @@
 
 use crate::chart::Axis;
 
-/// Number of ticks that an axis gets about.
+/// Approximate number of ticks of an axis.
 const TICKS: f64 = 6.0;
 /// Room around data without a given range, in parts of its span.
 const AIR: f64 = 0.05;
@@ -11,7 +11,7 @@ const AIR: f64 = 0.05;
 const FEWEST: usize = 3;
 /// About the most decades that are labelled.
 const MOST: usize = 10;
-/// Numbers from here on, and below its reciprocal steps, are written with a power of ten.
+/// Numbers from here on, and steps below its reciprocal, are written with a power of ten.
 const LARGE: f64 = 1e6;
 
 /// The map of one axis.
@@ -143,7 +143,7 @@ impl Frame {
         (enter <= leave).then(|| [at(enter), at(leave)])
     }
 
-    /// The parts of a path inside; a place that is no number cuts it.
+    /// The parts of a path inside; a NaN point cuts it.
     pub fn clip_path(&self, path: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
         let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
         let mut before: Option<(f64, f64)> = None;

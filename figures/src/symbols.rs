@@ -1,7 +1,7 @@
 //! Strokes, marks and their samples in legends.
 
 use crate::canvas::palette::BLACK;
-use crate::canvas::{Across, Along, Canvas, Pen, Place, Writing, text_width};
+use crate::canvas::{Across, Along, Canvas, CanvasPoint, Pen, Writing, text_width};
 use crate::chart::{Colour, Dash, Layer, Mark, Shape};
 
 /// Size of the text of ticks, legends and labels beside curves.
@@ -58,13 +58,13 @@ pub(super) fn pen(layer: &Layer, width: u32, dash: Dash) -> Pen {
 }
 
 /// Draws polylines by one pen.
-pub(super) fn stroke(canvas: &mut Canvas, pieces: &[Vec<Place>], pen: Pen) {
+pub(super) fn stroke(canvas: &mut Canvas, pieces: &[Vec<CanvasPoint>], pen: Pen) {
     let pieces: Vec<_> = pieces.iter().map(|piece| simplified(piece)).collect();
     canvas.lines(&pieces, pen);
 }
 
 /// Draws marks at some places.
-pub(super) fn marks(canvas: &mut Canvas, places: &[Place], colour: Colour, radius: u32, mark: Mark) {
+pub(super) fn marks(canvas: &mut Canvas, places: &[CanvasPoint], colour: Colour, radius: u32, mark: Mark) {
     let r = f64::from(radius);
     match mark {
         Mark::Disc => canvas.circles(places, r, colour, None),
@@ -88,17 +88,17 @@ pub(super) fn marks(canvas: &mut Canvas, places: &[Place], colour: Colour, radiu
 }
 
 /// A mark of two strokes.
-fn strokes(canvas: &mut Canvas, places: &[Place], two: [[Place; 2]; 2], colour: Colour) {
+fn strokes(canvas: &mut Canvas, places: &[CanvasPoint], two: [[CanvasPoint; 2]; 2], colour: Colour) {
     let pieces: Vec<_> = places.iter().flat_map(|&p| two.iter().map(move |s| around(p, s))).collect();
     canvas.lines(&pieces, Pen::solid(colour, FINE));
 }
 
-fn around(at: Place, offsets: &[Place]) -> Vec<Place> {
+fn around(at: CanvasPoint, offsets: &[CanvasPoint]) -> Vec<CanvasPoint> {
     offsets.iter().map(|o| (at.0 + o.0, at.1 + o.1)).collect()
 }
 
 /// One entry of a legend with its upper left corner at `at`.
-pub(super) fn entry(canvas: &mut Canvas, layer: &Layer, at: Place) {
+pub(super) fn entry(canvas: &mut Canvas, layer: &Layer, at: CanvasPoint) {
     let (left, right, y) = (at.0, at.0 + SAMPLE, at.1 + 0.5 * ENTRY);
     match &layer.shape {
         Shape::Lines { width, dash, .. } => {

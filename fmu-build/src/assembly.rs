@@ -10,11 +10,10 @@ use std::path::{Path, PathBuf};
 use vibro_assembly_fmi::Plan;
 use vibro_pack::Kit;
 
-/// Everything that the archive of a version holds, of the plan with arrays where it is that of the
-/// version with them.
+/// Content of a version's archive; for [`Version::Arrays`] `plan` must be the one with arrays.
 ///
 /// # Errors
-/// [`Error::Pack`](crate::Error::Pack), which would be a mistake of ours.
+/// [`Error::Pack`](crate::Error::Pack): only by a defect of this crate.
 pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     Ok(vibro_pack::content(version.fmi(), plan, kit)?)
 }

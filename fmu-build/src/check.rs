@@ -3,11 +3,12 @@
 //! for one).
 
 mod model;
+mod structure;
 
 use crate::error::Result;
 use crate::xml::Element;
 use fmi_doors::Version;
-use model::{Kind, Model, Variable};
+use model::{Model, Variable, VariableType};
 use std::collections::BTreeSet;
 
 /// Everything wrong with a model description; empty when it is valid.
@@ -18,7 +19,7 @@ pub fn problems(text: &str, version: Version) -> Result<Vec<String>> {
     Ok(problems_of(&Element::parse(text)?, version))
 }
 
-/// As [`problems`], of one that is parsed already.
+/// Everything wrong with a parsed model description; empty when it is valid.
 pub fn problems_of(root: &Element, version: Version) -> Vec<String> {
     let mut found = Vec::new();
     required(root, version, &mut found);
@@ -30,12 +31,13 @@ pub fn problems_of(root: &Element, version: Version) -> Vec<String> {
         variable(v, &model, &mut found);
     }
     derivatives(&model, &mut found);
-    structure(&model, &mut found);
+    structure::check(&model, &mut found);
     found
 }
 
-/// What our descriptions always say.
+/// Required attributes of the root element, in both versions.
 const ROOT: &str = "fmiVersion modelName description author version copyright license generationTool variableNamingConvention";
+/// Required children of the root element, in both versions.
 const CHILDREN: [&str; 7] = [
     "CoSimulation",
     "UnitDefinitions",
@@ -45,6 +47,7 @@ const CHILDREN: [&str; 7] = [
     "ModelVariables",
     "ModelStructure",
 ];
+/// Required attributes of other elements, in both versions.
 const ATTRIBUTES: [(&str, &str); 6] = [
     ("Unit", "name"),
     ("DisplayUnit", "name factor"),
@@ -53,7 +56,7 @@ const ATTRIBUTES: [(&str, &str); 6] = [
     ("DefaultExperiment", "startTime stopTime tolerance stepSize"),
     ("Alias", "name"),
 ];
-/// The same of one version.
+/// Required attributes of elements in FMI 2.0 alone.
 const OF_FMI2: [(&str, &str); 6] = [
     ("fmiModelDescription", "guid"),
     (
@@ -149,7 +152,7 @@ fn header(model: &Model, found: &mut Vec<String>) {
                 "DefaultExperiment {numbers:?}: allowed is start < stop, tolerance > 0, step > 0, all finite"
             ));
         }
-        // Importers exist that check this on the quotient.
+        // Some importers require a whole quotient of duration and step.
         if model.is_fmi3() && ((stop - start) / step).fract() != 0.0 {
             found.push(format!("DefaultExperiment {numbers:?}: the step does not divide the duration"));
         }
@@ -217,7 +220,7 @@ fn names(model: &Model, found: &mut Vec<String>) {
 fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
     inner.unwrap_or(name).split('.').all(|part| {
-        // An element of an array has its place behind it.
+        // An array's element has its index in brackets after the name.
         let element = part.strip_suffix(']').and_then(|part| part.split_once('['));
         let index = |place: &str| !place.is_empty() && place.chars().all(|c| c.is_ascii_digit());
         let part = element.filter(|(_, place)| index(place)).map_or(part, |(name, _)| name);
@@ -234,8 +237,8 @@ fn variable(v: &Variable, model: &Model, found: &mut Vec<String>) {
     let declared = v.get("declaredType");
     // FMI 3.0.2, 2.4.7.4: an Enumeration must have one. A Clock with one is refused by importers.
     let needs_type = match v.kind {
-        Kind::Enumeration => true,
-        Kind::Real => model.is_fmi3() || v.get("unit").is_none() || declared.is_some(),
+        VariableType::Enumeration => true,
+        VariableType::Real => model.is_fmi3() || v.get("unit").is_none() || declared.is_some(),
         _ => false,
     };
     if needs_type != declared.is_some() || needs_type && model.type_of(v).is_none() {
@@ -252,12 +255,12 @@ fn variable(v: &Variable, model: &Model, found: &mut Vec<String>) {
     }
 }
 
-/// FMI 2.0, 2.2.7; FMI 3.0.2, 2.4.7.4: what goes together. Inputs have no `initial` in FMI 3.0
-/// either, since importers exist that refuse one.
+/// FMI 2.0, 2.2.7; FMI 3.0.2, 2.4.7.4: allowed combinations of causality, variability and initial.
+/// Inputs have no `initial` in FMI 3.0 either: some importers refuse one.
 fn combination(v: &Variable, model: &Model, found: &mut Vec<String>) {
     let (name, initial) = (v.name, v.get("initial"));
     let allowed = match (v.causality, v.variability) {
-        ("output", "discrete") if v.kind == Kind::Clock => {
+        ("output", "discrete") if v.kind == VariableType::Clock => {
             initial.is_none() && v.get("intervalVariability") == Some("triggered")
         }
         ("parameter", "fixed" | "tunable") => initial == Some("exact"),
@@ -272,7 +275,7 @@ fn combination(v: &Variable, model: &Model, found: &mut Vec<String>) {
         let (causality, variability) = (v.causality, v.variability);
         found.push(format!("{name}: {causality}, {variability}, initial {initial:?} do not go together"));
     }
-    if v.variability == "continuous" && v.kind != Kind::Real {
+    if v.variability == "continuous" && v.kind != VariableType::Real {
         found.push(format!("{name}: only a Real can be continuous"));
     }
 }
@@ -300,13 +303,13 @@ fn start(v: &Variable, model: &Model, found: &mut Vec<String>) {
     }
     let Some(start) = start else { return };
     let fits = match v.kind {
-        Kind::Boolean => start == "true" || start == "false",
+        VariableType::Boolean => start == "true" || start == "false",
         _ => start.parse().is_ok_and(|start: f64| start.is_finite() && (min..=max).contains(&start)),
     };
     if !fits {
         found.push(format!("{name}: start {start} is outside {min} ... {max}"));
     }
-    if let (Kind::Enumeration, Some(declared)) = (v.kind, model.type_of(v))
+    if let (VariableType::Enumeration, Some(declared)) = (v.kind, model.type_of(v))
         && !attributes(&declared.children, "value").any(|value| value == start)
     {
         found.push(format!(
@@ -316,10 +319,10 @@ fn start(v: &Variable, model: &Model, found: &mut Vec<String>) {
     }
 }
 
-/// What FMI 3.0 alone has.
+/// Checks of attributes that only FMI 3.0 has.
 fn of_fmi3(v: &Variable, model: &Model, found: &mut Vec<String>) {
     let name = v.name;
-    // Importers exist that take value references for places.
+    // Some importers take value references for indices.
     if v.key != v.place {
         found.push(format!("{name} has value reference {}, but stands at place {}", v.key, v.place));
     }
@@ -327,20 +330,20 @@ fn of_fmi3(v: &Variable, model: &Model, found: &mut Vec<String>) {
     let is_array = v.element.all("Dimension").count() > 0;
     if is_array && (v.causality != "local" || lengths.any(|length| length.is_none_or(|length| length == "0")))
     {
-        // Importers exist that break on arrays which they connect or record.
+        // Some importers fail on arrays that they connect or record.
         found.push(format!("{name}: allowed are local arrays without a length of 0"));
     }
     let intermediate = v.get("intermediateUpdate") == Some("true");
     if intermediate && (v.variability != "continuous" || v.causality == "local") {
         found.push(format!("{name}: intermediateUpdate is for continuous inputs and outputs"));
     }
-    // Validators exist that take the alias of a calculated output for another output.
+    // Some validators take the alias of a calculated output for another output.
     if v.element.all("Alias").count() > 0 && !v.is_set() {
         found.push(format!("{name}: aliases are for what is set"));
     }
     let clocks: Vec<&str> = v.get("clocks").iter().flat_map(|clocks| clocks.split_whitespace()).collect();
     let is_clock = |key: &&str| {
-        key.parse().is_ok_and(|key| model.by_key(key).is_some_and(|clock| clock.kind == Kind::Clock))
+        key.parse().is_ok_and(|key| model.by_key(key).is_some_and(|clock| clock.kind == VariableType::Clock))
     };
     if !clocks.iter().all(is_clock) || !clocks.is_empty() && v.variability != "discrete" {
         found.push(format!("{name}: clocks = {clocks:?}: allowed are clocks, of discrete variables"));
@@ -352,7 +355,7 @@ fn derivatives(model: &Model, found: &mut Vec<String>) {
     for v in &model.variables {
         let Some(state) = v.derivative() else { continue };
         match model.by_key(state) {
-            Some(s) if s.name == v.name || s.kind != Kind::Real => {
+            Some(s) if s.name == v.name || s.kind != VariableType::Real => {
                 found.push(format!("{}: derivative = {state} is no other Real variable", v.name));
             }
             None => found.push(format!("{}: derivative = {state} is no other Real variable", v.name)),
@@ -374,97 +377,5 @@ fn derivatives(model: &Model, found: &mut Vec<String>) {
     let clocks = model.keys(|v| v.causality == "independent").len();
     if clocks != 1 {
         found.push(format!("{clocks} variables are independent, allowed is one"));
-    }
-}
-
-const KINDS: [&str; 5] = ["dependent", "constant", "fixed", "tunable", "discrete"];
-
-/// FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8: who must be listed where, and on what each may depend.
-fn structure(model: &Model, found: &mut Vec<String>) {
-    let states: BTreeSet<u32> = model.variables.iter().filter_map(Variable::derivative).collect();
-    let calculated = |v: &Variable| v.get("initial") == Some("calculated");
-    let outputs = model.keys(|v| v.causality == "output");
-    let derivatives = model.keys(|v| v.derivative().is_some());
-    // Initialization knows the first two kinds alone.
-    let first = &KINDS[..2];
-    if !model.is_fmi3() {
-        let all = model.keys(|_| true);
-        let initial = model.keys(|v| calculated(v) && v.causality != "local");
-        list(model, "Outputs", Some(outputs), (&all, &KINDS), found);
-        list(model, "Derivatives", Some(derivatives), (&all, &KINDS), found);
-        list(model, "InitialUnknowns", Some(initial), (&all, first), found);
-        return;
-    }
-    let is_known = |v: &Variable| {
-        matches!(v.causality, "input" | "parameter" | "independent")
-            || states.contains(&v.key)
-            || v.kind == Kind::Clock
-    };
-    let initial = |v: &Variable| {
-        let of_state = v.derivative().is_some() || states.contains(&v.key);
-        let listed = matches!(v.causality, "output" | "calculatedParameter") || of_state;
-        listed && (v.kind == Kind::Clock || calculated(v) && v.get("clocks").is_none())
-    };
-    let known = model.keys(is_known);
-    let set = model.keys(|v| v.is_set() || v.causality == "independent");
-    list(model, "Output", Some(outputs), (&known, &KINDS), found);
-    list(model, "ContinuousStateDerivative", Some(derivatives), (&known, &KINDS), found);
-    list(model, "InitialUnknown", Some(model.keys(initial)), (&set, first), found);
-    list(model, "EventIndicator", None, (&known, &KINDS), found);
-    for key in model.root.within("ModelStructure").iter().filter(|row| row.name == "EventIndicator").map(key)
-    {
-        let continuous =
-            |v: &Variable| v.variability == "continuous" && matches!(v.causality, "local" | "output");
-        if !model.by_key(key).is_some_and(continuous) {
-            found.push(format!("EventIndicator {key}: allowed are continuous locals and outputs"));
-        }
-    }
-}
-
-/// The variable of a row of the structure.
-fn key(row: &Element) -> u32 {
-    let key = row.attribute("index").or_else(|| row.attribute("valueReference"));
-    key.and_then(|key| key.parse().ok()).unwrap_or_default()
-}
-
-/// One list: the expected keys, each once, with dependencies on `knowns` by the kinds that are
-/// allowed there.
-fn list(
-    model: &Model,
-    what: &str,
-    expected: Option<BTreeSet<u32>>,
-    (knowns, kinds): (&BTreeSet<u32>, &[&str]),
-    found: &mut Vec<String>,
-) {
-    let structure = model.root.within("ModelStructure");
-    let rows: Vec<&Element> = match model.version {
-        Version::Fmi2 => {
-            structure.iter().filter(|list| list.name == what).flat_map(|list| &list.children).collect()
-        }
-        Version::Fmi3 => structure.iter().filter(|row| row.name == what).collect(),
-    };
-    let name = |key: u32| model.by_key(key).map_or("(none)", |v| v.name);
-    let given: BTreeSet<u32> = rows.iter().map(|row| key(row)).collect();
-    for key in expected.iter().flat_map(|expected| expected.symmetric_difference(&given)) {
-        let problem = if given.contains(key) { "does not belong in" } else { "is missing from" };
-        found.push(format!("{} ({key}) {problem} {what}", name(*key)));
-    }
-    if given.len() != rows.len() {
-        found.push(format!("{what} names a variable twice"));
-    }
-    for row in rows {
-        let words = |name| row.attribute(name).map(|text| text.split_whitespace().collect::<Vec<_>>());
-        let (on, how) = (words("dependencies"), words("dependenciesKind"));
-        // Importers of FMI 3.0 exist that need both lists.
-        let told = !model.is_fmi3() || on.is_some() && how.is_some();
-        let keys: Vec<u32> = on.iter().flatten().map(|word| word.parse().unwrap_or(u32::MAX)).collect();
-        let once = keys.iter().collect::<BTreeSet<_>>().len() == keys.len();
-        let in_order = model.is_fmi3() || keys.is_sorted();
-        let fits = how.as_ref().is_none_or(|how| {
-            on.as_ref().map(Vec::len) == Some(how.len()) && how.iter().all(|kind| kinds.contains(kind))
-        });
-        if !(told && once && in_order && fits && keys.iter().all(|key| knowns.contains(key))) {
-            found.push(format!("{what}: dependencies of {} are not valid", name(key(row))));
-        }
     }
 }

@@ -1,5 +1,5 @@
-//! The library that goes into the archive: the one that cargo compiled with this packager, or, to
-//! be handed on, one that a nested cargo compiles as a whole.
+//! The library in the archive: the one that cargo compiled together with this packager, or, for
+//! distribution, one that a nested cargo compiles with link-time optimization.
 
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -7,8 +7,8 @@ use std::process::{Command, Stdio};
 
 pub use vibro_pack::{PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 
-/// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load them all by
-/// name, whatever the capabilities say.
+/// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load all of them
+/// by name, also those of capabilities that are not claimed.
 pub const FUNCTIONS: &str = "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment \
     EnterInitializationMode ExitInitializationMode Terminate Reset \
     GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString \
@@ -52,17 +52,18 @@ pub fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
 }
 
-/// A library that cargo compiled with this packager, which depends on its crate: it lies in the
-/// folder of what was compiled. No compiler runs, but the library may name folders of this machine,
-/// and it needs the unwinder of its compiler.
+/// Path of a library that cargo compiled together with this packager, which depends on its crate.
+/// No compiler runs; the library may contain paths of this machine and needs its compiler's
+/// unwinder (libgcc_s).
 ///
 /// # Errors
-/// [`Error::Cargo`] where it is not there, as when the packager was taken away from that folder.
+/// [`Error::Cargo`] where the file is missing, for example when the packager was moved out of the
+/// target folder.
 pub fn at_hand(library: Product) -> Result<PathBuf> {
     let missing = |problem: String| Error::Cargo { command: "cargo build --bin fmu-build".into(), problem };
     let program = std::env::current_exe().map_err(|e| missing(format!("cannot name this program: {e}")))?;
     let name = format!("{}{}{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX, library.name());
-    // Tests lie beside it, programs one folder above.
+    // Test executables lie in the same folder, programs one folder above.
     let folder = program.parent().unwrap_or(Path::new(""));
     let places = [folder.join("deps").join(&name), folder.join(&name)];
     let found = places.iter().find(|path| path.is_file()).cloned();
@@ -79,12 +80,12 @@ pub struct Compiler {
     product: Product,
 }
 
-/// What is compiled to be handed on.
+/// A product that is compiled for distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Product {
     /// The library of the 3-DOF machine, which hosts load.
     Vibro,
-    /// That of any machine that a file describes.
+    /// The library of any machine that a text file describes.
     Machine,
     /// The command line.
     CommandLine,
@@ -92,7 +93,8 @@ pub enum Product {
 
 pub use vibro_pack::archive::PROGRAM;
 
-/// What the crate iana-time-zone calls in Apple's framework, as a linker reads it.
+/// Linker stub (`.tbd`) of the functions of Apple's CoreFoundation that the crate iana-time-zone
+/// calls.
 const CORE_FOUNDATION: &[u8] = b"--- !tapi-tbd
 tbd-version: 4
 targets: [ x86_64-macos, arm64-macos ]
@@ -116,7 +118,7 @@ impl Product {
         }
     }
 
-    /// Its name, without what a platform puts before and behind it.
+    /// File name without the platform's prefix and extension.
     fn name(self) -> &'static str {
         match self {
             Self::Vibro => "vibro_fmi",
@@ -145,7 +147,7 @@ impl Default for Compiler {
 }
 
 impl From<Product> for Compiler {
-    /// As by default, for another library.
+    /// The default compiler for another product.
     fn from(product: Product) -> Self {
         Self { product, ..Self::default() }
     }
@@ -158,8 +160,8 @@ impl Compiler {
         Self { workspace: workspace.into(), target: target.into(), product: Product::Vibro }
     }
 
-    /// Compiles the product for this machine, to be handed on: as a whole, without names of its
-    /// folders, needing the C library and its mathematics alone.
+    /// Compiles the product for this platform for distribution: with link-time optimization,
+    /// without paths of this machine, needing libc and libm alone.
     ///
     /// # Errors
     /// [`Error::Cargo`] when cargo cannot be run or fails.
@@ -189,7 +191,7 @@ impl Compiler {
         made(&mut zigbuild, self.product)
     }
 
-    /// Everything after the name of the program.
+    /// Arguments of the nested cargo.
     fn arguments(&self, cargo: &mut Command) {
         cargo.current_dir(&self.workspace).args(self.product.made_by());
         cargo.args(["--package", self.product.package(), "--profile", "fmu", "--locked"]);
@@ -198,22 +200,23 @@ impl Compiler {
         // Incremental builds of a cdylib have left undefined symbols, which show only when a host
         // loads it.
         cargo.env("CARGO_INCREMENTAL", "0");
-        // Windows libraries carry a time.
+        // Windows libraries carry a time stamp.
         cargo.env("SOURCE_DATE_EPOCH", EPOCH);
     }
 
-    /// Compiler flags: no folder of this machine in the binary, so that builds in two folders are
-    /// equal. They take the place of the user's own, which must not change what is shipped.
+    /// Compiler flags: paths of this machine are remapped, so that builds in two folders are
+    /// bit-identical. They replace the user's own flags, which must not change what is shipped.
     fn flags(&self) -> String {
         let mut flags = vec![remap(&self.workspace, "/vibro-impact")];
         flags.extend(cargo_home().map(|home| remap(&home, "/cargo")));
-        // Last, since of several that fit the last counts, and this folder may lie in the first.
+        // Last: of several matching prefixes the last one applies, and the workspace may lie inside
+        // cargo's home.
         flags.push(remap(&self.target, "/target"));
         flags.join("\u{1f}")
     }
 
-    /// What a Windows library exports: cargo-zigbuild leaves out the compiler's own list, and then
-    /// all would be exported.
+    /// Export list of a Windows library: cargo-zigbuild drops the compiler's own list, and then
+    /// every symbol would be exported.
     fn definitions(&self) -> Result<PathBuf> {
         let file = self.target.join("fmi.def");
         let names = exported().map(|name| format!("    {name}\n"));
@@ -242,7 +245,7 @@ impl Compiler {
             return Ok(None);
         }
         let asked = Command::new("cc").arg("-print-file-name=libgcc_eh.a").stderr(Stdio::null()).output();
-        // Without such a file the compiler prints the bare name.
+        // Where the file does not exist, the compiler prints the bare name.
         let found = asked.is_ok_and(|o| Path::new(String::from_utf8_lossy(&o.stdout).trim()).is_absolute());
         if !found {
             return Ok(None);
@@ -253,8 +256,7 @@ impl Compiler {
     }
 }
 
-/// The compiler's flag by which a folder of this machine is called by another name in what is
-/// compiled.
+/// Compiler flag that replaces a path of this machine by another in the binary.
 pub(crate) fn remap(from: &Path, to: &str) -> String {
     format!("--remap-path-prefix={}={to}", from.to_string_lossy())
 }
@@ -275,14 +277,14 @@ fn made(cargo: &mut Command, product: Product) -> Result<PathBuf> {
     file.ok_or_else(|| Error::Cargo { command: line(cargo), problem: "made no file to hand on".into() })
 }
 
-/// The cargo that runs us, or the one on the path, in the workspace.
+/// Command for the cargo that runs this program, else the one on PATH, in the workspace.
 pub(crate) fn cargo() -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(workspace());
     cargo
 }
 
-/// Runs cargo with its own messages shown, and returns what it prints for machines.
+/// Runs cargo, showing its messages; returns its standard output (JSON messages).
 pub(crate) fn output(cargo: &mut Command) -> Result<String> {
     let command = line(cargo);
     let failed = |problem: String| Error::Cargo { command: command.clone(), problem };
@@ -301,7 +303,7 @@ fn line(command: &Command) -> String {
     words.map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
-/// The shared library or the program that a message of cargo's names.
+/// Path of the shared library or program in one of cargo's JSON messages.
 fn file_of(message: &str, product: Product) -> Option<PathBuf> {
     let message: serde_json::Value = serde_json::from_str(message).ok()?;
     let ours = message["reason"] == "compiler-artifact" && message["target"]["name"] == product.name();

@@ -77,10 +77,10 @@ pub enum Error {
         /// Value from the native run.
         native: f64,
     },
-    /// A machine's file says nothing that is a machine.
+    /// A machine's file is refused.
     #[error("{0}")]
     Refusal(#[from] vibro_assembly::Refusal),
-    /// A machine cannot be made an FMU of.
+    /// The machine cannot be packed as an FMU.
     #[error("{0}")]
     Machine(#[from] vibro_assembly_fmi::MachineProblem),
     /// A picture could not be drawn.
@@ -89,7 +89,7 @@ pub enum Error {
     /// A release cannot be made of what is there.
     #[error("no release:\n  {}", .0.join("\n  "))]
     Release(Vec<String>),
-    /// An option of the command line makes no sense.
+    /// A command-line option has a value that is not allowed.
     #[error("{name} = {value}: allowed is {allowed}")]
     Option {
         /// The option.

@@ -9,7 +9,7 @@ use std::process::Stdio;
 /// Path of the page in the archives.
 pub const PATH: &str = "documentation/explorer.html";
 
-/// The page, or what was in the way and what to install.
+/// The live page, or the reason why it cannot be made and what to install.
 ///
 /// # Errors
 /// The reason in words.

@@ -2,7 +2,7 @@
 //! oscillator.
 
 use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, SECONDARY};
-use vibro_figures::canvas::{Canvas, Drawing, Pen, Place};
+use vibro_figures::canvas::{Canvas, CanvasPoint, Drawing, Pen};
 
 const PEN: f64 = 22.0;
 
@@ -39,7 +39,7 @@ impl Drawing for Icon {
 }
 
 /// A zigzag between two abscissas.
-pub(crate) fn spring(from: f64, to: f64, y: f64, height: f64) -> Vec<Place> {
+pub(crate) fn spring(from: f64, to: f64, y: f64, height: f64) -> Vec<CanvasPoint> {
     const TEETH: u32 = 6;
     let end = (to - from) / 8.0;
     let (first, last) = (from + end, to - end);

@@ -1,11 +1,11 @@
-//! What a shared library of any platform exports and needs, without running it.
+//! Exports and dependencies of a shared library of any platform, read without loading it.
 
 use object::read::elf::{Dyn, FileHeader, SectionHeader};
 use object::read::macho::{FatArch, MachOFatFile32};
 use object::{Architecture, BinaryFormat, Endianness, FileKind, Object, ObjectSymbol, SymbolScope, elf};
 use std::collections::BTreeSet;
 
-/// Result with the reader's error: the file is no library, or a damaged one.
+/// Result with the object reader's error: the file is not a library, or is damaged.
 pub type Result<T> = std::result::Result<T, object::Error>;
 
 /// Format and processor of a library.
@@ -17,7 +17,7 @@ pub fn kind(bytes: &[u8]) -> Result<(BinaryFormat, Architecture)> {
     Ok((binary.format(), binary.architecture()))
 }
 
-/// Format and processor of what a target of the Rust compiler gives.
+/// Format and processor of binaries for a target of the Rust compiler.
 pub fn kind_of_target(target: &str) -> (BinaryFormat, Architecture) {
     let architecture = match target.split('-').next() {
         Some("x86_64") => Architecture::X86_64,
@@ -50,8 +50,8 @@ pub fn slices(bytes: &[u8]) -> Result<Vec<&[u8]>> {
 pub fn exports(bytes: &[u8]) -> Result<BTreeSet<String>> {
     let binary = object::File::parse(bytes)?;
     if binary.format() == BinaryFormat::MachO {
-        // By the scope of symbols: the reader's own list has private ones too. C names begin with
-        // an underscore.
+        // Filtered by symbol scope: the reader's own export list includes private symbols. C names
+        // begin with an underscore.
         let shown = binary.symbols().filter(|s| s.is_definition() && s.scope() == SymbolScope::Dynamic);
         return shown.map(|s| Ok(s.name()?.trim_start_matches('_').to_owned())).collect();
     }
@@ -105,8 +105,7 @@ fn elf_needs<Elf: FileHeader<Endian = Endianness>>(bytes: &[u8]) -> Result<BTree
     Ok(found)
 }
 
-/// Whether a library needed is the C library, its mathematics, or what the system brings along with
-/// them.
+/// Whether a needed library is libc, libm, or part of the operating system.
 pub fn is_system(library: &str) -> bool {
     const ELF: [&str; 6] = ["libc.so", "libm.so", "libpthread.so", "libdl.so", "ld-linux", "GLIBC_"];
     const WINDOWS: [&str; 4] = ["api-ms-win-", "kernel32.dll", "ntdll.dll", "msvcrt.dll"];
@@ -119,7 +118,7 @@ pub fn is_system(library: &str) -> bool {
 /// The oldest glibc that is promised, that of CentOS 7.
 pub const GLIBC: [u32; 2] = [2, 17];
 
-/// A version of glibc among what a library needs that is later than [`GLIBC`].
+/// A needed version of glibc that is later than [`GLIBC`], if any.
 pub fn later_glibc(needs: &BTreeSet<String>) -> Option<&str> {
     let versions = needs.iter().filter_map(|name| name.strip_prefix("GLIBC_"));
     let later = |text: &&str| {

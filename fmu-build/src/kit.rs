@@ -1,6 +1,6 @@
-//! What is the same in the archives of all machines: the library that serves them and its licences.
-//! To make it takes a compiler and minutes; it is kept under `target/`, and as long as nothing has
-//! changed that goes into it no compiler is called.
+//! The kit: the library that serves all described machines, and its licences. Making it takes a
+//! compiler and minutes; it is cached under `target/` and reused while its sources and compiler are
+//! unchanged.
 
 use crate::archive;
 use crate::compile::{Product, target, workspace};
@@ -13,7 +13,7 @@ use std::{fs, io};
 use vibro_impact::numerics::digest::{EMPTY, extended};
 pub use vibro_pack::{KIT_FILE, Kit};
 
-/// The entry of a kept kit that says of what it was made.
+/// Entry of a cached kit that holds the digest of its inputs.
 const ORIGIN: &str = "origin.txt";
 
 /// How a kit is made, which its origin covers.
@@ -24,7 +24,8 @@ const MAKERS: [&[u8]; 4] = [
     include_bytes!("licences.rs"),
 ];
 
-/// That of this machine's platform. The first call compiles the library; later ones find it.
+/// Kit for this platform, built for distribution. The first call compiles the library; later calls
+/// read the cache.
 ///
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
@@ -33,7 +34,7 @@ pub fn own() -> Result<Kit> {
     Ok(Shelf::of("own").kit(make)?.0)
 }
 
-/// That of this machine's platform with the library that was compiled with the packager.
+/// Kit for this platform with the library that was compiled together with the packager.
 ///
 /// # Errors
 /// As [`own`].
@@ -41,8 +42,8 @@ pub fn at_hand() -> Result<Kit> {
     around(platforms::at_hand_of(Product::Machine)?)
 }
 
-/// That of every platform that can be built here, and a list of the others. It is kept where none
-/// is missing.
+/// Kit for every platform that can be built here, and a list of the others. Cached only if none is
+/// missing.
 ///
 /// # Errors
 /// As [`own`].
@@ -50,7 +51,7 @@ pub fn all() -> Result<(Kit, Vec<LeftOut>)> {
     Shelf::of("all").kit(|| platforms::all_of(Product::Machine, &[]))
 }
 
-/// That of some platforms, by their names in FMI 3.0; of all where none is named. It is not kept.
+/// Kit for some platforms by their FMI 3.0 tuples, for all if none is named. It is not cached.
 ///
 /// # Errors
 /// As [`own`].
@@ -62,12 +63,12 @@ pub fn of(only: &[String]) -> Result<(Kit, Vec<LeftOut>)> {
     Ok((around(binaries)?, left_out))
 }
 
-/// The kit around libraries that are compiled.
+/// Kit around compiled libraries.
 fn around(binaries: Binaries) -> Result<Kit> {
     Ok(Kit { binaries, licences: licences::texts_of(Product::Machine, false)?, date: date::of_sources() })
 }
 
-/// The place of a kept kit.
+/// Cache of a kit.
 #[derive(Clone, Debug)]
 struct Shelf {
     file: PathBuf,
@@ -81,12 +82,12 @@ impl Shelf {
         Self { file, workspace: workspace().to_owned(), compiler: compiler() }
     }
 
-    /// The kit that is kept, if it is of these sources, else the one that `make` gives.
+    /// The cached kit if its inputs are unchanged, else the one that `make` returns.
     fn kit(&self, make: impl FnOnce() -> Result<(Binaries, Vec<LeftOut>)>) -> Result<(Kit, Vec<LeftOut>)> {
         if let Some(kit) = self.kept() {
             return Ok((kit, Vec::new()));
         }
-        // Before the library is compiled: what is changed meanwhile makes the kit one of the past.
+        // Taken before compiling: a change made meanwhile invalidates the cached kit.
         let packages = licences::own_packages(Product::Machine)?;
         let origin = self.origin(&packages).map_err(Error::file("reading", &self.workspace))?;
         let (binaries, left_out) = make()?;
@@ -97,7 +98,7 @@ impl Shelf {
         Ok((kit, left_out))
     }
 
-    /// The kit that is kept, if there is one and it was made of what is here now.
+    /// The cached kit, if there is one and its inputs are unchanged.
     fn kept(&self) -> Option<Kit> {
         let mut content = archive::read_all(&self.file).ok()?;
         let origin = String::from_utf8(content.remove(ORIGIN)?).ok()?;
@@ -105,12 +106,12 @@ impl Shelf {
         if self.origin(&packages).ok()? != origin {
             return None;
         }
-        // Commits that change none of its sources change the date alone.
+        // A commit that changes none of its sources changes only the date.
         Some(Kit { date: date::of_sources(), ..Kit::from_entries(content)? })
     }
 
-    /// Of what a kit is made: the compiler, a digest of everything that is compiled or says how,
-    /// and the folders of our packages in it. Versions of all others are in `Cargo.lock`.
+    /// Inputs of a kit: the compiler's version, a digest of sources and build settings, and the
+    /// folders of our packages. Versions of all other packages are in `Cargo.lock`.
     fn origin(&self, packages: &[String]) -> io::Result<String> {
         let mut digest = MAKERS.iter().fold(EMPTY, |digest, text| extended(digest, text));
         let mut files = vec![self.workspace.join("Cargo.lock"), self.workspace.join("Cargo.toml")];
@@ -149,7 +150,7 @@ fn add_files(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// What the compiler says of itself; nothing where it cannot be asked, as cargo will tell.
+/// Version text of the compiler; empty where it cannot be run, which cargo then reports.
 fn compiler() -> String {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let asked = Command::new(rustc).arg("-vV").current_dir(workspace()).stderr(Stdio::null()).output();
@@ -162,7 +163,7 @@ mod tests {
     use crate::archive::Content;
     use std::cell::Cell;
 
-    /// A shelf over sources of two packages, with how often a kit was made.
+    /// A cache over sources of two packages, with the number of kits made.
     fn shelf(folder: &Path) -> Shelf {
         for (name, text) in
             [("Cargo.lock", "lock"), ("Cargo.toml", "all"), ("a/Cargo.toml", "a"), ("a/src/lib.rs", "1")]
@@ -225,7 +226,7 @@ mod tests {
         keep(&kept);
         let newer = Shelf { compiler: "rustc 2\n".into(), ..kept.clone() };
         assert!(newer.kept().is_none());
-        // Neither a damaged nor a missing one is taken.
+        // A damaged and a missing cache are both ignored.
         fs::write(&kept.file, b"no archive").unwrap();
         assert!(kept.kept().is_none());
         fs::remove_file(&kept.file).unwrap();

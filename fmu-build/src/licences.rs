@@ -22,9 +22,9 @@ of mingw-w64 (public domain and Zope Public License 2.1).
     )
 }
 
-/// Texts that the Rust toolchain brings along, in its `share/doc/rust`, and their names in an
-/// archive. A licence and its exception are one text in one file: the exception is what makes the
-/// licence that of linked code, and whoever finds a licence by its text must find it too.
+/// Licence texts of the Rust toolchain (`share/doc/rust`) and their names in an archive. A licence
+/// and its exception stand in one file: the exception makes it a licence of linked code, so a
+/// reader of the licence must see both.
 const TOOLCHAIN: [(&str, &[&str]); 3] = [
     ("COPYRIGHT-library.html", &["COPYRIGHT-library.html"]),
     ("LLVM-exception.txt", &["licenses/LLVM-exception.txt"]),
@@ -40,13 +40,13 @@ pub use vibro_pack::LICENCE_LIST as LIST;
 /// linked into the binaries and, where it is packed, into the live page, and a list of them.
 ///
 /// # Errors
-/// [`Error::Cargo`] when cargo does not tell the dependencies, [`Error::File`] when a text cannot
+/// [`Error::Cargo`] when cargo cannot list the dependencies, [`Error::File`] when a text cannot
 /// be read.
 pub fn texts(live: bool) -> Result<Content> {
     texts_of(Product::Vibro, live)
 }
 
-/// The same of an archive with another library.
+/// The licence texts of an archive that holds another product's library.
 ///
 /// # Errors
 /// As [`texts`].
@@ -145,7 +145,8 @@ fn text(value: &Value) -> &str {
     value.as_str().unwrap_or("unknown")
 }
 
-/// What cargo knows of the packages of these names and versions, without ourselves, sorted by name.
+/// Cargo's metadata of the packages of these names and versions, sorted by name; packages of this
+/// workspace are left out.
 fn packages(names: &BTreeSet<(String, String)>) -> Result<Vec<Value>> {
     let mut metadata = cargo();
     metadata.args(["metadata", "--format-version", "1", "--locked"]);
@@ -165,14 +166,15 @@ fn packages(names: &BTreeSet<(String, String)>) -> Result<Vec<Value>> {
     Ok(packages)
 }
 
-/// Names and versions in the normal dependency tree of one of our packages on any platform that is
-/// packed, without what only runs while compiling.
+/// Names and versions in the normal dependency tree of one of our packages on all packed platforms,
+/// without build dependencies and procedural macros.
 fn tree(package: &str) -> Result<BTreeSet<(String, String)>> {
     let targets: Vec<&str> = PLATFORMS.iter().flat_map(|p| p.targets).copied().collect();
     tree_for(package, &targets)
 }
 
-/// The same for other targets.
+/// Names and versions in the normal dependency tree of one of our packages on the given targets,
+/// without build dependencies and procedural macros.
 fn tree_for(package: &str, targets: &[&str]) -> Result<BTreeSet<(String, String)>> {
     let mut tree = cargo();
     tree.args(["tree", "--package", package, "--edges", "normal,no-proc-macro"]);
@@ -186,8 +188,8 @@ fn tree_for(package: &str, targets: &[&str]) -> Result<BTreeSet<(String, String)
     Ok(output(&mut tree)?.lines().filter_map(entry).collect())
 }
 
-/// The folders of our own packages that a library is made of, in the workspace; of the package at
-/// its top the empty one.
+/// Folders of the workspace's packages that a library is compiled from, relative to the workspace;
+/// empty for the root package.
 ///
 /// # Errors
 /// [`Error::Cargo`].

@@ -8,7 +8,7 @@ use fmu_build::kit::{self, KIT_FILE};
 use fmu_build::picture::picture;
 use fmu_build::release::agreement::Intent;
 use fmu_build::release::{self, notes};
-use fmu_build::table::Table;
+use fmu_build::table::RunTable;
 use fmu_build::version::Version;
 use fmu_build::{archive, compile, explorer, package, platforms, reference, run};
 use std::path::{Path, PathBuf};
@@ -175,8 +175,8 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     Ok(())
 }
 
-/// Writes beside the archives what makes those of other machines, from which the Python package
-/// takes both.
+/// Writes the kit for archives of described machines beside the archives; the Python package takes
+/// both from there.
 fn write_kit(output: &Path, arguments: &Arguments) -> fmu_build::Result<PathBuf> {
     let kit = match (arguments.all_platforms, arguments.portable) {
         (true, _) => kit::all()?.0,
@@ -215,7 +215,7 @@ fn assemble(intent: &Intent, platforms: &[String], out: Option<PathBuf>) -> fmu_
 /// Runs the FMU, prints the table and draws the pictures.
 fn show(output: &Path, periods: u32) -> fmu_build::Result<()> {
     let run = run::run(output, periods)?;
-    println!("{}", Table(&run));
+    println!("{}", RunTable(&run));
     for path in pictures(&run, output)? {
         println!("{}", path.display());
     }
@@ -245,7 +245,7 @@ fn native(step: f64, steps: u32, start: &[f64]) -> fmu_build::Result<()> {
     Ok(())
 }
 
-fn pictures(run: &run::Run, beside: &Path) -> fmu_build::Result<[PathBuf; 2]> {
+fn pictures(run: &run::ComparedRun, beside: &Path) -> fmu_build::Result<[PathBuf; 2]> {
     let paths = [beside.with_extension("svg"), beside.with_extension("png")];
     archive::write_file(&paths[0], canvas::svg(&picture(run))?.as_bytes())?;
     archive::write_file(&paths[1], &canvas::png(&picture(run))?)?;

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use vibro_figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
-/// Where an archive goes: to the file that is named, under its own name into a folder that is, and
-/// else here.
+/// Path of an archive: `out` itself, under the archive's own name in `out` if that is a folder,
+/// else in the current folder.
 pub fn placed(out: Option<&Path>, name: &str) -> PathBuf {
     let file = PathBuf::from(format!("{name}.fmu"));
     let is_folder = |out: &Path| out.is_dir() || out.to_string_lossy().ends_with(['/', '\\']);
@@ -30,7 +30,7 @@ pub fn is_here() -> bool {
     here.zip(real(compile::workspace())).is_some_and(|(here, home)| here.starts_with(home))
 }
 
-/// Where the archive goes in the repository when nobody says otherwise.
+/// Default path of the archive when the packager runs in the repository.
 pub fn default_output() -> PathBuf {
     compile::target().join(format!("{MODEL_IDENTIFIER}.fmu"))
 }
@@ -55,8 +55,9 @@ pub fn committed() -> Result<Content> {
     Ok(files)
 }
 
-/// Those of them that follow from the table of variables. They bear no date: that of the sources is
-/// put into the archive.
+/// Descriptions of the usual archives, generated from the table of variables. They bear no date:
+/// that of the sources is put into the archive. Those of the other editions are checked as they are
+/// generated (`tests/description.rs`) and not committed.
 ///
 /// # Errors
 /// As [`Version::description`].
@@ -64,8 +65,6 @@ pub fn described() -> Result<Content> {
     let files = [
         ("modelDescription/modelDescription.xml", Version::Fmi2),
         ("modelDescription/fmi3.xml", Version::Fmi3),
-        ("modelDescription/fmi3-arrays.xml", Version::Arrays),
-        ("modelDescription/fmi3-clocked.xml", Version::Clocked),
     ];
     let text =
         |(name, version): (&str, Version)| Ok((name.to_owned(), version.description(None)?.into_bytes()));
@@ -82,7 +81,7 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
     let mut content = Content::from([
         (MODEL_DESCRIPTION.to_owned(), version.description(date::of_sources())?.into_bytes()),
         ("documentation/index.html".to_owned(), page::page(live.is_some()).into_bytes()),
-        // Nothing is read from it; hosts pass on its place all the same.
+        // The FMU reads no resources; hosts pass the folder's path all the same.
         ("resources/README.txt".to_owned(), b"This FMU needs no resources.\n".to_vec()),
     ]);
     content.extend(live.map(|page| (explorer::PATH.to_owned(), page.to_vec())));
@@ -92,8 +91,8 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
     };
     under(reference::FOLDER, reference::files()?);
     if version != Version::Fmi2 {
-        // Its file says version 3.0, which the FMI Library takes for a fatal error in an archive of
-        // FMI 2.0.
+        // The file has fmiVersion 3.0, which the FMI Library reports as a fatal error in an archive
+        // of FMI 2.0.
         under("terminalsAndIcons", terminals::files()?);
     }
     match version {
@@ -105,7 +104,7 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
                     .map(|(name, text)| (format!("licenses/{name}"), text)),
             );
         }
-        // FMI 3.0.2, 2.5.1: the files of these names have these meanings.
+        // FMI 3.0.2, 2.5.1: file names with a defined meaning.
         Version::Fmi3 | Version::Arrays | Version::Clocked => {
             content.insert("documentation/diagram.png".to_owned(), canvas::png(&Sketch)?);
             content.insert("documentation/diagram.svg".to_owned(), canvas::svg(&Sketch)?.into_bytes());
@@ -121,7 +120,7 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
     Ok(content)
 }
 
-/// What a machine must have for the library to be loaded.
+/// System requirements for loading the library.
 const NEEDS: &str = "The library needs the C library of the system and its mathematics alone: on Linux glibc 2.17 or later where \
 it was built for all platforms, else that of the machine that built it; on Windows the universal C run time (part of Windows 10 \
 and later); on macOS libSystem.\n";
@@ -129,7 +128,7 @@ and later); on macOS libSystem.\n";
 /// Writes the usual archives for this machine, that of FMI 2.0 to `output` and the other beside it.
 ///
 /// # Errors
-/// Everything that can go wrong on the way.
+/// Everything that [`platforms::at_hand`] and [`write`] return.
 pub fn build(output: &Path) -> Result<()> {
     write(output, &Version::USUAL, &platforms::at_hand()?, None)
 }

@@ -13,7 +13,7 @@ static RUN: &str = include_str!("../../modelDescription/documentation/run.svg");
 static SKETCH: &str = include_str!("../../modelDescription/documentation/sketch.svg");
 static RESPONSE: &str = include_str!("../../modelDescription/documentation/response.svg");
 
-/// What leads to the live page.
+/// Link to the live page.
 const EXPLORER: &str = "<p><a href=\"explorer.html\">The machine, live</a>: move it, hear it hit, see where it settles. It opens in a \
 browser, needs JavaScript and WebAssembly, and loads nothing.</p>";
 
@@ -32,8 +32,8 @@ pub fn page(explorer: bool) -> String {
         .replace("{{response}}", &inline(RESPONSE, "response", "Amplitudes over the drive amplitude"))
 }
 
-/// An SVG file as an element with a name for those who cannot see it. What it cuts its curves with
-/// is named after the stem: names are unique in a page.
+/// An SVG file as an inline element with an accessible name. Ids of its clip paths get the stem as
+/// prefix, since ids are unique in a page.
 fn inline(file: &str, stem: &str, name: &str) -> String {
     let picture = file.find("<svg").map_or("", |start| &file[start..]);
     let picture = picture.replace("id=\"clip-", &format!("id=\"{stem}-clip-"));
@@ -78,7 +78,7 @@ fn row(v: &Variable) -> String {
     format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>"))
 }
 
-/// Lengths of an array.
+/// Dimensions of an array.
 fn lengths(v: &Variable) -> String {
     match v.dimensions {
         [] => String::new(),
@@ -86,7 +86,7 @@ fn lengths(v: &Variable) -> String {
     }
 }
 
-/// Which descriptions have a variable, where not all do.
+/// Names the descriptions that have a variable, where not all do.
 fn edition(edition: Edition) -> &'static str {
     match edition {
         Edition::Every => "",
@@ -96,7 +96,7 @@ fn edition(edition: Edition) -> &'static str {
     }
 }
 
-/// What may be set; of what is only read, its bounds or items.
+/// Allowed values of a settable variable; bounds or items of an output.
 fn range(v: &Variable) -> String {
     if v.start().is_some() {
         return escape(v.allowed());

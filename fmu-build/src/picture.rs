@@ -1,6 +1,6 @@
 //! The picture of a run: time histories and phase portraits.
 
-use crate::run::{Run, STEPS_PER_PERIOD};
+use crate::run::{ComparedRun, STEPS_PER_PERIOD};
 use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, RELATIVE, SECONDARY};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Panel, Path};
 use vibro_impact::State;
@@ -13,7 +13,7 @@ const STEADY: u32 = 3;
 const BODIES: [(&str, Colour); 3] = [("box x₁", BOX), ("block x₂", BLOCK), ("secondary x₃", SECONDARY)];
 
 /// The picture of a run.
-pub fn picture(run: &Run) -> Figure {
+pub fn picture(run: &ComparedRun) -> Figure {
     let from = run.periods.saturating_sub(STEADY);
     Figure {
         title: "A run from the FMU's start values".into(),
@@ -31,9 +31,9 @@ pub fn picture(run: &Run) -> Figure {
 }
 
 /// The motion between two times in periods, cut at its impacts.
-fn path(run: &Run, from: u32, to: u32) -> Vec<Vec<(f64, State)>> {
+fn path(run: &ComparedRun, from: u32, to: u32) -> Vec<Vec<(f64, State)>> {
     let period = run.parameters.period();
-    // Half a communication step of room for the rounding of communication points.
+    // Half a communication step of margin for the rounding of communication points.
     let half = 0.5 / f64::from(STEPS_PER_PERIOD);
     run.path((f64::from(from) - half) * period, (f64::from(to) + half) * period)
 }
@@ -43,7 +43,7 @@ fn curve(pieces: &[Vec<(f64, State)>], point: impl Fn(f64, &State) -> (f64, f64)
     pieces.iter().flatten().map(|(time, state)| point(*time, state)).collect()
 }
 
-fn history(title: &str, run: &Run, from: u32, to: u32) -> Panel {
+fn history(title: &str, run: &ComparedRun, from: u32, to: u32) -> Panel {
     let (period, pieces) = (run.parameters.period(), path(run, from, to));
     let layer = |(body, (name, colour)): (usize, (&str, Colour))| {
         Layer::line(name, colour, Dash::Solid, curve(&pieces, |time, state| (time / period, state.x[body])))
@@ -58,7 +58,7 @@ fn history(title: &str, run: &Run, from: u32, to: u32) -> Panel {
 }
 
 /// Relative displacement and velocity; an impact is a jump along the stop.
-fn relative(run: &Run, from: u32) -> Panel {
+fn relative(run: &ComparedRun, from: u32) -> Panel {
     let gap = run.parameters.stop_gap;
     let orbit = curve(&path(run, from, run.periods), |_, s| (s.x[1] - s.x[0], s.v[1] - s.v[0]));
     let speed = 1.15 * orbit.iter().map(|(_, v)| v.abs()).fold(0.0, f64::max);
@@ -74,7 +74,7 @@ fn relative(run: &Run, from: u32) -> Panel {
     }
 }
 
-fn portraits(run: &Run, from: u32) -> Panel {
+fn portraits(run: &ComparedRun, from: u32) -> Panel {
     let pieces = path(run, from, run.periods);
     let layer = |(body, (name, colour)): (usize, (&str, Colour))| {
         Layer::line(name, colour, Dash::Solid, curve(&pieces, |_, state| (state.x[body], state.v[body])))

@@ -1,5 +1,5 @@
-//! The platforms of `--all-platforms`: what each is compiled for, and what to install where it
-//! cannot be.
+//! The platforms of `--all-platforms`: compiler targets, and what to install where a platform
+//! cannot be built.
 
 use crate::compile::{self, Compiler, PLATFORM, Product};
 use crate::error::{Error, Result};
@@ -8,7 +8,7 @@ use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use vibro_pack::{PLACES, Place};
+use vibro_pack::{PACKED_PLATFORMS, PackedPlatform};
 
 pub use vibro_pack::Binaries;
 
@@ -16,39 +16,43 @@ pub use vibro_pack::Binaries;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Platform {
     /// Its names in archives.
-    pub place: Place,
+    pub place: PackedPlatform,
     /// Targets of the Rust compiler; several are joined into one universal file.
     pub targets: &'static [&'static str],
-    /// glibc to link against, the oldest the Rust standard library runs with.
+    /// Version of glibc to link against: the oldest that Rust's standard library supports.
     pub glibc: Option<&'static str>,
 }
 
-const fn platform(place: Place, targets: &'static [&'static str], glibc: Option<&'static str>) -> Platform {
+const fn platform(
+    place: PackedPlatform,
+    targets: &'static [&'static str],
+    glibc: Option<&'static str>,
+) -> Platform {
     Platform { place, targets, glibc }
 }
 
 const GLIBC: Option<&str> = Some("2.17");
 
-/// Every platform that is packed, where it can be built.
+/// All platforms of a release; those that cannot be built on this machine are left out.
 pub const PLATFORMS: [Platform; 7] = [
-    platform(PLACES[0], &["x86_64-unknown-linux-gnu"], GLIBC),
-    platform(PLACES[1], &["x86_64-pc-windows-gnu"], None),
-    platform(PLACES[2], &["x86_64-apple-darwin", "aarch64-apple-darwin"], None),
-    platform(PLACES[3], &["aarch64-apple-darwin"], None),
-    platform(PLACES[4], &["aarch64-unknown-linux-gnu"], GLIBC),
-    platform(PLACES[5], &["i686-unknown-linux-gnu"], GLIBC),
-    platform(PLACES[6], &["i686-pc-windows-gnu"], None),
+    platform(PACKED_PLATFORMS[0], &["x86_64-unknown-linux-gnu"], GLIBC),
+    platform(PACKED_PLATFORMS[1], &["x86_64-pc-windows-gnu"], None),
+    platform(PACKED_PLATFORMS[2], &["x86_64-apple-darwin", "aarch64-apple-darwin"], None),
+    platform(PACKED_PLATFORMS[3], &["aarch64-apple-darwin"], None),
+    platform(PACKED_PLATFORMS[4], &["aarch64-unknown-linux-gnu"], GLIBC),
+    platform(PACKED_PLATFORMS[5], &["i686-unknown-linux-gnu"], GLIBC),
+    platform(PACKED_PLATFORMS[6], &["i686-pc-windows-gnu"], None),
 ];
 
-/// A part of the archive, a platform or the live page, that could not be built as it should, and
-/// why.
+/// A part of the archive (a platform's binary or the live page) that could not be built, and the
+/// reason.
 #[derive(Debug)]
 pub struct LeftOut {
     /// Its folder, or its path.
     pub folder: &'static str,
-    /// What was in the way, and what to do.
+    /// Reason, and what to install.
     pub reason: String,
-    /// Whether the machine's own compiler built it instead.
+    /// Whether the host's own compiler built it instead of cargo-zigbuild.
     pub replaced: bool,
 }
 
@@ -64,7 +68,7 @@ impl Display for LeftOut {
     }
 }
 
-/// What one needs beside the Rust toolchain.
+/// Advice: tools needed beside the Rust toolchain.
 pub const TOOLS: &str = "install cargo-zigbuild, zig and, for wheels, maturin (`pip install -r fmu-build/requirements.txt` in a virtual environment) \
      and put them on the PATH";
 
@@ -72,7 +76,7 @@ fn read(library: &PathBuf) -> Result<Vec<u8>> {
     fs::read(library).map_err(Error::file("reading", library))
 }
 
-/// The binary of this machine that was compiled with the packager.
+/// The 3-DOF library for this platform, as compiled together with the packager.
 ///
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
@@ -80,7 +84,7 @@ pub fn at_hand() -> Result<Binaries> {
     at_hand_of(Product::Vibro)
 }
 
-/// The same of another library.
+/// A library for this platform, as compiled together with the packager.
 ///
 /// # Errors
 /// As [`at_hand`].
@@ -88,7 +92,7 @@ pub fn at_hand_of(library: Product) -> Result<Binaries> {
     Ok(Binaries::own(read(&compile::at_hand(library)?)?))
 }
 
-/// The binary of this machine alone, by its own compiler, to be handed on.
+/// The product for this platform alone, built by its own compiler for distribution.
 ///
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
@@ -96,9 +100,9 @@ pub fn own(product: Product) -> Result<Binaries> {
     Ok(Binaries::own(read(&Compiler::from(product).library()?)?))
 }
 
-/// The binaries of the platforms that can be built here, and a list of those that cannot. This
-/// machine's own is always among them; of the others those that are asked for, by their names in
-/// FMI 3.0, or all where none is.
+/// Binaries of the 3-DOF library for the platforms that can be built here, and a list of those that
+/// cannot. `only` selects platforms by their FMI 3.0 tuples; empty selects all. This machine's own
+/// platform is always included.
 ///
 /// # Errors
 /// Where not even this machine's own can be built.
@@ -106,7 +110,8 @@ pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     all_of(Product::Vibro, only)
 }
 
-/// The same of another product.
+/// Binaries of a product for the platforms that can be built here, and a list of those that cannot;
+/// `only` as in [`all`].
 ///
 /// # Errors
 /// As [`all`].
@@ -124,18 +129,19 @@ pub fn all_of(product: Product, only: &[String]) -> Result<(Binaries, Vec<LeftOu
         }
     }
     if !binaries.iter().any(|(place, _)| place.folder == PLATFORM) {
-        binaries.push((Place::OWN, read(&Compiler::from(product).library()?)?));
+        binaries.push((PackedPlatform::OWN, read(&Compiler::from(product).library()?)?));
     }
     Ok((binaries.into_iter().collect(), left_out))
 }
 
-/// Whether a platform is asked for by its name in FMI 3.0; where no name is given, all are.
+/// Whether the selection includes a platform, by its FMI 3.0 tuple; an empty selection includes
+/// all.
 pub fn is_asked_for(tuple: &str, only: &[String]) -> bool {
     only.is_empty() || only.iter().any(|name| name == tuple)
 }
 
 impl Platform {
-    /// Where its binary is in the archive of a version.
+    /// Path of its binary in the archive of a version.
     pub fn path(&self, version: Version) -> String {
         version.binary(self.place)
     }
@@ -172,7 +178,8 @@ pub(crate) fn has_standard_library(target: &str) -> bool {
     asked.is_ok_and(|o| PathBuf::from(String::from_utf8_lossy(&o.stdout).trim()).is_dir())
 }
 
-/// Pages of Apple's processors, as a power of two: where the slices of a universal file begin.
+/// Alignment of the slices of a universal file, as a power of two: the page size of Apple's
+/// processors.
 const PAGE: u32 = 14;
 
 /// A universal Mach-O file: a table of (processor, its subtype, offset, size, alignment) in
@@ -195,7 +202,7 @@ fn universal(slices: &[Vec<u8>]) -> Vec<u8> {
     file
 }
 
-/// Whether a program can be run.
+/// Whether a program can be started with these arguments and succeeds.
 pub(crate) fn runs(program: &str, arguments: &[&str]) -> bool {
     let quiet = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
     quiet.is_ok_and(|status| status.success())

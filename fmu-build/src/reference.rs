@@ -47,7 +47,7 @@ pub fn files() -> Result<Content> {
     Ok(content)
 }
 
-/// What the files are, for a reader (`documentation/fmi-ls-ref.txt`).
+/// Explanation of the files for a reader (`documentation/fmi-ls-ref.txt`).
 pub const EXPLANATION: &str = "Reference files in extra/org.fmi-standard.fmi-ls-ref (FMI-LS-REF 1.0.0-alpha.1)\n\n\
 default.csv      the default experiment, 50 rows a drive period (its step is a quarter of their distance): displacements to nine\n\
                  places, numbers of impacts so far\n\
@@ -138,7 +138,7 @@ fn sets() -> Result<Vec<Set>> {
     Ok(sets)
 }
 
-/// What the manifest says of this machine's files.
+/// Entries of the manifest for this machine's files.
 fn own_manifest(sets: &[Set]) -> String {
     let results = [
         (
@@ -192,10 +192,10 @@ fn settled_state() -> Vec<u8> {
     made.unwrap_or_default()
 }
 
-/// The results anew, by the native library: names in the workspace → content.
+/// Recomputes the results by the native library: path in the workspace → content.
 ///
 /// # Errors
-/// [`Error::Native`](crate::Error::Native), which would be a mistake of ours.
+/// [`Error::Native`](crate::Error::Native): only by a defect of this crate.
 pub fn results() -> Result<Content> {
     let file = |name: &str| format!("modelDescription/reference/{name}");
     Ok(Content::from([
@@ -208,11 +208,11 @@ fn simulator() -> Result<Simulator> {
     Ok(Simulator::new(&Parameters::default(), &State::default(), 0.0)?)
 }
 
-/// Every which step of the default experiment has a row in its result.
+/// Steps of the default experiment per row of its result.
 const REPORTED: u32 = 4;
 
-/// Displacements to nine places, which is what processors agree on, at every fourth step of the
-/// default experiment.
+/// Displacements at every fourth step of the default experiment, to nine decimals, to which
+/// different processors agree.
 fn default_result() -> Result<String> {
     let Experiment { start_time, stop_time, step_size, .. } = default_experiment();
     let mut simulator = simulator()?;
@@ -292,7 +292,7 @@ mod tests {
         }
     }
 
-    /// Every line of the committed results, as far as the places go.
+    /// Every line of the committed results, to their number of decimals.
     #[test]
     fn committed_results_are_what_is_computed() {
         const PLACES: f64 = 2e-9;

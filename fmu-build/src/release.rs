@@ -44,14 +44,14 @@ const PERIODS: u32 = 200;
 struct Assembly<'a> {
     folder: &'a Path,
     agreed: &'a Agreed,
-    /// Platforms asked for, by their names in FMI 3.0; none stands for all.
+    /// Selected platforms by their FMI 3.0 tuples; empty selects all.
     only: &'a [String],
     parts: Vec<Part>,
     left_out: Vec<String>,
 }
 
-/// Assembles a release into a folder, which it replaces, and returns its files and what had to be
-/// left out. The platforms are those asked for, by their names in FMI 3.0, or all where none is.
+/// Assembles a release into a folder, which it replaces; returns its files and the parts left out.
+/// `platforms` selects by FMI 3.0 tuples; empty selects all.
 ///
 /// # Errors
 /// [`Error::Release`] where the sources disagree, where what was built does, and where a tag is
@@ -187,7 +187,7 @@ impl Assembly<'_> {
     }
 }
 
-/// Whether platforms that are asked for exist.
+/// Checks that the selected platforms exist.
 fn check_names(only: &[String]) -> Result<()> {
     let known = |name: &&String| platforms::PLATFORMS.iter().any(|p| p.place.tuple == **name);
     match only.iter().find(|name| !known(name)) {
@@ -200,7 +200,7 @@ fn check_names(only: &[String]) -> Result<()> {
     }
 }
 
-/// Only an empty folder, or an earlier release, is replaced.
+/// Checks that a folder is absent, empty or an earlier release: nothing else is replaced.
 fn check_replaceable(folder: &Path) -> Result<()> {
     let empty = fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
     if empty || folder.join(SUMS).is_file() {
@@ -228,7 +228,7 @@ fn copy(folder: &Path, into: &Path) -> Result<()> {
     Ok(())
 }
 
-/// An empty folder.
+/// Makes an empty folder, deleting what was there.
 fn clear(folder: &Path) -> Result<()> {
     if folder.exists() {
         fs::remove_dir_all(folder).map_err(Error::file("removing", folder))?;

@@ -16,7 +16,7 @@ use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// Communication steps per drive period: enough for a smooth picture, and for amplitudes to eight
-/// digits (`Run::amplitudes`).
+/// digits (`ComparedRun::amplitudes`).
 pub const STEPS_PER_PERIOD: u32 = 200;
 
 const NAMES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
@@ -44,9 +44,9 @@ pub struct ImpactSample {
     pub after: State,
 }
 
-/// What a run gave.
+/// Result of a run.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct ComparedRun {
     /// Parameters of the run: those of the FMU's start values.
     pub parameters: Parameters,
     /// Drive periods.
@@ -66,8 +66,8 @@ pub struct Run {
 ///
 /// # Errors
 /// [`Error::Differs`] when they are not equal bit for bit; [`Error::Binaries`] when the archives
-/// hold different libraries; everything else that can go wrong on the way.
-pub fn run(archive: &Path, periods: u32) -> Result<Run> {
+/// hold different libraries; otherwise whatever loading, calling or comparing returns.
+pub fn run(archive: &Path, periods: u32) -> Result<ComparedRun> {
     let folder = tempfile::tempdir().map_err(Error::file("making a folder in", &std::env::temp_dir()))?;
     let beside = Version::Fmi3.beside(archive);
     let library = archive::read(archive, &Version::Fmi2.own_binary())?;
@@ -120,7 +120,7 @@ pub fn run(archive: &Path, periods: u32) -> Result<Run> {
     instance.terminate()?;
     instance3.terminate()?;
     let impacts = impacts(&parameters, native.time())?;
-    Ok(Run { parameters, periods, samples, impacts, stepping, whole })
+    Ok(ComparedRun { parameters, periods, samples, impacts, stepping, whole })
 }
 
 /// Whether the outputs of a packaged binary are those of the native run, bit for bit.
@@ -188,15 +188,15 @@ fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64))
     // p(u) = x0 + a u + c u² + d u³; p'(u) = a + 2 c u + 3 d u² changes its sign once.
     let (c, d) = (3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise);
     let root = (c * c - 3.0 * a * d).max(0.0).sqrt();
-    // A slope that falls from a > 0 through zero has c < 0 or d < 0, one that rises from a < 0 the
-    // opposite: this is the root at which it does so, and no difference of like numbers where d is
-    // small.
+    // The root of p' at which the slope changes from the sign of a to the opposite one, in the form
+    // without cancellation for small d.
     let u = a / (root.copysign(a) - c);
     (0.0..=1.0).contains(&u).then_some(x0 + u * (a + u * (c + u * d)))
 }
 
-impl Run {
-    /// The last periods: where the transient of the default set has died away.
+impl ComparedRun {
+    /// Samples of the last `periods` drive periods, in which the default set's transient has died
+    /// away.
     pub fn tail(&self, periods: u32) -> &[Sample] {
         let count = (periods.min(self.periods) * STEPS_PER_PERIOD) as usize;
         &self.samples[self.samples.len() - 1 - count..]
@@ -277,7 +277,7 @@ mod tests {
                 .into_iter()
                 .filter_map(|k| extreme_between(at(quarter + k), at(quarter + k + 1.0)))
                 .collect();
-            let exact = at(quarter).1 == 1.0; // a sample at the top
+            let exact = at(quarter).1 == 1.0; // a sample at the maximum
             assert!(top.len() == 1 || exact, "{top:?}");
             assert!(top.iter().all(|x| (x - 1.0).abs() < CUBIC), "{top:?}");
         }
@@ -299,7 +299,7 @@ mod tests {
         let sample = |time| Sample { time, state: State::default(), impacts: [0; 2] };
         let end = impacts[1].time + 1.0;
         let samples = vec![sample(0.0), sample(end)];
-        let run = Run {
+        let run = ComparedRun {
             parameters,
             periods: 1,
             samples,

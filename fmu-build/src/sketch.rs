@@ -2,7 +2,7 @@
 
 use crate::icon::spring;
 use vibro_figures::canvas::palette::{BLACK, BLOCK, BOX, GREY, SECONDARY, WHITE};
-use vibro_figures::canvas::{Across, Along, Canvas, Colour, Drawing, Pen, Place, Writing};
+use vibro_figures::canvas::{Across, Along, Canvas, CanvasPoint, Colour, Drawing, Pen, Writing};
 
 const PEN: f64 = 7.0;
 const LABEL: f64 = 52.0;
@@ -67,20 +67,20 @@ impl Drawing for Sketch {
     }
 }
 
-fn line(canvas: &mut Canvas, points: Vec<Place>) {
+fn line(canvas: &mut Canvas, points: Vec<CanvasPoint>) {
     canvas.lines(&[points], Pen::solid(BLACK, PEN));
 }
 
-fn fill(canvas: &mut Canvas, corners: [Place; 2], colour: Colour) {
+fn fill(canvas: &mut Canvas, corners: [CanvasPoint; 2], colour: Colour) {
     canvas.rectangles(&[corners], colour);
 }
 
-fn label(canvas: &mut Canvas, words: &str, at: Place, colour: Colour) {
+fn label(canvas: &mut Canvas, words: &str, at: CanvasPoint, colour: Colour) {
     let (along, across) = (Along::Middle, Across::Centre);
     canvas.text(at, words, &Writing { size: LABEL, colour, along, across, upwards: false });
 }
 
-fn arrow(canvas: &mut Canvas, from: Place, to: Place) {
+fn arrow(canvas: &mut Canvas, from: CanvasPoint, to: CanvasPoint) {
     let side = (to.0 - from.0).signum() * 34.0;
     line(canvas, vec![from, (to.0 - side, to.1)]);
     canvas.polygon(&[to, (to.0 - side, to.1 - 16.0), (to.0 - side, to.1 + 16.0)], BLACK, 1.0);

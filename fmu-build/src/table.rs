@@ -1,6 +1,6 @@
-//! The short table of a run.
+//! The table that the packager prints of a run.
 
-use crate::run::{Run, STEPS_PER_PERIOD};
+use crate::run::{ComparedRun, STEPS_PER_PERIOD};
 use std::fmt::{self, Display, Formatter};
 use vibro_impact::steady::{exact_orbit, multiple_scales};
 
@@ -10,10 +10,10 @@ pub const TAIL: u32 = 50;
 /// Amplitudes in m, and whether the motion is stable and possible.
 type Prediction = Option<([f64; 3], bool)>;
 
-/// The table of a run.
-pub struct Table<'a>(pub &'a Run);
+/// Prints amplitudes and impacts of a run beside closed forms.
+pub struct RunTable<'a>(pub &'a ComparedRun);
 
-impl Display for Table<'_> {
+impl Display for RunTable<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let run = self.0;
         let tail = TAIL.min(run.periods);
@@ -48,8 +48,8 @@ fn row(f: &mut Formatter<'_>, name: &str, [x1, x2, x3]: [f64; 3]) -> fmt::Result
     writeln!(f, "    {name:<28} {x1:<9.5} {x2:<9.5} {x3:.5}")
 }
 
-/// Amplitudes known in closed form; the row says so where there is no such motion.
-fn predictions(run: &Run) -> [(&'static str, Prediction); 2] {
+/// Amplitudes by closed forms; the row says where no such motion exists.
+fn predictions(run: &ComparedRun) -> [(&'static str, Prediction); 2] {
     let p = &run.parameters;
     let exact = exact_orbit::solve(p).ok().and_then(|roots| roots.upper);
     let scales = p.groups().and_then(|groups| multiple_scales::fixed_points(&groups)).ok().flatten();

@@ -9,16 +9,17 @@ use vibro_figures::canvas::palette::{BLOCK, BOX, SECONDARY};
 use vibro_figures::canvas::{self, Canvas, Drawing};
 use vibro_fmi::component::variables::{Causality, VARIABLES, Variable};
 
-/// Names of the terminals: the bodies, whose variables begin with them. The places are on the lower
-/// edge of the icon.
+/// Names of the terminals, which are the bodies' prefixes of variable names, and their positions on
+/// the icon's lower edge.
 const BODIES: [(&str, &str, i32); 3] = [
     ("box", "The box: its motion out, a force on it in", -70),
     ("block", "The block: its motion out, a force on it in", 0),
     ("secondary", "The secondary oscillator: its motion out, a force on it in", 70),
 ];
 
-/// Members of a terminal as in the flange of Modelica's translational mechanics, whose kind it does
-/// not claim, and the rate and acceleration beside. What flows in is the force on the body.
+/// Members of a terminal: displacement and force as in a flange of Modelica's translational
+/// mechanics (whose kind is not claimed), with velocity and acceleration. The flow variable is the
+/// force on the body.
 const MEMBERS: [(&str, &str); 4] = [("s", "signal"), ("v", "signal"), ("a", "signal"), ("f", "inflow")];
 
 /// Kind of the terminals; kinds of tools begin with an underscore and the tool's name.

@@ -1,5 +1,5 @@
-//! The archives: one of FMI 2.0, one of FMI 3.0, and where asked for further ones of FMI 3.0 with
-//! what several importers cannot read: arrays, a clock. All hold one library.
+//! The archives: one of FMI 2.0, one of FMI 3.0 and, on request, two of FMI 3.0 with arrays and a
+//! clock, which several importers cannot read. All hold one library.
 
 use crate::check;
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use fmi_doors::description::Description;
 use std::path::{Path, PathBuf};
 use vibro_fmi::fmi2;
 use vibro_fmi::fmi3::description::{self, ARRAYS, CLOCKED, Edition, MAIN, MODEL_IDENTIFIER};
-use vibro_pack::{Place, binary_path};
+use vibro_pack::{PackedPlatform, binary_path};
 
 pub use vibro_pack::MODEL_DESCRIPTION;
 
@@ -25,12 +25,12 @@ pub enum Version {
 }
 
 impl Version {
-    /// Those that are always made.
+    /// Archives that are always made.
     pub const USUAL: [Self; 2] = [Self::Fmi2, Self::Fmi3];
     /// All.
     pub const ALL: [Self; 4] = [Self::Fmi2, Self::Fmi3, Self::Arrays, Self::Clocked];
 
-    /// The description of the table that it has, where it is of FMI 3.0.
+    /// Edition of the variable table in an archive of FMI 3.0; `None` for FMI 2.0.
     pub fn edition(self) -> Option<Edition> {
         match self {
             Self::Fmi2 => None,
@@ -40,7 +40,7 @@ impl Version {
         }
     }
 
-    /// What is put behind the name of the file.
+    /// Suffix of the file name.
     fn suffix(self) -> &'static str {
         match self {
             Self::Fmi2 => "",
@@ -60,7 +60,7 @@ impl Version {
         }
     }
 
-    /// Where this archive goes, beside that of FMI 2.0.
+    /// Path of this archive beside that of FMI 2.0.
     pub fn beside(self, fmi2: &Path) -> PathBuf {
         let stem = fmi2.file_stem().unwrap_or_default().to_string_lossy();
         fmi2.with_file_name(format!("{stem}{}.fmu", self.suffix()))
@@ -72,17 +72,16 @@ impl Version {
     }
 
     /// Path inside the archive of a platform's binary.
-    pub fn binary(self, place: Place) -> String {
+    pub fn binary(self, place: PackedPlatform) -> String {
         binary_path(self.fmi(), MODEL_IDENTIFIER, place)
     }
 
     /// Path inside the archive of this machine's own binary.
     pub fn own_binary(self) -> String {
-        self.binary(Place::OWN)
+        self.binary(PackedPlatform::OWN)
     }
 
-    /// The text of [`MODEL_DESCRIPTION`], checked, with the date on which it was made, where there
-    /// is one.
+    /// Checked text of [`MODEL_DESCRIPTION`], with `generationDateAndTime` if a date is given.
     ///
     /// # Errors
     /// [`Error::Invalid`] with everything that is wrong.

@@ -1,4 +1,4 @@
-//! XML as a tree of elements, for what is read of a model description.
+//! XML as a tree of elements, for reading model descriptions.
 
 use crate::error::{Error, Result};
 use quick_xml::Reader;
@@ -23,7 +23,7 @@ impl Element {
     /// [`Error::Xml`] when the text is none.
     pub fn parse(text: &str) -> Result<Self> {
         let mut reader = Reader::from_str(text);
-        // Elements that are open, the root's place first.
+        // Stack of open elements, the root's parent first.
         let mut open = vec![Self::default()];
         loop {
             let ended = match reader.read_event().map_err(problem)? {

@@ -9,8 +9,7 @@ use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::Pause;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// The FMU and the library carry the same arithmetic; what differs is where steps end (rounding,
-/// m).
+/// Rounding, m: FMU and library compute by one code; only the ends of steps differ by rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// Runs the blocks of a page one after the other in one interpreter, each with names of its own.

@@ -45,7 +45,7 @@ fn chromium_plays_the_live_page_of_an_unpacked_archive() {
     }
 }
 
-/// With a node that does not run, the archives are complete but for the page, and it is said what
+/// Where node does not run, the archives are complete without the page, and the message says what
 /// to install.
 #[cfg(unix)]
 #[test]

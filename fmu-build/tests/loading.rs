@@ -12,7 +12,7 @@ use std::process::Command;
 use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::description;
 
-/// Cycles that count, after as many as it takes until the allocator has what it needs.
+/// Measured cycles, after warm-up cycles in which the allocator grows.
 const CYCLES: u32 = 200;
 const WARM_UP: u32 = 20;
 

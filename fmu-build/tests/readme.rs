@@ -204,7 +204,7 @@ fn every_code_block_works() {
                 }
                 ("text", "README.md") => {
                     let run = fmu_build::run::run(&fmu, 200).expect("the FMU runs");
-                    let table = fmu_build::table::Table(&run).to_string();
+                    let table = fmu_build::table::RunTable(&run).to_string();
                     assert!(
                         table.starts_with(&block),
                         "README.md shows\n{block}\nbut the run gives\n{table}"

@@ -10,7 +10,7 @@ use fmu_build::compile::workspace;
 use fmu_build::kit::{KIT_FILE, Kit};
 use fmu_build::platforms::Binaries;
 use fmu_build::release::agreement::{Agreed, Intent, agreed};
-use fmu_build::release::changelog::{self, Section};
+use fmu_build::release::changelog::{self, ChangelogSection};
 use fmu_build::release::contents::{archive_of, disagreements};
 use fmu_build::release::notes::{Part, notes};
 use fmu_build::release::wheels::{self, ENTRY, WHEELS, WheelPlatform, sdist_file};
@@ -24,14 +24,13 @@ use std::sync::OnceLock;
 use std::time::{Duration, SystemTime};
 use vibro_fmi::component::identity::VERSION;
 use vibro_fmi::fmi2::description::guid;
-use vibro_fmi::fmi3::description::{ARRAYS, CLOCKED, MAIN, instantiation_token};
-use vibro_pack::{PLACES, Place};
+use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
+use vibro_pack::{PACKED_PLATFORMS, PackedPlatform};
 
 /// Files of the workspace in which something must agree.
 fn files_that_agree() -> Vec<String> {
     let named = ["Cargo.toml", "CHANGELOG.md", "CITATION.cff", "python/pyproject.toml"].map(str::to_owned);
-    let descriptions = ["modelDescription", "fmi3", "fmi3-arrays", "fmi3-clocked"]
-        .map(|name| format!("modelDescription/{name}.xml"));
+    let descriptions = ["modelDescription", "fmi3"].map(|name| format!("modelDescription/{name}.xml"));
     let manifest: toml::Table = fs::read_to_string(workspace().join("Cargo.toml")).unwrap().parse().unwrap();
     let members = manifest["workspace"]["members"].as_array().unwrap().iter();
     let members = members.map(|member| format!("{}/Cargo.toml", member.as_str().unwrap()));
@@ -70,11 +69,11 @@ fn sources_that_agree_are_released() {
 
 #[test]
 fn each_altered_copy_of_the_sources_is_refused_by_name() {
-    let (guid, [main, arrays, clocked]) = (guid(), [MAIN, ARRAYS, CLOCKED].map(instantiation_token));
+    let (guid, main) = (guid(), instantiation_token(MAIN));
     let (version, in_xml) = (format!("version = \"{VERSION}\""), format!(" version=\"{VERSION}\""));
     let section = format!("## [{VERSION}] - 2026-01-31");
     let other = "{00000000-0000-0000-0000-000000000000}";
-    let alterations: [(&str, &str, &str, &str); 17] = [
+    let alterations: [(&str, &str, &str, &str); 15] = [
         ("Cargo.toml", &version, "version = \"7.0.0\"", "was compiled from"),
         ("fmi/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "fmi/Cargo.toml"),
         ("python/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "python/Cargo.toml"),
@@ -89,8 +88,6 @@ fn each_altered_copy_of_the_sources_is_refused_by_name() {
         ("modelDescription/fmi3.xml", &in_xml, " version=\"7.0.0\"", "fmi3.xml: version"),
         ("modelDescription/modelDescription.xml", &guid, other, "modelDescription.xml: instantiation token"),
         ("modelDescription/fmi3.xml", &main, other, "fmi3.xml: instantiation token"),
-        ("modelDescription/fmi3-arrays.xml", &arrays, other, "fmi3-arrays.xml: instantiation token"),
-        ("modelDescription/fmi3-clocked.xml", &clocked, other, "fmi3-clocked.xml: instantiation token"),
         ("CHANGELOG.md", &section, "## [7.0.0] - 2026-01-31", "no section"),
         ("CHANGELOG.md", "- 2026-01-31", "", "has no day"),
         ("CHANGELOG.md", "2026-01-31", "2026-13-31", "has no day"),
@@ -147,7 +144,7 @@ fn the_notes_have_the_section_of_the_version_and_a_preview_says_so() {
     assert!(!text.contains("Left out"), "{text}");
 
     let preview = changelog::of(CHANGELOG, "0.3.0", true).unwrap();
-    let expected = Section { name: "Unreleased".into(), date: None, text: "- Next.".into() };
+    let expected = ChangelogSection { name: "Unreleased".into(), date: None, text: "- Next.".into() };
     assert_eq!(preview, expected);
     let text =
         notes(&Agreed { version: "0.3.0".into(), changes: preview }, &[], &["win64 is left out".into()]);
@@ -239,8 +236,8 @@ fn files_that_agree_are_released() {
     assert_eq!(Dist::new().disagreements(), [""; 0]);
 }
 
-/// Cargo goes by dates: by those in the source distribution it would take what was built from other
-/// sources for these.
+/// Cargo compares modification times: with those stored in the source distribution it would reuse a
+/// build of other sources.
 #[test]
 fn unpacked_sources_are_newer_than_what_was_built_before() {
     let before = SystemTime::now() - Duration::from_secs(60); // disks have coarser clocks
@@ -253,7 +250,8 @@ fn unpacked_sources_are_newer_than_what_was_built_before() {
 
 /// The file of a kit with a library for another platform.
 fn other_kit() -> Vec<u8> {
-    let other = PLACES.into_iter().find(|place| place.folder != Place::OWN.folder).unwrap();
+    let other =
+        PACKED_PLATFORMS.into_iter().find(|place| place.folder != PackedPlatform::OWN.folder).unwrap();
     let kit = Kit { binaries: [(other, b"library".to_vec())].into_iter().collect(), ..Kit::default() };
     archive::to_bytes(&kit.entries()).unwrap()
 }

@@ -1,4 +1,5 @@
-//! The archives as ZIP files, by a reader of our own: what FMI 3.0.2, 2.5 allows, on the bytes.
+//! The archives as ZIP files, parsed byte by byte by a reader independent of the writer's crate:
+//! rules of FMI 3.0.2, 2.5.
 
 use fmu_build::platforms::Binaries;
 use fmu_build::version::Version;
@@ -88,7 +89,7 @@ fn archives_keep_the_rules_of_the_standard() {
             assert!(kind == REGULAR || kind == 0, "{name}: {kind:o}");
             assert!(name.is_ascii() && !name.contains('\\') && !name.starts_with('/'), "{name}");
             assert!(!name.split('/').any(|part| part == ".." || part.is_empty()), "{name}");
-            // The header beside the data says the same.
+            // The local header agrees with the central directory.
             assert_eq!(bytes.u32(entry.local), 0x0403_4b50, "{name}");
             let local = (bytes.u16(entry.local + 4), bytes.u16(entry.local + 6), bytes.u16(entry.local + 8));
             assert_eq!(local, (entry.needed, entry.flags, entry.method), "{name}");

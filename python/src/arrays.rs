@@ -5,43 +5,43 @@ use pyo3::prelude::*;
 use vibro_impact::State;
 
 /// An array of one dimension.
-pub type Column<'py, T> = Bound<'py, PyArray1<T>>;
+pub type Array1<'py, T> = Bound<'py, PyArray1<T>>;
 /// An array of two dimensions.
-pub type Table<'py, T> = Bound<'py, PyArray2<T>>;
+pub type Array2<'py, T> = Bound<'py, PyArray2<T>>;
 
 /// An array with these rows.
 pub fn table<'py, T: numpy::Element + Copy, const N: usize>(
     py: Python<'py>,
     rows: &[[T; N]],
-) -> PyResult<Table<'py, T>> {
+) -> PyResult<Array2<'py, T>> {
     plane(py, rows.as_flattened(), rows.len(), N)
 }
 
-/// An array of so many rows and columns with these numbers, row by row.
+/// An array of `rows` times `columns`, filled row by row.
 pub fn plane<'py, T: numpy::Element + Copy>(
     py: Python<'py>,
     numbers: &[T],
     rows: usize,
     columns: usize,
-) -> PyResult<Table<'py, T>> {
+) -> PyResult<Array2<'py, T>> {
     let array = PyArray2::zeros(py, [rows, columns], false);
     array.try_readwrite()?.as_slice_mut()?.copy_from_slice(numbers);
     Ok(array)
 }
 
 /// An array with these numbers.
-pub fn column<'py, T: numpy::Element + Copy>(py: Python<'py>, numbers: &[T]) -> Column<'py, T> {
+pub fn column<'py, T: numpy::Element + Copy>(py: Python<'py>, numbers: &[T]) -> Array1<'py, T> {
     PyArray1::from_slice(py, numbers)
 }
 
 /// Displacements (m) and velocities (m/s) of states, an array each.
-pub fn states<'py>(py: Python<'py>, states: &[State]) -> PyResult<(Table<'py, f64>, Table<'py, f64>)> {
+pub fn states<'py>(py: Python<'py>, states: &[State]) -> PyResult<(Array2<'py, f64>, Array2<'py, f64>)> {
     let x: Vec<[f64; 3]> = states.iter().map(|s| s.x).collect();
     let v: Vec<[f64; 3]> = states.iter().map(|s| s.v).collect();
     Ok((table(py, &x)?, table(py, &v)?))
 }
 
-/// The numbers of an array. The Python side passes on contiguous ones.
+/// The numbers of an array. The Python modules pass contiguous arrays.
 pub fn numbers(array: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
     Ok(array.as_slice()?.to_vec())
 }

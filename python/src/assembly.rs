@@ -1,9 +1,9 @@
 //! Machines that a file or a program describes: their parameters, motions, measures and diagrams.
 
-use crate::arrays::{Column, Table, column, numbers, plane, table};
+use crate::arrays::{Array1, Array2, column, numbers, plane, table};
 use crate::background::{Control, compute, each_of};
 use crate::failure::Failure;
-use crate::studies::{Row, in_parts, row};
+use crate::studies::{MeasureRow, in_parts, row};
 use fmi_doors::Version;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
@@ -46,7 +46,7 @@ impl Described {
             (None, path) => file::read(path.unwrap_or_default().as_ref()),
         };
         let description = read.map_err(Failure::from)?;
-        // What only the matrices and the start tell.
+        // Checks that need the matrices and the start.
         Assembly::new(description.clone()).map_err(Failure::from)?;
         Ok(Self { description: Arc::new(description) })
     }
@@ -65,7 +65,7 @@ impl Described {
         self.description.parameters().into_iter().map(|p| (p.name, p.unit, p.value, p.meaning)).collect()
     }
 
-    /// Names of what a motion shows.
+    /// Names of a motion's columns.
     fn columns(&self) -> Vec<String> {
         columns(&self.description)
     }
@@ -122,7 +122,7 @@ impl Described {
     }
 }
 
-/// Where motions are looked at: a period in s or an element.
+/// Section of a motion: a period in s, or an element's name.
 #[derive(FromPyObject)]
 pub enum SectionChoice {
     Period(f64),
@@ -140,13 +140,13 @@ fn rule(section: Option<SectionChoice>) -> SectionRule {
 /// A sampled motion with its events.
 #[derive(IntoPyObject)]
 pub struct AssemblyRun<'py> {
-    values: Table<'py, f64>,
-    t: Column<'py, f64>,
+    values: Array2<'py, f64>,
+    t: Array1<'py, f64>,
     kind: Vec<&'static str>,
     element: Vec<String>,
-    value: Column<'py, f64>,
-    stops: Column<'py, i32>,
-    energy: Table<'py, f64>,
+    value: Array1<'py, f64>,
+    stops: Array1<'py, i32>,
+    energy: Array2<'py, f64>,
 }
 
 /// The motion at ascending times (s), with what happened up to the last.
@@ -194,7 +194,7 @@ pub fn simulate_assemblies<'py>(
     machines: Vec<PyRef<'_, Described>>,
     until: f64,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Table<'py, f64>> {
+) -> PyResult<Array2<'py, f64>> {
     let count = machines.first().map_or(0, |m| m.description.quantities().count());
     let machines = clones(&machines);
     let ends = each_of(py, machines.len(), progress, move |_, index| {
@@ -209,7 +209,7 @@ fn clones(machines: &[PyRef<'_, Described>]) -> Vec<Described> {
     machines.iter().map(|m| (*m).clone()).collect()
 }
 
-/// Measures of many machines' settled motions: a row of each.
+/// Measures of many machines' settled motions, a row for each.
 #[pyfunction]
 #[pyo3(signature = (machines, names, settle, periods, section, in_rows, progress = None))]
 #[allow(clippy::too_many_arguments)]
@@ -222,7 +222,7 @@ pub fn measure_assemblies(
     section: Option<SectionChoice>,
     in_rows: bool,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<Row>> {
+) -> PyResult<Vec<MeasureRow>> {
     let measures = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
     let measures = measures.map_err(Failure::from)?;
     let rule = rule(section);
@@ -241,15 +241,15 @@ pub fn measure_assemblies(
 /// One direction of a diagram.
 #[derive(IntoPyObject)]
 struct AssemblyDirection<'py> {
-    value: Column<'py, f64>,
+    value: Array1<'py, f64>,
     kind: Vec<String>,
-    period: Column<'py, i32>,
-    contacts: Column<'py, f64>,
-    rests: Column<'py, bool>,
-    maxima: Column<'py, f64>,
-    at: Column<'py, i64>,
-    met: Column<'py, u32>,
-    exponent: Column<'py, f64>,
+    period: Array1<'py, i32>,
+    contacts: Array1<'py, f64>,
+    rests: Array1<'py, bool>,
+    maxima: Array1<'py, f64>,
+    at: Array1<'py, i64>,
+    met: Array1<'py, u32>,
+    exponent: Array1<'py, f64>,
 }
 
 /// A diagram in both directions.
@@ -257,7 +257,7 @@ struct AssemblyDirection<'py> {
 pub struct AssemblyDiagram<'py> {
     up: AssemblyDirection<'py>,
     down: AssemblyDirection<'py>,
-    hysteresis: Column<'py, bool>,
+    hysteresis: Array1<'py, bool>,
 }
 
 fn direction<'py>(

@@ -1,5 +1,4 @@
-//! Computations in a thread of their own, while the calling thread hears signals and shows
-//! progress.
+//! Computations in a worker thread, while the calling thread handles signals and shows progress.
 
 use crate::failure::Failure;
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -11,20 +10,20 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
-/// How often signals are looked for: a person who presses Ctrl-C notices a tenth of a second.
+/// Interval between checks for signals: a longer delay after Ctrl-C would be noticed.
 const POLL: Duration = Duration::from_millis(30);
 
-/// What the thread that computes and the one that waits tell each other.
+/// State shared by the computing and the waiting thread.
 #[derive(Debug, Default)]
 pub struct Control {
     cancelled: AtomicBool,
     done: AtomicUsize,
-    /// How many parts there are; 0 where the caller knows.
+    /// Number of parts; 0 where the caller knows it.
     total: AtomicUsize,
 }
 
 impl Control {
-    /// Ends a computation for which nobody waits any more.
+    /// Ends a computation whose caller has stopped waiting.
     ///
     /// # Errors
     /// [`Failure::Cancelled`] then.
@@ -32,12 +31,12 @@ impl Control {
         if self.is_cancelled() { Err(Failure::Cancelled) } else { Ok(()) }
     }
 
-    /// Whether nobody waits any more.
+    /// Whether the caller has stopped waiting.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Tells how many parts there are, where the caller cannot know.
+    /// Sets the number of parts, where the caller cannot know it.
     pub fn expect(&self, parts: usize) {
         self.total.store(parts, Ordering::Relaxed);
     }
@@ -61,7 +60,7 @@ pub fn compute<T: Send + 'static>(
     let (sender, mut receiver) = channel();
     let theirs = Arc::clone(&control);
     let work = move || {
-        // Nobody receives after a signal.
+        // After a signal there is no receiver.
         let _ = sender.send(work(&theirs));
     };
     let thread = std::thread::Builder::new().name("vibro_impact".into()).spawn(work);
@@ -94,9 +93,9 @@ pub fn compute<T: Send + 'static>(
     }
 }
 
-/// What `each` finds of so many motions, by their index, on all threads. A signal's exception has
-/// what was found until then as its attribute `partial`: a list with `None` for a motion that was
-/// not at its end.
+/// Results of `each` for `count` motions by index, on all threads. The exception of a signal
+/// carries the results so far as its attribute `partial`: a list with `None` for unfinished
+/// motions.
 pub fn each_of<T>(
     py: Python<'_>,
     count: usize,

@@ -1,5 +1,5 @@
-//! What can go wrong, as Python's exceptions: ValueError for what was asked for, RuntimeError for
-//! what has no answer.
+//! Failures as Python's exceptions: ValueError for refused arguments, RuntimeError for computations
+//! without a result.
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
@@ -14,19 +14,19 @@ pub enum Failure {
     Motion(usize, Error),
     /// The result does not fit into memory.
     Memory,
-    /// Nobody waits for the result any more.
+    /// The caller has stopped waiting.
     Cancelled,
-    /// The system gave no thread.
+    /// The operating system refused a thread.
     Threads(String),
     /// A file could not be written or read.
     File(std::io::ErrorKind, String),
-    /// A mistake of ours.
+    /// A defect of the library.
     Ours(String),
 }
 
 impl Failure {
-    /// Why one motion has no result, where that is the motion's own; else the failure, which is
-    /// that of the whole call.
+    /// Reason why one motion has no result, where the motion is to blame; otherwise the failure of
+    /// the whole call.
     ///
     /// # Errors
     /// The failure then.
@@ -37,7 +37,7 @@ impl Failure {
         }
     }
 
-    /// The same of one of several motions, by its index.
+    /// The failure as that of one of several motions, by its index.
     pub fn of_motion(self, index: usize) -> Self {
         match self {
             Self::Library(error) => Self::Motion(index, error),
@@ -110,7 +110,7 @@ impl From<Failure> for PyErr {
     }
 }
 
-/// Whether nothing is wrong with what was given: the computation found no result.
+/// Whether the arguments were valid and the computation found no result.
 fn has_no_answer(error: &Error) -> bool {
     use vibro_impact::Error::{NoConvergence, WorkLimit};
     match error {
@@ -124,7 +124,7 @@ fn has_no_answer(error: &Error) -> bool {
     }
 }
 
-/// An error's words; the names of a described machine are its own.
+/// Message of an error; names of a described machine are left as they are.
 fn words(error: &Error) -> String {
     let text = error.to_string();
     match error {
@@ -141,8 +141,8 @@ fn exception(no_answer: bool, message: &str) -> PyErr {
     }
 }
 
-/// The same words with the names of parameters, coordinates and loads as Python's arguments have
-/// them: `box_m` for `box.m`.
+/// A message with parameters, coordinates and loads under the names of Python's arguments: `box_m`
+/// for `box.m`.
 pub fn in_python(message: &str) -> String {
     const OTHERS: [&str; 9] = [
         "box.s",

@@ -1,6 +1,6 @@
 //! Motions: sampled with their events, many at once, and as sections.
 
-use crate::arrays::{Column, Table, column, numbers, rows_of_states, state, states, table};
+use crate::arrays::{Array1, Array2, column, numbers, rows_of_states, state, states, table};
 use crate::background::{Control, compute, pool, with_partial};
 use crate::failure::Failure;
 use crate::system::{Load, System};
@@ -12,43 +12,42 @@ use vibro_analysis::trajectories::{Start, propagate};
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause};
 use vibro_impact::{Parameters, Simulator, State, load};
 
-/// Drive periods of one call to the library, for each thread: half a second's work, after which it
-/// is asked whether anyone still waits. Each call ends with some lanes of the vectors empty, so
-/// that many short ones cost more.
+/// Drive periods of one call to the library per thread: half a second's work between checks for
+/// cancellation. Shorter calls cost more, since each ends with empty lanes of the vectors.
 const PERIODS_A_THREAD: usize = 400_000;
-/// Motions of such a call: enough to fill the vectors, however many periods each has.
+/// Least motions of one call: enough to fill the vectors.
 const MOTIONS_A_THREAD: std::ops::RangeInclusive<usize> = 64..=4096;
 
 /// Impacts in order of time, an array for each quantity.
 #[derive(IntoPyObject)]
 struct Impacts<'py> {
-    t: Column<'py, f64>,
-    stop: Column<'py, i8>,
-    speed: Column<'py, f64>,
-    impulse: Column<'py, f64>,
+    t: Array1<'py, f64>,
+    stop: Array1<'py, i8>,
+    speed: Array1<'py, f64>,
+    impulse: Array1<'py, f64>,
 }
 
 /// Captures or releases in order of time.
 #[derive(IntoPyObject)]
-struct Contacts<'py> {
-    t: Column<'py, f64>,
-    stop: Column<'py, i8>,
+struct ContactTimes<'py> {
+    t: Array1<'py, f64>,
+    stop: Array1<'py, i8>,
 }
 
 /// A sampled motion with its events.
 #[derive(IntoPyObject)]
-pub struct Run<'py> {
-    s: Table<'py, f64>,
-    v: Table<'py, f64>,
-    energy: Table<'py, f64>,
+pub struct SampledMotion<'py> {
+    s: Array2<'py, f64>,
+    v: Array2<'py, f64>,
+    energy: Array2<'py, f64>,
     impacts: Impacts<'py>,
-    rests: Contacts<'py>,
-    releases: Contacts<'py>,
+    rests: ContactTimes<'py>,
+    releases: ContactTimes<'py>,
 }
 
-/// What is collected along a motion.
+/// Samples and events collected along a motion.
 #[derive(Debug, Default)]
-struct Record {
+struct MotionRecord {
     states: Vec<State>,
     energy: Vec<[f64; 4]>,
     events: Events,
@@ -72,9 +71,9 @@ impl Events {
     }
 }
 
-fn contacts<'py>(py: Python<'py>, found: &[(f64, i8)]) -> Contacts<'py> {
+fn contacts<'py>(py: Python<'py>, found: &[(f64, i8)]) -> ContactTimes<'py> {
     let (t, stop): (Vec<f64>, Vec<i8>) = found.iter().copied().unzip();
-    Contacts { t: column(py, &t), stop: column(py, &stop) }
+    ContactTimes { t: column(py, &t), stop: column(py, &stop) }
 }
 
 /// The motion from a state (m, m/s) at `begin` (s) under loads, reported at ascending times (s).
@@ -88,14 +87,14 @@ pub fn simulate<'py>(
     t: PyReadonlyArray1<'_, f64>,
     loads: Vec<PyRef<'_, Load>>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Run<'py>> {
+) -> PyResult<SampledMotion<'py>> {
     let (p, times) = (*system.parameters(), numbers(&t)?);
     let loads: Vec<load::Load> = loads.iter().map(|l| l.load().clone()).collect();
     let found = compute(py, progress, move |control| sampled(control, &p, &start, begin, &times, &loads))?;
     let (s, v) = states(py, &found.states)?;
     let impacts = &found.events.impacts;
     let part = |f: fn(&(f64, i8, f64, f64)) -> f64| column(py, &impacts.iter().map(f).collect::<Vec<_>>());
-    Ok(Run {
+    Ok(SampledMotion {
         s,
         v,
         energy: table(py, &found.energy)?,
@@ -110,7 +109,7 @@ pub fn simulate<'py>(
     })
 }
 
-/// The same as plain data: an advance to each time in turn, so that it has the bits of a host that
+/// Samples a motion at ascending times, advancing to each in turn: bit-identical to a host that
 /// steps so.
 fn sampled(
     control: &Control,
@@ -119,9 +118,9 @@ fn sampled(
     begin: f64,
     times: &[f64],
     loads: &[load::Load],
-) -> Result<Record, Failure> {
+) -> Result<MotionRecord, Failure> {
     let mut simulator = Simulator::new(p, &state(start), begin)?;
-    let mut found = Record::default();
+    let mut found = MotionRecord::default();
     found.states.try_reserve_exact(times.len())?;
     found.energy.try_reserve_exact(times.len())?;
     for &time in times {
@@ -149,7 +148,7 @@ pub fn simulate_many<'py>(
     starts: PyReadonlyArray2<'_, f64>,
     periods: u32,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(Table<'py, f64>, Table<'py, f64>)> {
+) -> PyResult<(Array2<'py, f64>, Array2<'py, f64>)> {
     let pairs = systems.iter().zip(rows_of_states(&starts)?);
     let starts: Vec<Start> =
         pairs.map(|(system, state)| Start { parameters: *system.parameters(), state }).collect();
@@ -190,16 +189,16 @@ fn together(
 
 /// A Poincaré section.
 #[derive(IntoPyObject)]
-pub struct Section<'py> {
-    t: Column<'py, f64>,
-    s: Table<'py, f64>,
-    v: Table<'py, f64>,
-    phase: Column<'py, f64>,
-    speed: Column<'py, f64>,
+pub struct SectionStates<'py> {
+    t: Array1<'py, f64>,
+    s: Array2<'py, f64>,
+    v: Array2<'py, f64>,
+    phase: Array1<'py, f64>,
+    speed: Array1<'py, f64>,
 }
 
 /// One point of a section: time, state, phase of the drive, speed of the impact.
-type Point = (f64, State, f64, f64);
+type SectionPoint = (f64, State, f64, f64);
 
 /// States at a phase of the drive (`stop` = 0), or just after the impacts at a stop (+1 or -1),
 /// over `periods` drive periods after `discard`, from a state at time 0.
@@ -215,7 +214,7 @@ pub fn poincare<'py>(
     discard: u32,
     periods: u32,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Section<'py>> {
+) -> PyResult<SectionStates<'py>> {
     let p = *system.parameters();
     let found = compute(py, progress, move |control| {
         let simulator = Simulator::new(&p, &state(&start), 0.0)?.without_energy_accounts();
@@ -225,19 +224,25 @@ pub fn poincare<'py>(
             at_stop(control, simulator, stop, (discard, periods))
         }
     })?;
-    let part = |f: fn(&Point) -> f64| column(py, &found.iter().map(f).collect::<Vec<_>>());
+    let part = |f: fn(&SectionPoint) -> f64| column(py, &found.iter().map(f).collect::<Vec<_>>());
     let (s, v) = states(py, &found.iter().map(|point| point.1).collect::<Vec<_>>())?;
-    Ok(Section { t: part(|point| point.0), s, v, phase: part(|point| point.2), speed: part(|point| point.3) })
+    Ok(SectionStates {
+        t: part(|point| point.0),
+        s,
+        v,
+        phase: part(|point| point.2),
+        speed: part(|point| point.3),
+    })
 }
 
-/// States at a phase of the drive, rad. The drive's phase is reached a part of a period after each
-/// whole one.
+/// States at a phase of the drive, rad, which is reached a fraction of a period after each whole
+/// one.
 fn at_phase(
     control: &Control,
     mut simulator: Simulator,
     phase: f64,
     (discard, periods): (u32, u32),
-) -> Result<Vec<Point>, Failure> {
+) -> Result<Vec<SectionPoint>, Failure> {
     let p = *simulator.parameters();
     let part = ((phase - p.drive_phase) / TAU).rem_euclid(1.0);
     let mut found = Vec::new();
@@ -260,7 +265,7 @@ fn at_stop(
     mut simulator: Simulator,
     stop: i8,
     (discard, periods): (u32, u32),
-) -> Result<Vec<Point>, Failure> {
+) -> Result<Vec<SectionPoint>, Failure> {
     let period = simulator.parameters().period();
     let mut found = Vec::new();
     for i in 1..=u64::from(discard) + u64::from(periods) {

@@ -1,6 +1,6 @@
 //! Periodic orbits by the order of their impacts, and branches of them along a parameter.
 
-use crate::arrays::{Column, Table, column, numbers, state, states, table};
+use crate::arrays::{Array1, Array2, column, numbers, state, states, table};
 use crate::background::compute;
 use crate::failure::Failure;
 use crate::system::{System, find};
@@ -83,13 +83,13 @@ impl Orbit {
 
     /// Phases of the drive at the impacts, rad.
     #[getter]
-    fn phases<'py>(&self, py: Python<'py>) -> Column<'py, f64> {
+    fn phases<'py>(&self, py: Python<'py>) -> Array1<'py, f64> {
         column(py, self.orbit.phases())
     }
 
     /// Approach speeds at the impacts, m/s.
     #[getter]
-    fn speeds<'py>(&self, py: Python<'py>) -> Column<'py, f64> {
+    fn speeds<'py>(&self, py: Python<'py>) -> Array1<'py, f64> {
         let p = self.set.parameters();
         let speeds: Vec<f64> =
             self.orbit.speeds().iter().map(|s| s * p.drive_frequency * p.stop_gap).collect();
@@ -98,7 +98,7 @@ impl Orbit {
 
     /// The six multipliers, largest first.
     #[getter]
-    fn multipliers<'py>(&self, py: Python<'py>) -> Column<'py, Complex<f64>> {
+    fn multipliers<'py>(&self, py: Python<'py>) -> Array1<'py, Complex<f64>> {
         column(py, &self.orbit.multipliers())
     }
 
@@ -113,13 +113,13 @@ impl Orbit {
         &self,
         py: Python<'py>,
         theta: PyReadonlyArray1<'_, f64>,
-    ) -> PyResult<(Table<'py, f64>, Table<'py, f64>)> {
+    ) -> PyResult<(Array2<'py, f64>, Array2<'py, f64>)> {
         let at = |theta: &f64| self.orbit.state(*theta);
         states(py, &numbers(&theta)?.iter().map(at).collect::<Vec<_>>())
     }
 
     /// Local maxima of a sum of x1, x2, x3 with weights, m.
-    fn maxima<'py>(&self, py: Python<'py>, weights: [f64; 3]) -> Column<'py, f64> {
+    fn maxima<'py>(&self, py: Python<'py>, weights: [f64; 3]) -> Array1<'py, f64> {
         let gap = self.set.parameters().stop_gap;
         let found: Vec<f64> = self.orbit.maxima(weights).into_iter().map(|x| x * gap).collect();
         column(py, &found)
@@ -168,17 +168,17 @@ pub fn settled_orbit(
 
 /// A branch of orbits along a parameter.
 #[derive(IntoPyObject)]
-pub struct Branch<'py> {
+pub struct BranchArrays<'py> {
     word: String,
     symmetric: bool,
     period: u32,
     closed: bool,
-    value: Column<'py, f64>,
-    phases: Vec<Column<'py, f64>>,
-    multipliers: Table<'py, Complex<f64>>,
-    stable: Column<'py, bool>,
+    value: Array1<'py, f64>,
+    phases: Vec<Array1<'py, f64>>,
+    multipliers: Array2<'py, Complex<f64>>,
+    stable: Array1<'py, bool>,
     labels: Vec<&'static str>,
-    maxima: Vec<Column<'py, f64>>,
+    maxima: Vec<Array1<'py, f64>>,
 }
 
 /// The branch of an orbit over a range of a parameter, in both directions, with local maxima of a
@@ -192,7 +192,7 @@ pub fn follow<'py>(
     ends: (f64, f64),
     weights: [f64; 3],
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Branch<'py>> {
+) -> PyResult<BranchArrays<'py>> {
     let name = find(name)?;
     let (set, word, phases) = (orbit.set.clone(), orbit.orbit.word().clone(), orbit.orbit.phases().to_vec());
     let span = Span::new(name, ends.0, ends.1).map_err(Failure::from)?;
@@ -209,7 +209,7 @@ pub fn follow<'py>(
     })?;
     let points = &branch.points;
     let multipliers: Vec<[Complex<f64>; 6]> = points.iter().map(|p| p.multipliers).collect();
-    Ok(Branch {
+    Ok(BranchArrays {
         word: branch.word.to_string(),
         symmetric: branch.word.closing() < 0,
         period: branch.word.period(),

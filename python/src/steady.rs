@@ -1,7 +1,7 @@
 //! Steady states in closed form: the symmetric motion with two impacts a drive period by three
 //! theories.
 
-use crate::arrays::{Column, Table, column, numbers, states};
+use crate::arrays::{Array1, Array2, column, numbers, states};
 use crate::failure::{Failure, in_python};
 use crate::system::System;
 use nalgebra::Complex;
@@ -25,13 +25,13 @@ enum Theory {
 /// A steady state as Python has it.
 #[derive(IntoPyObject)]
 pub struct Closed<'py> {
-    amplitudes: Column<'py, f64>,
+    amplitudes: Array1<'py, f64>,
     drive_phase: f64,
     geometric: bool,
     fixed_point: bool,
     periodic_motion: bool,
-    eigenvalues: Column<'py, Complex<f64>>,
-    multipliers: Column<'py, Complex<f64>>,
+    eigenvalues: Array1<'py, Complex<f64>>,
+    multipliers: Array1<'py, Complex<f64>>,
     bifurcation: &'static str,
 }
 
@@ -67,7 +67,7 @@ fn name(bifurcation: Bifurcation) -> &'static str {
 }
 
 impl Theory {
-    /// As Python has it, lengths in m.
+    /// Result for Python, lengths in m.
     fn closed<'py>(&self, py: Python<'py>, gap: f64) -> Closed<'py> {
         let make = |amplitudes: [f64; 3], drive_phase, tests: Admissibility, bifurcation| {
             move |eigenvalues: &[Complex<f64>], multipliers: &[Complex<f64>]| Closed {
@@ -119,7 +119,7 @@ impl Theory {
     }
 }
 
-/// The steady state of a theory, and why there is none.
+/// The steady state of a theory, or the reason why there is none.
 #[pyfunction]
 pub fn steady<'py>(
     py: Python<'py>,
@@ -144,7 +144,7 @@ pub fn steady_motion<'py>(
     theory: &str,
     upper: bool,
     theta: PyReadonlyArray1<'_, f64>,
-) -> PyResult<(Table<'py, f64>, Table<'py, f64>)> {
+) -> PyResult<(Array2<'py, f64>, Array2<'py, f64>)> {
     let found = solve(system, theory, sheet(upper)).map_err(Failure::from)?;
     let found =
         found.ok_or_else(|| PyValueError::new_err("no symmetric motion with two impacts a period"))?;

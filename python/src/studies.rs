@@ -1,7 +1,7 @@
 //! Studies: bifurcation diagrams, Lyapunov exponents, basins of attraction, measures of settled
 //! motions.
 
-use crate::arrays::{Column, Table, column, plane, rows_of_states, state, table};
+use crate::arrays::{Array1, Array2, column, plane, rows_of_states, state, table};
 use crate::background::{Control, compute, each_of, pool};
 use crate::failure::{Failure, in_python};
 use crate::system::{System, find};
@@ -19,10 +19,10 @@ use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::start::{Coordinate, StartRule};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Keeps nothing, and refuses to go on once nobody waits for the study.
+/// A store that keeps nothing and ends the study once the caller has stopped waiting.
 struct Cancelling<'a>(&'a Control);
 
-/// What ends a study for which nobody waits.
+/// Error that ends a cancelled study.
 #[derive(Debug, Clone, Copy)]
 struct NobodyWaits;
 
@@ -48,7 +48,7 @@ impl PartStore for Cancelling<'_> {
     }
 }
 
-/// A study in `parts` parts, on all threads. All parts belong to it, so that it is whole.
+/// Computes all `parts` parts of a study, on all threads.
 pub fn in_parts<T: Send>(
     control: &Control,
     parts: usize,
@@ -65,15 +65,15 @@ pub fn in_parts<T: Send>(
 /// The motions of one direction of a diagram, an entry for each value.
 #[derive(IntoPyObject)]
 struct Direction<'py> {
-    value: Column<'py, f64>,
+    value: Array1<'py, f64>,
     kind: Vec<String>,
-    period: Column<'py, i32>,
-    impacts: Table<'py, f64>,
-    rests: Column<'py, bool>,
-    maxima: Column<'py, f64>,
-    at: Column<'py, i64>,
-    met: Column<'py, u32>,
-    exponents: Option<Table<'py, f64>>,
+    period: Array1<'py, i32>,
+    impacts: Array2<'py, f64>,
+    rests: Array1<'py, bool>,
+    maxima: Array1<'py, f64>,
+    at: Array1<'py, i64>,
+    met: Array1<'py, u32>,
+    exponents: Option<Array2<'py, f64>>,
 }
 
 /// A diagram in both directions.
@@ -81,7 +81,7 @@ struct Direction<'py> {
 pub struct BothDirections<'py> {
     up: Direction<'py>,
     down: Direction<'py>,
-    hysteresis: Column<'py, bool>,
+    hysteresis: Array1<'py, bool>,
 }
 
 /// Maxima, classes and impacts over a parameter, with rising and with falling values.
@@ -162,11 +162,11 @@ fn direction<'py>(
 /// A Lyapunov spectrum with its values on the way.
 #[derive(IntoPyObject)]
 pub struct Spectrum<'py> {
-    exponents: Column<'py, f64>,
+    exponents: Array1<'py, f64>,
     deviation: f64,
     impacts: u64,
     rests: bool,
-    running: Table<'py, f64>,
+    running: Array2<'py, f64>,
 }
 
 /// The seven Lyapunov exponents of the motion after `discard` drive periods from a state.
@@ -212,17 +212,17 @@ fn settled(
     Ok(simulator)
 }
 
-/// A settled motion as it is recognized.
+/// An attractor: class, period, impacts, states.
 #[derive(IntoPyObject)]
 struct Settled<'py> {
     kind: String,
     period: Option<u32>,
-    impacts: Column<'py, f64>,
+    impacts: Array1<'py, f64>,
     rests: bool,
     symmetric: bool,
-    states: Table<'py, f64>,
-    mirror_states: Table<'py, f64>,
-    sizes: Column<'py, f64>,
+    states: Array2<'py, f64>,
+    mirror_states: Array2<'py, f64>,
+    sizes: Array1<'py, f64>,
 }
 
 fn attractor<'py>(py: Python<'py>, found: &Attractor, class: MotionClass) -> PyResult<Settled<'py>> {
@@ -242,8 +242,8 @@ fn attractor<'py>(py: Python<'py>, found: &Attractor, class: MotionClass) -> PyR
 #[derive(IntoPyObject)]
 pub struct Basins<'py> {
     attractors: Vec<Settled<'py>>,
-    cells: Table<'py, i32>,
-    mirror: Table<'py, bool>,
+    cells: Array2<'py, i32>,
+    mirror: Array2<'py, bool>,
 }
 
 /// Where motions from a plane of two initial values end: the numbers of attractors, -1 outside the
@@ -304,7 +304,7 @@ pub fn measure(
     Ok((found.numbers, found.class.map(MotionClass::name)))
 }
 
-/// A motion, settled and measured.
+/// Measures of a settled motion.
 fn one(
     control: &Control,
     p: &Parameters,
@@ -321,13 +321,13 @@ fn one(
 
 /// What is measured of one of many motions: numbers, class, and why there are none where that is
 /// told in its row.
-pub type Row = (Vec<Option<f64>>, Option<String>, Option<String>);
+pub type MeasureRow = (Vec<Option<f64>>, Option<String>, Option<String>);
 
 /// A motion's row. A failure of its own is told there if `in_rows`.
 ///
 /// # Errors
 /// The other failures.
-pub fn row(found: Result<Measured, Failure>, in_rows: bool) -> Result<Row, Failure> {
+pub fn row(found: Result<Measured, Failure>, in_rows: bool) -> Result<MeasureRow, Failure> {
     match found {
         Ok(found) => Ok((found.numbers, found.class.map(MotionClass::name), None)),
         Err(failure) if in_rows => Ok((Vec::new(), None, Some(failure.reason()?))),
@@ -348,7 +348,7 @@ pub fn measure_many(
     periods: u32,
     in_rows: bool,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<Row>> {
+) -> PyResult<Vec<MeasureRow>> {
     let named = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
     let named = named.map_err(Failure::from)?;
     let parameters = systems.iter().map(|system| *system.parameters());

@@ -1,7 +1,7 @@
 //! A machine's parameters and loads as Python objects. They are plain values: the Python classes
 //! around them add equality, text and pickling.
 
-use crate::arrays::{Column, column, numbers};
+use crate::arrays::{Array1, column, numbers};
 use crate::failure::{Failure, in_python};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -184,7 +184,7 @@ impl Load {
     }
 
     /// The force (N) at times (s).
-    fn at<'py>(&self, py: Python<'py>, t: PyReadonlyArray1<'_, f64>) -> PyResult<Column<'py, f64>> {
+    fn at<'py>(&self, py: Python<'py>, t: PyReadonlyArray1<'_, f64>) -> PyResult<Array1<'py, f64>> {
         let forces: Vec<f64> = numbers(&t)?.into_iter().map(|t| self.load.force(t)).collect();
         Ok(column(py, &forces))
     }

@@ -26,7 +26,7 @@ export const diagram = {
   band: [-1, 1],
   /** A box that is being drawn, in pixels. @type {number[] | null} */
   drawn: null,
-  /** Whoever waits for the picture. @type {() => void} */
+  /** Callback when the picture is complete. @type {() => void} */
   changed: () => {},
   problem: "",
   /** How far the search for exact orbits has come, in words. */

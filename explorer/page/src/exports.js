@@ -1,4 +1,4 @@
-// What a reader takes along: pictures, tables, parameter files.
+// Exports: pictures, tables, parameter files.
 import { ROW } from "./core.js";
 import { diagram, drawDiagram } from "./diagram.js";
 import { layout, drawMachine } from "./machine-view.js";

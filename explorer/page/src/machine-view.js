@@ -1,10 +1,10 @@
-// The machine as in the documentation's sketch, in motion: lengths along the axis are to scale, so that the block really meets the stop.
+// The machine as in the documentation's sketch, in motion: lengths along the axis are to scale, so that block and stop meet at an impact.
 // A spring or a damper of zero is not drawn, and the oscillator is left out where nothing couples it to the block.
 import { FONT, rgb, theme } from "./plot.js";
 
 /** Half the block's and the oscillator's width, the stops' and the walls' thickness; in units of L. */
 const HALF = 0.31, STOP = 0.1, WALL = 0.13;
-/** From the box's middle to the faces of the stops less the gap, and to its outside. */
+/** Distances from the box's middle to the faces of the stops, without the gap, and to its outside. */
 const INNER = 1 + HALF, OUTER = INNER + STOP + WALL;
 /** The least length of the springs to the ground. */
 const LEAST = 0.42;
@@ -178,7 +178,7 @@ function drawBox(g, at, box, shown) {
   }
 }
 
-/** The block: heavier the faster it flies, by the trail behind it. @param {any} g @param {Layout} at @param {number} block @param {number} box @param {Shown} shown @param {number} size */
+/** The block, with a trail that grows with its speed. @param {any} g @param {Layout} at @param {number} block @param {number} box @param {Shown} shown @param {number} size */
 function drawBlock(g, at, block, box, shown, size) {
   const { scale, y, half } = at, w = HALF * scale, roller = Math.max(2, 0.04 * scale), tall = half * TALL, height = tall + half - 2 * roller;
   const trail = Math.min(0.9 * scale, Math.abs(shown.rate) * 0.045 * scale), away = -Math.sign(shown.rate), steps = 12;
@@ -193,7 +193,7 @@ function drawBlock(g, at, block, box, shown, size) {
   grip(g, block, y + half * 0.62);
 }
 
-/** The sign that a body can be taken hold of. @param {any} g @param {number} x @param {number} y */
+/** Mark of a body that can be dragged. @param {any} g @param {number} x @param {number} y */
 function grip(g, x, y) {
   g.strokeStyle = tinted(theme["on-body"], 0.6); g.lineWidth = 1.5;
   g.beginPath();

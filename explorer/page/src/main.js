@@ -1,4 +1,4 @@
-// The page: puts the parts together, keeps the clock, and hears mouse, touch and keys.
+// The page: its parts, the clock, and events of mouse, touch and keys.
 import { PHASE, RATE, ROW, TIME, unpack, use, X1 } from "./core.js";
 import { adoptRange, definitions, describe, makeFields, meaning, refuse, show, toldOf } from "./controls.js";
 import { attractorAt, compute, diagram, drawDiagram, frameOf, startWorkers } from "./diagram.js";
@@ -83,14 +83,14 @@ function adoptLink() {
   if (!/[#&]over=/.test(location.hash)) holdCursor();
 }
 
-/** Says what the settled motion is. */
+/** Shows the class of the settled motion. */
 function tell() {
   const { head, rest } = words();
   if (linked) say(`The link could not be read in full: ${linked}. ${head} ${rest}`, true);
   else say(rest, motion.problem !== "", head);
 }
 
-/** Everything from the start state. */
+/** Restarts everything from the start state. */
 function begin() {
   try { restart(); } catch (error) {
     return say(String(/** @type {Error} */ (error).message ?? error), true);
@@ -100,7 +100,7 @@ function begin() {
   ahead();
 }
 
-/** Looks where the motion settles, and lets it be classified when there is time. */
+/** Computes where the motion settles; it is classified when there is time. */
 function ahead() {
   lookAhead();
   more = true;
@@ -221,7 +221,7 @@ function frame(time) {
   if (sized) { diagram.dirty = true; redraw = true; }
   if (playing && held < 0) { strike(advance(passed * 10 ** state.pace)); redraw = true; if (motion.problem) say(motion.problem, true); }
   if (glow[0] > 0.005 || glow[1] > 0.005) {
-    // At the speed of the motion: the light stays while it is paused. Where motion is not wanted, it goes at once.
+    // Light fades at the speed of the motion and stays while it is paused; with reduced motion it goes at once.
     const slow = Math.max(0.09, Math.min(0.4, 0.07 / 10 ** state.pace)), fade = !playing ? 1 : calm.matches ? 0 : Math.exp(-passed / slow);
     if (fade < 1) redraw = true;
     glow[0] *= fade; glow[1] *= fade;

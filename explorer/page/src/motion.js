@@ -1,4 +1,4 @@
-// The motion on show: it is advanced with the clock, remembered for some drive periods, and looked at where it settles.
+// The motion on show: advanced with the clock, kept for some drive periods, and followed to where it settles.
 import { KIND, Machine, PHASE, RATE, ROW, TIME, W, X1, X2, X3 } from "./core.js";
 import { set, startSi, units } from "./state.js";
 import { reach } from "./plot.js";
@@ -136,7 +136,7 @@ export function presentAsStart() {
   return Array.from(motion.now.subarray(X1, X1 + 6), (x, i) => x / (i < 3 ? motion.length : motion.speedUnit));
 }
 
-/** Looks ahead: where does this motion settle? Its portrait; its section is filled later. */
+/** Computes the settled motion and its portrait; its section is filled later. */
 export function lookAhead() {
   motion.ahead?.free();
   motion.ahead = null;

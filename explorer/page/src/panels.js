@@ -186,7 +186,7 @@ export function drawBars(g, width) {
   const parts = /** @type {const} */ ([[mechanical, theme.ink, "machine"], [damped, theme.faint, "dampers"], [lost, theme.spark, "impacts"]]);
   let x = left;
   g.font = `11px ${FONT}`; g.textAlign = "left";
-  // The words stay where they are, whatever the shares.
+  // The words keep their positions when the shares change.
   const widest = parts.map(([, , name]) => g.measureText(`${name} 100 %`).width + (width < 420 ? 20 : 30));
   parts.forEach(([value, colour, name], i) => {
     const w = wide * Math.max(0, value) / all, at = (width < 420 ? 10 : left) + widest.slice(0, i).reduce((a, b) => a + b, 0);

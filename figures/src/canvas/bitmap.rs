@@ -1,6 +1,6 @@
 //! Marks as pixels, and these as a PNG file.
 
-use super::{Along, Colour, Mark, PNG_SHRINK, Pen, Place, letters};
+use super::{Along, CanvasPoint, Colour, Mark, PNG_SHRINK, Pen, letters};
 use crate::{Error, Result};
 use tiny_skia::{
     FillRule, LineCap, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform,
@@ -41,7 +41,7 @@ fn paint(Colour(r, g, b): Colour, opacity: f64) -> Paint<'static> {
 }
 
 /// A path of polylines.
-fn outline(pieces: &[Vec<Place>], close: bool) -> Option<Path> {
+fn outline(pieces: &[Vec<CanvasPoint>], close: bool) -> Option<Path> {
     let mut path = PathBuilder::new();
     for piece in pieces {
         for (i, &(x, y)) in piece.iter().enumerate() {
@@ -57,11 +57,11 @@ fn outline(pieces: &[Vec<Place>], close: bool) -> Option<Path> {
     path.finish()
 }
 
-fn rectangle([(x, y), (w, h)]: [Place; 2]) -> Option<Rect> {
+fn rectangle([(x, y), (w, h)]: [CanvasPoint; 2]) -> Option<Rect> {
     Rect::from_xywh(x as f32, y as f32, w as f32, h as f32)
 }
 
-/// Puts marks on pixels.
+/// Rasterizer of marks.
 struct Painter<'p> {
     pixels: &'p mut Pixmap,
 }
@@ -135,9 +135,8 @@ impl Painter<'_> {
         }
     }
 
-    fn clipped(&mut self, corners: [Place; 2], marks: &[Mark], place: Transform, cut: Option<&Mask>) {
-        // An empty rectangle, and no memory for a mask of the picture's size, show nothing of what
-        // is cut.
+    fn clipped(&mut self, corners: [CanvasPoint; 2], marks: &[Mark], place: Transform, cut: Option<&Mask>) {
+        // An empty rectangle shows nothing, and neither does a mask for which memory is lacking.
         let Some(edges) = rectangle(corners).map(PathBuilder::from_rect) else { return };
         let mask = match cut {
             None => Mask::new(self.pixels.width(), self.pixels.height()).map(|mut mask| {

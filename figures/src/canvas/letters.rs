@@ -21,7 +21,7 @@ const CIRCUMFLEX: char = '\u{302}';
 /// Up to this height of a letter, in ems, the font's circumflex stands free above it.
 const LOW_LETTER: f64 = 0.56;
 
-/// How far the baseline lies below a text's place, in ems.
+/// Distance of the baseline below a text's point, in ems.
 pub(super) fn drop(across: Across) -> f64 {
     match across {
         Across::Top => ASCENDER,
@@ -35,8 +35,8 @@ fn face() -> Option<&'static Face<'static>> {
     FACE.get_or_init(|| Face::parse(FONT_DATA, 0).ok()).as_ref()
 }
 
-/// Its glyph and how far the next letter stands from it, in units of the font. A letter that the
-/// font lacks is an empty box.
+/// Glyph and advance width of a letter, in units of the font. A letter that the font lacks is an
+/// empty box.
 fn glyph(face: &Face<'_>, letter: char) -> (GlyphId, f64) {
     let glyph = face.glyph_index(letter).unwrap_or(GlyphId(0));
     (glyph, f64::from(face.glyph_hor_advance(glyph).unwrap_or(0)))

@@ -1,7 +1,7 @@
 //! Marks as SVG text.
 
 use super::letters::FONT;
-use super::{Along, Colour, Mark, Place, SVG_SHRINK};
+use super::{Along, CanvasPoint, Colour, Mark, SVG_SHRINK};
 use crate::html::escape;
 use std::collections::BTreeSet;
 use std::fmt::{Display, Formatter, Write as _};
@@ -47,7 +47,7 @@ fn hex(Colour(r, g, b): Colour) -> String {
 }
 
 /// The data of a path of polylines.
-fn outline(piece: &[Place], data: &mut String) {
+fn outline(piece: &[CanvasPoint], data: &mut String) {
     for (i, &(x, y)) in piece.iter().enumerate() {
         data.push_str(match i {
             0 => "M",
@@ -58,7 +58,7 @@ fn outline(piece: &[Place], data: &mut String) {
     }
 }
 
-/// The text as far as it is written.
+/// SVG text under construction.
 #[derive(Default)]
 struct Text {
     body: String,
@@ -138,7 +138,7 @@ impl Text {
         }
     }
 
-    fn circles(&mut self, centres: &[Place], radius: f64, colour: Colour, edge: Option<f64>) {
+    fn circles(&mut self, centres: &[CanvasPoint], radius: f64, colour: Colour, edge: Option<f64>) {
         let (r, across) = (Rounded(radius), Rounded(2.0 * radius));
         let mut data = String::new();
         for &(x, y) in centres {
@@ -155,7 +155,7 @@ impl Text {
     }
 
     /// The rectangle's name in the file is made of its numbers.
-    fn clipped(&mut self, [(x, y), (w, h)]: [Place; 2], marks: &[Mark]) {
+    fn clipped(&mut self, [(x, y), (w, h)]: [CanvasPoint; 2], marks: &[Mark]) {
         let [x, y, w, h] = [x, y, w, h].map(Rounded);
         let name = format!("clip-{x}-{y}-{w}-{h}");
         if self.clips.insert(name.clone()) {

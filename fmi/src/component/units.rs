@@ -111,64 +111,55 @@ const fn real(
     RealType { name, quantity: Some(quantity), unit: Some(unit), display_unit, description }
 }
 
-/// Time.
-pub const TIME: RealType = real("Time", "Time", "s", None, "Time");
-/// Displacement.
-pub const POSITION: RealType =
-    real("Position", "Length", "m", Some("mm"), "Displacement from the unstressed position");
-/// Velocity.
-pub const VELOCITY: RealType = real("Velocity", "Velocity", "m/s", None, "Velocity");
-/// Acceleration.
-pub const ACCELERATION: RealType = real("Acceleration", "Acceleration", "m/s2", None, "Acceleration");
-/// Mass.
-pub const MASS: RealType = real("Mass", "Mass", "kg", None, "Mass");
-/// Force.
-pub const FORCE: RealType = real("Force", "Force", "N", None, "Force");
-/// Stiffness.
-pub const STIFFNESS: RealType =
-    real("Stiffness", "TranslationalSpringConstant", "N/m", None, "Stiffness of a linear spring");
-/// Damping.
-pub const DAMPING: RealType =
-    real("Damping", "TranslationalDampingConstant", "N.s/m", None, "Coefficient of a viscous damper");
-/// Impulse.
-pub const IMPULSE: RealType = real("Impulse", "Impulse", "N.s", None, "Impulse of an impact");
-/// Energy.
-pub const ENERGY: RealType = real("Energy", "Energy", "J", None, "Energy");
-/// Angle.
-pub const ANGLE: RealType = real("Angle", "Angle", "rad", Some("deg"), "Angle");
-/// Angular frequency.
-pub const ANGULAR_FREQUENCY: RealType =
-    real("AngularFrequency", "AngularVelocity", "rad/s", Some("Hz"), "Angular frequency");
-/// Dimensionless number.
-pub const NUMBER: RealType = real("Number", "DimensionlessRatio", "1", None, "Dimensionless number");
+/// Declares the Real types as constants, and [`REAL_TYPES`] of them all: one that is declared is in
+/// the list.
+macro_rules! real_types {
+    ($($(#[$doc:meta])* $name:ident = $value:expr;)*) => {
+        $($(#[$doc])* pub const $name: RealType = $value;)*
 
-/// Derivatives of states with respect to states or loads, whose units differ from element to
-/// element.
-pub const SENSITIVITY: RealType = RealType {
-    name: "Sensitivity",
-    quantity: None,
-    unit: None,
-    display_unit: None,
-    description: "Derivatives with respect to states or loads; each element has the SI unit of its row over that of its column",
-};
+        /// Every declared Real type, in the order in which the description has them.
+        pub const REAL_TYPES: &[RealType] = &[$($name),*];
+    };
+}
 
-/// Every declared Real type.
-pub const REAL_TYPES: &[RealType] = &[
-    TIME,
-    POSITION,
-    VELOCITY,
-    ACCELERATION,
-    MASS,
-    FORCE,
-    STIFFNESS,
-    DAMPING,
-    IMPULSE,
-    ENERGY,
-    ANGLE,
-    ANGULAR_FREQUENCY,
-    NUMBER,
-    SENSITIVITY,
-];
+real_types! {
+    /// Time.
+    TIME = real("Time", "Time", "s", None, "Time");
+    /// Displacement.
+    POSITION = real("Position", "Length", "m", Some("mm"), "Displacement from the unstressed position");
+    /// Velocity.
+    VELOCITY = real("Velocity", "Velocity", "m/s", None, "Velocity");
+    /// Acceleration.
+    ACCELERATION = real("Acceleration", "Acceleration", "m/s2", None, "Acceleration");
+    /// Mass.
+    MASS = real("Mass", "Mass", "kg", None, "Mass");
+    /// Force.
+    FORCE = real("Force", "Force", "N", None, "Force");
+    /// Stiffness.
+    STIFFNESS = real("Stiffness", "TranslationalSpringConstant", "N/m", None, "Stiffness of a linear spring");
+    /// Damping.
+    DAMPING = real("Damping", "TranslationalDampingConstant", "N.s/m", None, "Coefficient of a viscous damper");
+    /// Impulse.
+    IMPULSE = real("Impulse", "Impulse", "N.s", None, "Impulse of an impact");
+    /// Energy.
+    ENERGY = real("Energy", "Energy", "J", None, "Energy");
+    /// Angle.
+    ANGLE = real("Angle", "Angle", "rad", Some("deg"), "Angle");
+    /// Angular frequency.
+    ANGULAR_FREQUENCY = real("AngularFrequency", "AngularVelocity", "rad/s", Some("Hz"), "Angular frequency");
+    /// Dimensionless number.
+    NUMBER = real("Number", "DimensionlessRatio", "1", None, "Dimensionless number");
+
+    /// Derivatives of states with respect to states or loads, whose units differ from element to
+    /// element.
+    SENSITIVITY = RealType {
+        name: "Sensitivity",
+        quantity: None,
+        unit: None,
+        display_unit: None,
+        description: "Derivatives with respect to states or loads; each element has the SI unit of its row over that of its column",
+    };
+}
 
 /// How the motion is obtained (variable `mode`).
 pub const MODE: EnumerationType = EnumerationType {

@@ -1,12 +1,12 @@
-//! A model description of either version as what the checks ask of it.
+//! A model description of either version, reduced to what the checks read.
 
 use crate::xml::Element;
 use fmi_doors::Version;
 use std::collections::BTreeSet;
 
-/// What a variable is a value of.
+/// Type of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum VariableType {
     Real,
     Whole,
     Boolean,
@@ -17,11 +17,11 @@ pub(super) enum Kind {
 /// A variable of either version.
 pub(super) struct Variable<'a> {
     pub(super) element: &'a Element,
-    /// In FMI 2.0 a child has what depends on the type.
+    /// Attributes that depend on the type; in FMI 2.0 they are a child's.
     pub(super) of_type: &'a Element,
-    pub(super) kind: Kind,
+    pub(super) kind: VariableType,
     pub(super) place: u32,
-    /// By what it is listed: its place in FMI 2.0, its value reference in FMI 3.0.
+    /// Key in the model structure: the index in FMI 2.0, the value reference in FMI 3.0.
     pub(super) key: u32,
     pub(super) name: &'a str,
     pub(super) causality: &'a str,
@@ -32,11 +32,11 @@ impl<'a> Variable<'a> {
     pub(super) fn of(element: &'a Element, place: u32, version: Version) -> Option<Self> {
         let of_type = if version == Version::Fmi2 { element.children.first()? } else { element };
         let kind = match of_type.name.as_str() {
-            "Real" | "Float64" => Kind::Real,
-            "Integer" | "Int32" => Kind::Whole,
-            "Boolean" => Kind::Boolean,
-            "Enumeration" => Kind::Enumeration,
-            "Clock" => Kind::Clock,
+            "Real" | "Float64" => VariableType::Real,
+            "Integer" | "Int32" => VariableType::Whole,
+            "Boolean" => VariableType::Boolean,
+            "Enumeration" => VariableType::Enumeration,
+            "Clock" => VariableType::Clock,
             _ => return None,
         };
         let key = match version {
@@ -89,12 +89,12 @@ impl<'a> Model<'a> {
         self.version == Version::Fmi3
     }
 
-    /// The type that a variable names, if it is of its kind.
+    /// The declared type of a variable, if it is of the variable's type.
     pub(super) fn type_of(&self, v: &Variable) -> Option<&'a Element> {
         let declared = v.get("declaredType")?;
         let fits = |of_type: &Element| match of_type.name.as_str() {
-            "Real" | "Float64Type" => v.kind == Kind::Real,
-            _ => v.kind == Kind::Enumeration,
+            "Real" | "Float64Type" => v.kind == VariableType::Real,
+            _ => v.kind == VariableType::Enumeration,
         };
         self.types.iter().find(|(name, of_type)| *name == declared && fits(of_type)).map(|found| found.1)
     }

@@ -1,4 +1,5 @@
-//! The same of FMI 3.0: Co-Simulation without events of the host's own.
+//! A small host of FMI 3.0: loads the packaged binary and runs Co-Simulation, without Event Mode
+//! and early return.
 
 use super::log::Log;
 use super::open;

@@ -1,5 +1,4 @@
-//! What an FMU logs to this host, whichever version: lines in a box, whose address the FMU is
-//! given.
+//! Log of an FMU of either version: a boxed list of lines whose address is passed to the FMU.
 
 use crate::error::Error;
 use std::ffi::{CStr, c_char, c_int};
@@ -10,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 pub(super) struct Log(Mutex<Vec<String>>);
 
 impl Log {
-    /// Takes a message that a version's logger was given.
+    /// Appends a message received by the logger callback.
     ///
     /// # Safety
     /// `log` is null or valid; category and message are null or C strings.
@@ -34,7 +33,7 @@ impl Log {
         Error::Call { call, status: returned, log }
     }
 
-    /// What a call returned, where it is not OK.
+    /// Checks the status of a call.
     ///
     /// # Errors
     /// [`Error::Call`].

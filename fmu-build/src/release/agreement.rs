@@ -1,7 +1,7 @@
 //! What must agree before a release is built: versions, instantiation tokens, the changelog, the
 //! tag, the work tree.
 
-use super::changelog::{self, Section};
+use super::changelog::{self, ChangelogSection};
 use crate::error::{Error, Result};
 use crate::xml::Element;
 use std::path::Path;
@@ -9,9 +9,9 @@ use std::process::{Command, Stdio};
 use toml::{Table, Value};
 use vibro_fmi::component::identity::VERSION;
 use vibro_fmi::fmi2::description::guid;
-use vibro_fmi::fmi3::description::{ARRAYS, CLOCKED, MAIN, instantiation_token};
+use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
 
-/// What is asked of a release.
+/// Request for a release.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Intent {
     /// The tag that is released, e.g. `v0.1.0`.
@@ -21,16 +21,16 @@ pub struct Intent {
     pub preview: bool,
 }
 
-/// What the sources agree on.
+/// Version and changes on which all sources agree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Agreed {
     /// The version of everything.
     pub version: String,
-    /// What changed, of the changelog.
-    pub changes: Section,
+    /// The version's section of the changelog.
+    pub changes: ChangelogSection,
 }
 
-/// Compares everything in the workspace of that folder that tells a version, a token or a change.
+/// Compares all versions, instantiation tokens and changelog entries in the workspace at `folder`.
 ///
 /// # Errors
 /// [`Error::Release`] with all that disagrees, [`Error::File`] where a file cannot be read.
@@ -70,12 +70,10 @@ pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
 
 /// Model descriptions that are committed, each with the token of the library that this program was
 /// compiled with.
-fn tokens() -> [(&'static str, String); 4] {
+fn tokens() -> [(&'static str, String); 2] {
     [
         ("modelDescription/modelDescription.xml", guid()),
         ("modelDescription/fmi3.xml", instantiation_token(MAIN)),
-        ("modelDescription/fmi3-arrays.xml", instantiation_token(ARRAYS)),
-        ("modelDescription/fmi3-clocked.xml", instantiation_token(CLOCKED)),
     ]
 }
 
@@ -93,8 +91,8 @@ pub(super) fn description(place: &str, xml: &str, token: String, version: &str) 
     found.into_iter().chain(token).collect()
 }
 
-/// Packages of the workspace that have a version of their own. Those under `tests/` are never
-/// shipped.
+/// Packages of the workspace that do not inherit its version. Packages under `tests/` are not
+/// shipped and not checked.
 fn packages(folder: &Path, workspace: &Value) -> Result<Vec<String>> {
     let members = workspace["members"].as_array().into_iter().flatten().map(text);
     let mut wrong = Vec::new();

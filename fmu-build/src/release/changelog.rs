@@ -3,7 +3,7 @@
 
 /// One section.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Section {
+pub struct ChangelogSection {
     /// What stands in the brackets: a version or "Unreleased".
     pub name: String,
     /// Day of the release, as 2026-01-31.
@@ -20,7 +20,7 @@ const UNRELEASED: &str = "Unreleased";
 /// # Errors
 /// In words: no such section, one without a day or without a text, one below another version's;
 /// changes that nobody assigned to the version.
-pub fn of(changelog: &str, version: &str, preview: bool) -> Result<Section, String> {
+pub fn of(changelog: &str, version: &str, preview: bool) -> Result<ChangelogSection, String> {
     let sections = sections(changelog);
     let find = |name: &str| sections.iter().find(|s| s.name == name).filter(|s| !s.text.is_empty());
     let waiting = find(UNRELEASED);
@@ -53,8 +53,8 @@ pub fn of(changelog: &str, version: &str, preview: bool) -> Result<Section, Stri
 }
 
 /// All sections, in order.
-fn sections(changelog: &str) -> Vec<Section> {
-    let mut found: Vec<Section> = Vec::new();
+fn sections(changelog: &str) -> Vec<ChangelogSection> {
+    let mut found: Vec<ChangelogSection> = Vec::new();
     for line in changelog.lines() {
         if let Some(heading) = line.strip_prefix("## ") {
             let (name, date) = match heading.split_once(" - ") {
@@ -62,7 +62,7 @@ fn sections(changelog: &str) -> Vec<Section> {
                 None => (heading, None),
             };
             let name = name.trim().trim_matches(['[', ']']).to_owned();
-            found.push(Section { name, date, text: String::new() });
+            found.push(ChangelogSection { name, date, text: String::new() });
         } else if let Some(section) = found.last_mut() {
             section.text += line;
             section.text.push('\n');

@@ -18,13 +18,13 @@ use std::path::{Path, PathBuf};
 use vibro_fmi::fmi2::description::{MODEL_IDENTIFIER, guid};
 use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
 
-/// Where the archive of a version lies in the folder of a release.
+/// Path of a version's archive in the folder of a release.
 pub fn archive_of(dist: &Path, version: Version) -> PathBuf {
     version.beside(&dist.join(format!("{MODEL_IDENTIFIER}.fmu")))
 }
 
-/// Everything that disagrees in a folder with both archives and with those wheels and that source
-/// distribution that are there.
+/// All disagreements in a release's folder: both archives, and the wheels and source distribution
+/// that are present.
 ///
 /// # Errors
 /// Where a file cannot be read or is no archive.
@@ -120,8 +120,8 @@ fn archives(dist: &Path, version: &str) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-/// What is wrong with a wheel but for the archives inside. It is described as the source
-/// distribution is, where there is one.
+/// Problems of a wheel, the archives inside apart. Its metadata must equal the source
+/// distribution's, if that is present.
 fn wheel(platform: &WheelPlatform, content: &Content, version: &str, described: Option<&str>) -> Vec<String> {
     let information = format!("vibro_impact-{}.dist-info", python_version(version));
     let about = text(content, &format!("{information}/METADATA"));
@@ -205,7 +205,7 @@ fn same_archives(dist: &Path, content: &Content, folder: &str, place: &str) -> R
     Ok(wrong)
 }
 
-/// A file as text, which is empty where there is no such file.
+/// A file as text; empty if it does not exist.
 fn text(content: &Content, name: &str) -> String {
     String::from_utf8_lossy(content.get(name).map_or(&[], Vec::as_slice)).into_owned()
 }

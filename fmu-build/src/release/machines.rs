@@ -1,5 +1,5 @@
-//! What a release has for machines of text files: the archives of the examples, and the command
-//! line for those without a Rust toolchain.
+//! Parts of a release for machines of text files: archives of the examples, and the command line
+//! `vibro`, prebuilt.
 
 use crate::archive::{self, Content};
 use crate::compile::{PLATFORM_TUPLE, PROGRAM, workspace};
@@ -16,8 +16,8 @@ use vibro_assembly_fmi::Plan;
 /// Name of the file with the archives of the examples.
 pub const EXAMPLES: &str = "assembly-examples.zip";
 
-/// The platforms of these archives. Each holds a library of its own for each, so that all platforms
-/// would make hundreds of megabytes of what `fmu-build assembly` packs in a second.
+/// Platforms of the example archives. Each archive holds one library per platform; all platforms
+/// would make hundreds of megabytes.
 const PLATFORMS: [&str; 3] = ["x86_64-linux", "x86_64-windows", "aarch64-darwin"];
 
 /// The files of the example machines, in their order by name.

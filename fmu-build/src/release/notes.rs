@@ -27,7 +27,8 @@ pub fn table(parts: &[Part]) -> String {
     text
 }
 
-/// The notes. A section of changes that is not of the version says that nothing is released.
+/// Text of the notes. Where the section of changes is not the version's, they say that this is a
+/// preview.
 pub fn notes(agreed: &Agreed, parts: &[Part], left_out: &[String]) -> String {
     let Agreed { version, changes } = agreed;
     let mut text = match &changes.date {

@@ -45,7 +45,7 @@ pub fn installed(dist: &Path, wheel: &str, version: &str) -> Result<std::result:
     }
 }
 
-/// What the script must print.
+/// Expected output of the script.
 fn expected(dist: &Path, version: &str) -> Result<String> {
     let mut text = format!("{version}\n");
     for edition in Version::USUAL {
@@ -62,7 +62,7 @@ fn expected(dist: &Path, version: &str) -> Result<String> {
     Ok(text)
 }
 
-/// What a program prints, or its complaint.
+/// Standard output of a program, or its standard error if it fails.
 fn printed(command: &mut Command) -> std::result::Result<String, String> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.output().map_err(|e| format!("{name} cannot be run: {e}"))?;

@@ -1,5 +1,6 @@
 //! Source distribution and wheels of the Python package, by maturin. The wheels are built from the
-//! source distribution, unpacked: what it lacks is missed here and not by those who install it.
+//! source distribution, unpacked: a file that it lacks fails here and not at the user's
+//! installation.
 
 use crate::archive::{Content, write_file};
 use crate::compile::{EPOCH, PLATFORM_TUPLE, cargo_home, output, remap, target, workspace};
@@ -92,7 +93,7 @@ pub fn sdist_file(version: &str) -> String {
     format!("vibro_impact-{}.tar.gz", python_version(version))
 }
 
-/// The date of archives' entries, which else were that of the build.
+/// Date of the archives' entries, which would otherwise be the build's.
 fn dated(command: &mut Command) -> &mut Command {
     command.env("SOURCE_DATE_EPOCH", EPOCH)
 }

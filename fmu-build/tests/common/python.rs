@@ -59,9 +59,10 @@ pub fn python() -> PathBuf {
 const DEFAULT: [&str; 3] =
     ["tests/fmpy/requirements.txt", "tests/python/requirements.txt", "tests/theory/requirements.txt"];
 
-/// The same Python with the package `vibro_impact` of this tree beside it: its modules, the native
-/// part that cargo compiled for this test, and the packaged FMUs. What `pip` does with the wheel is
-/// tried by `install_wheel`. Once in a process: no test's package is replaced while it runs.
+/// Python of the default tests, with the package `vibro_impact` of this tree copied into it: its
+/// modules, the native part that cargo compiled for this test, and the packaged FMUs. Done once per
+/// process, so that no package is replaced while a test uses it. `install_wheel` tests the
+/// installation by pip.
 pub fn python_with_package() -> PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     let install = || {
@@ -194,7 +195,7 @@ pub fn python_with(requirements: &[&str]) -> PathBuf {
     python
 }
 
-/// The first Python that is new enough: `$PYTHON`, else `python3`, else `python`.
+/// `$PYTHON` if set, else the first of `python3` and `python` that is new enough.
 fn system_python() -> PathBuf {
     let chosen = std::env::var_os("PYTHON").map(PathBuf::from);
     let usual = ["python3", "python"].map(PathBuf::from);

@@ -1,4 +1,4 @@
-"""Checks of what is given: an error names the argument, its value and what is allowed."""
+"""Checks of arguments: an error names the argument, its value and what is allowed."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def choice(name: str, value: object, allowed: Sequence[str]) -> str:
 
 
 def listed(words: Sequence[str]) -> str:
-    """Words in quotation marks with commas."""
+    """Quoted words, separated by commas."""
     return ", ".join(map(repr, words))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -11,25 +11,23 @@ import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, array, discarded_and_kept, number, whole
+from ._assembly_description import AssemblyDescription
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, Sketch, run_of
 from ._fmu import kit_path
 from ._measures import keeping, rows
 from ._progress import Bar
 from ._result import direction
-from ._toml import toml
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 _MOST_SAMPLES = 10_000_000
 _MOST_VALUES = 20_000
-#: A new value of a parameter: a number in SI, or a text with a unit.
-Value = Union[float, str]
-#: Where motions are looked at: a period in s, or the name of a stop or friction.
+#: Section of a motion: a period in s, or the name of a stop or friction.
 Section = Union[None, float, str]
 
 
-class Assembly:
+class Assembly(AssemblyDescription):
     """A machine of your own; an immutable value.
 
     >>> import vibro_impact as vi
@@ -54,77 +52,7 @@ class Assembly:
         For what is refused, with every problem by name.
     """
 
-    __slots__ = ("_described",)
-    _described: _native.Described
-
-    def __init__(self, machine: Union[str, os.PathLike[str], Mapping[str, Any]]) -> None:
-        if isinstance(machine, Mapping):
-            described = _native.Described(toml(machine), None)
-        elif isinstance(machine, str) and "\n" in machine:
-            described = _native.Described(machine, None)
-        elif isinstance(machine, (str, os.PathLike)):
-            described = _native.Described(None, os.fspath(machine))
-        else:
-            raise TypeError(
-                f"machine is of type {type(machine).__name__}: allowed is the path of a file, its text, or a dictionary of the same form"
-            )
-        object.__setattr__(self, "_described", described)
-
-    @property
-    def name(self) -> str:
-        """The machine's name."""
-        return self._described.name()
-
-    @property
-    def toml(self) -> str:
-        """The text of its file, in SI and with every digit."""
-        return self._described.text()
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """All parameters with their values, in SI whatever unit the file has; :attr:`units` has it."""
-        return {name: value for name, _, value, _ in self._described.parameters()}
-
-    @property
-    def units(self) -> dict[str, str]:
-        """The SI unit of each parameter."""
-        return {name: unit for name, unit, _, _ in self._described.parameters()}
-
-    @property
-    def columns(self) -> list[str]:
-        """What a motion shows: ``box.s``, ``box.v``, ``box.a``; ``upper.e``, ``upper.rate``, ``upper.f``; ``shaker.f``."""
-        return self._described.columns()
-
-    @property
-    def measures(self) -> dict[str, str]:
-        """What can be measured, by name: the SI unit (``1`` for none) and what it is."""
-        return {name: f"{unit}: {what}" for name, unit, what in self._described.measures()}
-
-    def replace(self, **parameters: Value) -> Assembly:
-        """The machine with other values: ``replace(**{"stop.upper.gap": 4e-3, "body.box.mass": "12 kg"})``.
-
-        A number is in SI, whatever unit the file has: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
-        refused where the parameter has a unit.
-
-        Raises
-        ------
-        ValueError, TypeError
-            For unknown names, with the nearest; for values that a file would be refused for.
-        """
-        units = self.units if any(isinstance(value, str) for value in parameters.values()) else {}
-        for name, value in parameters.items():
-            if not isinstance(value, str):
-                number(name, value)
-            elif _is_number(value) and units.get(name, "1") != "1":
-                raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
-        changes = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
-        return _of(self._described.replace(changes))
-
-    def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
-        """Values in SI where some are texts with units."""
-        if isinstance(given, (list, tuple, np.ndarray)) and any(isinstance(value, str) for value in given):
-            return [self.replace(**{name: value}).parameters[name] for value in given]
-        return given
+    __slots__ = ()
 
     def simulate(
         self,
@@ -305,42 +233,16 @@ class Assembly:
         self._described.fmu(version, os.fspath(kit_path()), os.fspath(to))
         return to
 
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError("a machine is immutable; replace() gives one with other values")
-
-    def __repr__(self) -> str:
-        return f"Assembly({self.name!r}, {len(self.parameters)} parameters)"
-
-    def __eq__(self, other: object) -> bool:
-        return self.toml == other.toml if isinstance(other, Assembly) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(self.toml)
-
     def __reduce__(self) -> tuple[Any, ...]:
         return (_from_text, (self.toml,))
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
 def _from_text(text: str) -> Assembly:
-    return _of(_native.Described(text, None))
-
-
-def _of(described: _native.Described) -> Assembly:
-    found = Assembly.__new__(Assembly)
-    object.__setattr__(found, "_described", described)
-    return found
+    return Assembly._of(_native.Described(text, None))
 
 
 def ends(machines: list[Assembly], until: object, progress: bool) -> AssemblyEnds:
-    """Of :func:`simulate_many`."""
+    """The ends of assemblies' motions, for :func:`simulate_many`."""
     end = _positive("until", until)
     columns = machines[0].columns if machines else []
     for index, machine in enumerate(machines):
@@ -355,7 +257,7 @@ def ends(machines: list[Assembly], until: object, progress: bool) -> AssemblyEnd
 def measures_of(
     machines: list[Assembly], measures: Sequence[str], periods: int, settle: int, section: Section, errors: str, progress: bool
 ) -> list[dict[str, float | str | None]]:
-    """Of :func:`measure_many`."""
+    """Measures of assemblies' settled motions, for :func:`measure_many`."""
     if isinstance(measures, str):
         raise TypeError(f"measures = {measures!r}: allowed is a sequence of names")
     names = list(measures)

@@ -1,4 +1,4 @@
-"""What is found of machines of your own, and their sketch."""
+"""Results of machines of your own, and their sketch."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats
+from ._assembly_description import AssemblyDescription
 from ._result import Result, fields_of, records
 
 if TYPE_CHECKING:
     import pandas
     from numpy.typing import NDArray
-
-    from ._assembly import Assembly
 
 #: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
 EVENT = np.dtype([("t", "f8"), ("kind", "U6"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
@@ -27,7 +26,7 @@ ASSEMBLY_ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8
 
 
 def _column(columns: list[str], values: Floats, name: str) -> Floats:
-    """The column of that name."""
+    """The column with a name."""
     try:
         index = columns.index(name)
     except ValueError:
@@ -40,7 +39,7 @@ def _column(columns: list[str], values: Floats, name: str) -> Floats:
 class AssemblyRun(Result):
     """A motion of a machine of your own; ``run["box.s"]`` is an array."""
 
-    machine: Assembly
+    machine: AssemblyDescription
     "Whose motion it is."
     t: Floats
     "Instants, shape (n,), s."
@@ -109,7 +108,7 @@ class AssemblyDirection(Result):
 class AssemblyDiagram(Result):
     """A bifurcation diagram in both directions."""
 
-    machine: Assembly
+    machine: AssemblyDescription
     "The machine whose parameter varies."
     name: str
     "The parameter."
@@ -126,7 +125,7 @@ class AssemblyDiagram(Result):
 
 
 class Sketch:
-    """The sketch of a machine; in a notebook it shows itself."""
+    """The sketch of a machine; a notebook shows it as a picture."""
 
     __slots__ = ("_described", "svg")
     svg: str
@@ -156,13 +155,13 @@ class Sketch:
         return to
 
     def _repr_svg_(self) -> str:
-        """What a notebook shows."""
+        """The SVG, by which a notebook shows the sketch."""
         return self.svg
 
     def __repr__(self) -> str:
         return f"Sketch({self._described.name()!r})"
 
 
-def run_of(machine: Assembly, t: Floats, found: dict[str, Any]) -> AssemblyRun:
+def run_of(machine: AssemblyDescription, t: Floats, found: dict[str, Any]) -> AssemblyRun:
     energy = fields_of(ASSEMBLY_ENERGY, found["energy"])
     return AssemblyRun(machine, t, machine.columns, found["values"], records(EVENT, found), energy)

@@ -1,4 +1,4 @@
-"""The FMU archives inside the package, and what makes those of other machines."""
+"""The FMU archives inside the package, and the kit that makes FMUs of other machines."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _NAMES = {2: "VibroImpact3DOF.fmu", 3: "VibroImpact3DOF-FMI3.fmu"}
 
 
 def fmu_path(version: int = 2) -> Path:
-    """The path of the FMU of FMI 2.0 (version 2) or FMI 3.0 (version 3), the very same core: for FMPy and any other host.
+    """The path of the FMU of FMI 2.0 (version 2) or FMI 3.0 (version 3), for FMPy and any other host; both hold this package's engine.
 
     Raises
     ------
@@ -23,7 +23,7 @@ def fmu_path(version: int = 2) -> Path:
 
 
 def kit_path() -> Path:
-    """The path of the library that serves all machines of one's own, with its licences."""
+    """The path of the kit: the library that serves all described machines, with its licences."""
     return _inside("machine-kit.zip")
 
 

@@ -1,4 +1,4 @@
-"""The machine: what can be asked of it."""
+"""The machine with its motions, closed forms, orbits and measures."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Machine(ParameterValues):
         loads: Iterable[Load] = (),
         progress: bool = False,
     ) -> Run:
-        """The exact motion with all its impacts, reported at equal steps of the drive's period or at times of one's own.
+        """The exact motion with all its impacts, reported at equal steps of the drive's period or at given times.
 
         Steps are for reporting only: the result does not depend on them but for round-off (docs/guarantees.md). The bits are those of the
         FMU that is asked for the same times.

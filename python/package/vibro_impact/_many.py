@@ -62,7 +62,7 @@ def simulate_many(
 
     Those of :class:`Machine` run side by side in the processor's vectors. Each ends as accurately as by :meth:`Machine.simulate`, but not on
     the same bits; they do not depend on the other motions, nor on the number of threads (docs/guarantees.md). Those of :class:`Assembly`
-    end on the bits of one :meth:`Assembly.simulate` to the end.
+    are bit-identical to one :meth:`Assembly.simulate` to the end.
 
     Parameters
     ----------
@@ -194,12 +194,12 @@ def sweep_of(
 
 
 def _listed(machines: Any) -> Any:
-    """What can be gone through more than once."""
+    """A collection that can be iterated over more than once."""
     return list(machines) if isinstance(machines, Iterable) else machines
 
 
 def _are_assemblies(machines: Any) -> bool:
-    """Whether the first of them is one; a single assembly is one too."""
+    """Whether the machines are assemblies, by the first; a single :class:`Assembly` counts."""
     first = machines[0] if isinstance(machines, list) and machines else machines
     return isinstance(first, Assembly)
 

@@ -1,4 +1,4 @@
-"""Lyapunov spectra, and what else is measured of a motion."""
+"""Lyapunov spectra and other measures of a motion."""
 
 from __future__ import annotations
 
@@ -11,32 +11,31 @@ import numpy as np
 from . import _native
 from ._arguments import Floats, choice
 from ._result import Result
+from ._values import ParameterValues
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-
-    from ._machine import Machine
 
 #: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
 MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.measures()}
 
 
 def measure_names(measures: Sequence[str]) -> list[str]:
-    """Names of measures as they are given."""
+    """Checks names of measures."""
     if isinstance(measures, str) or not all(isinstance(name, str) for name in measures):
         raise TypeError(f"measures = {measures!r}: allowed is a sequence of names, e.g. ['amplitude.x1']")
     return list(measures)
 
 
 def measured(names: list[str], numbers: list[Optional[float]], kind: Optional[str]) -> dict[str, float | str | None]:
-    """What was measured of a motion, by name."""
+    """Measures of a motion by name."""
     return {name: kind if name == "class" else value for name, value in zip(names, numbers)}
 
 
 def rows(
     names: list[str], errors: object, compute: Callable[[bool], Sequence[tuple[list[Optional[float]], Optional[str], Optional[str]]]]
 ) -> list[dict[str, float | str | None]]:
-    """Of :func:`measure_many`: what was measured of each motion, and in its row why nothing was."""
+    """Rows of :func:`measure_many`: measures of each motion or, if `errors` is ``"row"``, the reason why there are none."""
     in_rows = choice("errors", errors, ("raise", "row")) == "row"
 
     def row(found: tuple[list[Optional[float]], Optional[str], Optional[str]]) -> dict[str, float | str | None]:
@@ -50,7 +49,7 @@ def rows(
 
 @contextlib.contextmanager
 def keeping(made: Callable[[Any], Any]) -> Iterator[None]:
-    """Gives a KeyboardInterrupt what was found until then as `partial`: an entry for each motion, None where it was not at its end."""
+    """Adds the results so far to a KeyboardInterrupt as `partial`: an entry for each motion, None for an unfinished one."""
     try:
         yield
     except KeyboardInterrupt as interrupt:
@@ -64,7 +63,7 @@ def keeping(made: Callable[[Any], Any]) -> Iterator[None]:
 class Spectrum(Result):
     """A Lyapunov spectrum."""
 
-    machine: Machine
+    machine: ParameterValues
     "Whose motion it is."
     exponents: Floats
     "The exponents, largest first, shape (7,), 1/s; -inf for directions lost in rest or at plastic impacts."

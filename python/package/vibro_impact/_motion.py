@@ -11,12 +11,11 @@ import numpy as np
 from . import _native
 from ._arguments import Floats, array, choice
 from ._result import Result, fields_of, records
+from ._values import ParameterValues
 
 if TYPE_CHECKING:
     import pandas
     from numpy.typing import ArrayLike, NDArray
-
-    from ._machine import Machine
 
 #: Impacts: time (s), stop (+1 upper, -1 lower), |w'| before (m/s), impulse on the box in the direction of the stop (N.s).
 IMPACT = np.dtype([("t", "f8"), ("stop", "i1"), ("speed", "f8"), ("impulse", "f8")])
@@ -111,7 +110,7 @@ def load_list(loads: Iterable[Load]) -> list[_native.Load]:
 class Run(Result):
     """A motion."""
 
-    machine: Machine
+    machine: ParameterValues
     "Whose motion it is."
     t: Floats
     "Instants, shape (n,), s."
@@ -149,7 +148,7 @@ class Run(Result):
         return pandas.DataFrame(columns, index=pandas.Index(self.t, name="time"))
 
 
-def run_of(machine: Machine, t: Floats, found: dict[str, Any]) -> Run:
+def run_of(machine: ParameterValues, t: Floats, found: dict[str, Any]) -> Run:
     """A run from what the computation returns."""
     impacts, rests, releases = (
         records(kind, found[name]) for name, kind in (("impacts", IMPACT), ("rests", CONTACT), ("releases", CONTACT))
@@ -161,7 +160,7 @@ def run_of(machine: Machine, t: Floats, found: dict[str, Any]) -> Run:
 class Section(Result):
     """A Poincaré section."""
 
-    machine: Machine
+    machine: ParameterValues
     "Whose motion it is."
     at: str
     "Where it is taken: phase, upper or lower."

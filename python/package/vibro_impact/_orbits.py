@@ -12,11 +12,10 @@ from ._arguments import Floats, Start, array, choice, number, state
 from ._parameters import find
 from ._progress import Bar
 from ._result import Result
+from ._values import ParameterValues
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-    from ._machine import Machine
 
 _WEIGHTS = {"x1": (1.0, 0.0, 0.0), "x2": (0.0, 1.0, 0.0), "x3": (0.0, 0.0, 1.0), "w": (-1.0, 1.0, 0.0)}
 
@@ -37,7 +36,7 @@ LABELS = {
 class Orbit(Result):
     """A certified periodic orbit: it has the impacts of its word and no others."""
 
-    machine: Machine
+    machine: ParameterValues
     "Whose orbit it is."
     word: str
     "The stops in order, letters U and L, - without impacts: the shortest word of the orbit, which may be shorter than the one that was asked for."
@@ -114,7 +113,7 @@ class Orbit(Result):
 class Branch(Result):
     """A branch of periodic orbits along a parameter."""
 
-    machine: Machine
+    machine: ParameterValues
     "The machine with all other parameters."
     name: str
     "The parameter."
@@ -153,7 +152,7 @@ class Branch(Result):
 
 
 def find_orbit(
-    machine: Machine,
+    machine: ParameterValues,
     word: Optional[str],
     start: Start,
     period: int,

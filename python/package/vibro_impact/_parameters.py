@@ -1,4 +1,4 @@
-"""The parameters of a machine by name: their types, and what is given made one."""
+"""The parameters of a machine by name: their types, and arguments made parameters."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ GROUP_NAMES = tuple(told[0] for told in _TOLD[_COUNT:])
 
 
 def find(given: str) -> str:
-    """A parameter's own name by any of its names; warns where another's differs by case alone."""
+    """The canonical name of a parameter; warns where another parameter's name differs by case alone."""
     name = _native.find(given)
     similar = [other for other in PARAMETERS if other.lower() == given.lower() and other != name]
     if similar and given != name:
@@ -83,7 +83,7 @@ def _unit(name: str) -> str:
 
 
 def _outside() -> int:
-    """How many frames above its caller the package is left."""
+    """Number of frames from the caller to the first one outside the package (`stacklevel` of a warning)."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(__package__):
         level, frame = level + 1, frame.f_back
@@ -104,12 +104,12 @@ def named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def with_changes(values: dict[str, float], changes: dict[str, float]) -> dict[str, float]:
-    """The values with others set after them: of two groups that are tied the one set last is held."""
+    """The values with changes appended: of two tied groups the one set last is held."""
     return {**{name: value for name, value in values.items() if name not in changes}, **changes}
 
 
 def in_order(si: dict[str, float]) -> dict[str, float]:
-    """Physical parameters in their order, on which nothing depends."""
+    """Physical parameters in canonical order, so that equal machines are represented alike."""
     return {name: si[name] for name in SI_NAMES if name in si}
 
 

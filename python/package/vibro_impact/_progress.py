@@ -1,4 +1,4 @@
-"""A bar that shows how far a long call has come."""
+"""Progress bar of long calls."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Bar:
 
     @property
     def report(self) -> Optional[Callable[[int, int], None]]:
-        """What the computation calls with the numbers of parts that are done and in all, 0 where this bar knows."""
+        """Callback of the computation: number of parts done, and of all parts (0 where this bar knows it)."""
         return self._show if self.wanted else None
 
     def _show(self, done: int, total: int) -> None:

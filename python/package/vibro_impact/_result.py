@@ -1,4 +1,4 @@
-"""What all results have in common."""
+"""Base class of results, and their record arrays."""
 
 from __future__ import annotations
 

@@ -10,11 +10,10 @@ import numpy as np
 from . import _native
 from ._arguments import Floats, array
 from ._result import Result
+from ._values import ParameterValues
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-    from ._machine import Machine
 
 _THEORIES = ("multiple_scales", "strong_coupling", "exact_orbit")
 
@@ -23,7 +22,7 @@ _THEORIES = ("multiple_scales", "strong_coupling", "exact_orbit")
 class SteadyState(Result):
     """The symmetric motion with two impacts a drive period by one theory."""
 
-    machine: Machine
+    machine: ParameterValues
     "Whose motion it is."
     theory: str
     "multiple_scales (weak coupling, small mass ratio), strong_coupling (small mass ratio) or exact_orbit (any parameters)."
@@ -95,7 +94,7 @@ class SteadyStates(Result):
     "Why a theory has no answer, by its name."
 
 
-def steady_states(machine: Machine, sheet: str) -> SteadyStates:
+def steady_states(machine: ParameterValues, sheet: str) -> SteadyStates:
     """The steady states on a sheet."""
     states: list[Optional[SteadyState]] = []
     reasons = {}

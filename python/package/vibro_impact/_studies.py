@@ -119,7 +119,7 @@ def _require_machine(machine: object, of_assembly: str = "") -> None:
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Attractor(Result):
-    """A settled motion as it is recognized."""
+    """An attractor: class, period, impacts and states of a settled motion."""
 
     kind: str
     "Its class: 1T, 2T, ..., quasi-periodic, chaotic."
@@ -134,7 +134,7 @@ class Attractor(Result):
     states: Floats
     "States at whole drive periods, one for each of its period, shape (p, 6): x1, x2, x3 (units of L), v1, v2, v3 (L omega10)."
     mirror_states: Floats
-    "The same of its mirror image; none under constant loads."
+    "States of its mirror image, shape (p, 6); none under constant loads."
     sizes: Floats
     "Root mean squares of x1, x2, x3 at whole and half drive periods, shape (3,), units of L."
 

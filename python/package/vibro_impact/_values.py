@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class ParameterValues:
-    """Thirteen physical parameters with three constant loads and, where there are, the dimensionless groups; what a machine is, without what it does."""
+    """Thirteen physical parameters with three constant loads and, where defined, the dimensionless groups. Base of :class:`Machine`, from which results import it."""
 
     box_m: float
     "Mass of the box m1, kg."
@@ -104,7 +104,7 @@ class ParameterValues:
         return cls(**found)
 
     def replace(self, **parameters: Unpack[Parameters]) -> Self:
-        """The same machine with some parameters changed.
+        """The machine with some parameters changed.
 
         A group leaves the other groups as they are, a physical parameter the other physical parameters; a physical parameter that
         follows groups makes of the machine one in SI, all of whose physical parameters are given.

@@ -24,13 +24,13 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from ._arguments import Floats, choice
-from ._assembly import Assembly
+from ._assembly_description import AssemblyDescription
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyRun
-from ._machine import Machine
 from ._motion import Run, Section
 from ._orbits import Branch
 from ._parameters import PARAMETERS
 from ._studies import Basins, Diagram, Direction
+from ._values import ParameterValues
 
 #: Colours of x1, x2, x3 and w = x2 - x1.
 COLOURS = {"x1": "#004696", "x2": "#c84b00", "x3": "#14a073", "w": "#a52882"}
@@ -56,7 +56,7 @@ def _columns(result: Union[Run, Section], of: str) -> tuple[Floats, Floats]:
     return result.s[:, index], result.v[:, index]
 
 
-def _length(machine: Machine) -> tuple[float, str]:
+def _length(machine: ParameterValues) -> tuple[float, str]:
     """The unit of lengths: how many of it are in a metre, and its symbol."""
     return (1e3, "mm") if machine.stop_gap < _SMALL_GAP else (1.0, "m")
 
@@ -80,13 +80,13 @@ def _stops(axes: Axes, gap: float, horizontal: bool) -> None:
 
 
 def _require(what: str, result: object, *kinds: type) -> None:
-    """Refuses results of which there is no such picture."""
+    """Refuses results of types that the picture does not draw."""
     if not isinstance(result, kinds):
         allowed = " or ".join(kind.__name__ for kind in kinds)
         raise TypeError(f"{what} is of type {type(result).__name__}: allowed is {allowed}")
 
 
-def _unit(machine: Assembly, column: str) -> str:
+def _unit(machine: AssemblyDescription, column: str) -> str:
     """The SI unit of a column of a machine of your own."""
     return machine.measures[f"maximum.{column}"].split(":")[0]
 

@@ -1,0 +1,122 @@
+"""The description of a machine of your own as an immutable value."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import number
+from ._toml import toml
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self
+
+#: A new value of a parameter: a number in SI, or a text with a unit.
+Value = Union[float, str]
+
+
+class AssemblyDescription:
+    """A described machine: its parameters, columns and measures. Base of :class:`Assembly`, from which results import it."""
+
+    __slots__ = ("_described",)
+    _described: _native.Described
+
+    def __init__(self, machine: Union[str, os.PathLike[str], Mapping[str, Any]]) -> None:
+        if isinstance(machine, Mapping):
+            described = _native.Described(toml(machine), None)
+        elif isinstance(machine, str) and "\n" in machine:
+            described = _native.Described(machine, None)
+        elif isinstance(machine, (str, os.PathLike)):
+            described = _native.Described(None, os.fspath(machine))
+        else:
+            raise TypeError(
+                f"machine is of type {type(machine).__name__}: allowed is the path of a file, its text, or a dictionary of the same form"
+            )
+        object.__setattr__(self, "_described", described)
+
+    @property
+    def name(self) -> str:
+        """The machine's name."""
+        return self._described.name()
+
+    @property
+    def toml(self) -> str:
+        """The text of its file, in SI and with every digit."""
+        return self._described.text()
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All parameters with their values, in SI independent of the units in the file; :attr:`units` has the SI units."""
+        return {name: value for name, _, value, _ in self._described.parameters()}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The SI unit of each parameter."""
+        return {name: unit for name, unit, _, _ in self._described.parameters()}
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of a motion's columns: ``box.s``, ``box.v``, ``box.a``; ``upper.e``, ``upper.rate``, ``upper.f``; ``shaker.f``."""
+        return self._described.columns()
+
+    @property
+    def measures(self) -> dict[str, str]:
+        """All measures by name: SI unit (``1`` for none) and meaning."""
+        return {name: f"{unit}: {what}" for name, unit, what in self._described.measures()}
+
+    def replace(self, **parameters: Value) -> Self:
+        """The machine with other values: ``replace(**{"stop.upper.gap": 4e-3, "body.box.mass": "12 kg"})``.
+
+        A number is in SI, independent of the file's units: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
+        refused where the parameter has a unit.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For unknown names, with the nearest; for values that a file would be refused for.
+        """
+        units = self.units if any(isinstance(value, str) for value in parameters.values()) else {}
+        for name, value in parameters.items():
+            if not isinstance(value, str):
+                number(name, value)
+            elif _is_number(value) and units.get(name, "1") != "1":
+                raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
+        changes = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
+        return self._of(self._described.replace(changes))
+
+    def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
+        """The values, those given as texts with units converted to SI."""
+        if isinstance(given, (list, tuple, np.ndarray)) and any(isinstance(value, str) for value in given):
+            return [self.replace(**{name: value}).parameters[name] for value in given]
+        return given
+
+    @classmethod
+    def _of(cls, described: _native.Described) -> Self:
+        found = cls.__new__(cls)
+        object.__setattr__(found, "_described", described)
+        return found
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError("a machine is immutable; replace() gives one with other values")
+
+    def __repr__(self) -> str:
+        return f"Assembly({self.name!r}, {len(self.parameters)} parameters)"
+
+    def __eq__(self, other: object) -> bool:
+        return self.toml == other.toml if isinstance(other, AssemblyDescription) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.toml)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
