@@ -1,6 +1,6 @@
-//! Exact motions of any piecewise linear machine: bodies with one coordinate each, springs and
-//! dashpots, rigid links, rigid and compliant stops, Coulomb friction and loads, written as a text
-//! file.
+//! Exact motions of piecewise linear machines, which are described by text files: bodies with one
+//! coordinate each, springs and dashpots, rigid links, rigid and compliant stops, Coulomb friction
+//! and loads.
 //!
 //! ```text
 //! file → description → system → law (impacts, selection) → mode → flow → motion → energy

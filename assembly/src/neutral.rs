@@ -1,18 +1,17 @@
 //! Neutral directions: changes of the coordinates on which no force depends, such as the angle of a
-//! free shaft or the place of a train (docs/assembly-law.md (A25)).
+//! free shaft or the position of a train (docs/assembly-law.md (A25)).
 //!
-//! A direction u of the coordinates is neutral where no elongation that a force depends on changes
-//! along it: w · u = 0 for every spring with stiffness and every stop. Where in addition no dashpot
-//! and no friction acts along u, momentum along u is conserved but for the loads, and the direction
-//! u of the velocities is neutral, too. The motion from a state changed along neutral directions is
-//! the motion itself, changed along them by a known amount: they have the exponent 0, and no return
-//! depends on them.
+//! A direction u of the coordinates is neutral if w · u = 0 for every spring with stiffness and
+//! every stop. If in addition no dashpot and no friction acts along u, only loads change the
+//! momentum along u, and the direction u of the velocities is neutral as well. A motion from a
+//! state changed along neutral directions is the same motion, changed along them by a known amount:
+//! neutral directions have the exponent 0, and no return depends on them.
 
 use crate::description::Description;
 use crate::system::System;
 use nalgebra::DVector;
 
-/// A row of unit size whose entries are under this is zero: arms and links are given to more
+/// Largest entry up to which a row of unit size counts as zero; arms and links are given to more
 /// digits.
 const ZERO: f64 = 1e-10;
 
@@ -21,7 +20,7 @@ const ZERO: f64 = 1e-10;
 pub struct Neutral {
     /// Number of coordinates.
     coordinates: usize,
-    /// Directions of the coordinates, as few entries as elimination leaves in each.
+    /// Directions of the coordinates, from elimination, so that each has few entries.
     places: Vec<DVector<f64>>,
     /// Directions of the velocities.
     rates: Vec<DVector<f64>>,
@@ -43,18 +42,18 @@ impl Neutral {
         Self { coordinates: system.coordinates, places, rates }
     }
 
-    /// Directions of the coordinates q on which no force depends; columns of length N.
+    /// Directions of the coordinates q on which no force depends, each of length N.
     pub fn places(&self) -> &[DVector<f64>] {
         &self.places
     }
 
-    /// Directions of the velocities q' on which no force depends, each among the span of the
-    /// [places](Self::places).
+    /// Directions of the velocities q' on which no force depends, each in the span of
+    /// [`places`](Self::places).
     pub fn rates(&self) -> &[DVector<f64>] {
         &self.rates
     }
 
-    /// All of them as changes of the state (q, q').
+    /// All directions as changes of the state (q, q').
     pub fn states(&self) -> Vec<Vec<f64>> {
         let n = self.coordinates;
         let all = self.places.iter().map(|u| (u, 0)).chain(self.rates.iter().map(|u| (u, n)));
@@ -66,7 +65,7 @@ impl Neutral {
         .collect()
     }
 
-    /// The directions in words, by the machine's bodies: `no force depends on rotor.s`.
+    /// The directions in words, such as `no force depends on rotor.s`.
     pub fn in_words(&self, d: &Description, system: &System) -> Vec<String> {
         let along = |u: &DVector<f64>, letter: &str| {
             let moved = |row: &DVector<f64>| row.iter().zip(u.iter()).map(|(r, u)| r * u).sum::<f64>();
@@ -92,8 +91,8 @@ fn short(x: f64) -> String {
     format!("{}", if rounded == 0.0 { x } else { rounded })
 }
 
-/// The directions u with w · u = 0 for all rows w, by elimination with the largest pivots, so that
-/// a body on which nothing acts is a direction of its own.
+/// A basis of the directions u with w · u = 0 for all rows w, by elimination with the largest
+/// pivots: a body on which nothing acts is a direction of its own.
 fn null_space(rows: Vec<DVector<f64>>, count: usize) -> Vec<DVector<f64>> {
     let mut pivots: Vec<(usize, DVector<f64>)> = Vec::new();
     for mut row in rows {

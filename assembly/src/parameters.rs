@@ -1,11 +1,10 @@
-//! The numbers of a machine by name: the one table from which FMU variables, command lines and
-//! Python read and set them.
+//! The parameters of a machine: its numbers by name, as FMU variables, command lines and Python
+//! read and set them.
 //!
 //! Names are those of the file: `gravity`, `body.box.mass`, `body.box.start.s`,
 //! `spring.mesh.arms.pinion`, `stop.upper.gap`, `friction.guide.force`, `load.shaker.amplitude`, or
-//! `load.shaker.harmonics[1].amplitude` where there are several harmonics. Which names there are
-//! follows from the machine's topology and never from its numbers. The knots of records have no
-//! names.
+//! `load.shaker.harmonics[1].amplitude` with several harmonics. The list of names follows from the
+//! machine's topology, never from its numbers. Knots of records are no parameters.
 
 use crate::check::{check, check_under_way};
 use crate::description::{Description, Dimension};
@@ -15,31 +14,31 @@ use crate::slots::{Slot, slots};
 use vibro_impact::parameters::Range;
 use vibro_impact::quantities::quantity_in;
 
-/// A number of a machine.
+/// A parameter of a machine.
 #[derive(Clone, Debug)]
 pub struct Parameter {
     /// Dotted name, such as `stop.upper.gap`.
     pub name: String,
-    /// What it is.
+    /// Description.
     pub meaning: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// In the SI unit.
+    /// Value in the SI unit.
     pub value: f64,
     kind: NumberKind,
     dimension: Dimension,
 }
 
 impl Parameter {
-    /// Allowed values; of a lever arm zero is refused besides.
+    /// Allowed values; for a lever arm zero is refused as well.
     pub fn range(&self) -> Range {
         self.kind.range
     }
 
-    /// Reads a value of it, with or without a unit of its dimension.
+    /// Reads a value of the parameter, with or without a unit of its dimension.
     ///
     /// # Errors
-    /// A [`Refusal`] that names the parameter, what was read and what is allowed.
+    /// A [`Refusal`] with the parameter's name, the text and the allowed values.
     pub fn read(&self, text: &str) -> Result<f64, Refusal> {
         read(self.kind, self.dimension, text).ok_or_else(|| {
             let allowed = self.kind.allowed(self.dimension);
@@ -48,7 +47,8 @@ impl Parameter {
     }
 }
 
-/// Letters of a number with its unit; reading tries every place where the unit may begin.
+/// Most letters of a number with its unit, since reading tries every place where the unit may
+/// begin.
 const LONGEST_NUMBER: usize = 100;
 
 /// Reads an allowed number of a kind, with or without a unit.
@@ -99,8 +99,8 @@ impl Description {
         slots(&mut copy).into_iter().map(parameter).collect()
     }
 
-    /// The parameter of a name. Where there is one harmonic alone, `harmonics[0].amplitude` is
-    /// another name of `amplitude`.
+    /// The parameter with a name. With a single harmonic, `harmonics[0].amplitude` is another name
+    /// of `amplitude`.
     ///
     /// # Errors
     /// A [`Refusal`] with the nearest name.
@@ -121,27 +121,27 @@ impl Description {
     /// Replaces the value of a parameter, in SI.
     ///
     /// # Errors
-    /// As [`with`](Self::with); the machine is then as before.
+    /// As [`with`](Self::with); the machine is unchanged then.
     pub fn replace(&mut self, name: &str, value: f64) -> Result<(), Refusal> {
         *self = self.with([(name, value)])?;
         Ok(())
     }
 
-    /// The machine with other values of some parameters, in SI. The machine is checked after all of
-    /// them, so that a gap and a start may change together.
+    /// The machine with other values of some parameters, in SI. It is checked after all changes, so
+    /// that a gap and a start may change together.
     ///
     /// # Errors
-    /// A [`Refusal`] for unknown names, with the nearest; for a value outside its range; and for
-    /// whatever a file with these values would be refused for.
+    /// A [`Refusal`] for unknown names, with the nearest; for values outside their ranges; and for
+    /// every other problem of a file with these values.
     pub fn with<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
         self.changed(changes, check)
     }
 
-    /// The same of a machine under way, whose bodies no longer stand at their starts: nothing is
-    /// asked of the starts, and bodies keep theirs where the machine started at rest.
+    /// The machine with other values of some parameters, in SI, during a motion: starts are not
+    /// checked, and bodies keep theirs where the machine started at rest.
     ///
     /// # Errors
-    /// As [`with`](Self::with), but for what the start would be refused for.
+    /// As [`with`](Self::with), without problems of the start.
     pub fn under_way<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
         let changed = self.changed(changes, check_under_way)?;
         Ok(Self { starts_at_rest: false, ..changed })
@@ -178,7 +178,7 @@ fn position<T>(all: &[T], name_of: fn(&T) -> &String, name: &str) -> Result<usiz
     find(name).or_else(|| find(&name.replace(".harmonics[0].", "."))).ok_or_else(unknown)
 }
 
-/// Whether a text is a number with a unit of this dimension.
+/// Whether a text is a number with a unit of the dimension of `si`.
 pub(crate) fn has_unit(si: &str, text: &str) -> bool {
     text.len() <= LONGEST_NUMBER && quantity_in(si, text).is_some_and(|q| q.unit.is_some())
 }

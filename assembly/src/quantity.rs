@@ -1,10 +1,9 @@
-//! Quantities of bodies and elements: the columns of a motion, the outputs of an FMU, what studies
-//! measure.
+//! Quantities of bodies and elements: columns of a motion, outputs of an FMU, measures of studies.
 
 use crate::description::{Description, Dimension};
 use crate::elements::{Action, Element};
 
-/// What of a body or an element.
+/// The kind of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum What {
     /// A body's coordinate.
@@ -22,10 +21,10 @@ pub enum What {
 }
 
 impl What {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 6] = [Self::S, Self::V, Self::A, Self::E, Self::Rate, Self::F];
 
-    /// Those of a body.
+    /// The kinds of a body's quantities, by the order of the derivative.
     pub const OF_BODIES: [Self; 3] = [Self::S, Self::V, Self::A];
 
     /// The last part of a quantity's name.
@@ -52,7 +51,7 @@ impl What {
     }
 }
 
-/// Whose quantity it is, by place.
+/// The owner of a quantity, by its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Owner {
     /// Among [`Description::bodies`].
@@ -61,35 +60,35 @@ pub enum Owner {
     Element(usize),
 }
 
-/// A quantity of a given machine.
+/// A quantity of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Quantity {
-    /// Whose it is.
+    /// Owner.
     pub owner: Owner,
-    /// What it is.
+    /// Kind.
     pub what: What,
 }
 
-/// A quantity with what is said of it.
+/// A quantity with its name, description and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedQuantity {
     /// `BODY.s`, `ELEMENT.f` and so on; unique in a machine.
     pub name: String,
-    /// What it is, in words.
+    /// Description.
     pub meaning: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// Its place in the machine.
+    /// The quantity.
     pub quantity: Quantity,
 }
 
 impl Quantity {
-    /// Of a body, by its place.
+    /// A quantity of a body, by the body's place.
     pub fn of_body(body: usize, what: What) -> Self {
         Self { owner: Owner::Body(body), what }
     }
 
-    /// Of an element, by its place among all.
+    /// A quantity of an element, by its place among all elements.
     pub fn of_element(element: usize, what: What) -> Self {
         Self { owner: Owner::Element(element), what }
     }

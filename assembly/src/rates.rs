@@ -1,17 +1,17 @@
-//! Rates beyond what doubles carry: a machine that has them would move by numbers that are none, or
-//! never.
+//! Checks that rates are within the range of doubles, without which a motion would overflow or not
+//! advance.
 
 use crate::description::{Description, StopLaw};
 use crate::elements::NamedSignal;
 use crate::error::Error;
 use crate::system::{Elongation, Part, System};
 
-/// The highest rate, rad/s, or frequency, Hz: its square times the largest coordinate, 1e100, is a
-/// number.
+/// Highest rate, rad/s, or frequency, Hz: its square times the largest coordinate, 1e100, is
+/// finite.
 const MOST_RATE: f64 = 1e100;
 
-/// Springs and compliant stops, with the inertias that they move, and harmonics are slower than
-/// that.
+/// Checks the rates of springs and compliant stops, with the inertias that they move, and the
+/// frequencies of harmonics.
 ///
 /// # Errors
 /// [`Error::TooFast`].
@@ -31,7 +31,7 @@ pub(crate) fn check(machine: &Description, system: &System) -> Result<(), Error>
     })
 }
 
-/// Stiffness and damping of a part whose force follows from its elongation.
+/// Stiffness and damping of a part whose force is a function of its elongation.
 fn factors(system: &System, part: Part) -> Option<[f64; 2]> {
     match part {
         Part::Spring(i) => Some([system.springs[i].stiffness, system.springs[i].damping]),
@@ -43,8 +43,7 @@ fn factors(system: &System, part: Part) -> Option<[f64; 2]> {
     }
 }
 
-/// The rates that a stiffness and a damping would make by themselves. What is linked to a light
-/// body moves with it, and makes them lower.
+/// Checks the rates of a stiffness and a damping alone. Inertias include those of linked bodies.
 fn check_force(name: &str, elongation: &Elongation, [stiffness, damping]: [f64; 2]) -> Result<(), Error> {
     let compliance = elongation.column.norm_squared();
     let rate = |force: f64| if force > 0.0 { force * compliance } else { 0.0 };

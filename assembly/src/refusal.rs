@@ -1,26 +1,26 @@
-//! What is said about a machine that cannot be: every problem of it, each with its place.
+//! Refusals of machines: all problems, each with its line and name.
 
 use std::borrow::Cow;
 use std::fmt;
 
-/// Problems written out at most; of a larger number the rest is only counted.
+/// Most problems and names that are written out; the rest is counted.
 pub(crate) const SHOWN: usize = 50;
 
-/// One thing that is wrong.
+/// One problem of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// Line of the file, counted from 1; `None` for what stands in no file.
+    /// Line of the file, counted from 1; `None` without a file.
     pub line: Option<usize>,
     /// Dotted name, such as `stop.upper.gap`; empty where the text is no TOML.
     pub name: String,
-    /// What stands there, if anything does.
+    /// The value as written, if there is one.
     pub value: Option<String>,
-    /// What is wrong with it and what is allowed.
+    /// What is wrong, and what is allowed.
     pub text: String,
 }
 
 impl Problem {
-    /// A problem of something that is in no file.
+    /// A problem without a line.
     pub(crate) fn new(name: impl Into<String>, value: Option<String>, text: impl Into<String>) -> Self {
         Self { line: None, name: name.into(), value, text: text.into() }
     }
@@ -37,12 +37,13 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Characters of a name or value, and of what is said of it, that are written out: a damaged file
-/// must not fill the screen.
+/// Most characters of a name or value that are written out, so that a damaged file does not fill
+/// the screen.
 const LONGEST_NAME: usize = 150;
+/// Most characters of a problem's text that are written out.
 const LONGEST_TEXT: usize = 2_000;
 
-/// A text up to some character, with an ellipsis where it is longer.
+/// The first `longest` characters of a text, with an ellipsis where it is longer.
 pub(crate) fn cut(text: &str, longest: usize) -> Cow<'_, str> {
     match text.char_indices().nth(longest) {
         Some((end, _)) => format!("{}…", &text[..end]).into(),
@@ -50,17 +51,17 @@ pub(crate) fn cut(text: &str, longest: usize) -> Cow<'_, str> {
     }
 }
 
-/// A machine was refused, with all reasons that were found, in the order of their lines.
+/// The refusal of a machine, with all problems found, in the order of their lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// The file, as it was called; empty where there is none.
+    /// The file's name; empty without a file.
     pub file: String,
-    /// One or more.
+    /// One or more problems.
     pub problems: Vec<Problem>,
 }
 
 impl Refusal {
-    /// A refusal for one reason that lies in no file.
+    /// A refusal for one problem without a file.
     pub(crate) fn one(problem: Problem) -> Self {
         Self { file: String::new(), problems: vec![problem] }
     }
@@ -87,13 +88,12 @@ impl fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
-/// Letters in a name for which a nearest one is sought; a longer one is no misspelling.
+/// Most letters of a name for which the nearest is sought; a longer one is no misspelling.
 const LONGEST_MISSPELT: usize = 100;
 
-/// What to say of a name that is not among the valid ones: the nearest or, where none is near, all
-/// of them.
+/// Advice for a name that is not valid: the nearest valid one or, where none is near, all of them.
 pub(crate) fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
-    // A name that differs in more than half of its letters is another word.
+    // A name that differs in more than half of its letters is no misspelling.
     let far = (name.chars().count() / 2).max(1);
     let lower = name.to_lowercase();
     let distance = |v: &&str| strsim::damerau_levenshtein(&lower, &v.to_lowercase());

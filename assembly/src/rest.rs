@@ -1,4 +1,5 @@
-//! Static equilibrium, the start at rest (docs/assembly-law.md (A19), (A20)).
+//! Static equilibrium for the start at rest, by a proximal point method (docs/assembly-law.md
+//! (A19), (A20)).
 
 mod factor;
 
@@ -11,35 +12,35 @@ use factor::Factor;
 use nalgebra::{DMatrix, DVector};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// The proximal weight falls by this factor a step, from the largest stiffness per inertia to
-/// [`SOFTER`] of the least per largest inertia.
+/// Factor of the proximal weight from step to step, from the largest stiffness per inertia down to
+/// [`SOFTER`] times the least stiffness per largest inertia.
 const FALL: f64 = 1e-4;
+/// Last proximal weight relative to the least stiffness per largest inertia.
 const SOFTER: f64 = 1e-4;
-/// The least weight in parts of the largest, so far above the 1e-32 of double-doubles that what is
-/// loose keeps six digits.
+/// Least weight relative to the largest, so far above the 1e-32 of double-doubles that loose
+/// coordinates keep six digits.
 const LEAST_WEIGHT: f64 = 1e-26;
-/// Steps, of which each at the least weight takes an error down by [`SOFTER`] times what many
-/// springs in series are softer than each.
+/// Most steps. At the least weight each reduces an error by [`SOFTER`] times the ratio by which
+/// springs in series are softer than one.
 const STEPS: usize = 100;
-/// A force that is left on a coordinate counts as rounding under this part of the sizes of the
-/// forces on it.
+/// Relative size of a remaining force on a coordinate that counts as rounding.
 const BALANCED: f64 = 1e-13;
-/// A step counts as rounding under this part of the coordinates' sizes.
+/// Relative size of a step that counts as rounding.
 const STANDS: f64 = 1e-15;
-/// What counts as rounding of a difference of places that are known to 32 digits.
+/// Relative rounding of a difference of coordinates with 32 digits.
 const FINE: f64 = 1e-28;
 
-/// What holds a machine at rest.
+/// The forces on a machine at rest.
 struct Holding {
     contacts: Vec<RestContact>,
     springs: Vec<RestSpring>,
-    /// The force on the coordinates at q = 0 but for the contacts.
+    /// Forces on the coordinates at q = 0, without contacts.
     force: DVector<f64>,
-    /// Its terms' sizes.
+    /// Sizes of the terms of `force`.
     sizes: DVector<f64>,
 }
 
-/// What a force acts on: coordinates with their arms.
+/// Direction of a force: coordinates with their arms.
 type Direction = Vec<(usize, f64)>;
 
 struct RestSpring {
@@ -49,14 +50,14 @@ struct RestSpring {
 
 struct RestContact {
     w: Direction,
-    /// Its elongation, less that where it begins to act, at q = 0.
+    /// Elongation at q = 0, less that at which it begins to act.
     excess: f64,
     /// Bounds of its force.
     force: (f64, f64),
     compliance: f64,
 }
 
-/// Which level of friction holds.
+/// The level up to which friction holds.
 #[derive(Clone, Copy, PartialEq)]
 enum FrictionLevel {
     None,
@@ -64,27 +65,26 @@ enum FrictionLevel {
     Static,
 }
 
-/// Where it stands, and the contacts' forces. Both have 32 digits, so that a stiff spring's force
-/// is known however small a part of the places its elongation is, and a soft one's however small it
-/// is beside forces that cancel.
+/// Coordinates and contact forces. Both have 32 digits, so that a stiff spring's force is known
+/// even where its elongation is a tiny difference of coordinates, and a soft one's even beside
+/// large forces that cancel.
 struct RestState {
     q: Vec<DoubleDouble>,
     lambda: Vec<DoubleDouble>,
 }
 
-/// Of a proximal weight: the stiffness with the weight's, and each contact's direction divided by
-/// it.
+/// The factor of the stiffness plus a proximal weight, and the contacts' directions divided by it.
 struct Weighted {
     factor: Factor,
     columns: DMatrix<f64>,
 }
 
-/// The coordinates at which a machine stands still at time 0. Friction bears nothing where there is
-/// an equilibrium without it; else it resists the way from the coordinates' zero. Of coordinates on
-/// which nothing acts, the nearest to zero are taken.
+/// The coordinates of the static equilibrium at time 0. Friction bears nothing where there is an
+/// equilibrium without it; else it resists the displacement from q = 0. Coordinates on which
+/// nothing acts are those nearest to zero.
 ///
 /// # Errors
-/// [`Error::NoEquilibrium`], with the body that is accelerated most.
+/// [`Error::NoEquilibrium`], with the body of the largest acceleration.
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
     let mut z = StateRow::zeros(system.signals.size);
     let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
@@ -107,18 +107,18 @@ fn direction(w: &DVector<f64>) -> Direction {
     w.iter().copied().enumerate().filter(|(_, w)| *w != 0.0).collect()
 }
 
-/// The elongation of a direction at a place.
+/// The elongation in a direction at coordinates q.
 fn along(w: &Direction, q: &[DoubleDouble]) -> DoubleDouble {
     let zero = DoubleDouble::default();
     w.iter().fold(zero, |sum, &(k, w)| sum + q[k].times(DoubleDouble::new(w)))
 }
 
-/// The sum of its terms' sizes.
+/// The sum of the sizes of an elongation's terms.
 fn size_along(w: &Direction, q: &[DoubleDouble]) -> f64 {
     w.iter().map(|&(k, w)| (w * q[k].value()).abs()).sum()
 }
 
-/// Takes a force in a direction from the forces on the coordinates.
+/// Subtracts a force in a direction from the forces on the coordinates.
 fn take(force: DoubleDouble, w: &Direction, from: &mut [DoubleDouble]) {
     w.iter().for_each(|&(k, w)| from[k] = from[k].minus(force.times(DoubleDouble::new(w))));
 }
@@ -128,7 +128,7 @@ fn amax(q: &[DoubleDouble]) -> f64 {
 }
 
 impl Holding {
-    /// What holds a machine whose augmented state is `z` at q = 0.
+    /// The forces on a machine whose augmented state is `z` at q = 0.
     fn new(system: &System, z: &StateRow, friction: FrictionLevel) -> Self {
         let mut force = &system.forces * z;
         let mut sizes = system.forces.abs() * z.abs();
@@ -149,7 +149,7 @@ impl Holding {
             let level = level.dot(z).max(0.0);
             let w = &rows.elongation.w;
             if rate.abs() > known.zero_of(&rows.elongation.rate) {
-                // A body that moves as prescribed rubs against those at rest.
+                // Friction slips where a prescribed body moves.
                 force.axpy(-rate.signum() * rows.level.dot(z).max(0.0), w, 1.0);
                 sizes += w.abs() * level;
             } else if friction != FrictionLevel::None && level > 0.0 {
@@ -162,8 +162,9 @@ impl Holding {
         Self { contacts, springs, force, sizes }
     }
 
-    /// The equilibrium by proximal steps: each is the minimum of the energy and a weight times the
-    /// distance from the last in the inertia's metric. `Err` is the force that is left.
+    /// The equilibrium by proximal steps, each the minimum of the energy plus a weight times the
+    /// squared distance from the last step in the inertia's metric. The error is the remaining
+    /// force.
     fn settle(&self, mass: &DMatrix<f64>) -> Result<DVector<f64>, DVector<f64>> {
         let (mut weight, mut least) = self.weights(mass);
         let zero = DoubleDouble::default();
@@ -198,9 +199,8 @@ impl Holding {
         if is_balanced(&left, &rounding) { Ok(rounded(&place.q)) } else { Err(rounded(&left)) }
     }
 
-    /// The proximal weights to begin and to end with: the largest stiffness per inertia, and far
-    /// under the least stiffness per largest inertia, so that what is light comes as far in a step
-    /// as what is heavy.
+    /// The first and the last proximal weight: the largest stiffness per inertia, and a weight far
+    /// below the least stiffness per largest inertia.
     fn weights(&self, mass: &DMatrix<f64>) -> (f64, f64) {
         let springs = self.springs.iter().map(|s| (&s.w, s.stiffness));
         let yielding = self.contacts.iter().filter(|c| c.compliance > 0.0);
@@ -217,9 +217,8 @@ impl Holding {
         (largest, (SOFTER * least / heaviest).max(LEAST_WEIGHT * largest))
     }
 
-    /// The force on each coordinate that is left at a place, and what of it counts as rounding: a
-    /// part of what springs and contacts bear there, and what a difference of places leaves of a
-    /// stiffness.
+    /// The remaining force on each coordinate, and its rounding: a fraction of the forces of
+    /// springs and contacts, and the stiffness times the rounding of elongations.
     fn left(&self, place: &RestState) -> (Vec<DoubleDouble>, DVector<f64>) {
         let mut left: Vec<_> = self.force.iter().map(|&f| DoubleDouble::new(f)).collect();
         let mut rounding = BALANCED * &self.sizes;
@@ -238,7 +237,7 @@ impl Holding {
         (left, rounding)
     }
 
-    /// The stiffness with a proximal weight.
+    /// Factors the stiffness plus a proximal weight; `None` where it is not positive.
     fn weighted(&self, weight: f64, mass: &DMatrix<f64>) -> Option<Weighted> {
         let (n, m) = (self.force.len(), self.contacts.len());
         let wide = DoubleDouble::new;
@@ -250,8 +249,7 @@ impl Holding {
             }
         }
         let factor = Factor::new(stiffness)?;
-        // A compliant contact yields by itself: a coordinate of its own, of which the square is the
-        // compliance.
+        // A compliant contact has a further coordinate, whose entry squared is the compliance.
         let mut columns = DMatrix::zeros(n + m, m);
         for (k, contact) in self.contacts.iter().enumerate() {
             let mut w = vec![DoubleDouble::default(); n];
@@ -262,9 +260,9 @@ impl Holding {
         Some(Weighted { factor, columns })
     }
 
-    /// Takes the place to the minimum of ½ δᵀHδ - leftᵀδ and the contacts' energies, with H the
-    /// weighted stiffness; returns the coordinates' changes δ. `None` where stops cannot be
-    /// satisfied together.
+    /// Moves to the minimum of ½ δᵀHδ - leftᵀδ plus the contacts' energies, where H is the weighted
+    /// stiffness; returns the coordinates' changes δ. `None` where the stops contradict one
+    /// another.
     fn step(
         &self,
         weighted: &Weighted,
@@ -279,7 +277,8 @@ impl Holding {
             let yielded = DoubleDouble::new(contact.compliance).times(place.lambda[k]);
             let gap = (along(&contact.w, &place.q) + along(&contact.w, &free)).plus(contact.excess);
             b[k] = gap.minus(yielded).value();
-            // What yields has the force of the finest difference; what does not, of none.
+            // A compliant contact's force follows from differences of coordinates with 32 digits; a
+            // rigid one's does not.
             let fine = if contact.compliance > 0.0 { FINE } else { STANDS };
             let sizes = size_along(&contact.w, &place.q) + contact.excess.abs() + yielded.value().abs();
             zero[k] = STANDS * size_along(&contact.w, &free) + fine * sizes;
@@ -300,8 +299,8 @@ impl Holding {
     }
 }
 
-/// The sizes of the signals at rest: of harmonics those that they have at any time, so that the
-/// rounding of one that is zero counts as such.
+/// Sizes of the signals at rest. Harmonics have their amplitudes, so that the rounding of one at
+/// zero counts as zero.
 fn signal_sizes(system: &System, z: &StateRow) -> Sizes {
     let mut sizes = Sizes(z.abs());
     (system.signals.one..system.signals.constant_size_until()).for_each(|j| sizes.0[j] = 1.0);

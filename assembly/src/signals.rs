@@ -1,6 +1,6 @@
-//! Signals of time as coordinates of the augmented state, in which every mode is one autonomous
+//! Signals of time as coordinates of the augmented state, with which every mode is an autonomous
 //! linear system (docs/assembly-law.md (A2)): the number 1, cosine and sine of each frequency, and
-//! for what is polynomial between knots its value and derivatives.
+//! value and derivatives of each piecewise polynomial.
 
 use crate::description::{Record, Signal, Step};
 use crate::kernel::Sparse;
@@ -8,24 +8,24 @@ use nalgebra::DVector;
 use std::f64::consts::TAU;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Value and derivatives of an input: a cubic from the time it was set.
+/// Value and derivatives 1 to 3 of an input, which is a cubic from the time it was set.
 pub type Input = [f64; 4];
 
-/// The part of a signal that is a polynomial between knots.
+/// The piecewise polynomial part of a signal.
 #[derive(Clone, Debug)]
 struct SignalPiece {
     /// Place of its value in the augmented state; its derivatives follow.
     first: usize,
-    /// Value and derivatives that are carried.
+    /// Number of coordinates: value and derivatives.
     count: usize,
     steps: Vec<Step>,
     table: Option<Cubics>,
     rate: f64,
-    /// Its place among the inputs.
+    /// Place of its input among all inputs.
     input: Option<usize>,
 }
 
-/// A record as cubics between its knots.
+/// A record as cubics between knots.
 #[derive(Clone, Debug)]
 struct Cubics {
     knots: Vec<(f64, f64)>,
@@ -52,7 +52,7 @@ impl Cubics {
         Self { knots, starts }
     }
 
-    /// Value and derivatives just after a time; constant outside the record.
+    /// Value and derivatives just after a time; constant before the first and after the last knot.
     fn at(&self, time: f64) -> [f64; 4] {
         let after = self.knots.partition_point(|&(t, _)| t <= time);
         if after == 0 {
@@ -65,7 +65,7 @@ impl Cubics {
     }
 }
 
-/// A cubic's value and derivatives a time `dt` later.
+/// Value and derivatives of a cubic after a time `dt`.
 pub fn shifted(d: &[f64; 4], dt: f64) -> [f64; 4] {
     [
         d[0] + dt * (d[1] + dt * (0.5 * d[2] + dt * d[3] / 6.0)),
@@ -75,7 +75,7 @@ pub fn shifted(d: &[f64; 4], dt: f64) -> [f64; 4] {
     ]
 }
 
-/// Sine and cosine of an angle of at most [`SMALL`] rad, by their series.
+/// Sine and cosine of an angle of at most [`SMALL`] rad, by power series.
 #[inline(always)]
 fn small_turn(angle: f64) -> (f64, f64) {
     let square = -angle * angle;
@@ -87,11 +87,10 @@ fn small_turn(angle: f64) -> (f64, f64) {
     (angle * sine, cosine)
 }
 
-/// The largest angle for which so many terms do: the first ones left out are under 0.4¹⁶/16! <
-/// 3e-20.
+/// Largest angle of [`small_turn`], rad: the first omitted term is below 0.4¹⁶/16! < 3e-20.
 pub(crate) const SMALL: f64 = 0.4;
 
-/// 1/k! for even and odd k.
+/// 1/k! in pairs of even and odd k.
 const TURN: [[f64; 2]; 8] = {
     let (mut terms, mut factor, mut k) = ([[0.0; 2]; 8], 1.0, 0);
     while k < 16 {
@@ -107,37 +106,37 @@ const TURN: [[f64; 2]; 8] = {
 pub struct Signals {
     /// Place of the coordinate that is always 1.
     pub one: usize,
-    /// Frequencies, Hz; each has a cosine and a sine behind the number 1.
+    /// Frequencies, Hz; each has a cosine and a sine after the number 1.
     frequencies: Vec<f64>,
     pieces: Vec<SignalPiece>,
-    /// The times of all steps and of all knots of records, in order.
+    /// Times of all steps and all knots of records, sorted.
     knots: Vec<f64>,
-    /// The length of the augmented state.
+    /// Length of the augmented state.
     pub size: usize,
-    /// How many signals take an input.
+    /// Number of inputs.
     pub inputs: usize,
     /// The rows of the signals' coordinates in z' = A z.
     rates: Vec<Sparse>,
 }
 
-/// Makes [`Signals`]: first every signal is announced, then each has a row.
+/// Builder of [`Signals`]: after all signals are added, each has a row.
 #[derive(Debug)]
 pub struct Builder {
     signals: Signals,
-    /// Amplitudes of cosine and sine, and the constant, by signal.
+    /// By signal: its parts.
     parts: Vec<Parts>,
 }
 
 #[derive(Debug)]
 struct Parts {
     constant: f64,
-    /// Place of the frequency, cosine's and sine's amplitude.
+    /// Place of the frequency, amplitudes of cosine and sine.
     harmonics: Vec<(usize, f64, f64)>,
     piece: Option<usize>,
 }
 
 impl Builder {
-    /// For an augmented state whose coordinates before `one` are not signals.
+    /// A builder for an augmented state in which signals begin at coordinate `one`.
     pub fn new(one: usize) -> Self {
         let signals = Signals {
             one,
@@ -151,7 +150,7 @@ impl Builder {
         Self { signals, parts: Vec::new() }
     }
 
-    /// Announces a signal, with the rate of an even motion that is added; returns its number.
+    /// Adds a signal plus a uniform motion with a rate; returns its number.
     pub fn add(&mut self, signal: &Signal, rate: f64) -> usize {
         let mut harmonics = Vec::new();
         for h in &signal.harmonics {
@@ -188,7 +187,7 @@ impl Builder {
         self.parts.len() - 1
     }
 
-    /// The coordinates, and the row of each signal in the order of the announcements.
+    /// The signals' coordinates, and the row of each signal by its number.
     pub fn finish(mut self) -> (Signals, Vec<DVector<f64>>) {
         let signals = &mut self.signals;
         let mut place = signals.one + 1 + 2 * signals.frequencies.len();
@@ -223,7 +222,7 @@ impl Builder {
 }
 
 impl Signals {
-    /// The row of a signal's time derivative.
+    /// The row of the time derivative of a signal's row.
     pub fn derivative(&self, row: &DVector<f64>) -> DVector<f64> {
         let mut rate = DVector::zeros(self.size);
         for (f, frequency) in self.frequencies.iter().enumerate() {
@@ -249,7 +248,7 @@ impl Signals {
     pub fn fill(&self, time: DoubleDouble, inputs: &[(f64, Input)], z: &mut [f64]) {
         z[self.one] = 1.0;
         for (f, &frequency) in self.frequencies.iter().enumerate() {
-            // The turns in 32 digits less their whole number: the phase does not drift.
+            // The fraction of the turns, in 32 digits, so that the phase does not drift.
             let turns = time.times(DoubleDouble::new(frequency)).fraction().value();
             let (sine, cosine) = (TAU * turns).sin_cos();
             (z[self.one + 1 + 2 * f], z[self.one + 2 + 2 * f]) = (cosine, sine);
@@ -273,7 +272,7 @@ impl Signals {
         self.pieces.iter().find(|piece| piece.input == Some(i)).map(|piece| piece.first)
     }
 
-    /// Carries what is polynomial between knots on by a time `dt`, whatever knots are in between.
+    /// Advances the polynomials by a time `dt`, regardless of knots.
     pub(crate) fn carry(&self, dt: f64, z: &mut [f64]) {
         for piece in &self.pieces {
             let place = piece.first..piece.first + piece.count;
@@ -283,9 +282,9 @@ impl Signals {
         }
     }
 
-    /// Carries all on by a time `dt` between knots, in which no frequency turns by more than
-    /// [`SMALL`] rad: from the augmented state `from` to that in `to`. Like a sub-step this adds a
-    /// rounding, which [`fill`](Self::fill) takes off.
+    /// Advances all signals from the augmented state `from` by a time `dt` between knots, in which
+    /// no harmonic turns by more than [`SMALL`] rad, and writes them to `to`. Each call adds a
+    /// rounding, which [`fill`](Self::fill) removes.
     #[inline(always)]
     pub(crate) fn carry_within(&self, from: &[f64], dt: f64, to: &mut [f64]) {
         to[self.one..].copy_from_slice(&from[self.one..]);
@@ -303,7 +302,7 @@ impl Signals {
         self.knots.get(self.knots.partition_point(|&t| t <= time)).copied()
     }
 
-    /// The first place behind the coordinates whose size never changes: 1, cosines and sines.
+    /// The end of the coordinates of constant size: 1, cosines and sines.
     pub fn constant_size_until(&self) -> usize {
         self.one + 1 + 2 * self.frequencies.len()
     }

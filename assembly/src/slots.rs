@@ -1,9 +1,9 @@
-//! The numbers of a description by their dotted names, as places that can be read and written.
+//! The numbers of a description by dotted name, as mutable references.
 
 use crate::description::{Arms, Body, BodyKind, Description, Dimension, Free, Signal, StopLaw};
 use crate::kinds::{self, NumberKind};
 
-/// The place of a number in a description.
+/// A number of a description.
 pub(crate) struct Slot<'a> {
     pub name: String,
     pub kind: NumberKind,
@@ -11,7 +11,7 @@ pub(crate) struct Slot<'a> {
     pub value: &'a mut f64,
 }
 
-/// Where the slots of one section go.
+/// The list of slots, with the dimension for the next ones.
 struct Slots<'a> {
     all: Vec<Slot<'a>>,
     dimension: Dimension,
@@ -45,7 +45,8 @@ impl<'a> Slots<'a> {
         }
     }
 
-    /// The arms of an element, whose dimension holds for what follows; gives its dotted name.
+    /// Adds the lever arms of an element and sets the dimension for its other slots; returns its
+    /// dotted name.
     fn element(
         &mut self,
         section: &str,
@@ -99,7 +100,7 @@ impl<'a> Slots<'a> {
     }
 }
 
-/// Every parameter of a machine, with its place.
+/// All parameters of a machine, in the order of sections.
 pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     let bodies: Vec<_> = machine.bodies.iter().map(|b| (b.name.clone(), b.dimension)).collect();
     let mut slots = Slots { all: Vec::new(), dimension: Dimension::Translation };

@@ -1,5 +1,6 @@
-//! The machine as matrices: minimal coordinates, inertia, and every elongation, rate and force as a
-//! row that acts on the augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to (A4)).
+//! The matrices of a machine: minimal coordinates, inertia, and every elongation, rate and force as
+//! a row that acts on the augmented state z = (q, v, 1, signals) (docs/assembly-law.md (A1) to
+//! (A4)).
 
 mod parts;
 mod rows;
@@ -14,67 +15,65 @@ use crate::error::Error;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// A link whose largest arm on a free coordinate is under this part of its largest arm adds nothing
-/// to the others.
+/// Least relative size of a link's largest arm after elimination; a link below it is redundant.
 const NO_PIVOT: f64 = 1e-12;
 
-/// The machine as matrices; it does not change during a motion.
+/// The matrices of a machine, constant during a motion.
 #[derive(Clone, Debug)]
 pub struct System {
     /// Number of coordinates q, N.
     pub coordinates: usize,
-    /// The body whose coordinate each q is.
+    /// By coordinate q: its body.
     pub bodies_of: Vec<usize>,
-    /// Signals behind q and v in the augmented state.
+    /// Signals, after q and v in the augmented state.
     pub signals: Signals,
-    /// Cholesky factor L of the inertia.
+    /// Cholesky factor L of the inertia matrix M.
     pub inertia: Cholesky<f64, Dyn>,
-    /// The inertia.
+    /// Inertia matrix M.
     pub mass: DMatrix<f64>,
-    /// Whether no link couples the coordinates' inertias.
+    /// Whether M is diagonal: no link couples coordinates.
     pub(crate) is_diagonal: bool,
-    /// The forces on the coordinates that always act: M a = forces · z + …
+    /// Forces on the coordinates that act in every mode: M a = forces · z + …
     pub forces: DMatrix<f64>,
-    /// Springs so stiff that their forces are found apart, by their places.
+    /// Places of springs so stiff that their forces are computed separately.
     pub(crate) stiff_springs: Vec<usize>,
-    /// The forces that always act but for those of stiff springs, where there are such.
+    /// `forces` without those of stiff springs, where there are such.
     soft: Option<DMatrix<f64>>,
-    /// All bodies.
+    /// Bodies.
     pub bodies: Vec<BodyRows>,
-    /// What each element of the description consists of, by its place among all.
+    /// By element of the description: its parts.
     pub parts: Vec<Vec<Part>>,
     /// Springs.
     pub springs: Vec<SpringRows>,
     /// Stops.
     pub stops: Vec<StopRows>,
-    /// Friction.
+    /// Frictions.
     pub frictions: Vec<FrictionRows>,
-    /// The force of each load.
+    /// By load: its force.
     pub loads: Vec<StateRow>,
-    /// The body of each load.
+    /// By load: its body.
     pub load_bodies: Vec<usize>,
     /// Whether any body's motion is prescribed.
     pub has_motions: bool,
-    /// The momentum that prescribed bodies carry through links, Bᵀ m D p' as rows; none where no
-    /// link does that.
+    /// Momentum Bᵀ m D p' that prescribed bodies give to free ones through links, as rows; `None`
+    /// without such links.
     carried: Option<DMatrix<f64>>,
-    /// Inertia of each free body; 0 for prescribed ones.
+    /// By body: inertia; 0 for prescribed bodies.
     pub inertias: Vec<f64>,
-    /// Weight of each body: inertia times gravity's acceleration along s.
+    /// By body: inertia times the component of gravity along s.
     pub weights: Vec<f64>,
 }
 
-/// The free bodies' coordinates in terms of q and of the prescribed bodies.
+/// All bodies' coordinates in terms of q and of the prescribed bodies' coordinates.
 struct Reduction {
     kept: Vec<usize>,
     /// By body: weights of q.
     q: Vec<DVector<f64>>,
-    /// By body: weights of the prescribed bodies' coordinates, by body.
+    /// By body: weights of the prescribed bodies' coordinates.
     prescribed: Vec<DVector<f64>>,
 }
 
-/// Eliminates one coordinate for each link: the one with the largest arm that is left, so that no
-/// arm is divided by a small one.
+/// Eliminates one coordinate by each link, that with the largest remaining arm for accuracy.
 fn reduce(d: &Description) -> Result<Reduction, Error> {
     let count = d.bodies.len();
     let free: Vec<bool> = d.bodies.iter().map(|b| matches!(b.kind, BodyKind::Free(_))).collect();
@@ -199,14 +198,14 @@ impl System {
         Ok(system)
     }
 
-    /// The momentum Bᵀ m D p' that prescribed bodies carry through links, where there is any: what
-    /// changes a coordinate's rate by Δv takes the work Δv · Bᵀ m D p' from them
+    /// The momentum Bᵀ m D p' that prescribed bodies give to free ones through links, if any. A
+    /// change Δv of the coordinates' rates takes the work Δv · Bᵀ m D p' from them
     /// (docs/assembly-law.md (A9)).
     pub(crate) fn carried(&self, z: &DVector<f64>) -> Option<DVector<f64>> {
         self.carried.as_ref().map(|carried| carried * z)
     }
 
-    /// A row with the number 1's coordinate alone.
+    /// The row of a constant.
     fn constant(&self, value: f64) -> StateRow {
         let mut row = StateRow::zeros(self.signals.size);
         row[self.signals.one] = value;
@@ -231,7 +230,7 @@ impl System {
         Elongation { e, rate: Functional::of(rate), w, drift, column, mobility }
     }
 
-    /// The parts of every element, in the description's order.
+    /// Adds the parts of all elements.
     fn add_elements(&mut self, d: &Description, levels: &[(usize, Option<usize>)], rows: &[StateRow]) {
         let mut loads = 0;
         for element in d.elements() {
@@ -286,12 +285,12 @@ impl System {
         vec![Part::Friction(self.frictions.len() - 1)]
     }
 
-    /// The forces that always act but for those of stiff springs.
+    /// The forces that act in every mode, without those of stiff springs.
     pub(crate) fn soft_forces(&self) -> &DMatrix<f64> {
         self.soft.as_ref().unwrap_or(&self.forces)
     }
 
-    /// Sets the forces that always act, and tells stiff springs from the others.
+    /// Sets the forces that act in every mode, and finds the stiff springs.
     fn add_forces(&mut self) {
         self.forces = self.forces_without(&[]);
         self.stiff_springs = self.stiff_ties(&[]);
@@ -300,7 +299,8 @@ impl System {
         }
     }
 
-    /// Weight, loads, springs but for some, and what prescribed bodies do through links.
+    /// The forces that act in every mode: weight, loads, inertia forces of prescribed bodies
+    /// through links, and springs except `left_out`.
     fn forces_without(&self, left_out: &[usize]) -> DMatrix<f64> {
         let mut forces = DMatrix::zeros(self.coordinates, self.signals.size);
         for ((body, &inertia), &weight) in self.bodies.iter().zip(&self.inertias).zip(&self.weights) {

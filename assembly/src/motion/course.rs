@@ -36,6 +36,7 @@ pub struct Course {
     event: f64,
     /// Time of the last accepted point, s.
     time: f64,
+    /// State at the last accepted point.
     #[serde(with = "saved::vector")]
     z: DVector<f64>,
 }

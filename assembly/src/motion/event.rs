@@ -1,18 +1,18 @@
-//! What happens in a motion.
+//! Events of a motion.
 
 /// An event, with its time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
     /// s.
     pub time: f64,
-    /// What happened.
+    /// Kind of the event.
     pub kind: EventKind,
 }
 
-/// What happened, by the places of stops and frictions.
+/// The kind of an event, with the places of stops and frictions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventKind {
-    /// A rigid stop was hit.
+    /// An impact at a rigid stop.
     Impact {
         /// Its place.
         stop: usize,
@@ -20,10 +20,10 @@ pub enum EventKind {
         speed: f64,
         /// Impulse, N s or N m s.
         impulse: f64,
-        /// How many stops took part with an impulse.
+        /// Number of stops with an impulse in this impact.
         stops: usize,
     },
-    /// A rigid stop stays closed from now on; its time is that at which the bounces accumulate.
+    /// A rigid stop closes; the event's time is that at which its bounces accumulate.
     Close {
         /// Its place.
         stop: usize,
@@ -33,7 +33,7 @@ pub enum EventKind {
         /// Its place.
         stop: usize,
     },
-    /// A compliant stop is met, with this rate.
+    /// A compliant stop is met.
     Press {
         /// Its place.
         stop: usize,
@@ -45,34 +45,34 @@ pub enum EventKind {
         /// Its place.
         stop: usize,
     },
-    /// The dashpot's share of an `ElastoGap` comes to its cap, or leaves it.
+    /// The dashpot's force of an `ElastoGap` reaches its cap, or leaves it.
     Cap {
         /// Its place.
         stop: usize,
         /// Whether it is at the cap from now on.
         acts: bool,
     },
-    /// Slipping ends.
+    /// A friction begins to stick.
     Stick {
         /// Place of the friction.
         friction: usize,
     },
-    /// Slipping begins or turns round.
+    /// A friction begins to slip, or reverses.
     Slip {
         /// Place of the friction.
         friction: usize,
         /// Sign of e'.
         direction: f64,
-        /// The friction's force at that time, N or N m.
+        /// The friction's force just after the event, N or N m.
         force: f64,
     },
-    /// A friction's level passes zero.
+    /// The level of a friction passes zero.
     Level {
         /// Place of the friction.
         friction: usize,
         /// Whether it acts from now on.
         acts: bool,
     },
-    /// A signal's knot.
+    /// A knot of a signal.
     Knot,
 }

@@ -1,5 +1,5 @@
-//! Signals that are set anew, at a knot or from outside: prescribed bodies may jump in place and in
-//! rate, and what links tie to them jumps along (docs/assembly-law.md, section 3, Jumps).
+//! Jumps of signals, at a knot or by an input: prescribed bodies may jump in coordinate and rate,
+//! and bodies that links tie to them jump as well (docs/assembly-law.md, section 3, Jumps).
 
 use super::Motion;
 use crate::error::Error;
@@ -8,32 +8,31 @@ use crate::signals::Input;
 use crate::system::Elongation;
 use nalgebra::DVector;
 
-/// How a machine stood before its signals were set anew.
+/// The machine's state before its signals were set.
 pub(super) struct Before {
-    /// By body its place and its rate.
+    /// By body: coordinate and rate.
     bodies: Vec<[f64; 2]>,
-    /// By stop e - gap.
+    /// By stop: e - gap.
     excess: Vec<f64>,
-    /// By friction e'.
+    /// By friction: e'.
     rates: Vec<f64>,
-    /// The parts of the bodies' rates that prescribed bodies make.
+    /// By body: the part of its rate due to prescribed bodies.
     prescribed: Vec<f64>,
     /// Stored energy, J.
     stored: f64,
 }
 
-/// The contacts that a jump has taken apart.
+/// The contacts that a jump has separated.
 #[derive(Debug, Default)]
 pub(super) struct Parted {
-    /// Rigid stops that were closed and have a gap now.
+    /// Rigid stops that were closed and are open now.
     pub(super) stops: Vec<usize>,
-    /// Frictions that stuck and have a rate now.
+    /// Frictions whose rate has jumped.
     pub(super) frictions: Vec<usize>,
 }
 
 impl Motion {
-    /// Sets an input from the present time on: value and derivatives of orders 1 to 3, by the place
-    /// of the input among all.
+    /// Sets the `i`-th input from the present time on: value and derivatives of orders 1 to 3.
     ///
     /// # Errors
     /// As [`set_inputs`](Self::set_inputs).
@@ -41,12 +40,12 @@ impl Motion {
         self.set_inputs(&[(i, derivatives)])
     }
 
-    /// Sets several inputs at once, as [`set_input`](Self::set_input) one: prescribed bodies that
-    /// touch may jump together.
+    /// Sets several inputs at once, each as [`set_input`](Self::set_input) does: prescribed bodies
+    /// that touch may jump together.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for what is not finite; [`Error::Violated`] and [`Error::Jammed`]
-    /// where they move prescribed bodies. Then none is set.
+    /// [`Error::OutOfRange`] for values that are not finite; [`Error::Violated`] and
+    /// [`Error::Jammed`] where inputs move prescribed bodies. No input is set then.
     pub fn set_inputs(&mut self, inputs: &[(usize, Input)]) -> Result<(), Error> {
         for (i, derivatives) in inputs {
             if let Some(&value) = derivatives.iter().find(|d| !d.is_finite()) {
@@ -74,7 +73,7 @@ impl Motion {
         self.set_anew(stood, &mut None)
     }
 
-    /// How it stands, where prescribed bodies could jump; `None` where there is none.
+    /// The state before a jump; `None` for a machine without prescribed bodies.
     pub(super) fn before_jump(&self) -> Option<Before> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         system.has_motions.then(|| Before {
@@ -86,8 +85,8 @@ impl Motion {
         })
     }
 
-    /// Carries out the jump of prescribed bodies that has been made since `before`: what links tie
-    /// to them takes its share.
+    /// Completes the jump of prescribed bodies since `before`: bodies tied to them by links take
+    /// their share. Returns the contacts that it has separated.
     pub(super) fn jump(&mut self, before: &Before) -> Parted {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         let shares = [self.share(before, 0), self.share(before, 1)];
@@ -102,10 +101,10 @@ impl Motion {
         self.apart(before)
     }
 
-    /// The change of the coordinates (`which` 0) or of their rates (1) by which a jump of the
-    /// prescribed bodies moves the free bodies as little as their links allow, in the inertia's
-    /// metric: M Δq = -Bᵀ m D Δp, which is what an ever faster motion in place of the jump does.
-    /// `None` where no link takes part.
+    /// The change of the coordinates (`which` 0) or of their rates (1) at a jump of the prescribed
+    /// bodies, M Δq = -Bᵀ m D Δp: the least change of the free bodies in the inertia's metric that
+    /// their links allow, and the limit of ever faster continuous motions. `None` where no link
+    /// takes part.
     fn share(&self, before: &Before, which: usize) -> Option<DVector<f64>> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let mut pull = DVector::zeros(system.coordinates);
@@ -121,7 +120,7 @@ impl Motion {
         any.then(|| system.inertia.solve(&pull))
     }
 
-    /// A jump of prescribed bodies, and of what links tie to them, must not violate a rigid stop.
+    /// Refuses a jump that violates a rigid stop.
     pub(super) fn check_jump(&self, before: &Before) -> Result<(), Error> {
         let (stops, hybrid) = (&self.assembly.system.stops, &self.hybrid);
         for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
@@ -133,21 +132,21 @@ impl Motion {
         Ok(())
     }
 
-    /// The error of a rigid stop that a jump has violated.
+    /// The error of a violated rigid stop.
     pub(super) fn violated(&self, i: usize, excess: f64) -> Error {
         let stop = self.assembly.name_of_stop(i);
         Error::Violated { stop, time: self.time(), excess }
     }
 
-    /// The parts of the bodies' rates that prescribed bodies make, (D p')ᵢ.
+    /// By body: the part (D p')ᵢ of its rate due to prescribed bodies.
     fn prescribed_rates(&self) -> Vec<f64> {
         let (system, z, n) = (&self.assembly.system, &self.hybrid.z, self.assembly.system.coordinates);
         let own = |v: &DVector<f64>| v.rows(n, n).dot(&z.rows(n, n));
         system.bodies.iter().map(|b| b.v.dot(z) - own(&b.v)).collect()
     }
 
-    /// The work of the motions at a jump: the impulses of the links times the prescribed rates amid
-    /// it, and what springs, stops and weight store by it.
+    /// The work of prescribed motions at a jump: the links' impulses times the means of the
+    /// prescribed rates before and after, and the change of the stored energy.
     pub(super) fn work_of_jump(&self, before: &Before) -> f64 {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let rates = before.prescribed.iter().zip(self.prescribed_rates());
@@ -157,7 +156,7 @@ impl Motion {
         kinetic + self.kinetic_and_stored().1 - before.stored
     }
 
-    /// Contacts of the mode in force that a jump has taken apart.
+    /// Contacts of the present mode that a jump has separated.
     fn apart(&self, before: &Before) -> Parted {
         let Self { assembly, hybrid, .. } = self;
         let (system, z) = (&assembly.system, &hybrid.z);

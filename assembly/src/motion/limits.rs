@@ -1,35 +1,35 @@
-//! Where a motion cannot go on, or not in one call.
+//! Limits of a motion and of the work in one call.
 
 use super::Motion;
 use crate::error::Error;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The largest coordinate or rate, m, rad, m/s or rad/s: sizes are looked at after 16 sub-steps at
-/// the latest, in which they grow by 1e21 at most, so that energies stay numbers.
+/// Largest coordinate or rate, m, rad, m/s or rad/s. It is checked every 16 sub-steps, in which
+/// values grow by at most 1e21, so that energies stay finite.
 const MOST: f64 = 1e100;
 
-/// Sub-steps between two looks at whether somebody asks for the end: some hundredths of a second.
+/// Sub-steps between checks for an interruption: some hundredths of a second.
 const LOOK: u64 = 1 << 16;
 
 impl Motion {
-    /// The same motion with so many sub-steps in a call at most: a call that needs more ends with
-    /// [`Error::TooStiff`], and a further one goes on. Without this it is 20 million.
+    /// Limits the sub-steps in a call: one that needs more ends with [`Error::TooStiff`], and a
+    /// further call continues. The default is 20 million.
     #[must_use]
     pub fn with_most_work(mut self, sub_steps: u64) -> Self {
         self.most_work = sub_steps;
         self
     }
 
-    /// The same motion, of which a call ends with [`Error::Interrupted`] soon after `asked` is set;
-    /// a further one goes on.
+    /// Makes calls end with [`Error::Interrupted`] soon after `asked` is set; a further call
+    /// continues.
     #[must_use]
     pub fn with_interruption(mut self, asked: Arc<AtomicBool>) -> Self {
         self.asked = Some(asked);
         self
     }
 
-    /// Ends a call where somebody asks for it, after so many sub-steps in it.
+    /// Ends a call that is interrupted, given its number of sub-steps so far.
     pub(super) fn hear(&self, sub_steps: u64) -> Result<(), Error> {
         let is_asked = || self.asked.as_ref().is_some_and(|asked| asked.load(Ordering::Relaxed));
         if (sub_steps + 1).is_multiple_of(LOOK) && is_asked() {
@@ -38,7 +38,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Refuses coordinates and rates whose energies would not be numbers.
+    /// Refuses coordinates and rates whose energies would overflow.
     pub(super) fn check_sizes(&self) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, self.hybrid.z.as_slice());
         let beyond = z[..system.signals.one].iter().position(|x| x.abs() > MOST || x.is_nan());
@@ -50,7 +50,7 @@ impl Motion {
         })
     }
 
-    /// The end of a call that would take hours.
+    /// The error of a call that would take hours.
     pub(super) fn too_stiff(&self) -> Error {
         let (table, system, n) = (self.table(), &self.assembly.system, self.assembly.system.coordinates);
         let rate = |k: usize| {
@@ -67,8 +67,7 @@ impl Motion {
         Error::TooStiff { time: self.time(), cause }
     }
 
-    /// The end of a call in which events follow one another so fast that its end would not be
-    /// reached.
+    /// The error of a call whose events follow one another too fast for it to reach its end.
     pub(super) fn too_many(&self, sub_steps: u64, began: f64) -> Error {
         let cause = format!(
             "{sub_steps} sub-steps in one call, which went on from t = {began} s: events end them long before the {:e} s that one could last; a \
@@ -78,7 +77,7 @@ impl Motion {
         self.stuck(&cause)
     }
 
-    /// The end of a motion whose events have no end.
+    /// The error of a motion whose events do not end, with the last element.
     pub(super) fn stuck(&self, cause: &str) -> Error {
         let last = self.hybrid.last.map(|watch| self.assembly.name_of(watch));
         let cause = match last {

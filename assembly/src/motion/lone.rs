@@ -1,6 +1,6 @@
-//! Events at which one element alone comes to a limit: by far the commonest. What follows is
-//! guessed, and certain where everything that is watched is then inside its limits by more than
-//! rounding: the mode that follows is unique. Wherever that is not so the general law decides.
+//! Events of a single element, by far the most frequent ones. The next mode is guessed; the guess
+//! is right where all watched functionals are then below their limits by more than rounding, since
+//! the mode that follows is unique (docs/assembly-law.md (A11)). Otherwise the general law decides.
 
 use super::event::EventKind;
 use super::report::report;
@@ -10,8 +10,8 @@ use crate::mode::{ElementState, FrictionState, StopState, Watch};
 use crate::system::Elongation;
 
 impl Motion {
-    /// What follows where the functional `watch` has passed zero, if its element alone is
-    /// concerned; tells whether it is.
+    /// Applies the event at which the functional `watch` has passed zero, if its element alone
+    /// takes part; returns whether it did.
     pub(super) fn lone_event(&mut self, watch: Watch, observer: &mut Observer) -> bool {
         if self.is_general || !self.hybrid.mode.is_independent() {
             return false;
@@ -26,11 +26,10 @@ impl Motion {
         }
     }
 
-    /// The states that may follow at the passage of `watch`, the likelier first.
+    /// The states that may follow the passage of `watch`, the likelier first.
     fn followers(&self, watch: Watch) -> [Option<ElementState>; 2] {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
-        // Which friction leaves its static level first is another question than which mode is
-        // possible.
+        // With several static levels the law also decides which friction leaves first (A12).
         let others_are_static = |i: usize| {
             let frictions = hybrid.mode.frictions.iter().zip(&system.frictions).enumerate();
             frictions
@@ -73,7 +72,7 @@ impl Motion {
         }
     }
 
-    /// The change of an element to its state `next`, where it is certain; else nothing changes.
+    /// Changes an element to its state `next` where that is certainly right; else nothing changes.
     fn lone_change(&mut self, watch: Watch, next: ElementState, observer: &mut Observer) -> bool {
         let system = &self.assembly.system;
         if self.tables.known_after(self.place, next).is_none() && self.tables.make_room() {
@@ -90,7 +89,7 @@ impl Motion {
         self.scratch.start.copy_from(&self.hybrid.z);
         self.keep_contacts();
         self.take_in_contacts();
-        // A stop that is just entered stands at its edge.
+        // A stop that is just entered is at its edge.
         let entered = if let Watch::Presses(i) = watch { Some(i) } else { None };
         if self.departs_alone(next, entered) {
             self.report_change(was, 0.0, observer);
@@ -103,8 +102,8 @@ impl Motion {
     }
 
     /// Whether at the passage of `watch` another functional of its element is at zero too, or so
-    /// near that the general law may take it for rounding: where a friction's level vanishes beside
-    /// the forces that it holds against, say. An `ElastoGap` has two of the same kind.
+    /// near that the general law may take it for rounding, such as a vanishing friction level. An
+    /// `ElastoGap` has two functionals with the same [`Watch`].
     fn is_at_corner(&self, element: ElementState, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
         let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
@@ -113,10 +112,10 @@ impl Motion {
         near.any(|w| w.watch != watch || std::mem::replace(&mut passed, true))
     }
 
-    /// Whether in the mode in force the functionals of `own` leave zero downwards or are below it,
-    /// and all others are below by more than rounding, as are those stops that are not watched
-    /// since they press: all but the one that is `entered`. Then all conditions of the mode hold
-    /// (docs/assembly-law.md (A11)), and the orders of departure are noted.
+    /// Whether all conditions of the present mode hold (docs/assembly-law.md (A11)): the
+    /// functionals of `own` are negative or leave zero downwards, all others are negative by more
+    /// than rounding, and pressing stops, which are not watched, are beyond their gap, except the
+    /// one just `entered`. Stores the orders of departure.
     fn departs_alone(&mut self, own: ElementState, entered: Option<usize>) -> bool {
         let (hybrid, scratch, table) =
             (&mut self.hybrid, &mut self.scratch, &self.tables.at(self.place).table);
@@ -137,12 +136,12 @@ impl Motion {
         true
     }
 
-    /// The impact of the stop `i` at its gap, if it is a lone one; tells whether it was.
+    /// Applies the impact of stop `i` at its gap, if it is a lone one; returns whether it was.
     ///
     /// It is one where its impulse (A7) moves no closed stop and no sticking friction, and where
-    /// after it every watched functional but its own is below what counts as zero. Then no other
-    /// open stop touches, the closed ones close with no speed, and by (A11) the mode in force
-    /// follows: all its conditions hold with a margin, and the mode that follows is unique.
+    /// after it every watched functional except its own is negative by more than rounding. Then no
+    /// other open stop touches, closed stops have no closing speed, and the present mode continues
+    /// by (A11): all its conditions hold with a margin, and the mode that follows is unique.
     fn lone_impact(&mut self, i: usize, observer: &mut Observer) -> bool {
         let restitution = self.assembly.system.stops[i].restitution().filter(|&e| e > 0.0);
         let Some(restitution) = restitution else { return false };
@@ -158,7 +157,7 @@ impl Motion {
         if held || compliance <= 0.0 || speed <= hybrid.sizes.zero_of(&e.rate) {
             return false;
         }
-        // On its gap, then away from it.
+        // Project onto the gap, then apply the impulse.
         let before = scratch.start.as_mut_slice();
         before.copy_from_slice(hybrid.z.as_slice());
         let off = stop.excess.at(before) / compliance;
@@ -185,8 +184,8 @@ impl Motion {
         true
     }
 
-    /// Whether an open stop, which has just been left, is met again after a bounce that is too low
-    /// to be followed, by (A15).
+    /// Whether the bounce of an open stop that has just been left is too low to be followed, by
+    /// (A15).
     fn is_low_bounce(&self, i: usize, least: f64) -> bool {
         let (stop, z) = (&self.assembly.system.stops[i], self.hybrid.z.as_slice());
         let rebound = -stop.elongation.rate.at(z);

@@ -1,5 +1,5 @@
-//! Long sub-steps: where a stiff machine's fast motions have decayed, or move nothing that is
-//! watched (docs/assembly-law.md (A22)).
+//! Long steps of stiff machines, whose fast motions have decayed or move nothing that is watched
+//! (docs/assembly-law.md (A22)).
 
 use super::passage::PassageSearch;
 use super::{Hybrid, Motion, Scratch};
@@ -7,8 +7,8 @@ use crate::flow::{FlowTable, RUNGS};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 impl Motion {
-    /// Goes on by 2, 4, 8, … sub-steps at once, but not up to `goal`, where it is proved that
-    /// nothing watched passes zero in them; tells whether it has.
+    /// Advances by the largest of 2, 4, 8, … sub-steps that ends before `goal` and in which
+    /// provably no watched functional passes its limit; returns whether there was one.
     #[inline(never)]
     pub(super) fn long_step(&mut self, goal: DoubleDouble) -> bool {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -32,9 +32,9 @@ impl Motion {
     }
 }
 
-/// The longest of 2, 4, 8, … sub-steps that is shorter than a time and in which no watched
-/// functional passes its limit: below value + slope t + bend t²/2 throughout, which is convex, it
-/// is below the limit if this is so at both ends. Leaves the rates in memory.
+/// The longest rung that is shorter than `remaining` and in which no watched functional passes its
+/// limit. The bound value + slope t + bend t²/2 is convex: it is below the limit throughout if it
+/// is at both ends. Writes z' to the scratch memory.
 fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut Scratch) -> Option<usize> {
     let z = hybrid.z.as_slice();
     let Scratch { rates, second, .. } = scratch;
@@ -44,11 +44,11 @@ fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut S
     table.rates(rates, second);
     let flight = PassageSearch { table, hybrid };
     let own = table.watched.iter().enumerate();
-    // By how far a functional is beyond its limit, which is negative.
+    // A functional relative to its limit.
     let beyond = |place: usize, value: f64| value - flight.limit(place);
     let stays_below = |value: f64, slope: f64, bend: f64, t: f64| value + t * (slope + 0.5 * bend * t) < 0.0;
     let longest = (1..RUNGS).take_while(|k| table.long_length(*k) < remaining).last()?;
-    // The bends of the present instant, which are no bounds, tell at once which lengths are too
+    // Second derivatives at the present instant, though no bounds, exclude lengths that are too
     // long.
     let mut k = longest;
     for (place, w) in own.clone() {

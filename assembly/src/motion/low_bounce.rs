@@ -1,5 +1,5 @@
-//! Low bounces, and what lateness makes of them where a host's solver finds the motion between
-//! events.
+//! Bounces too low to be followed (docs/assembly-law.md (A15)), with the overshoot of events under
+//! a host's solver.
 
 use super::Motion;
 use super::contact::{Flags, is_low, project};
@@ -8,21 +8,21 @@ use crate::law::box_qp::{independent, triangle};
 use crate::law::impact::Impacts;
 use crate::mode::{Contact, StopState};
 
-/// A stop whose bounces would be lower than this part of its largest e so far is closed.
+/// Least relative height of a bounce, in exact motions; lower ones close the stop.
 const LEAST_BOUNCE: f64 = 1e-12;
 
-/// Where stops are met late, bounces under this many times the lateness are too low to matter.
+/// Least height of a bounce in multiples of the overshoot, under a host's solver.
 const OVERSHOOT_BOUNCES: f64 = 100.0;
 
-/// Of a restitution near 1 at most so many times the lateness more, and of 1 itself, which ends its
-/// bounces by what is lost elsewhere. One that loses less in a bounce than this allows for would
-/// come so low after some eighty thousand bounces and more.
+/// Most multiples of the overshoot that are added for a restitution near 1, and for 1 itself, whose
+/// bounces decay by other losses. With less loss than this allows for, a bounce becomes so low only
+/// after some 80,000 bounces.
 const MOST_OVERSHOOT_BOUNCES: f64 = 1e4;
 
 impl Motion {
-    /// The part of a stop's largest e so far under which a bounce is too low to matter. Where stops
-    /// are met late by a depth d, a ball falls on by it, and its bounces do not get lower than d
-    /// e²/(1 - e²).
+    /// The least height of a bounce relative to the largest size of e - gap so far. With an
+    /// overshoot d a ball gains the energy of the fall by d at each impact, so that its bounces
+    /// never become lower than d e²/(1 - e²).
     pub(super) fn least_bounce(&self, restitution: f64) -> f64 {
         if self.overshoot == 0.0 {
             return LEAST_BOUNCE;
@@ -31,9 +31,9 @@ impl Motion {
         self.overshoot * (OVERSHOOT_BOUNCES + (2.0 * kept / (1.0 - kept)).min(MOST_OVERSHOOT_BOUNCES))
     }
 
-    /// Where stops are met late, holds those that an impact of others opens by less than matters,
-    /// and tells which. A body between two stops would be driven from one to the other without end,
-    /// since every late impact gains what it falls on.
+    /// Under a host's solver, closes touching stops that impacts at others open with too low a
+    /// bounce, and returns them. A body between two stops would otherwise be driven from one to the
+    /// other without end, since each impact gains the energy of its overshoot.
     pub(super) fn hold_low(
         &mut self,
         touching: &[usize],

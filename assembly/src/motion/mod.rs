@@ -1,4 +1,4 @@
-//! A motion: the state of a machine that advances from event to event, exactly.
+//! A motion: the hybrid state of a machine, which advances exactly from event to event.
 
 mod change;
 mod contact;
@@ -37,10 +37,10 @@ use std::sync::atomic::AtomicBool;
 use tables::Tables;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// What is told of events while a motion advances.
+/// Callback for the events of an advance.
 pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
 
-/// Where an advance ended.
+/// The end of an advance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// At the time asked for.
@@ -49,7 +49,7 @@ pub enum Outcome {
     Event,
 }
 
-/// An event whose law is not applied yet.
+/// A pending event, whose law is not applied yet.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Due {
     /// A watched functional passes zero.
@@ -61,9 +61,9 @@ enum Due {
 /// The impacts of a stop since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StopRecord {
-    /// How many.
+    /// Number of impacts.
     pub count: u64,
-    /// The impulse of the last one, N s.
+    /// Impulse of the last impact, N s or N m s.
     pub impulse: f64,
 }
 
@@ -73,32 +73,32 @@ impl StopRecord {
     }
 }
 
-/// All that changes while a motion advances.
+/// The hybrid state: all that changes while a motion advances.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hybrid {
     time: DoubleDouble,
-    /// When the mode began, s.
+    /// Start of the present mode, s.
     since: f64,
     #[serde(with = "saved::vector")]
     z: DVector<f64>,
     mode: Mode,
-    /// Orders of the zero that each watched functional has at the time of the last event, 0 for
-    /// none.
+    /// By watched functional: the order of its zero at the last event, 0 for none,
+    /// [`ORDERS`](crate::flow::ORDERS) where it is zero throughout the mode.
     departing: Vec<usize>,
     sizes: Sizes,
     inputs: Vec<(f64, Input)>,
     /// By stop.
     impacts: Vec<StopRecord>,
     energy: crate::energy::Accounts,
-    /// Events at the present instant without progress.
+    /// Events without progress of time.
     chain: usize,
-    /// Whole sub-steps since an event, or since the last attempt at a long one.
+    /// Whole sub-steps since an event or since the last attempt at a long step.
     carried: u32,
-    /// Sub-steps since the signals were found from the clock.
+    /// Sub-steps since the signals were computed from the time.
     turns: u32,
-    /// What ended the last mode.
+    /// The functional that ended the last mode.
     last: Option<Watch>,
-    /// The event at which it stands, where its law is still to be applied.
+    /// The pending event.
     due: Option<Due>,
 }
 
@@ -108,55 +108,54 @@ pub struct Motion {
     assembly: Arc<Assembly>,
     hybrid: Hybrid,
     tables: Tables,
-    /// The place of the mode in force.
+    /// Place of the present mode in `tables`.
     place: usize,
-    /// By this part of its size a watched functional has passed zero at its event: nothing in an
-    /// exact motion.
+    /// Relative overshoot at an event; 0 unless a host integrates.
     overshoot: f64,
     /// Whether the general law decides at every event.
     is_general: bool,
-    /// Sub-steps in one call at most.
+    /// Most sub-steps in one call.
     most_work: u64,
-    /// Set where a call is to end early.
+    /// Flag that interrupts a call.
     asked: Option<Arc<AtomicBool>>,
     scratch: Scratch,
     vectors: pulp::Arch,
 }
 
-/// Memory of a sub-step.
+/// Scratch memory of a sub-step.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
-    /// By functional its start.
+    /// Values, slopes and bounds of the watched functionals at the start.
     heads: Vec<Group>,
-    /// By functional the intervals in which it may pass zero.
+    /// By functional: the intervals in which it may pass zero, as bits.
     near: Vec<u8>,
-    /// The state at an interval's start.
+    /// State at the start of `interval`.
     start: DVector<f64>,
-    /// The interval, while a sub-step is made.
+    /// The prepared interval.
     interval: Option<usize>,
     ahead: Ahead,
-    /// z' and z'' where a long sub-step begins, or a sub-step in which forces are found apart; else
-    /// memory.
+    /// z' at the start of a long step, or of a sub-step with separate forces; else scratch.
     rates: Vec<f64>,
+    /// z'' where `rates` is z'; else scratch.
     second: Vec<f64>,
-    /// Derivatives of a functional.
+    /// Memory of `FlowTable::departure`.
     rows: DepartureRows,
-    /// By contact how far it is off.
+    /// By contact: its deviation from the constraint.
     off: Vec<f64>,
-    /// By functional its values where powers are found.
+    /// By functional of the powers: its values at the nodes.
     values: Vec<crate::energy::AtNodes>,
 }
 
 impl Motion {
-    /// The motion from the start that the machine gives, at time 0.
+    /// The motion from the machine's start, at time 0.
     ///
     /// # Errors
-    /// [`Error::Jammed`] where prescribed bodies drive stops together at once.
+    /// [`Error::Jammed`] where prescribed bodies drive stops together at the start.
     pub fn new(assembly: Arc<Assembly>) -> Result<Self, Error> {
         Self::starting_at(assembly, 0.0)
     }
 
-    /// The same motion, of which the impacts at the start are told, too.
+    /// As [`new`](Self::new), with the events at the start reported to `observer`.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -164,8 +163,8 @@ impl Motion {
         Self::begin(assembly, 0.0, &mut Some(observer))
     }
 
-    /// The motion from the start that the machine gives, at another time in s: there the bodies
-    /// have their start values, while signals have the values of that time.
+    /// The motion from the machine's start at another time, s: bodies have their start values,
+    /// signals their values at that time.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::OutOfRange`] for a time that is not finite.
@@ -220,7 +219,7 @@ impl Motion {
         Ok(motion)
     }
 
-    /// With memory of the machine's size, before the mode that follows is put in force.
+    /// A motion with a hybrid state, before its mode is entered.
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
         let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
@@ -249,14 +248,13 @@ impl Motion {
         self.hybrid.time.value()
     }
 
-    /// The augmented state (q, v, 1, signals) now, on which the [system](Assembly::system)'s rows
+    /// The augmented state (q, v, 1, signals), on which the rows of the [system](Assembly::system)
     /// act.
     pub fn state(&self) -> &DVector<f64> {
         &self.hybrid.z
     }
 
-    /// What ends the mode, where it stands at an event whose law is still to be applied; `None`
-    /// elsewhere and at a signal's knot.
+    /// The functional of a pending event; `None` without one and at a signal's knot.
     pub fn due(&self) -> Option<Watch> {
         match self.hybrid.due {
             Some(Due::Passage(watch)) => Some(watch),
@@ -264,7 +262,7 @@ impl Motion {
         }
     }
 
-    /// The mode in force.
+    /// The present mode.
     pub fn mode(&self) -> &Mode {
         &self.hybrid.mode
     }
@@ -278,12 +276,12 @@ impl Motion {
         [rows.s.dot(z), rows.v.dot(z), acceleration + rows.drift.dot(z)]
     }
 
-    /// A body's coordinate alone, m or rad.
+    /// A body's coordinate, m or rad.
     pub fn coordinate(&self, i: usize) -> f64 {
         self.assembly.system.bodies[i].s.dot(&self.hybrid.z)
     }
 
-    /// Its rate alone, m/s or rad/s.
+    /// The rate of a body's coordinate, m/s or rad/s.
     pub fn rate(&self, i: usize) -> f64 {
         self.assembly.system.bodies[i].v.dot(&self.hybrid.z)
     }
@@ -297,11 +295,12 @@ impl Motion {
     /// A stop's elongation, its rate and its force.
     pub fn stop(&self, i: usize) -> [f64; 3] {
         let [e, rate, force] = self.stop_varied(i);
-        // Never a pull, by (A13): where it leaves off, rounding is on either side.
+        // The force is never a pull, by (A13); where it vanishes, rounding has either sign.
         [e, rate, force.max(0.0)]
     }
 
-    /// A stop's elongation, its rate and its force as linear functions of the state.
+    /// A stop's elongation, its rate and its force as linear functions of the state, so that the
+    /// force may be negative.
     fn stop_varied(&self, i: usize) -> [f64; 3] {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let stop = &system.stops[i];
@@ -330,8 +329,8 @@ impl Motion {
         self.value_by(quantity, |i| self.stop(i)[2])
     }
 
-    /// The derivative of a quantity, of a motion that stands for a derivative: that of a stop's force
-    /// has either sign.
+    /// The value of a quantity in a motion that represents a derivative, where a stop's force may
+    /// have either sign.
     pub fn value_varied(&self, quantity: Quantity) -> f64 {
         self.value_by(quantity, |i| self.stop_varied(i)[2])
     }
@@ -380,28 +379,28 @@ impl Motion {
         &self.hybrid.energy
     }
 
-    /// The same motion without energy accounts, which then stay as they are.
+    /// Switches the energy accounts off: they stay as they are.
     #[must_use]
     pub fn without_energy_accounts(mut self) -> Self {
         self.hybrid.energy = self.hybrid.energy.off();
         self
     }
 
-    /// The same motion with so many bytes, about, for the tables of the modes that it meets;
-    /// beyond, they are made again when they are needed. Without this it keeps 128 MB.
+    /// Limits the memory for the tables of modes, in bytes, approximately; beyond it, tables are
+    /// made again when needed. The default is 128 MB.
     #[must_use]
     pub fn with_table_memory(mut self, bytes: usize) -> Self {
         self.tables.most = bytes;
         self
     }
 
-    /// Bytes that the tables of the modes take now.
+    /// Present size of the tables of modes, bytes.
     pub fn table_memory(&self) -> usize {
         self.tables.bytes()
     }
 
-    /// The same motion with every event decided by the general law, also where one element alone is
-    /// concerned: a second way to what follows, for tests and comparisons.
+    /// Makes the general law decide every event, also those of a single element: a second method
+    /// for tests and comparisons.
     #[must_use]
     pub fn by_general_law(mut self) -> Self {
         self.is_general = true;
@@ -413,18 +412,18 @@ impl Motion {
         crate::energy::mechanical(&self.assembly.system, &self.hybrid.z)
     }
 
-    /// The value and the derivatives of an input now.
+    /// The present value and derivatives of an input.
     pub fn input(&self, i: usize) -> Input {
         let (from, input) = &self.hybrid.inputs[i];
         crate::signals::shifted(input, self.time() - from)
     }
 
-    /// All that changes, to go on from later.
+    /// The hybrid state, from which the motion can continue.
     pub fn save(&self) -> Hybrid {
         self.hybrid.clone()
     }
 
-    /// Goes back to what was saved of a motion of the same machine.
+    /// Restores a hybrid state that was saved from a motion of the same machine.
     pub fn restore(&mut self, saved: &Hybrid) {
         self.hybrid = saved.clone();
         self.tables.make_room();
@@ -437,7 +436,7 @@ impl Motion {
         self.hybrid.turns = 0;
     }
 
-    /// The table of the mode in force.
+    /// The flow of the present mode.
     fn table(&self) -> &FlowTable {
         &self.tables.at(self.place).table
     }

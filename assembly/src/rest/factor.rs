@@ -1,14 +1,15 @@
-//! Symmetric matrices of double-doubles and what they are divided by: stiffnesses whose ratio is
-//! beyond what doubles carry keep their digits.
+//! Factorization of symmetric matrices in double-double arithmetic, for stiffnesses with ratios
+//! beyond the precision of doubles.
 
 use nalgebra::DMatrix;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// L D Lᵀ with a unit lower triangle L, columns of which stand below the diagonal D.
+/// A = L D Lᵀ with a unit lower triangle L, stored below the diagonal D.
 pub(super) struct Factor(DMatrix<DoubleDouble>);
 
 impl Factor {
-    /// Of a symmetric matrix, given by its lower triangle; `None` where it is not positive.
+    /// Factors a symmetric matrix, given by its lower triangle; `None` where it is not positive
+    /// definite.
     pub(super) fn new(mut a: DMatrix<DoubleDouble>) -> Option<Self> {
         let n = a.nrows();
         let zero = DoubleDouble::default();
@@ -27,7 +28,7 @@ impl Factor {
         Some(Self(a))
     }
 
-    /// L⁻¹ x.
+    /// Replaces x by L⁻¹ x.
     fn forward(&self, x: &mut [DoubleDouble]) {
         for j in 0..x.len() {
             let known = x[j];
@@ -38,7 +39,7 @@ impl Factor {
         }
     }
 
-    /// The matrix's inverse times `x`.
+    /// Replaces x by A⁻¹ x.
     pub(super) fn solve(&self, x: &mut [DoubleDouble]) {
         self.forward(x);
         for j in (0..x.len()).rev() {
@@ -47,7 +48,7 @@ impl Factor {
         }
     }
 
-    /// D^-½ L⁻¹ x, rounded: its scalar products are those of x in the inverse.
+    /// D^-½ L⁻¹ x, rounded to doubles. Scalar products of such vectors are xᵀ A⁻¹ y.
     pub(super) fn half(&self, mut x: Vec<DoubleDouble>) -> Vec<f64> {
         self.forward(&mut x);
         x.iter().enumerate().map(|(j, x)| x.value() / self.0[(j, j)].value().sqrt()).collect()

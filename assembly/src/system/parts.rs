@@ -1,12 +1,12 @@
-//! What elements consist of: the springs, stops, frictions and loads on which the law acts.
+//! Parts of elements: the springs, stops, frictions and loads to which the law applies.
 //!
-//! An element of the description is one thing to its user, with one name, one force and one energy;
-//! the law knows its parts alone.
+//! An element of the description has one name, one force and one energy for its user; it may
+//! consist of several parts, and the law knows only these.
 
 use super::{Elongation, StateRow, System};
 use crate::mode::{Contact, Mode, StopState};
 
-/// A part of an element, by its place among the system's own.
+/// A part of an element, by its place in the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Among [`System::springs`].
@@ -20,7 +20,7 @@ pub enum Part {
 }
 
 impl System {
-    /// The place, among all elements, of the one that has a part.
+    /// The place of the element that has a part.
     pub fn element_of(&self, part: Part) -> usize {
         self.parts.iter().position(|parts| parts.contains(&part)).unwrap_or_default()
     }
@@ -35,8 +35,8 @@ impl System {
         }
     }
 
-    /// The force of a part in a mode as a row on the augmented state, where `lambda` are the rows of
-    /// the forces of the mode's [basis](Mode::basis).
+    /// The force of a part in a mode as a row. `lambda` are the rows of the contact forces of the
+    /// mode's [basis](Mode::basis).
     pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[StateRow]) -> StateRow {
         let held =
             |contact: Contact| mode.basis.iter().position(|&c| c == contact).map(|k| lambda[k].clone());

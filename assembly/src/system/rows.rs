@@ -9,7 +9,7 @@ use std::ops::Deref;
 /// A row that acts on the augmented state.
 pub type StateRow = DVector<f64>;
 
-/// A row with the list of its terms, by which its values are found.
+/// A row with the list of its nonzero terms, for fast products.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Functional {
     row: StateRow,
@@ -17,25 +17,25 @@ pub struct Functional {
 }
 
 impl Functional {
-    /// Of a row.
+    /// The functional of a row.
     pub fn of(row: StateRow) -> Self {
         let terms = Sparse::of(row.as_slice());
         Self { row, terms }
     }
 
-    /// Its value.
+    /// Its value at a state.
     #[inline(always)]
     pub fn at(&self, z: &[f64]) -> f64 {
         self.terms.dot(z)
     }
 
-    /// Its terms that are not zero, with their places.
+    /// Its nonzero terms with their places.
     #[inline(always)]
     pub fn terms(&self) -> &[(usize, f64)] {
         self.terms.terms()
     }
 
-    /// The sum of its terms' sizes, for a vector of sizes.
+    /// The sum of its terms' sizes, from the coordinates' sizes.
     #[inline(always)]
     pub fn size(&self, sizes: &[f64]) -> f64 {
         self.terms.size(sizes)
@@ -50,25 +50,24 @@ impl Deref for Functional {
     }
 }
 
-/// What is common to all elements: the elongation e = Σ arm · s and its rate.
+/// An elongation e = Σ arm · s and its derivatives.
 #[derive(Clone, Debug)]
 pub struct Elongation {
     /// e.
     pub e: StateRow,
     /// e'.
     pub rate: Functional,
-    /// The direction in which its force acts on the coordinates, w = ∂e'/∂v; the acceleration is
-    /// e'' = w·a + drift·z.
+    /// Direction w = ∂e'/∂v of its force on the coordinates: e'' = w·a + drift·z.
     pub w: DVector<f64>,
-    /// The part of e'' that prescribed bodies make.
+    /// Part of e'' due to prescribed bodies.
     pub drift: StateRow,
     /// L⁻¹ w.
     pub column: DVector<f64>,
-    /// The change of the velocities by a unit of impulse, M⁻¹ w.
+    /// Change of the velocities by a unit impulse, M⁻¹ w.
     pub mobility: DVector<f64>,
 }
 
-/// A body's coordinate.
+/// Rows of a body's coordinate.
 #[derive(Clone, Debug)]
 pub struct BodyRows {
     /// s.
@@ -77,11 +76,11 @@ pub struct BodyRows {
     pub v: StateRow,
     /// s'' = weights·a + drift·z.
     pub weights: DVector<f64>,
-    /// The part that prescribed bodies make.
+    /// Part of s'' due to prescribed bodies.
     pub drift: StateRow,
 }
 
-/// A spring with its dashpot.
+/// Rows of a spring with a dashpot.
 #[derive(Clone, Debug)]
 pub struct SpringRows {
     /// Its elongation.
@@ -96,18 +95,18 @@ pub struct SpringRows {
     pub force: StateRow,
 }
 
-/// A stop.
+/// Rows of a stop.
 #[derive(Clone, Debug)]
 pub struct StopRows {
     /// Its elongation.
     pub elongation: Elongation,
     /// e - gap.
     pub excess: Functional,
-    /// What it does.
+    /// Its law.
     pub law: StopLaw,
-    /// A compliant stop's force where its law is linear: stiffness (e - gap) + damping e'.
+    /// Linear force of a compliant stop: stiffness (e - gap) + damping e'.
     pub force: Functional,
-    /// The force of its spring alone: stiffness (e - gap).
+    /// Force of its spring alone: stiffness (e - gap).
     pub spring: Functional,
 }
 
@@ -120,7 +119,7 @@ impl StopRows {
         }
     }
 
-    /// The stiffness of a compliant stop; 0 of a rigid one, N/m or N m/rad.
+    /// The stiffness of a compliant stop, N/m or N m/rad; 0 for a rigid one.
     pub fn stiffness(&self) -> f64 {
         match self.law {
             StopLaw::Rigid { .. } => 0.0,
@@ -128,27 +127,27 @@ impl StopRows {
         }
     }
 
-    /// The state of a compliant stop that is entered with speed: an `ElastoGap`'s dashpot is at its
-    /// cap there.
+    /// The state of a compliant stop that is entered with speed. The dashpot of an `ElastoGap` is
+    /// at its cap then.
     pub fn entered(&self) -> StopState {
         if self.is_elastogap() && self.force != self.spring { StopState::Capped } else { StopState::Pressed }
     }
 
-    /// Whether the dashpot's share is limited as in an `ElastoGap`.
+    /// Whether the dashpot's force is limited as in an `ElastoGap`.
     pub fn is_elastogap(&self) -> bool {
         matches!(self.law, StopLaw::Compliant { limit: DampingLimit::Elastogap, .. })
     }
 }
 
-/// Friction.
+/// Rows of a friction.
 #[derive(Clone, Debug)]
 pub struct FrictionRows {
     /// Its elongation.
     pub elongation: Elongation,
-    /// The level while slipping.
+    /// Sliding level.
     pub level: StateRow,
-    /// The level up to which it sticks.
+    /// Static level.
     pub static_level: StateRow,
-    /// Whether the two differ.
+    /// Whether the static level is given separately.
     pub has_static: bool,
 }

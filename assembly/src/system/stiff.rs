@@ -1,16 +1,16 @@
-//! Stiff ties: springs, and buffers that press, that tie coordinates to a group which, as a whole,
-//! much softer forces move.
+//! Stiff ties: springs and pressed compliant stops that tie coordinates to a group, which as a
+//! whole is moved by much softer forces.
 //!
-//! What such a tie does to the coordinates' sum is nothing, by forces that are k times a coordinate
-//! each and cancel. Wherever these are rounded each by itself, the group as a whole feels 1e-16 k
-//! times the coordinate, the same in each of many sub-steps, which beside a softer k' is a part
-//! 1e-16 k/k' of its motion. So these forces are found first and then put to both sides.
+//! The forces of a tie on both sides cancel in the group's total. Each is k times a coordinate;
+//! rounded independently, they leave a force of 1e-16 k times the coordinate on the group, equal in
+//! many sub-steps, which beside a softer k' disturbs its motion by 1e-16 k/k'. Therefore these
+//! forces are computed first and then applied to both sides.
 
 use super::{Elongation, System};
 use crate::description::StopLaw;
 use crate::flow::STIFF;
 
-/// A spring, or a compliant stop that is pressed.
+/// A spring or a pressed compliant stop.
 struct Tie<'a> {
     elongation: &'a Elongation,
     stiffness: f64,
@@ -18,18 +18,18 @@ struct Tie<'a> {
 }
 
 impl Tie<'_> {
-    /// The coordinates that it acts on, with their arms.
+    /// The coordinates on which it acts, with their arms.
     fn arms(&self) -> impl Iterator<Item = (usize, f64)> {
         self.elongation.w.iter().copied().enumerate().filter(|(_, w)| *w != 0.0)
     }
 
-    /// The rate that it alone would make.
+    /// The rate of the tie alone.
     fn rate(&self) -> f64 {
         let compliance = self.elongation.w.dot(&self.elongation.mobility);
         (self.stiffness * compliance).sqrt().max(self.damping * compliance)
     }
 
-    /// Adds it, `times` 1 or -1, to what acts on its coordinates.
+    /// Adds `times` (1 or -1) its stiffness and damping to those of its coordinates.
     fn add(&self, times: f64, outside: &mut [Outside]) {
         for (k, w) in self.arms() {
             outside[k].0 += times * w * w * self.stiffness;
@@ -38,13 +38,13 @@ impl Tie<'_> {
     }
 }
 
-/// What acts on a coordinate from outside its group: stiffness and damping.
+/// Stiffness and damping that act on a coordinate from outside its group.
 type Outside = (f64, f64);
 
 impl System {
-    /// Of all springs and then of the stops that are `pressed` those that are stiff, by their
-    /// places in this order. They are taken by the rates that they alone would make, the highest
-    /// first, so that each group is tied by what is faster than all that acts from outside.
+    /// Places of the stiff ties among all springs followed by the `pressed` stops. Ties join groups
+    /// in the order of their rates, the highest first; a group's ties are stiff where the last one
+    /// is much faster than all that acts on the group from outside.
     pub(crate) fn stiff_ties(&self, pressed: &[usize]) -> Vec<usize> {
         let springs = self.springs.iter().map(|s| Tie {
             elongation: &s.elongation,
@@ -90,8 +90,8 @@ impl System {
         stiff
     }
 
-    /// The rate that stiffness and damping make of a coordinate; what subtraction has left below
-    /// zero is nothing.
+    /// The rate of a coordinate under a stiffness and a damping; a stiffness below zero is rounding
+    /// of subtraction.
     fn rate_of(&self, k: usize, (stiffness, damping): Outside) -> f64 {
         let inertia = self.mass[(k, k)];
         (stiffness.max(0.0) / inertia).sqrt().max(damping / inertia)
