@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;
 use vibro_assembly::description::Description;
-use vibro_assembly::motion::Outcome;
+use vibro_assembly::motion::Reached;
 
 /// What two ways through the same equations may differ by, in parts of the largest coordinate: the
 /// roundings of an impulse, times what a small mass makes of them (1e4 between the heaviest and the
@@ -27,8 +27,8 @@ fn follow(d: Description, (events, same): (&Cell<usize>, &Cell<usize>)) -> Resul
     let mut general = direct.clone().by_general_law();
     for _ in 0..EVENTS {
         match direct.advance_before_event(END, &mut |_| ()) {
-            Ok(Outcome::Event) => {}
-            Ok(Outcome::End) | Err(_) => break,
+            Ok(Reached::Event) => {}
+            Ok(Reached::End) | Err(_) => break,
         }
         general.restore(&direct.save());
         let (mut here, mut there) = (Vec::new(), Vec::new());

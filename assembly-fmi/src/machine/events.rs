@@ -7,7 +7,7 @@ use crate::problem::MachineProblem;
 use fmi_doors::log::{Category, Log};
 use fmi_doors::{Advance, EventHandling, Handled, Phase, Problem};
 use vibro_assembly::Assembly;
-use vibro_assembly::motion::{Event, EventKind, Outcome};
+use vibro_assembly::motion::{Event, EventKind, Reached};
 use vibro_assembly::{Error, Motion};
 
 /// What a step does at an event inside it.
@@ -152,7 +152,7 @@ pub(super) fn run(
         tell(&assembly, event, log);
     };
     match at_event {
-        AtEvent::EndBefore => Ok(motion.advance_before_event(end, &mut observe)? == Outcome::Event),
+        AtEvent::EndBefore => Ok(motion.advance_before_event(end, &mut observe)? == Reached::Event),
         AtEvent::Pass => {
             motion.advance_observed(end, &mut observe)?;
             Ok(events > 0)

@@ -4,7 +4,7 @@
 use super::Machine;
 use super::moving::Moving;
 use std::sync::Arc;
-use vibro_assembly::motion::{Hybrid, Outcome};
+use vibro_assembly::motion::{Hybrid, Reached};
 use vibro_assembly::signals::Input;
 use vibro_assembly::{Assembly, Error};
 
@@ -84,7 +84,7 @@ fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
             motion.advance_with(now.max(motion.time()), &mut variations)?;
             break;
         }
-        if outcome == Outcome::End {
+        if outcome == Reached::End {
             break;
         }
         if motion.time() >= now - late {

@@ -2,7 +2,8 @@
 //! a host's solver.
 
 use super::Motion;
-use super::contact::{Flags, is_low, project};
+use super::contact::{Flags, is_low};
+use super::projection::project;
 use crate::error::Error;
 use crate::law::box_qp::{independent, triangle};
 use crate::law::impact::Impacts;

@@ -2,7 +2,7 @@
 
 use super::jump::Parted;
 use super::passage::{LEAVES_ZERO, PassageSearch, StepPoint};
-use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
+use super::{Due, Hybrid, Motion, Observer, Reached, Scratch};
 use crate::energy::Samples;
 use crate::error::Error;
 use crate::flow::ORDERS;
@@ -62,7 +62,7 @@ impl Motion {
         &mut self,
         end: f64,
         observer: &mut dyn FnMut(&super::Event),
-    ) -> Result<Outcome, Error> {
+    ) -> Result<Reached, Error> {
         self.advance(end, Pause::AfterEvent, &mut Some(observer))
     }
 
@@ -75,7 +75,7 @@ impl Motion {
         &mut self,
         end: f64,
         observer: &mut dyn FnMut(&super::Event),
-    ) -> Result<Outcome, Error> {
+    ) -> Result<Reached, Error> {
         self.advance(end, Pause::BeforeEvent, &mut Some(observer))
     }
 
@@ -105,7 +105,7 @@ impl Motion {
         }
     }
 
-    fn advance(&mut self, end: f64, pause: Pause, observer: &mut Observer) -> Result<Outcome, Error> {
+    fn advance(&mut self, end: f64, pause: Pause, observer: &mut Observer) -> Result<Reached, Error> {
         if !(end.is_finite() && end >= self.time()) {
             return Err(Error::Step { time: self.time(), end });
         }
@@ -119,7 +119,7 @@ impl Motion {
             if remaining <= 0.0 {
                 self.hybrid.time = target;
                 self.check_sizes()?;
-                return Ok(Outcome::End);
+                return Ok(Reached::End);
             }
             let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
             let (goal, at_knot) = knot.map_or((target, false), |t| (DoubleDouble::new(t), true));
@@ -137,7 +137,7 @@ impl Motion {
                     self.pass_event(observer)?;
                 }
                 if pause != Pause::Never {
-                    return Ok(Outcome::Event);
+                    return Ok(Reached::Event);
                 }
             }
             // Knots are finite in number and do not count as work.
