@@ -6,7 +6,7 @@ use crate::archive::Content;
 use fmi_doors::description::Experiment;
 use std::fmt::Write;
 use std::sync::Arc;
-use vibro_assembly::motion::Outcome;
+use vibro_assembly::motion::Reached;
 use vibro_assembly::{Assembly, Error, Motion};
 use vibro_assembly_fmi::Plan;
 use vibro_figures::html::escape;
@@ -170,7 +170,7 @@ fn events(plan: &Plan, end: f64) -> String {
     let mut text = format!("time{}\n", heading(plan));
     let Ok(mut motion) = Motion::new(plan.assembly.clone()) else { return text };
     for _ in 0..EVENTS {
-        if !matches!(motion.advance_before_event(end, &mut |_| ()), Ok(Outcome::Event)) {
+        if !matches!(motion.advance_before_event(end, &mut |_| ()), Ok(Reached::Event)) {
             break;
         }
         let before = states(&motion);

@@ -42,13 +42,13 @@ impl Neutral {
         Self { coordinates: system.coordinates, places, rates }
     }
 
-    /// Directions of the coordinates q on which no force depends; columns of length N.
+    /// Directions of the coordinates q on which no force depends, each of length N.
     pub fn places(&self) -> &[DVector<f64>] {
         &self.places
     }
 
-    /// Directions of the velocities q' on which no force depends, each among the span of the
-    /// [places](Self::places).
+    /// Directions of the velocities q' on which no force depends, each in the span of
+    /// [`places`](Self::places).
     pub fn rates(&self) -> &[DVector<f64>] {
         &self.rates
     }

@@ -14,7 +14,7 @@ use crate::slots::{Slot, slots};
 use vibro_impact::parameters::Range;
 use vibro_impact::quantities::quantity_in;
 
-/// A number of a machine.
+/// A parameter of a machine.
 #[derive(Clone, Debug)]
 pub struct Parameter {
     /// Dotted name, such as `stop.upper.gap`.
@@ -38,7 +38,7 @@ impl Parameter {
     /// Reads a value, with or without a unit of the parameter's dimension.
     ///
     /// # Errors
-    /// A [`Refusal`] that names the parameter, what was read and what is allowed.
+    /// A [`Refusal`] with the parameter's name, the text and the allowed values.
     pub fn read(&self, text: &str) -> Result<f64, Refusal> {
         read(self.kind, self.dimension, text).ok_or_else(|| {
             let allowed = self.kind.allowed(self.dimension);

@@ -60,7 +60,7 @@ pub enum Owner {
     Element(usize),
 }
 
-/// A quantity of a given machine.
+/// A quantity of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Quantity {
     /// Body or element.

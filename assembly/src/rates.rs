@@ -31,7 +31,7 @@ pub(crate) fn check(machine: &Description, system: &System) -> Result<(), Error>
     })
 }
 
-/// Stiffness and damping of a part whose force follows from its elongation.
+/// Stiffness and damping of a part whose force is a function of its elongation.
 fn factors(system: &System, part: Part) -> Option<[f64; 2]> {
     match part {
         Part::Spring(i) => Some([system.springs[i].stiffness, system.springs[i].damping]),

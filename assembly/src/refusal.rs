@@ -55,7 +55,7 @@ pub(crate) fn cut(text: &str, longest: usize) -> Cow<'_, str> {
 pub struct Refusal {
     /// Name of the file; empty without a file.
     pub file: String,
-    /// One or more.
+    /// One or more problems.
     pub problems: Vec<Problem>,
 }
 
@@ -92,7 +92,7 @@ const LONGEST_MISSPELT: usize = 100;
 
 /// Advice on an unknown name: the nearest valid name or, if none is near, all valid names.
 pub(crate) fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
-    // A name that differs in more than half of its letters is another word.
+    // A name that differs in more than half of its letters is no misspelling.
     let far = (name.chars().count() / 2).max(1);
     let lower = name.to_lowercase();
     let distance = |v: &&str| strsim::damerau_levenshtein(&lower, &v.to_lowercase());

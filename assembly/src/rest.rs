@@ -1,4 +1,5 @@
-//! Static equilibrium, the start at rest (docs/assembly-law.md (A19), (A20)).
+//! Static equilibrium for the start at rest, by a proximal point method (docs/assembly-law.md
+//! (A19), (A20)).
 
 mod factor;
 
@@ -34,7 +35,7 @@ const FINE: f64 = 1e-28;
 struct Holding {
     contacts: Vec<RestContact>,
     springs: Vec<RestSpring>,
-    /// The force on the coordinates at q = 0 but for the contacts.
+    /// Forces on the coordinates at q = 0, without contacts.
     force: DVector<f64>,
     /// The sum of the absolute values of the terms of `force`.
     sizes: DVector<f64>,
@@ -65,9 +66,9 @@ enum FrictionLevel {
     Static,
 }
 
-/// Where it stands, and the contacts' forces. Both have 32 digits, so that a stiff spring's force
-/// is known however small a part of the places its elongation is, and a soft one's however small it
-/// is beside forces that cancel.
+/// Coordinates and contact forces. Both have 32 digits, so that a stiff spring's force is known
+/// even where its elongation is a tiny difference of coordinates, and a soft one's even beside
+/// large forces that cancel.
 struct RestState {
     q: Vec<DoubleDouble>,
     lambda: Vec<DoubleDouble>,
@@ -85,7 +86,7 @@ struct Weighted {
 /// no force determines are those nearest to zero.
 ///
 /// # Errors
-/// [`Error::NoEquilibrium`], with the body that is accelerated most.
+/// [`Error::NoEquilibrium`], with the body of the largest acceleration.
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
     let mut z = StateRow::zeros(system.signals.size);
     let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
@@ -129,7 +130,7 @@ fn amax(q: &[DoubleDouble]) -> f64 {
 }
 
 impl Holding {
-    /// What holds a machine whose augmented state is `z` at q = 0.
+    /// The forces on a machine whose augmented state is `z` at q = 0.
     fn new(system: &System, z: &StateRow, friction: FrictionLevel) -> Self {
         let mut force = &system.forces * z;
         let mut sizes = system.forces.abs() * z.abs();
@@ -218,9 +219,8 @@ impl Holding {
         (largest, (SOFTER * least / heaviest).max(LEAST_WEIGHT * largest))
     }
 
-    /// The force on each coordinate that is left at a place, and what of it counts as rounding: a
-    /// part of what springs and contacts bear there, and what a difference of places leaves of a
-    /// stiffness.
+    /// The remaining force on each coordinate, and its rounding: a fraction of the forces of
+    /// springs and contacts, and the stiffness times the rounding of elongations.
     fn left(&self, place: &RestState) -> (Vec<DoubleDouble>, DVector<f64>) {
         let mut left: Vec<_> = self.force.iter().map(|&f| DoubleDouble::new(f)).collect();
         let mut rounding = BALANCED * &self.sizes;
@@ -300,8 +300,8 @@ impl Holding {
     }
 }
 
-/// The sizes of the signals at rest: of harmonics those that they have at any time, so that the
-/// rounding of one that is zero counts as such.
+/// Sizes of the signals at rest. Harmonics have their amplitudes, so that the rounding of one at
+/// zero counts as zero.
 fn signal_sizes(system: &System, z: &StateRow) -> Sizes {
     let mut sizes = Sizes(z.abs());
     (system.signals.one..system.signals.constant_size_until()).for_each(|j| sizes.0[j] = 1.0);

@@ -11,7 +11,7 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 /// Value and derivatives of an input, which is a cubic from the time it was set.
 pub type Input = [f64; 4];
 
-/// The part of a signal that is a polynomial between knots.
+/// The piecewise polynomial part of a signal.
 #[derive(Clone, Debug)]
 struct SignalPiece {
     /// Place of its value in the augmented state; its derivatives follow.
@@ -52,7 +52,7 @@ impl Cubics {
         Self { knots, starts }
     }
 
-    /// Value and derivatives just after a time; constant outside the record.
+    /// Value and derivatives just after a time; constant before the first and after the last knot.
     fn at(&self, time: f64) -> [f64; 4] {
         let after = self.knots.partition_point(|&(t, _)| t <= time);
         if after == 0 {
@@ -75,7 +75,7 @@ pub fn shifted(d: &[f64; 4], dt: f64) -> [f64; 4] {
     ]
 }
 
-/// Sine and cosine of an angle of at most [`SMALL`] rad, by their series.
+/// Sine and cosine of an angle of at most [`SMALL`] rad, by power series.
 #[inline(always)]
 fn small_turn(angle: f64) -> (f64, f64) {
     let square = -angle * angle;
@@ -90,7 +90,7 @@ fn small_turn(angle: f64) -> (f64, f64) {
 /// Largest angle of the series in [`TURN`]: its first omitted terms are below 0.4¹⁶/16! < 3e-20.
 pub(crate) const SMALL: f64 = 0.4;
 
-/// 1/k! for even and odd k.
+/// 1/k! in pairs of even and odd k.
 const TURN: [[f64; 2]; 8] = {
     let (mut terms, mut factor, mut k) = ([[0.0; 2]; 8], 1.0, 0);
     while k < 16 {
@@ -109,9 +109,9 @@ pub struct Signals {
     /// Frequencies, Hz; the cosine and sine of each follow the number 1.
     frequencies: Vec<f64>,
     pieces: Vec<SignalPiece>,
-    /// The times of all steps and of all knots of records, in order.
+    /// Times of all steps and all knots of records, sorted.
     knots: Vec<f64>,
-    /// The length of the augmented state.
+    /// Length of the augmented state.
     pub size: usize,
     /// Number of signals with an input.
     pub inputs: usize,
@@ -223,7 +223,7 @@ impl Builder {
 }
 
 impl Signals {
-    /// The row of a signal's time derivative.
+    /// The row of the time derivative of a signal's row.
     pub fn derivative(&self, row: &DVector<f64>) -> DVector<f64> {
         let mut rate = DVector::zeros(self.size);
         for (f, frequency) in self.frequencies.iter().enumerate() {

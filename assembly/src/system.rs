@@ -19,7 +19,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 /// part of its largest arm.
 const NO_PIVOT: f64 = 1e-12;
 
-/// The machine as matrices; it does not change during a motion.
+/// The matrices of a machine, constant during a motion.
 #[derive(Clone, Debug)]
 pub struct System {
     /// Number of coordinates q, N.
@@ -34,13 +34,13 @@ pub struct System {
     pub mass: DMatrix<f64>,
     /// Whether the inertia matrix is diagonal: no link couples the coordinates.
     pub(crate) is_diagonal: bool,
-    /// The forces on the coordinates that always act: M a = forces · z + …
+    /// Forces on the coordinates that act in every mode: M a = forces · z + …
     pub forces: DMatrix<f64>,
     /// Indices of the stiff springs, whose forces are evaluated separately.
     pub(crate) stiff_springs: Vec<usize>,
     /// `forces` without those of stiff springs; `None` without such springs.
     soft: Option<DMatrix<f64>>,
-    /// All bodies.
+    /// Bodies.
     pub bodies: Vec<BodyRows>,
     /// The parts of each element, by its index in [`Description::elements`].
     pub parts: Vec<Vec<Part>>,
@@ -48,24 +48,24 @@ pub struct System {
     pub springs: Vec<SpringRows>,
     /// Stops.
     pub stops: Vec<StopRows>,
-    /// Friction.
+    /// Frictions.
     pub frictions: Vec<FrictionRows>,
-    /// The force of each load.
+    /// By load: its force.
     pub loads: Vec<StateRow>,
-    /// The body of each load.
+    /// By load: its body.
     pub load_bodies: Vec<usize>,
     /// Whether any body's motion is prescribed.
     pub has_motions: bool,
     /// The momentum Bᵀ m D p' that prescribed bodies impart through links, as rows; `None` where it
     /// is zero.
     carried: Option<DMatrix<f64>>,
-    /// Inertia of each free body; 0 for prescribed ones.
+    /// By body: inertia; 0 for prescribed bodies.
     pub inertias: Vec<f64>,
-    /// Weight of each body: inertia times gravity's acceleration along s.
+    /// By body: inertia times the component of gravity along s.
     pub weights: Vec<f64>,
 }
 
-/// The free bodies' coordinates in terms of q and of the prescribed bodies.
+/// All bodies' coordinates in terms of q and of the prescribed bodies' coordinates.
 struct Reduction {
     kept: Vec<usize>,
     /// Weights of q, by body.
@@ -206,7 +206,7 @@ impl System {
         self.carried.as_ref().map(|carried| carried * z)
     }
 
-    /// A row with the number 1's coordinate alone.
+    /// The row of a constant.
     fn constant(&self, value: f64) -> StateRow {
         let mut row = StateRow::zeros(self.signals.size);
         row[self.signals.one] = value;
@@ -231,7 +231,7 @@ impl System {
         Elongation { e, rate: Functional::of(rate), w, drift, column, mobility }
     }
 
-    /// The parts of every element, in the description's order.
+    /// Adds the parts of all elements.
     fn add_elements(&mut self, d: &Description, levels: &[(usize, Option<usize>)], rows: &[StateRow]) {
         let mut loads = 0;
         for element in d.elements() {

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;
 use vibro_assembly::description::Description;
-use vibro_assembly::motion::Outcome;
+use vibro_assembly::motion::Reached;
 
 /// Difference of the two solutions relative to the largest coordinate: rounding of an impulse,
 /// magnified by the ratio of the heaviest mass to the lightest, 1e4.
@@ -25,8 +25,8 @@ fn follow(d: Description, (events, same): (&Cell<usize>, &Cell<usize>)) -> Resul
     let mut general = direct.clone().by_general_law();
     for _ in 0..EVENTS {
         match direct.advance_before_event(END, &mut |_| ()) {
-            Ok(Outcome::Event) => {}
-            Ok(Outcome::End) | Err(_) => break,
+            Ok(Reached::Event) => {}
+            Ok(Reached::End) | Err(_) => break,
         }
         general.restore(&direct.save());
         let (mut here, mut there) = (Vec::new(), Vec::new());

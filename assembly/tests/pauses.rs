@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use vibro_assembly::Motion;
 use vibro_assembly::description::*;
-use vibro_assembly::motion::{Hybrid, Outcome};
+use vibro_assembly::motion::{Hybrid, Reached};
 
 /// A ball that falls a metre, with a load that jumps in flight.
 fn ball() -> Description {
@@ -28,7 +28,7 @@ fn invariant_pausing_before_events_changes_no_bit() {
     let (mut passed, mut before) = (Vec::new(), Vec::new());
     whole.advance_observed(3.0, &mut |event| passed.push(event.clone())).unwrap();
     let mut pauses = 0;
-    while paused.advance_before_event(3.0, &mut |event| before.push(event.clone())).unwrap() == Outcome::Event
+    while paused.advance_before_event(3.0, &mut |event| before.push(event.clone())).unwrap() == Reached::Event
     {
         let (known, speed) = (before.len(), paused.body(0)[1]);
         assert!(paused.is_event_due());

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use vibro_assembly::Motion;
 use vibro_assembly::description::*;
-use vibro_assembly::motion::Outcome;
+use vibro_assembly::motion::Reached;
 
 /// Independent bodies, each with a spring, a buffer and friction; their modes are all combinations.
 fn independent(count: usize) -> Description {
@@ -22,7 +22,7 @@ fn independent(count: usize) -> Description {
 /// The largest memory after any event, and the times of the events.
 fn follow(mut motion: Motion, end: f64) -> (usize, Vec<f64>) {
     let (mut most, mut times) = (0, Vec::new());
-    while motion.advance_to_event(end, &mut |event| times.push(event.time)).unwrap() == Outcome::Event {
+    while motion.advance_to_event(end, &mut |event| times.push(event.time)).unwrap() == Reached::Event {
         most = most.max(motion.table_memory());
     }
     (most, times)
@@ -50,7 +50,7 @@ fn invariant_tables_stay_within_their_memory_on_every_way() {
 #[test]
 fn invariant_states_that_are_restored_do_not_fill_the_memory() {
     let (mut first, mut states) = (motion(independent(8)), Vec::new());
-    while first.advance_to_event(1.0, &mut |_| ()).unwrap() == Outcome::Event {
+    while first.advance_to_event(1.0, &mut |_| ()).unwrap() == Reached::Event {
         states.push(first.save());
     }
     let one = motion(independent(8)).table_memory();

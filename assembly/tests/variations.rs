@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use vibro_assembly::motion::Outcome;
+use vibro_assembly::motion::Reached;
 use vibro_assembly::{Assembly, Motion, file};
 
 fn motion(text: &str) -> Motion {
@@ -13,7 +13,7 @@ fn motion(text: &str) -> Motion {
 /// The variations at `end` with respect to the initial states and inputs, through every event.
 fn varied(motion: &mut Motion, end: f64) -> Vec<Vec<f64>> {
     let mut variations = motion.unit_variations();
-    while motion.advance_with(end, &mut variations).unwrap() == Outcome::Event {}
+    while motion.advance_with(end, &mut variations).unwrap() == Reached::Event {}
     motion.pass_event_with(&mut variations).unwrap();
     variations
 }

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use vibro_assembly::flow::{ORDERS, SparseMatrix, rate_bound};
 use vibro_assembly::mode::{Linear, Mode, Watch};
-use vibro_assembly::motion::{Event, Outcome};
+use vibro_assembly::motion::{Event, Reached};
 use vibro_assembly::system::{StateRow, System};
 use vibro_assembly::{Error, Motion, Quantity};
 use vibro_impact::events::turns;
@@ -258,7 +258,7 @@ pub fn follow(
             let flight = ObservedFlight { time: from, flow: &flow, start: &start, span };
             observers.iter_mut().for_each(|o| o.flight(system, flight));
         }
-        if outcome? == Outcome::Event {
+        if outcome? == Reached::Event {
             let (before, watch, time) = (own(motion.state()), motion.due(), motion.time());
             let impacts = motion.energy().impacts;
             let mut tell = |event: &Event| {

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use vibro_assembly::Motion;
 use vibro_assembly::description::{Description, Harmonic, Signal};
-use vibro_assembly::motion::{Event, EventKind, Outcome};
+use vibro_assembly::motion::{Event, EventKind, Reached};
 
 /// Relative accuracy to which frequencies are multiples of one another.
 const COMMENSURATE: f64 = 1e-9;
@@ -178,8 +178,8 @@ impl Section {
             })?;
             match outcome {
                 _ if self.is_met(&events) => return Ok(()),
-                Outcome::End => return Err(self.missed(motion)),
-                Outcome::Event => {}
+                Reached::End => return Err(self.missed(motion)),
+                Reached::Event => {}
             }
         }
     }

@@ -4,7 +4,7 @@
 use super::Machine;
 use super::moving::Moving;
 use std::sync::Arc;
-use vibro_assembly::motion::{Hybrid, Outcome};
+use vibro_assembly::motion::{Hybrid, Reached};
 use vibro_assembly::signals::Input;
 use vibro_assembly::{Assembly, Error};
 

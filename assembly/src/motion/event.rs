@@ -5,14 +5,14 @@
 pub struct Event {
     /// Time, s.
     pub time: f64,
-    /// What happened.
+    /// Kind of the event.
     pub kind: EventKind,
 }
 
 /// Kind of an event, with the indices of stops and frictions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventKind {
-    /// A rigid stop was hit.
+    /// An impact at a rigid stop.
     Impact {
         /// Index of the stop.
         stop: usize,
@@ -45,19 +45,19 @@ pub enum EventKind {
         /// Index of the stop.
         stop: usize,
     },
-    /// The dashpot's share of an `ElastoGap` comes to its cap, or leaves it.
+    /// The dashpot's force of an `ElastoGap` reaches its cap, or leaves it.
     Cap {
         /// Index of the stop.
         stop: usize,
         /// Whether the cap acts from now on.
         acts: bool,
     },
-    /// Slipping ends.
+    /// A friction begins to stick.
     Stick {
         /// Index of the friction.
         friction: usize,
     },
-    /// Slipping begins or turns round.
+    /// A friction begins to slip, or reverses.
     Slip {
         /// Index of the friction.
         friction: usize,
@@ -66,13 +66,13 @@ pub enum EventKind {
         /// Its force at that time, N or N m.
         force: f64,
     },
-    /// A friction's level passes zero.
+    /// The level of a friction passes zero.
     Level {
         /// Index of the friction.
         friction: usize,
         /// Whether the friction acts from now on.
         acts: bool,
     },
-    /// A signal's knot.
+    /// A knot of a signal.
     Knot,
 }

@@ -25,9 +25,9 @@ pub(super) struct Before {
 /// Contacts of the mode in force that a jump has separated.
 #[derive(Debug, Default)]
 pub(super) struct Parted {
-    /// Rigid stops that were closed and have a gap now.
+    /// Rigid stops that were closed and are open now.
     pub(super) stops: Vec<usize>,
-    /// Frictions that stuck and have a rate now.
+    /// Frictions whose rate has jumped.
     pub(super) frictions: Vec<usize>,
 }
 

@@ -32,9 +32,9 @@ impl Motion {
     }
 }
 
-/// The longest of 2, 4, 8, … sub-steps that is shorter than a time and in which no watched
-/// functional passes its limit: below value + slope t + bend t²/2 throughout, which is convex, it
-/// is below the limit if this is so at both ends. Leaves the rates in memory.
+/// The longest rung that is shorter than `remaining` and in which no watched functional passes its
+/// limit. The bound value + slope t + bend t²/2 is convex: it is below the limit throughout if it
+/// is at both ends. Writes z' to the scratch memory.
 fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut Scratch) -> Option<usize> {
     let z = hybrid.z.as_slice();
     let Scratch { rates, second, .. } = scratch;

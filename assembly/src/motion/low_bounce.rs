@@ -2,7 +2,8 @@
 //! between events and meets stops late.
 
 use super::Motion;
-use super::contact::{Flags, is_low, project};
+use super::contact::{Flags, is_low};
+use super::projection::project;
 use crate::error::Error;
 use crate::law::box_qp::{independent, triangle};
 use crate::law::impact::Impacts;
@@ -11,12 +12,12 @@ use crate::mode::{Contact, StopState};
 /// Lowest bounce that is followed, relative to the size of e - gap; under it the stop closes.
 const LEAST_BOUNCE: f64 = 1e-12;
 
-/// Where stops are met late, bounces under this many times the lateness are too low to matter.
+/// Least height of a bounce in multiples of the overshoot, under a host's solver.
 const OVERSHOOT_BOUNCES: f64 = 100.0;
 
-/// Of a restitution near 1 at most so many times the lateness more, and of 1 itself, which ends its
-/// bounces by what is lost elsewhere. One that loses less in a bounce than this allows for would
-/// come so low after some eighty thousand bounces and more.
+/// Most multiples of the overshoot that are added for a restitution near 1, and for 1 itself, whose
+/// bounces decay by other losses. With less loss than this allows for, a bounce becomes so low only
+/// after some 80,000 bounces.
 const MOST_OVERSHOOT_BOUNCES: f64 = 1e4;
 
 impl Motion {

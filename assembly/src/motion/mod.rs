@@ -20,10 +20,12 @@ mod lone;
 mod long;
 mod low_bounce;
 mod passage;
+mod projection;
 mod report;
 pub(crate) mod saved;
 mod step;
 mod tables;
+mod values;
 mod variation;
 mod varied;
 
@@ -35,10 +37,8 @@ use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::flow::{Ahead, DepartureRows, FlowTable, Group};
 use crate::law::Sizes;
-use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
-use crate::quantity::{Owner, Quantity, What};
+use crate::mode::{Mode, Watch};
 use crate::signals::Input;
-use crate::system::Part;
 use jump::Parted;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -50,16 +50,16 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 /// Callback for the events of an advance.
 pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
 
-/// Where an advance ended.
+/// The end of an advance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum Reached {
     /// At the time asked for.
     End,
     /// At an event: after its law or, for [`Motion::advance_before_event`], before it.
     Event,
 }
 
-/// An event whose law is not applied yet.
+/// A pending event, whose law is not applied yet.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Due {
     /// A watched functional passes zero.
@@ -121,8 +121,7 @@ pub struct Motion {
     tables: Tables,
     /// Index in `tables` of the mode in force.
     place: usize,
-    /// By this part of its size a watched functional has passed zero at its event: nothing in an
-    /// exact motion.
+    /// Relative overshoot at an event; 0 unless a host integrates.
     overshoot: f64,
     /// Whether the general law decides at every event.
     is_general: bool,
@@ -150,9 +149,9 @@ struct Scratch {
     rates: Vec<f64>,
     /// z'' at that start.
     second: Vec<f64>,
-    /// Derivatives of a functional.
+    /// Memory of `FlowTable::departure`.
     rows: DepartureRows,
-    /// By contact how far it is off.
+    /// By contact: its deviation from the constraint.
     off: Vec<f64>,
     /// By functional of the powers: values at the quadrature nodes.
     values: Vec<crate::energy::AtNodes>,
@@ -274,7 +273,7 @@ impl Motion {
         }
     }
 
-    /// The mode in force.
+    /// The present mode.
     pub fn mode(&self) -> &Mode {
         &self.hybrid.mode
     }
@@ -423,7 +422,7 @@ impl Motion {
         crate::energy::mechanical(&self.assembly.system, &self.hybrid.z)
     }
 
-    /// The value and the derivatives of an input now.
+    /// The present value and derivatives of an input.
     pub fn input(&self, i: usize) -> Input {
         let (from, input) = &self.hybrid.inputs[i];
         crate::signals::shifted(input, self.time() - from)
@@ -448,7 +447,7 @@ impl Motion {
         self.hybrid.turns = 0;
     }
 
-    /// The table of the mode in force.
+    /// The flow of the present mode.
     fn table(&self) -> &FlowTable {
         &self.tables.at(self.place).table
     }

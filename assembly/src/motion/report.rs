@@ -1,4 +1,4 @@
-//! What is told of an event.
+//! Reports of events to the observer and to the accounts.
 
 use super::event::{Event, EventKind};
 use super::{Motion, Observer};
@@ -28,8 +28,8 @@ impl Motion {
         }
     }
 
-    /// What has become of an element that was in another state; a stop that closes would have
-    /// bounced for the time `left`.
+    /// Reports the change of an element from its state `was`; a stop that closes would have bounced
+    /// for the time `left`.
     pub(super) fn report_change(&self, was: ElementState, left: f64, observer: &mut Observer) {
         match (was, self.hybrid.mode.state_of(was)) {
             (ElementState::Stop(i, was), ElementState::Stop(_, now)) => {

@@ -1,28 +1,28 @@
-//! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
+//! Advancing a motion by sub-steps, each proved to be without an event or ended at the first one.
 
 use super::jump::Parted;
 use super::passage::{LEAVES_ZERO, PassageSearch, StepPoint};
-use super::{Due, Hybrid, Motion, Observer, Outcome, Scratch};
+use super::{Due, Hybrid, Motion, Observer, Reached, Scratch};
 use crate::energy::Samples;
 use crate::error::Error;
 use crate::flow::ORDERS;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Sub-steps in one call, and for each sub-step's length of time.
+/// Allowed sub-steps: in one call, and additionally per sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
-/// Sub-steps in one call, however short they are: some seconds for a few bodies. Under a fuzzer,
-/// whose code is many times slower, fewer.
+/// Default of the most sub-steps in one call: some seconds for a few bodies. Fewer under a fuzzer,
+/// whose code is many times slower.
 pub(super) const MOST_WORK: u64 = if cfg!(fuzzing) { 200_000 } else { 20_000_000 };
-/// Sub-steps that carry the signals along with the state, before they are found anew from the
-/// clock: of so many the rounding is that of one. After so many whole ones in a row a long one is
+/// Sub-steps after which signals, which advance with the state, are computed anew from the time;
+/// rounding over so many is that of one. After so many whole sub-steps in a row a long step is
 /// tried.
 const RENEW: u32 = 16;
-/// Events at one instant without progress, for each element and one more.
+/// Most events without progress of time, per watched functional and one more.
 const CHAIN: usize = 100;
-/// Parts of a mode's sub-step that count as progress of time: a few roundings.
+/// Least progress of time relative to the mode's sub-step: a few roundings.
 const PROGRESS: f64 = 1e-15;
 
-/// What an advance does at an event.
+/// Whether an advance pauses at events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pause {
     Never,
@@ -42,7 +42,7 @@ impl Motion {
         self.advance(end, Pause::Never, &mut None).map(drop)
     }
 
-    /// Advances to a time and reports every event on the way.
+    /// Advances to a time and reports all events.
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
@@ -62,7 +62,7 @@ impl Motion {
         &mut self,
         end: f64,
         observer: &mut dyn FnMut(&super::Event),
-    ) -> Result<Outcome, Error> {
+    ) -> Result<Reached, Error> {
         self.advance(end, Pause::AfterEvent, &mut Some(observer))
     }
 
@@ -75,17 +75,16 @@ impl Motion {
         &mut self,
         end: f64,
         observer: &mut dyn FnMut(&super::Event),
-    ) -> Result<Outcome, Error> {
+    ) -> Result<Reached, Error> {
         self.advance(end, Pause::BeforeEvent, &mut Some(observer))
     }
 
-    /// Whether it stands at an event whose law is still to be applied.
+    /// Whether an event is pending: reached, but its law not applied yet.
     pub fn is_event_due(&self) -> bool {
         self.hybrid.due.is_some()
     }
 
-    /// Applies the law of the event before which the last advance has paused; without one nothing
-    /// happens.
+    /// Applies the law of the pending event, if there is one.
     ///
     /// # Errors
     /// [`Error::Jammed`], [`Error::Violated`] and [`Error::Stuck`] where the motion cannot go on.
@@ -93,7 +92,7 @@ impl Motion {
         self.pass_event(&mut Some(observer))
     }
 
-    /// Applies the law of an event that is due.
+    /// Applies the law of the pending event, if there is one.
     pub(super) fn pass_event(&mut self, observer: &mut Observer) -> Result<(), Error> {
         match self.hybrid.due.take() {
             Some(Due::Passage(watch)) => self.settle(&[watch], &Parted::default(), observer),
@@ -106,7 +105,7 @@ impl Motion {
         }
     }
 
-    fn advance(&mut self, end: f64, pause: Pause, observer: &mut Observer) -> Result<Outcome, Error> {
+    fn advance(&mut self, end: f64, pause: Pause, observer: &mut Observer) -> Result<Reached, Error> {
         if !(end.is_finite() && end >= self.time()) {
             return Err(Error::Step { time: self.time(), end });
         }
@@ -120,7 +119,7 @@ impl Motion {
             if remaining <= 0.0 {
                 self.hybrid.time = target;
                 self.check_sizes()?;
-                return Ok(Outcome::End);
+                return Ok(Reached::End);
             }
             let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
             let (goal, at_knot) = knot.map_or((target, false), |t| (DoubleDouble::new(t), true));
@@ -138,10 +137,10 @@ impl Motion {
                     self.pass_event(observer)?;
                 }
                 if pause != Pause::Never {
-                    return Ok(Outcome::Event);
+                    return Ok(Reached::Event);
                 }
             }
-            // Knots have an end, however many there are.
+            // Knots are finite in number and do not count as work.
             work -= f64::from(u8::from(!is_knot));
             work += WORK.1 * (self.time() - from) / self.table().length;
             from = self.time();
@@ -152,8 +151,8 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// A sub-step of at most the table's length towards `goal`, or to the event before which it
-    /// ends.
+    /// Makes one sub-step towards `goal`, of at most the mode's length; returns the event at which
+    /// it ends.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -174,7 +173,7 @@ impl Motion {
         let whole = span == table.length && passage.is_none();
         let end = passage.as_ref().map_or_else(|| StepPoint::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
-        // What is no longer zero has no event yet: it is watched from there on.
+        // A functional that was zero throughout the mode has no event: it is watched from here on.
         let leaves = passage.as_ref().is_some_and(|passage| flight.is_unwatched(passage.place));
         let passage = passage.filter(|_| !leaves);
         if hybrid.energy.are_kept() {
@@ -231,8 +230,8 @@ impl Motion {
         Ok(knot.then_some(Due::Knot))
     }
 
-    /// Watched functionals begin the next sub-step away from zero, but for those that are zero
-    /// throughout the mode, of which every coefficient is rounding.
+    /// Prepares the next sub-step, at whose start watched functionals are no longer at zero. Those
+    /// that are zero throughout the mode stay so unless they exceed their rounding.
     #[inline(always)]
     pub(super) fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
@@ -249,8 +248,8 @@ impl Motion {
         }
     }
 
-    /// Watches again what has left zero, after what the flight adds to the sizes: what stands still
-    /// has none of its own.
+    /// Watches functionals again that exceed their rounding, with sizes that include the time since
+    /// the mode began: a body at rest has no size of its own.
     #[inline(never)]
     fn let_leave(&mut self) {
         self.take_in_flight();
@@ -263,8 +262,8 @@ impl Motion {
     }
 }
 
-/// A sub-step, compiled for each kind of vectors that a computer may have. Products are not fused,
-/// so that all give the same bits.
+/// A sub-step, compiled for each vector instruction set. Products are not fused, so that all give
+/// bit-identical results.
 struct Substep<'a> {
     motion: &'a mut Motion,
     goal: DoubleDouble,

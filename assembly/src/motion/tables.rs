@@ -1,5 +1,4 @@
-//! The modes that a motion has met, with their tables, and to which of them the change of one
-//! element leads.
+//! Cache of the modes that a motion has met, with their flows, powers and neighbouring modes.
 
 use crate::energy::Powers;
 use crate::flow::FlowTable;
@@ -8,17 +7,18 @@ use crate::system::System;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-/// Bytes of the tables that are kept; beyond, all are dropped and those in use are made again.
+/// Default size of the cache, bytes; beyond it all entries are dropped, and those in use are made
+/// again.
 const KEPT: usize = 128 << 20;
 
-/// A mode that was met.
+/// A mode in the cache.
 #[derive(Clone, Debug)]
 pub(super) struct Met {
     pub(super) mode: Mode,
     pub(super) table: Arc<FlowTable>,
-    /// Its powers, made when they are first needed.
+    /// Powers of its energy accounts, made on first use.
     powers: OnceLock<Arc<Powers>>,
-    /// The modes in which one element has another state, by their places.
+    /// Places of modes that differ by the state of one element.
     changes: Vec<(ElementState, usize)>,
 }
 
@@ -28,22 +28,22 @@ impl Met {
         self.powers.get_or_init(|| Arc::new(Powers::new(system, &self.mode, &self.table)))
     }
 
-    /// Bytes that it takes.
+    /// Size in memory, bytes.
     fn bytes(&self) -> usize {
         let powers = self.powers.get().map_or(0, |powers| powers.numbers());
         (self.table.numbers() + powers) * size_of::<f64>()
     }
 }
 
-/// Modes by their places, in the order in which they were met.
+/// The modes by place, in the order in which they were met.
 #[derive(Clone, Debug)]
 pub(super) struct Tables {
     met: Vec<Met>,
     places: HashMap<Mode, usize>,
-    /// Bytes that are kept.
+    /// Most bytes.
     pub(super) most: usize,
-    /// Number of modes from which on bytes are counted again: all are looked at, so that not each
-    /// new mode is worth it.
+    /// Number of modes at which bytes are counted again, which takes time in proportion to all
+    /// modes.
     recount: usize,
 }
 
@@ -54,7 +54,7 @@ impl Default for Tables {
 }
 
 impl Tables {
-    /// Bytes that all take.
+    /// Size of all modes in memory, bytes.
     pub(super) fn bytes(&self) -> usize {
         self.met.iter().map(Met::bytes).sum()
     }
@@ -64,9 +64,9 @@ impl Tables {
         &self.met[place]
     }
 
-    /// Forgets all where there are too many, so that places that were found before count no more;
-    /// tells whether it did. Whoever puts a mode in force asks for it before, so that beyond what
-    /// is kept there are only the tables of one event.
+    /// Empties the cache where it exceeds its size, which invalidates all places; returns whether
+    /// it did. It is called before a mode is entered, so that the excess is at most the tables of
+    /// one event.
     pub(super) fn make_room(&mut self) -> bool {
         let count = self.met.len();
         if count < self.recount {
@@ -82,12 +82,13 @@ impl Tables {
         full
     }
 
-    /// The place of the mode to which the change of an element leads, where that is known.
+    /// The place of the mode that differs from the one at `place` by the state of an element, if it
+    /// is known.
     pub(super) fn known_after(&self, place: usize, element: ElementState) -> Option<usize> {
         self.met[place].changes.iter().find(|(known, _)| *known == element).map(|&(_, next)| next)
     }
 
-    /// The place of a mode, whose table is made where it is new.
+    /// The place of a mode, which is added where it is new.
     pub(super) fn place_of(&mut self, mode: &Mode, system: &System) -> usize {
         if let Some(&place) = self.places.get(mode) {
             return place;
@@ -98,7 +99,8 @@ impl Tables {
         self.met.len() - 1
     }
 
-    /// The place of the mode that differs from the one at `place` by the state of an element.
+    /// The place of the mode that differs from the one at `place` by the state of an element, which
+    /// is added where it is new.
     pub(super) fn place_after(&mut self, place: usize, element: ElementState, system: &System) -> usize {
         if let Some(next) = self.known_after(place, element) {
             return next;

@@ -1,13 +1,13 @@
-//! What a motion's values vary by: with time, with states, with inputs. Between events every
-//! coordinate, elongation and force is linear in the augmented state, so that its variation is its
-//! value at the state's variation.
+//! Derivatives of a motion's values within its mode, by time, states and inputs. Between events
+//! every coordinate, elongation and force is linear in the augmented state, so that its derivative
+//! is its value at the state's derivative.
 
 use super::Motion;
 use nalgebra::DVector;
 
 impl Motion {
-    /// A motion of which coordinates, elongations and forces are the time derivatives of this
-    /// one's, of some order, within its mode. Only these can be read of it.
+    /// A motion whose coordinates, elongations and forces are time derivatives of this motion's, of
+    /// an order, within its mode. Only these values are meaningful.
     pub fn time_derivative(&self, order: usize) -> Self {
         let mut z = self.hybrid.z.clone();
         for _ in 0..order {
@@ -16,9 +16,9 @@ impl Motion {
         self.with_state(z)
     }
 
-    /// A motion of which coordinates, elongations and forces are the derivatives of this one's
-    /// along a direction of states (coordinates, then rates) and inputs, within its mode. Only
-    /// these can be read of it.
+    /// A motion whose coordinates, elongations and forces are derivatives of this motion's along a
+    /// direction of states (coordinates, then rates) and inputs, within its mode. Only these values
+    /// are meaningful.
     pub fn variation(&self, states: &[f64], inputs: &[f64]) -> Self {
         let signals = &self.assembly.system.signals;
         let mut z: DVector<f64> = DVector::zeros(signals.size);

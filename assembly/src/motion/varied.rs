@@ -8,8 +8,8 @@
 //! (A21)). What a closed stop or a sticking friction takes away is gone: the variation lies in what
 //! is left.
 
-use super::contact::project;
-use super::{Event, EventKind, Motion, Outcome};
+use super::projection::project;
+use super::{Event, EventKind, Motion, Reached};
 use crate::error::Error;
 use crate::law::box_qp::triangle;
 use crate::mode::{Contact, Mode};
@@ -156,7 +156,7 @@ impl Motion {
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
-    pub fn advance_with(&mut self, end: f64, variations: &mut [Vec<f64>]) -> Result<Outcome, Error> {
+    pub fn advance_with(&mut self, end: f64, variations: &mut [Vec<f64>]) -> Result<Reached, Error> {
         self.pass_event_with(variations)?;
         let (table, from) = (self.tables.at(self.place).table.clone(), self.time());
         let outcome = self.advance_before_event(end, &mut |_| ())?;

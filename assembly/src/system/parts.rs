@@ -34,8 +34,8 @@ impl System {
         }
     }
 
-    /// The force of a part in a mode as a row on the augmented state, where `lambda` are the rows of
-    /// the forces of the mode's [basis](Mode::basis).
+    /// The force of a part in a mode as a row. `lambda` are the rows of the contact forces of the
+    /// mode's [basis](Mode::basis).
     pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[StateRow]) -> StateRow {
         let held =
             |contact: Contact| mode.basis.iter().position(|&c| c == contact).map(|k| lambda[k].clone());

@@ -17,7 +17,7 @@ pub struct Functional {
 }
 
 impl Functional {
-    /// Of a row.
+    /// The functional of a row.
     pub fn of(row: StateRow) -> Self {
         let terms = Sparse::of(row.as_slice());
         Self { row, terms }
@@ -59,7 +59,7 @@ pub struct Elongation {
     pub rate: Functional,
     /// The direction of its force on the coordinates, w = ∂e'/∂v; e'' = w·a + drift·z.
     pub w: DVector<f64>,
-    /// The part of e'' that prescribed bodies make.
+    /// Part of e'' due to prescribed bodies.
     pub drift: StateRow,
     /// L⁻¹ w.
     pub column: DVector<f64>,
@@ -76,11 +76,11 @@ pub struct BodyRows {
     pub v: StateRow,
     /// s'' = weights·a + drift·z.
     pub weights: DVector<f64>,
-    /// The part that prescribed bodies make.
+    /// Part of s'' due to prescribed bodies.
     pub drift: StateRow,
 }
 
-/// A spring with its dashpot.
+/// Rows of a spring with a dashpot.
 #[derive(Clone, Debug)]
 pub struct SpringRows {
     /// Its elongation.
@@ -95,7 +95,7 @@ pub struct SpringRows {
     pub force: StateRow,
 }
 
-/// A stop.
+/// Rows of a stop.
 #[derive(Clone, Debug)]
 pub struct StopRows {
     /// Its elongation.
@@ -133,21 +133,21 @@ impl StopRows {
         if self.is_elastogap() && self.force != self.spring { StopState::Capped } else { StopState::Pressed }
     }
 
-    /// Whether the dashpot's share is limited as in an `ElastoGap`.
+    /// Whether the dashpot's force is limited as in an `ElastoGap`.
     pub fn is_elastogap(&self) -> bool {
         matches!(self.law, StopLaw::Compliant { limit: DampingLimit::Elastogap, .. })
     }
 }
 
-/// Friction.
+/// Rows of a friction.
 #[derive(Clone, Debug)]
 pub struct FrictionRows {
     /// Its elongation.
     pub elongation: Elongation,
-    /// The level while slipping.
+    /// Sliding level.
     pub level: StateRow,
-    /// The level up to which it sticks.
+    /// Static level.
     pub static_level: StateRow,
-    /// Whether the two differ.
+    /// Whether the static level is given separately.
     pub has_static: bool,
 }

@@ -18,7 +18,7 @@ struct Tie<'a> {
 }
 
 impl Tie<'_> {
-    /// The coordinates that it acts on, with their arms.
+    /// The coordinates on which it acts, with their arms.
     fn arms(&self) -> impl Iterator<Item = (usize, f64)> {
         self.elongation.w.iter().copied().enumerate().filter(|(_, w)| *w != 0.0)
     }

@@ -1,0 +1,110 @@
+//! Values of a motion at its present time: bodies, elements and quantities.
+
+use super::Motion;
+use crate::mode::{Contact, FrictionState, StopState};
+use crate::quantity::{Owner, Quantity, What};
+use crate::system::Part;
+
+impl Motion {
+    /// A body's coordinate, rate and acceleration: m, m/s, m/s² or rad, rad/s, rad/s².
+    pub fn body(&self, i: usize) -> [f64; 3] {
+        let system = &self.assembly.system;
+        let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
+        let weights = rows.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+        let acceleration: f64 = weights.map(|(k, w)| w * self.table().a.row_times(n + k, z.as_slice())).sum();
+        [rows.s.dot(z), rows.v.dot(z), acceleration + rows.drift.dot(z)]
+    }
+
+    /// A body's coordinate, m or rad.
+    pub fn coordinate(&self, i: usize) -> f64 {
+        self.assembly.system.bodies[i].s.dot(&self.hybrid.z)
+    }
+
+    /// The rate of a body's coordinate, m/s or rad/s.
+    pub fn rate(&self, i: usize) -> f64 {
+        self.assembly.system.bodies[i].v.dot(&self.hybrid.z)
+    }
+
+    /// A spring's elongation, its rate and its force.
+    pub fn spring(&self, i: usize) -> [f64; 3] {
+        let (spring, z) = (&self.assembly.system.springs[i], &self.hybrid.z);
+        [spring.elongation.e.dot(z), spring.elongation.rate.dot(z), spring.force.dot(z)]
+    }
+
+    /// A stop's elongation, its rate and its force.
+    pub fn stop(&self, i: usize) -> [f64; 3] {
+        let [e, rate, force] = self.stop_varied(i);
+        // The force is never a pull, by (A13); where it vanishes, rounding has either sign.
+        [e, rate, force.max(0.0)]
+    }
+
+    /// A stop's elongation, its rate and its force as linear functions of the state, so that the
+    /// force may be negative.
+    fn stop_varied(&self, i: usize) -> [f64; 3] {
+        let (system, z) = (&self.assembly.system, &self.hybrid.z);
+        let stop = &system.stops[i];
+        let state = self.hybrid.mode.stops[i];
+        let force = match state {
+            StopState::Closed => self.contact_force(Contact::Stop(i)),
+            _ => system.stop_force_at(i, state, z).unwrap_or(0.0),
+        };
+        [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force]
+    }
+
+    /// A friction's elongation, its rate and its force.
+    pub fn friction(&self, i: usize) -> [f64; 3] {
+        let (system, z) = (&self.assembly.system, &self.hybrid.z);
+        let friction = &system.frictions[i];
+        let state = self.hybrid.mode.frictions[i];
+        let force = match state {
+            FrictionState::Stuck => self.contact_force(Contact::Friction(i)),
+            _ => system.friction_force_at(i, state, z).unwrap_or(0.0),
+        };
+        [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
+    }
+
+    /// The value of a quantity of the machine, SI.
+    pub fn value(&self, quantity: Quantity) -> f64 {
+        self.value_by(quantity, |i| self.stop(i)[2])
+    }
+
+    /// The value of a quantity in a motion that represents a derivative, where a stop's force may
+    /// have either sign.
+    pub fn value_varied(&self, quantity: Quantity) -> f64 {
+        self.value_by(quantity, |i| self.stop_varied(i)[2])
+    }
+
+    fn value_by(&self, quantity: Quantity, stop_force: impl Fn(usize) -> f64) -> f64 {
+        let i = match (quantity.owner, quantity.what) {
+            (Owner::Body(i), What::S) => return self.coordinate(i),
+            (Owner::Body(i), What::V) => return self.rate(i),
+            (Owner::Body(i), _) => return self.body(i)[2],
+            (Owner::Element(i), _) => i,
+        };
+        let (parts, z) = (&self.assembly.system.parts[i], &self.hybrid.z);
+        let elongation = || parts.first().and_then(|part| self.assembly.system.elongation_of_part(*part));
+        match quantity.what {
+            What::F => {
+                let force = |part: &Part| match *part {
+                    Part::Spring(i) => self.spring(i)[2],
+                    Part::Stop(i) => stop_force(i),
+                    Part::Friction(i) => self.friction(i)[2],
+                    Part::Load(i) => self.load(i),
+                };
+                parts.iter().map(force).sum()
+            }
+            What::E => elongation().map_or(0.0, |own| own.e.dot(z)),
+            _ => elongation().map_or(0.0, |own| own.rate.dot(z)),
+        }
+    }
+
+    /// A load's force.
+    pub fn load(&self, i: usize) -> f64 {
+        self.assembly.system.loads[i].dot(&self.hybrid.z)
+    }
+
+    fn contact_force(&self, contact: Contact) -> f64 {
+        let place = self.hybrid.mode.basis.iter().position(|&c| c == contact);
+        place.map_or(0.0, |k| self.table().lambda[k].dot(&self.hybrid.z))
+    }
+}
