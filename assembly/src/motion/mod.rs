@@ -1,14 +1,4 @@
-//! A motion: the state of a machine that advances from event to event, exactly.
-//!
-//! Between events the augmented state follows z' = A z of the [mode](Mode) in force
-//! (docs/assembly-law.md (A5)): `step` advances by sub-steps, `passage` finds the first root of a
-//! watched functional or proves that there is none, `long` joins sub-steps of a stiff machine. At
-//! an event `contact` applies the law; `lone` is its shortcut where one element alone is concerned.
-//! `course` applies the law where a host's solver integrates between events.
-//!
-//! [`Hybrid`] holds all that a saved state needs. The rest of [`Motion`] is settings, caches and
-//! buffers; caches and buffers must not influence its bits, so that a resumed motion is
-//! bit-identical to one that was never saved.
+//! A motion: the hybrid state of a machine, which advances exactly from event to event.
 
 mod change;
 mod contact;
@@ -55,7 +45,7 @@ pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
 pub enum Reached {
     /// At the time asked for.
     End,
-    /// At an event: after its law or, for [`Motion::advance_before_event`], before it.
+    /// At an event: after its law or, where that was asked for, before it.
     Event,
 }
 
@@ -73,7 +63,7 @@ enum Due {
 pub struct StopRecord {
     /// Number of impacts.
     pub count: u64,
-    /// Impulse of the last impact, N s.
+    /// Impulse of the last impact, N s or N m s.
     pub impulse: f64,
 }
 
@@ -83,33 +73,32 @@ impl StopRecord {
     }
 }
 
-/// Complete hybrid state of a motion: what a saved state holds.
+/// The hybrid state: all that changes while a motion advances.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hybrid {
     time: DoubleDouble,
-    /// Start of the flight not yet taken into the sizes, s (docs/assembly-law.md (A14)).
+    /// Start of the present mode, s.
     since: f64,
     #[serde(with = "saved::vector")]
     z: DVector<f64>,
     mode: Mode,
-    /// By watched functional: order of its zero at the last event, 0 for no zero, `ORDERS` for zero
-    /// throughout the mode.
+    /// By watched functional: the order of its zero at the last event, 0 for none,
+    /// [`ORDERS`](crate::flow::ORDERS) where it is zero throughout the mode.
     departing: Vec<usize>,
     sizes: Sizes,
-    /// By input: time at which it was set, value and derivatives there.
     inputs: Vec<(f64, Input)>,
-    /// Impacts by stop.
+    /// By stop.
     impacts: Vec<StopRecord>,
     energy: crate::energy::Accounts,
-    /// Events since time last advanced.
+    /// Events without progress of time.
     chain: usize,
-    /// Whole sub-steps since the last event or the last attempt at a long sub-step.
+    /// Whole sub-steps since an event or since the last attempt at a long step.
     carried: u32,
-    /// Sub-steps since the signals were last computed from the clock.
+    /// Sub-steps since the signals were computed from the time.
     turns: u32,
-    /// Functional whose zero was the last event.
+    /// The functional that ended the last mode.
     last: Option<Watch>,
-    /// Pending event: reached, its law not applied yet.
+    /// The pending event.
     due: Option<Due>,
 }
 
@@ -119,46 +108,46 @@ pub struct Motion {
     assembly: Arc<Assembly>,
     hybrid: Hybrid,
     tables: Tables,
-    /// Index in `tables` of the mode in force.
+    /// Place of the present mode in `tables`.
     place: usize,
     /// Relative overshoot at an event; 0 unless a host integrates.
     overshoot: f64,
     /// Whether the general law decides at every event.
     is_general: bool,
-    /// Limit of sub-steps in one call.
+    /// Most sub-steps in one call.
     most_work: u64,
-    /// Flag by which another thread interrupts a call.
+    /// Flag that interrupts a call.
     asked: Option<Arc<AtomicBool>>,
     scratch: Scratch,
     vectors: pulp::Arch,
 }
 
-/// Buffers of a sub-step, reused to avoid allocation.
+/// Scratch memory of a sub-step.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
-    /// By group of watched functionals: value, slope and bound of the curvature at the start.
+    /// Values, slopes and bounds of the watched functionals at the start.
     heads: Vec<Group>,
-    /// By watched functional: bits of the intervals in which it may pass zero.
+    /// By functional: the intervals in which it may pass zero, as bits.
     near: Vec<u8>,
-    /// State at the start of `interval`, or a copy of the state at an event.
+    /// State at the start of `interval`.
     start: DVector<f64>,
-    /// Interval of the sub-step that `start` and `ahead` belong to.
+    /// The prepared interval.
     interval: Option<usize>,
     ahead: Ahead,
-    /// z' at the start of a long sub-step, or of one that computes elastic forces separately.
+    /// z' at the start of a long step, or of a sub-step with separate forces; else scratch.
     rates: Vec<f64>,
-    /// z'' at that start.
+    /// z'' where `rates` is z'; else scratch.
     second: Vec<f64>,
     /// Memory of `FlowTable::departure`.
     rows: DepartureRows,
     /// By contact: its deviation from the constraint.
     off: Vec<f64>,
-    /// By functional of the powers: values at the quadrature nodes.
+    /// By functional of the powers: its values at the nodes.
     values: Vec<crate::energy::AtNodes>,
 }
 
 impl Motion {
-    /// Starts a motion at time 0 from the machine's start values.
+    /// The motion from the machine's start, at time 0.
     ///
     /// # Errors
     /// [`Error::Jammed`] where prescribed bodies drive stops together at the start.
@@ -166,7 +155,7 @@ impl Motion {
         Self::starting_at(assembly, 0.0)
     }
 
-    /// Starts a motion at time 0 and reports the impacts at the start to `observer`.
+    /// As [`new`](Self::new), with the events at the start reported to `observer`.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -174,8 +163,8 @@ impl Motion {
         Self::begin(assembly, 0.0, &mut Some(observer))
     }
 
-    /// Starts a motion at `time`, s: bodies have their start values, signals their values at that
-    /// time.
+    /// The motion from the machine's start at another time, s: bodies have their start values,
+    /// signals their values at that time.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::OutOfRange`] for a time that is not finite.
@@ -230,7 +219,7 @@ impl Motion {
         Ok(motion)
     }
 
-    /// A motion in state `hybrid` with empty tables; the caller sets the mode in force.
+    /// A motion with a hybrid state, before its mode is entered.
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
         let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
@@ -259,13 +248,13 @@ impl Motion {
         self.hybrid.time.value()
     }
 
-    /// The augmented state (q, v, 1, signals) now, to which the rows of the
-    /// [system](Assembly::system) apply.
+    /// The augmented state (q, v, 1, signals), on which the rows of the [system](Assembly::system)
+    /// act.
     pub fn state(&self) -> &DVector<f64> {
         &self.hybrid.z
     }
 
-    /// The functional whose zero is the pending event; `None` without one and at a signal's knot.
+    /// The functional of a pending event; `None` without one and at a signal's knot.
     pub fn due(&self) -> Option<Watch> {
         match self.hybrid.due {
             Some(Due::Passage(watch)) => Some(watch),
@@ -278,108 +267,7 @@ impl Motion {
         &self.hybrid.mode
     }
 
-    /// A body's coordinate, rate and acceleration: m, m/s, m/s² or rad, rad/s, rad/s².
-    pub fn body(&self, i: usize) -> [f64; 3] {
-        let system = &self.assembly.system;
-        let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
-        let weights = rows.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-        let acceleration: f64 = weights.map(|(k, w)| w * self.table().a.row_times(n + k, z.as_slice())).sum();
-        [rows.s.dot(z), rows.v.dot(z), acceleration + rows.drift.dot(z)]
-    }
-
-    /// A body's coordinate alone, m or rad.
-    pub fn coordinate(&self, i: usize) -> f64 {
-        self.assembly.system.bodies[i].s.dot(&self.hybrid.z)
-    }
-
-    /// A body's rate alone, m/s or rad/s.
-    pub fn rate(&self, i: usize) -> f64 {
-        self.assembly.system.bodies[i].v.dot(&self.hybrid.z)
-    }
-
-    /// A spring's elongation, its rate and its force.
-    pub fn spring(&self, i: usize) -> [f64; 3] {
-        let (spring, z) = (&self.assembly.system.springs[i], &self.hybrid.z);
-        [spring.elongation.e.dot(z), spring.elongation.rate.dot(z), spring.force.dot(z)]
-    }
-
-    /// A stop's elongation, its rate and its force.
-    pub fn stop(&self, i: usize) -> [f64; 3] {
-        let [e, rate, force] = self.stop_varied(i);
-        // Never a pull, by (A13): near its zero the computed force may be negative by rounding.
-        [e, rate, force.max(0.0)]
-    }
-
-    /// A stop's elongation, its rate and its force, linear in the state: not clipped at zero.
-    fn stop_varied(&self, i: usize) -> [f64; 3] {
-        let (system, z) = (&self.assembly.system, &self.hybrid.z);
-        let stop = &system.stops[i];
-        let state = self.hybrid.mode.stops[i];
-        let force = match state {
-            StopState::Closed => self.contact_force(Contact::Stop(i)),
-            _ => system.stop_force_at(i, state, z).unwrap_or(0.0),
-        };
-        [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force]
-    }
-
-    /// A friction's elongation, its rate and its force.
-    pub fn friction(&self, i: usize) -> [f64; 3] {
-        let (system, z) = (&self.assembly.system, &self.hybrid.z);
-        let friction = &system.frictions[i];
-        let state = self.hybrid.mode.frictions[i];
-        let force = match state {
-            FrictionState::Stuck => self.contact_force(Contact::Friction(i)),
-            _ => system.friction_force_at(i, state, z).unwrap_or(0.0),
-        };
-        [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
-    }
-
-    /// The value of a quantity of the machine, in SI units.
-    pub fn value(&self, quantity: Quantity) -> f64 {
-        self.value_by(quantity, |i| self.stop(i)[2])
-    }
-
-    /// The value of a quantity in a motion that stands for a derivative (see
-    /// [`variation`](Self::variation)): a stop's force may then have either sign.
-    pub fn value_varied(&self, quantity: Quantity) -> f64 {
-        self.value_by(quantity, |i| self.stop_varied(i)[2])
-    }
-
-    fn value_by(&self, quantity: Quantity, stop_force: impl Fn(usize) -> f64) -> f64 {
-        let i = match (quantity.owner, quantity.what) {
-            (Owner::Body(i), What::S) => return self.coordinate(i),
-            (Owner::Body(i), What::V) => return self.rate(i),
-            (Owner::Body(i), _) => return self.body(i)[2],
-            (Owner::Element(i), _) => i,
-        };
-        let (parts, z) = (&self.assembly.system.parts[i], &self.hybrid.z);
-        let elongation = || parts.first().and_then(|part| self.assembly.system.elongation_of_part(*part));
-        match quantity.what {
-            What::F => {
-                let force = |part: &Part| match *part {
-                    Part::Spring(i) => self.spring(i)[2],
-                    Part::Stop(i) => stop_force(i),
-                    Part::Friction(i) => self.friction(i)[2],
-                    Part::Load(i) => self.load(i),
-                };
-                parts.iter().map(force).sum()
-            }
-            What::E => elongation().map_or(0.0, |own| own.e.dot(z)),
-            _ => elongation().map_or(0.0, |own| own.rate.dot(z)),
-        }
-    }
-
-    /// A load's force.
-    pub fn load(&self, i: usize) -> f64 {
-        self.assembly.system.loads[i].dot(&self.hybrid.z)
-    }
-
-    fn contact_force(&self, contact: Contact) -> f64 {
-        let place = self.hybrid.mode.basis.iter().position(|&c| c == contact);
-        place.map_or(0.0, |k| self.table().lambda[k].dot(&self.hybrid.z))
-    }
-
-    /// The record of a stop's impacts.
+    /// The impacts of a stop.
     pub fn impacts(&self, i: usize) -> StopRecord {
         self.hybrid.impacts[i]
     }
@@ -389,15 +277,15 @@ impl Motion {
         &self.hybrid.energy
     }
 
-    /// Switches the energy accounts off; they keep their present values.
+    /// Switches the energy accounts off: they stay as they are.
     #[must_use]
     pub fn without_energy_accounts(mut self) -> Self {
         self.hybrid.energy = self.hybrid.energy.off();
         self
     }
 
-    /// Sets the approximate limit, in bytes, of the memory for tables of modes; default 128 MB.
-    /// Beyond the limit all tables are dropped, and rebuilt when they are needed.
+    /// Limits the memory for the tables of modes, in bytes, approximately; beyond it, tables are
+    /// made again when needed. The default is 128 MB.
     #[must_use]
     pub fn with_table_memory(mut self, bytes: usize) -> Self {
         self.tables.most = bytes;
@@ -409,8 +297,8 @@ impl Motion {
         self.tables.bytes()
     }
 
-    /// Decides every event by the general law, even where one element alone is concerned: an
-    /// independent path for tests and comparisons.
+    /// Makes the general law decide every event, also those of a single element: a second method
+    /// for tests and comparisons.
     #[must_use]
     pub fn by_general_law(mut self) -> Self {
         self.is_general = true;
@@ -428,19 +316,18 @@ impl Motion {
         crate::signals::shifted(input, self.time() - from)
     }
 
-    /// A copy of the hybrid state, for [`restore`](Self::restore).
+    /// The hybrid state, from which the motion can continue.
     pub fn save(&self) -> Hybrid {
         self.hybrid.clone()
     }
 
-    /// Restores a state saved from a motion of this machine.
+    /// Restores a hybrid state that was saved from a motion of the same machine.
     pub fn restore(&mut self, saved: &Hybrid) {
         self.hybrid = saved.clone();
         self.tables.make_room();
         self.place = self.tables.place_of(&self.hybrid.mode, &self.assembly.system);
     }
 
-    /// Computes the signals' part of the state from the clock.
     fn refill(&mut self) {
         let signals = &self.assembly.system.signals;
         signals.fill(self.hybrid.time, &self.hybrid.inputs, self.hybrid.z.as_mut_slice());
