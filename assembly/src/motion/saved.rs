@@ -1,11 +1,11 @@
-//! Saved states: whether one that comes from elsewhere fits a machine.
+//! Saved states: serialization of vectors, and the check of a state read from bytes.
 
 use super::{Due, Hybrid};
 use crate::assembly::Assembly;
 use crate::description::StopLaw;
 use crate::mode::{Contact, StopState, Watch};
 
-/// A vector as a sequence of numbers.
+/// Serialization of a vector as a sequence of numbers.
 pub(crate) mod vector {
     use nalgebra::DVector;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -20,9 +20,9 @@ pub(crate) mod vector {
 }
 
 impl Hybrid {
-    /// Whether it can be a state of a motion of this machine: as many numbers, all of them finite,
-    /// and elements that are there, in states that their law has. Whoever reads a state from bytes
-    /// must ask before [`restore`](super::Motion::restore).
+    /// Whether it can be a state of a motion of this machine: sizes match, numbers are finite, and
+    /// elements exist and are in states of their law. A state read from bytes requires this check
+    /// before [`restore`](super::Motion::restore).
     pub fn fits(&self, assembly: &Assembly) -> bool {
         let system = assembly.system();
         let (size, stops, frictions) = (system.signals.size, system.stops.len(), system.frictions.len());

@@ -1,4 +1,8 @@
-//! Advancing: sub-steps in which no event happens, proved, and the way to the first event.
+//! Advancing: sub-steps in which no event happens, as proved, up to the first event.
+//!
+//! A sub-step is at most the table's length, within which the Taylor series of exp(A t) is exact to
+//! rounding. Its operations and their order decide the bits of a motion: a change must leave the
+//! golden files unchanged.
 
 use super::jump::Parted;
 use super::passage::{Flight, LEAVES_ZERO, Point};
@@ -8,21 +12,20 @@ use crate::error::Error;
 use crate::flow::ORDERS;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Sub-steps in one call, and for each sub-step's length of time.
+/// Budget of sub-steps in a call: a constant, and a number for each sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
-/// Sub-steps in one call, however short they are: some seconds for a few bodies. Under a fuzzer,
-/// whose code is many times slower, fewer.
+/// Default limit of sub-steps in one call: some seconds for a few bodies. Fewer under a fuzzer,
+/// whose code is many times slower.
 pub(super) const MOST_WORK: u64 = if cfg!(fuzzing) { 200_000 } else { 20_000_000 };
-/// Sub-steps that carry the signals along with the state, before they are found anew from the
-/// clock: of so many the rounding is that of one. After so many whole ones in a row a long one is
-/// tried.
+/// Sub-steps after which signals, advanced with the state, are computed from the clock again: the
+/// rounding of so many is that of one. After as many whole sub-steps in a row a long one is tried.
 const RENEW: u32 = 16;
-/// Events at one instant without progress, for each element and one more.
+/// Limit of events at one instant: times the number of watched functionals plus one.
 const CHAIN: usize = 100;
-/// Parts of a mode's sub-step that count as progress of time: a few roundings.
+/// Fraction of a sub-step beyond which time counts as advanced: a few roundings.
 const PROGRESS: f64 = 1e-15;
 
-/// What an advance does at an event.
+/// Whether and where an advance ends at an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pause {
     Never,
@@ -36,8 +39,8 @@ impl Motion {
     /// # Errors
     /// [`Error::Step`] for an end before the present or not finite; [`Error::Jammed`],
     /// [`Error::Violated`], [`Error::Stuck`] and [`Error::Beyond`] where the motion cannot go on,
-    /// [`Error::TooStiff`] where it can in a further call: the state then stands at the time
-    /// reached.
+    /// [`Error::TooStiff`] and [`Error::Interrupted`] where a further call continues. The state is
+    /// then that at the time reached.
     pub fn advance_to(&mut self, end: f64) -> Result<(), Error> {
         self.advance(end, Pause::Never, &mut None).map(drop)
     }
@@ -79,13 +82,12 @@ impl Motion {
         self.advance(end, Pause::BeforeEvent, &mut Some(observer))
     }
 
-    /// Whether it stands at an event whose law is still to be applied.
+    /// Whether an event is pending: reached, its law not applied yet.
     pub fn is_event_due(&self) -> bool {
         self.hybrid.due.is_some()
     }
 
-    /// Applies the law of the event before which the last advance has paused; without one nothing
-    /// happens.
+    /// Applies the law of the pending event; does nothing without one.
     ///
     /// # Errors
     /// [`Error::Jammed`], [`Error::Violated`] and [`Error::Stuck`] where the motion cannot go on.
@@ -93,7 +95,7 @@ impl Motion {
         self.pass_event(&mut Some(observer))
     }
 
-    /// Applies the law of an event that is due.
+    /// Applies the law of the pending event; does nothing without one. The observer is optional.
     pub(super) fn pass_event(&mut self, observer: &mut Observer) -> Result<(), Error> {
         match self.hybrid.due.take() {
             Some(Due::Passage(watch)) => self.settle(&[watch], &Parted::default(), observer),
@@ -141,7 +143,7 @@ impl Motion {
                     return Ok(Outcome::Event);
                 }
             }
-            // Knots have an end, however many there are.
+            // Knots use no budget: their number is finite.
             work -= f64::from(u8::from(!is_knot));
             work += WORK.1 * (self.time() - from) / self.table().length;
             from = self.time();
@@ -152,8 +154,8 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// A sub-step of at most the table's length towards `goal`, or to the event before which it
-    /// ends.
+    /// Advances by a sub-step of at most the table's length, to `goal` at most, or to the first
+    /// event in it, which it returns.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -174,7 +176,7 @@ impl Motion {
         let whole = span == table.length && passage.is_none();
         let end = passage.as_ref().map_or_else(|| Point::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
-        // What is no longer zero has no event yet: it is watched from there on.
+        // A functional that leaves zero is no event: it is watched from there on.
         let leaves = passage.as_ref().is_some_and(|passage| flight.is_unwatched(passage.place));
         let passage = passage.filter(|_| !leaves);
         if hybrid.energy.are_kept() {
@@ -231,8 +233,8 @@ impl Motion {
         Ok(knot.then_some(Due::Knot))
     }
 
-    /// Watched functionals begin the next sub-step away from zero, but for those that are zero
-    /// throughout the mode, of which every coefficient is rounding.
+    /// Sets the orders of departure for the next sub-step: 0, since no functional begins at zero
+    /// except those that are zero throughout the mode, whose every coefficient is rounding.
     #[inline(always)]
     pub(super) fn watch_again(&mut self) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
@@ -249,8 +251,8 @@ impl Motion {
         }
     }
 
-    /// Watches again what has left zero, after what the flight adds to the sizes: what stands still
-    /// has none of its own.
+    /// Watches functionals again that have left zero, after including the flight in the sizes: what
+    /// stands still has no size of its own.
     #[inline(never)]
     fn let_leave(&mut self) {
         self.take_in_flight();
@@ -263,8 +265,8 @@ impl Motion {
     }
 }
 
-/// A sub-step, compiled for each kind of vectors that a computer may have. Products are not fused,
-/// so that all give the same bits.
+/// A sub-step, compiled for each vector instruction set. Products are not fused, so that all give
+/// the same bits.
 struct Substep<'a> {
     motion: &'a mut Motion,
     goal: DoubleDouble,

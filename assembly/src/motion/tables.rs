@@ -1,5 +1,5 @@
-//! The modes that a motion has met, with their tables, and to which of them the change of one
-//! element leads.
+//! Cache of the modes that a motion has met: their tables, and the transitions between modes that
+//! differ in one element.
 
 use crate::energy::Powers;
 use crate::flow::Table;
@@ -8,7 +8,7 @@ use crate::system::System;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-/// Bytes of the tables that are kept; beyond, all are dropped and those in use are made again.
+/// Default limit of the tables' size, bytes; beyond it all are dropped and rebuilt as needed.
 const KEPT: usize = 128 << 20;
 
 /// A mode that was met.
@@ -16,9 +16,9 @@ const KEPT: usize = 128 << 20;
 pub(super) struct Met {
     pub(super) mode: Mode,
     pub(super) table: Arc<Table>,
-    /// Its powers, made when they are first needed.
+    /// Powers of the energy accounts, built on first use.
     powers: OnceLock<Arc<Powers>>,
-    /// The modes in which one element has another state, by their places.
+    /// Indices of the modes that differ in the state of one element.
     changes: Vec<(ElementState, usize)>,
 }
 
@@ -28,22 +28,22 @@ impl Met {
         self.powers.get_or_init(|| Arc::new(Powers::new(system, &self.mode, &self.table)))
     }
 
-    /// Bytes that it takes.
+    /// Size, bytes.
     fn bytes(&self) -> usize {
         let powers = self.powers.get().map_or(0, |powers| powers.numbers());
         (self.table.numbers() + powers) * size_of::<f64>()
     }
 }
 
-/// Modes by their places, in the order in which they were met.
+/// Modes by index, in the order in which they were met.
 #[derive(Clone, Debug)]
 pub(super) struct Tables {
     met: Vec<Met>,
     places: HashMap<Mode, usize>,
-    /// Bytes that are kept.
+    /// Limit of the size, bytes.
     pub(super) most: usize,
-    /// Number of modes from which on bytes are counted again: all are looked at, so that not each
-    /// new mode is worth it.
+    /// Number of modes at which bytes are counted next: counting visits all modes, too slow for
+    /// every new one.
     recount: usize,
 }
 
@@ -54,19 +54,19 @@ impl Default for Tables {
 }
 
 impl Tables {
-    /// Bytes that all take.
+    /// Size of all tables, bytes.
     pub(super) fn bytes(&self) -> usize {
         self.met.iter().map(Met::bytes).sum()
     }
 
-    /// The mode at a place.
+    /// The mode with index `place`.
     pub(super) fn at(&self, place: usize) -> &Met {
         &self.met[place]
     }
 
-    /// Forgets all where there are too many, so that places that were found before count no more;
-    /// tells whether it did. Whoever puts a mode in force asks for it before, so that beyond what
-    /// is kept there are only the tables of one event.
+    /// Drops all tables if they exceed the limit, which invalidates every index; returns whether it
+    /// did. Call it before putting a mode in force, so that only the tables of one event can exceed
+    /// the limit.
     pub(super) fn make_room(&mut self) -> bool {
         let count = self.met.len();
         if count < self.recount {
@@ -82,12 +82,12 @@ impl Tables {
         full
     }
 
-    /// The place of the mode to which the change of an element leads, where that is known.
+    /// Index of the mode that differs from that at `place` in `element`, if it was met before.
     pub(super) fn known_after(&self, place: usize, element: ElementState) -> Option<usize> {
         self.met[place].changes.iter().find(|(known, _)| *known == element).map(|&(_, next)| next)
     }
 
-    /// The place of a mode, whose table is made where it is new.
+    /// Index of a mode; builds its table if it is new.
     pub(super) fn place_of(&mut self, mode: &Mode, system: &System) -> usize {
         if let Some(&place) = self.places.get(mode) {
             return place;
@@ -98,7 +98,7 @@ impl Tables {
         self.met.len() - 1
     }
 
-    /// The place of the mode that differs from the one at `place` by the state of an element.
+    /// Index of the mode that differs from that at `place` in `element`; builds its table if new.
     pub(super) fn place_after(&mut self, place: usize, element: ElementState, system: &System) -> usize {
         if let Some(next) = self.known_after(place, element) {
             return next;

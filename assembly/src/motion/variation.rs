@@ -1,13 +1,13 @@
-//! What a motion's values vary by: with time, with states, with inputs. Between events every
-//! coordinate, elongation and force is linear in the augmented state, so that its variation is its
-//! value at the state's variation.
+//! Derivatives of a motion's values by time, states and inputs, within a mode. Coordinates,
+//! elongations and forces are linear in the augmented state, so that the derivative of each is its
+//! value at the derivative of the state.
 
 use super::Motion;
 use nalgebra::DVector;
 
 impl Motion {
-    /// A motion of which coordinates, elongations and forces are the time derivatives of this
-    /// one's, of some order, within its mode. Only these can be read of it.
+    /// A motion whose coordinates, elongations and forces are the time derivatives of order `order`
+    /// of this one's, within its mode. Nothing else of it is meaningful.
     pub fn time_derivative(&self, order: usize) -> Self {
         let mut z = self.hybrid.z.clone();
         for _ in 0..order {
@@ -16,9 +16,9 @@ impl Motion {
         self.with_state(z)
     }
 
-    /// A motion of which coordinates, elongations and forces are the derivatives of this one's
-    /// along a direction of states (coordinates, then rates) and inputs, within its mode. Only
-    /// these can be read of it.
+    /// A motion whose coordinates, elongations and forces are the derivatives of this one's along a
+    /// direction of states (coordinates, then rates) and inputs, within its mode. Nothing else of
+    /// it is meaningful.
     pub fn variation(&self, states: &[f64], inputs: &[f64]) -> Self {
         let signals = &self.assembly.system.signals;
         let mut z: DVector<f64> = DVector::zeros(signals.size);
