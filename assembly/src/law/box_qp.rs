@@ -1,28 +1,28 @@
 //! Contact forces and impulses as a convex quadratic problem in a box (docs/assembly-law.md (A7)).
 //!
 //! Given columns a_i = L⁻¹ w_i of the contacts' directions, scaled by the Cholesky factor of the
-//! inertia M = L Lᵀ, so that G = AᵀA, find λ within lo ≤ λ ≤ hi that minimizes ½ λᵀGλ - bᵀλ. The
-//! residual r = b - Gλ is what is left of the relative accelerations (or velocities): zero where
-//! λ_i lies inside its bounds, not positive at the lower and not negative at the upper one. The
-//! minimum exists unless a direction lowers the value without end; r is unique even where λ is not.
+//! inertia M = L Lᵀ, so that G = AᵀA, find λ with lo ≤ λ ≤ hi that minimizes ½ λᵀGλ - bᵀλ. The
+//! residual r = b - Gλ is the relative acceleration (or velocity) that remains: zero where λ_i lies
+//! strictly inside its bounds, ≤ 0 at the lower and ≥ 0 at the upper one. The minimum exists unless
+//! the value is unbounded below along a direction; r is unique even where λ is not.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Two contacts count as dependent where the sine of the angle between a column and those before it
-/// is under this: far above the rounding of the columns (1e-16 each), far below the 1e-5 that a
+/// Sine of the angle between a column and the span of those before it under which contacts count as
+/// dependent: far above the rounding of the columns (1e-16 each), far below the 1e-5 that a
 /// mass ratio of 1e10 leaves between two contacts.
 const DEPENDENT: f64 = 1e-11;
 
-/// Rounding of a force on a coordinate in parts of the sizes of its terms: some tens of roundings
-/// of solving for them.
+/// Relative rounding of a force on a coordinate, by the sizes of its terms: some tens of roundings
+/// of the solution.
 const ROUNDING: f64 = 1e-14;
-/// Contacts over which rounding is passed on.
+/// Steps from contact to contact over which rounding is propagated.
 const NEIGHBOURS: usize = 2;
 
-/// The contacts' problem. Bounds may be infinite; an equality has both infinite.
+/// The quadratic problem. Bounds may be infinite; an equality constraint has both infinite.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// L⁻¹ w_i, one column a contact.
+    /// L⁻¹ w_i, one column per contact.
     pub columns: DMatrix<f64>,
     /// The residual at λ = 0.
     pub b: DVector<f64>,
@@ -30,35 +30,37 @@ pub struct Problem {
     pub lo: DVector<f64>,
     /// Upper bounds of λ.
     pub hi: DVector<f64>,
-    /// Below this a residual counts as zero.
+    /// By contact: value under which the residual counts as zero.
     pub zero: DVector<f64>,
 }
 
-/// What solves a [`Problem`].
+/// Solution of a [`Problem`].
 #[derive(Clone, Debug)]
 pub struct Solution {
     /// The forces or impulses.
     pub lambda: DVector<f64>,
     /// b - Gλ.
     pub residual: DVector<f64>,
-    /// Below this each counts as zero.
+    /// By contact: value under which the residual counts as zero.
     pub zero: DVector<f64>,
-    /// Independent contacts whose λ lies inside its bounds, by their places.
+    /// Indices of independent contacts whose λ lies inside its bounds.
     pub free: Vec<usize>,
 }
 
-/// Nothing gives way: along a direction the value falls without end.
+/// The problem has no minimum: the value is unbounded below along a direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jam {
-    /// The contacts that take part, by their places.
+    /// Indices of the contacts with a share in that direction.
     pub contacts: Vec<usize>,
 }
 
-/// An orthonormal basis of some of the columns, with the triangle that leads back to them.
+/// QR factorization of some of the columns.
 struct Basis {
+    /// Indices of the columns.
     places: Vec<usize>,
+    /// Orthonormal vectors.
     q: Vec<DVector<f64>>,
-    /// Upper triangle, column by column.
+    /// Upper triangle R, by column.
     r: Vec<Vec<f64>>,
 }
 
@@ -73,7 +75,7 @@ impl Basis {
         basis
     }
 
-    /// Becomes the basis of `places`; what stands at the beginning of both stays.
+    /// Becomes the basis of `places`; the common leading columns are kept.
     fn become_of(&mut self, columns: &DMatrix<f64>, places: &[usize]) {
         let stays = self.places.iter().zip(places).take_while(|(a, b)| a == b).count();
         self.places.truncate(stays);
@@ -85,7 +87,7 @@ impl Basis {
     }
 
     /// The part of a column outside the span, and its coefficients in `q`: Gram–Schmidt, twice, so
-    /// that what is left is orthogonal to rounding.
+    /// that the remainder is orthogonal up to rounding.
     fn split(&self, column: DVector<f64>) -> (DVector<f64>, Vec<f64>) {
         let (mut rest, mut coefficients) = (column, vec![0.0; self.q.len()]);
         for _ in 0..2 {
@@ -98,7 +100,7 @@ impl Basis {
         (rest, coefficients)
     }
 
-    /// Adds a column unless it depends on those there.
+    /// Adds a column unless it depends on those before; returns whether it was added.
     fn push(&mut self, columns: &DMatrix<f64>, place: usize) -> bool {
         let column = columns.column(place).into_owned();
         let size = column.norm();
@@ -114,8 +116,7 @@ impl Basis {
         true
     }
 
-    /// The coefficients c of the columns in a vector of their span, given its coefficients in `q`:
-    /// R c = y.
+    /// The solution of R c = y: a vector's coefficients in the columns by those in `q`.
     fn back(&self, y: &[f64]) -> Vec<f64> {
         let mut c = y.to_vec();
         for j in (0..c.len()).rev() {
@@ -140,7 +141,7 @@ impl Basis {
     }
 }
 
-/// The columns' entries without signs, and their squared norms.
+/// Absolute values of the columns' entries, and the columns' squared norms.
 struct Sizes {
     sizes: DMatrix<f64>,
     norms: Vec<f64>,
@@ -154,13 +155,13 @@ impl Sizes {
     }
 }
 
-/// The largest independent part of `places`, taken in their order.
+/// A maximal independent subset of `places`, preferring earlier ones.
 pub fn independent(columns: &DMatrix<f64>, places: &[usize]) -> Vec<usize> {
     Basis::of(columns, places).places
 }
 
 /// The upper triangle R with RᵀR = AᵀA, by orthogonalization of the columns, which does not square
-/// their condition and leaves exact zeros between contacts that share no coordinate.
+/// their condition number and keeps exact zeros between contacts that share no coordinate.
 pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let (count, mut basis) = (columns.ncols(), Basis::new());
     for place in 0..count {
@@ -174,16 +175,15 @@ pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl Problem {
-    /// Below this a contact's λ counts as zero: it makes no more of a residual than what counts as
-    /// zero there.
+    /// Value under which a contact's λ counts as zero: that whose residual counts as zero.
     pub fn zero_force(&self, contact: usize, solution: &Solution) -> f64 {
         let compliance = self.columns.column(contact).norm_squared();
         if compliance > 0.0 { solution.zero[contact] / compliance } else { 0.0 }
     }
 
-    /// Below this a residual counts as zero for given λ. What is given, and the rounding of the λ,
-    /// are errors of forces on the coordinates; what they change at a contact is passed on to those
-    /// that share a coordinate with it.
+    /// By contact: value under which the residual counts as zero at `lambda`. Errors of the data
+    /// and rounding of λ are errors of forces on the coordinates; their effect at a contact
+    /// propagates to those that share a coordinate with it.
     fn zero(&self, lambda: &DVector<f64>, Sizes { sizes, norms }: &Sizes) -> DVector<f64> {
         let errors = |i: usize, residual: f64| residual / norms[i];
         let own = DVector::from_fn(lambda.len(), |i, _| errors(i, self.zero[i]) + ROUNDING * lambda[i].abs());
@@ -200,7 +200,7 @@ impl Problem {
         &self.b - self.columns.tr_mul(&force)
     }
 
-    /// The λ of the free contacts that make their residual zero, the others staying as they are.
+    /// The λ of the free contacts with zero residual there, the others unchanged.
     fn stationary(&self, basis: &Basis, lambda: &DVector<f64>) -> Vec<f64> {
         let mut others = lambda.clone();
         for &i in &basis.places {
@@ -211,8 +211,8 @@ impl Problem {
         basis.back(&basis.forward(&b))
     }
 
-    /// Moves the free contacts from λ towards `target`, up to the first bound; returns those that
-    /// reach it.
+    /// Moves λ of the free contacts towards `target`, up to the first bound met; returns the
+    /// contacts that reach a bound.
     fn step(&self, free: &[usize], target: &[f64], lambda: &mut DVector<f64>) -> Vec<usize> {
         let mut part = 1.0f64;
         for (&i, &to) in free.iter().zip(target) {
@@ -237,8 +237,8 @@ impl Problem {
         reached
     }
 
-    /// The contact whose residual violates its bound most, in parts of its column's size; `first`
-    /// takes the first one instead, by which the search cannot cycle (Bland's rule).
+    /// The contact with the largest violating residual relative to its column's norm or, with
+    /// `first`, the first violating one, with which the search cannot cycle (Bland's rule).
     fn violated(
         &self,
         lambda: &DVector<f64>,
@@ -265,23 +265,22 @@ impl Problem {
         best.map(|(i, _)| i)
     }
 
-    /// Solves it by an active set: the free contacts have zero residual, the others stand at a
-    /// bound; the most violated one becomes free, and what meets a bound on the way is no longer.
-    /// Each turn lowers the value, so that no set comes twice; Bland's rule takes over where
-    /// rounding would let one.
+    /// Solves the problem by an active-set method: free contacts have zero residual, the others are
+    /// at a bound; in each turn the most violating contact becomes free, and those that meet a
+    /// bound on the way do not stay free. Each turn lowers the value, so that no set recurs;
+    /// Bland's rule takes over after many turns, where rounding could make one recur.
     ///
     /// # Errors
-    /// [`Jam`] where nothing gives way.
+    /// [`Jam`] where there is no minimum.
     pub fn solve(&self) -> Result<Solution, Jam> {
         let m = self.b.len();
-        // Not by `clamp`, which panics where levels beyond what doubles carry have left bounds that
-        // are none.
+        // Not by `clamp`, which panics on NaN bounds, as overflowing levels make.
         let mut lambda = DVector::from_fn(m, |i, _| 0.0f64.max(self.lo[i]).min(self.hi[i]));
         let equality = |i: usize| self.lo[i] == f64::NEG_INFINITY && self.hi[i] == f64::INFINITY;
         let mut free = independent(&self.columns, &(0..m).filter(|&i| equality(i)).collect::<Vec<_>>());
         let (sizes, mut basis) = (Sizes::of(&self.columns), Basis::new());
         for turn in 0..100 * (m + 1) {
-            // Free contacts at their stationary point, or as far as bounds allow.
+            // Moves free contacts to their stationary point, or as far as bounds allow.
             loop {
                 basis.become_of(&self.columns, &free);
                 let target = self.stationary(&basis, &lambda);
@@ -307,7 +306,8 @@ impl Problem {
     }
 
     /// Makes a contact free. One whose column depends on the free ones moves along the direction
-    /// that leaves the motion as it is, until one of them meets a bound and makes room.
+    /// that leaves the residual unchanged, until it or one of them meets a bound; that one is then
+    /// not free.
     fn enter(
         &self,
         basis: &Basis,

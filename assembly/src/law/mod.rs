@@ -1,4 +1,4 @@
-//! The law at events: contact forces and impulses, impacts, and which mode follows
+//! The law at events: contact forces and impulses, impacts, and the mode that follows
 //! (docs/assembly-law.md).
 
 pub mod box_qp;
@@ -10,11 +10,12 @@ use crate::system::{Elongation, Functional, Row, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-/// What is under this part of the sum of its terms' largest sizes so far counts as zero: some
-/// hundreds of roundings.
+/// Relative value under which a functional counts as zero, by the sum of its terms' [`Sizes`]: some
+/// hundreds of roundings (docs/assembly-law.md (A14)).
 pub const ZERO: f64 = 1e-13;
 
-/// The largest size of each coordinate of the augmented state so far.
+/// Largest absolute value so far of each component of the augmented state, by which rounding is
+/// measured (docs/assembly-law.md (A14)).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sizes(#[serde(with = "crate::motion::saved::vector")] pub DVector<f64>);
 
@@ -24,30 +25,31 @@ impl Sizes {
         row.iter().zip(self.0.iter()).map(|(r, s)| r.abs() * s).sum()
     }
 
-    /// Below this a functional's value counts as zero.
+    /// Value under which a functional counts as zero.
     pub(crate) fn zero_of(&self, row: &Functional) -> f64 {
         ZERO * row.size(self.0.as_slice())
     }
 
-    /// Below this a row's value counts as zero.
+    /// Value under which a row's value counts as zero.
     pub fn zero(&self, row: &Row) -> f64 {
         ZERO * self.of(row)
     }
 
-    /// Takes in a state.
+    /// Includes a state.
     #[inline(always)]
     pub fn include(&mut self, z: &[f64]) {
         self.include_from(0, z);
     }
 
-    /// Takes in coordinates of the state, the first of them at a place.
+    /// Includes components of a state, from index `first` on.
     #[inline(always)]
     pub fn include_from(&mut self, first: usize, z: &[f64]) {
         self.0.as_mut_slice()[first..].iter_mut().zip(z).for_each(|(s, x)| *s = s.max(x.abs()));
     }
 
-    /// What a contact keeps at zero is moved there by its rounding, which is that of all its terms:
-    /// a coordinate that is held to greater ones counts as so great as its share of that change.
+    /// Includes a contact's constraint: projecting onto it moves each coordinate by a share of the
+    /// constraint's rounding, which is that of all its terms. A coordinate held to larger ones gets
+    /// at least the size of that share.
     pub(crate) fn include_contact(&mut self, system: &System, contact: Contact) {
         let (e, n) = (system.elongation_of(contact), system.coordinates);
         if let Contact::Stop(i) = contact {
@@ -56,13 +58,12 @@ impl Sizes {
         self.include_held(e, n, &e.rate);
     }
 
-    /// For the coordinates (or the rates) from `first` on, where a row with these terms is kept at
-    /// zero.
+    /// Includes the constraint `row` = 0 in the sizes of the coordinates or rates from `first` on.
     fn include_held(&mut self, e: &Elongation, first: usize, row: &Functional) {
         let all = row.size(self.0.as_slice());
         let compliance = e.w.dot(&e.mobility);
         for (k, mobility) in e.mobility.iter().enumerate().filter(|(_, m)| **m != 0.0) {
-            // Its own term is no greater than itself.
+            // A coordinate's own term needs no share.
             let others = all - e.w[k].abs() * self.0[first + k];
             self.0[first + k] = self.0[first + k].max(mobility.abs() / compliance * others);
         }
@@ -75,10 +76,9 @@ mod tests {
     use crate::file::{no_records, parse};
 
     #[test]
-    fn closed_form_what_is_held_has_the_rounding_of_what_holds_it() {
-        // 0.01 kg is held to 1 kg, which has had 3 m and 2 m/s: of a correction of e = s' - s it
-        // takes 100/(100 + 1), and the heavy body of the light one's 0.5 m/s the rest, which is
-        // less than its own.
+    fn closed_form_a_light_body_held_to_a_heavy_one_has_its_rounding() {
+        // 0.01 kg is held to 1 kg, whose sizes are 3 m and 2 m/s: of a correction of e the light
+        // body takes 100/(100 + 1); the heavy one's share of 0.5 m/s is less than its own size.
         let text = "name = \"A\"\n[body.heavy]\nmass = 1.0\n[body.light]\nmass = 0.01\n\
                     [friction.f]\nbetween = [\"heavy\", \"light\"]\nforce = 1.0\n\
                     [stop.s]\nbetween = [\"heavy\", \"light\"]\ngap = 0.5\nrestitution = 0.0\n";
@@ -92,7 +92,7 @@ mod tests {
         let mut stuck = begin();
         stuck.include_contact(&system, Contact::Friction(0));
         assert_eq!(size(&stuck), [3.0, 0.0, 2.0, share * 2.0]);
-        // A closed stop holds places, too: 3 m and its gap.
+        // A closed stop constrains coordinates, too, with terms 3 m and its gap.
         let mut closed = begin();
         closed.include_contact(&system, Contact::Stop(0));
         let found = size(&closed);
