@@ -175,7 +175,8 @@ pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl Problem {
-    /// Value under which a contact's λ counts as zero: that whose residual counts as zero.
+    /// Value under which a contact's λ counts as zero: one that changes the residual by no more
+    /// than counts as zero there.
     pub fn zero_force(&self, contact: usize, solution: &Solution) -> f64 {
         let compliance = self.columns.column(contact).norm_squared();
         if compliance > 0.0 { solution.zero[contact] / compliance } else { 0.0 }

@@ -1,5 +1,10 @@
-//! Which mode follows: order by order in the derivatives of the motion (docs/assembly-law.md (A10)
-//! to (A12)).
+//! Selection of the mode that follows an instant, order by order in the derivatives of the motion
+//! (docs/assembly-law.md (A10) to (A12)).
+//!
+//! `classify` finds the elements' states that the present state decides. Each further order solves
+//! the contacts' problem for the next derivative of the accelerations, and `order` reads from it
+//! what it decides. A friction that leaves a static level of its own restarts the selection with
+//! its kinetic level.
 
 mod classify;
 mod order;
@@ -10,63 +15,63 @@ use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::system::{Row, System};
 use nalgebra::{DMatrix, DVector};
 
-/// What is not yet known of an element.
+/// Verdict on a stop so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stop {
+    /// Decided.
     Is(StopState),
     /// A rigid stop with e = gap, whose derivatives so far are all zero.
     Touching,
-    /// A compliant stop with e = gap, likewise.
+    /// A compliant stop with e = gap, whose derivatives so far are all zero.
     AtEdge,
-    /// A compliant stop whose force is at the limit of two states, with the state above and the one
-    /// below it.
+    /// A compliant stop whose force is at the limit between two states: the one above it and the
+    /// one below.
     AtLimit(StopState, StopState),
-    /// An `ElastoGap` whose force is zero and at its cap, but for rounding, so near to its edge is
-    /// it.
+    /// An `ElastoGap` so near to its edge that its force is both zero and at its cap, up to
+    /// rounding.
     AtLimits,
 }
 
+/// Verdict on a friction so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Friction {
+    /// Decided.
     Is(FrictionState),
-    /// e' = 0 and all derivatives so far; the level's first derivative that is not zero is of this
-    /// order.
+    /// e' and its derivatives so far are zero; the level's first nonzero derivative has this order.
     Resting(usize),
-    /// The same with |f| at its level throughout so far, in this direction.
+    /// e' and its derivatives so far are zero, and the force is at its level in this direction.
     AtLevel(f64),
 }
 
-/// The choice of the mode that follows an instant.
+/// State of a selection.
 pub struct Selection<'a> {
     system: &'a System,
-    /// z and its derivatives, as far as they are known.
+    /// z and its known derivatives, by order.
     derivatives: Vec<DVector<f64>>,
-    /// Bounds of the sizes of the same.
+    /// Sizes of `derivatives`, by order, which decide what is rounding.
     sizes: Vec<Sizes>,
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
-    /// Contacts in the order in which their forces came to lie strictly inside their bounds: the
-    /// preferred basis, since what depends on them then keeps its share, which is a bound or zero.
+    /// Contacts in the order in which their forces came to lie strictly inside their bounds. They
+    /// are preferred for the basis: those that depend on them then keep a bound or zero as force.
     preferred: Vec<Contact>,
-    /// By friction: whether it has left its static level.
+    /// By friction: whether it has left its static level in this selection.
     released: Vec<bool>,
-    /// By friction: the direction in which its force was at its level in the first solution that
-    /// decided on it, else 0.
+    /// By friction: direction in which its force was at its level when first tested, else 0.
     at_level: Vec<f64>,
 }
 
-/// Rigid stops that touch, by stop; and whether each friction has e' = 0 by an event's verdict.
+/// Verdicts of an event on the elements, which take precedence over rounding of the state.
 pub struct Touching<'a> {
-    /// By stop.
+    /// By stop: whether it is rigid with e = gap.
     pub stops: &'a [bool],
-    /// By friction.
+    /// By friction: whether e' = 0.
     pub resting: &'a [bool],
-    /// Compliant stops with e = gap by an event's verdict.
+    /// By stop: whether it is compliant with e = gap.
     pub edges: &'a [bool],
-    /// Compliant stops whose force is at a limit by an event's verdict.
+    /// By stop: whether it is compliant with its force at a limit.
     pub limits: &'a [bool],
-    /// Places of rigid stops that are open whatever their speed, since an impact of theirs is still
-    /// to come.
+    /// Indices of rigid stops that are open whatever their speed: their impact is still to come.
     pub open: &'a [usize],
 }
 
@@ -74,7 +79,7 @@ impl<'a> Selection<'a> {
     /// The mode that follows the state `z`, in which no touching stop closes with a speed.
     ///
     /// # Errors
-    /// [`Jam`], whose contacts are places of stops: prescribed bodies drive them together.
+    /// [`Jam`], whose contacts are indices of stops that prescribed bodies drive together.
     pub fn select(
         system: &'a System,
         z: &DVector<f64>,
@@ -120,8 +125,8 @@ impl<'a> Selection<'a> {
         selection
     }
 
-    /// Goes through the orders; returns the frictions that slip at their static levels, with which
-    /// all begins anew.
+    /// Solves order by order until every element is decided; returns the frictions that leave their
+    /// static levels, for which the selection starts again.
     fn run(&mut self) -> Result<Vec<usize>, Jam> {
         if self.is_decided() && !self.has_contacts() {
             return Ok(Vec::new());
@@ -139,7 +144,7 @@ impl<'a> Selection<'a> {
         Ok(Vec::new())
     }
 
-    /// Whether the last known derivative is zero, and so all that follow: nothing decides any more.
+    /// Whether the last known derivative is zero, hence all higher ones: they decide nothing.
     fn is_still(&self) -> bool {
         self.derivatives.last().is_some_and(|z| z.iter().all(|x| *x == 0.0))
     }
@@ -150,13 +155,13 @@ impl<'a> Selection<'a> {
             && self.frictions.iter().all(|f| matches!(f, Friction::Is(_)))
     }
 
-    /// Whether forces of closed stops or sticking friction are to be found.
+    /// Whether there are closed stops or sticking friction, whose forces are unknown.
     fn has_contacts(&self) -> bool {
         self.stops.contains(&Stop::Is(StopState::Closed))
             || self.frictions.iter().any(|f| matches!(f, Friction::Is(state) if state.sticks()))
     }
 
-    /// Compliant stops whose next known derivative is not zero. At order k the derivatives of e up
+    /// Decides compliant stops whose next derivative is nonzero. At order k the derivatives of e up
     /// to k + 1 are known.
     fn decide_compliant(&mut self, order: usize) {
         for i in 0..self.stops.len() {
@@ -195,7 +200,7 @@ impl<'a> Selection<'a> {
         }
     }
 
-    /// The states as a mode's, with what is open as it is until it is decided.
+    /// The elements' states, with a provisional one for those not decided yet.
     fn states(&self) -> (Vec<StopState>, Vec<FrictionState>) {
         let stops = self.stops.iter().map(|s| match *s {
             Stop::Is(state) => state,
@@ -211,8 +216,8 @@ impl<'a> Selection<'a> {
         (stops.collect(), frictions.collect())
     }
 
-    /// The accelerations' derivative of an order, and what it decides; returns the frictions that
-    /// slip at their static levels.
+    /// Solves for the accelerations' derivative of an order and decides by it; returns the
+    /// frictions that leave their static levels.
     fn solve(&mut self, order: usize) -> Result<Vec<usize>, Jam> {
         let (stops, frictions) = self.states();
         let free = self.system.free_acceleration(&stops, &frictions);
@@ -247,9 +252,8 @@ impl<'a> Selection<'a> {
         Ok(Vec::new())
     }
 
-    /// Adds the next derivative of z, and a bound of its size by the terms of the free
-    /// accelerations and the contact forces' `shares`, which on a light body may be far greater
-    /// than what they leave together.
+    /// Appends the next derivative of z and its size, from the terms of the free accelerations and
+    /// the contact forces' `shares`, which on a light body may be far larger than their sum.
     fn differentiate(
         &mut self,
         z: &DVector<f64>,
@@ -279,6 +283,7 @@ impl<'a> Selection<'a> {
         self.sizes.push(Sizes(size));
     }
 
+    /// The mode of the decided states, with its basis.
     fn finish(self) -> Mode {
         let (stops, mut frictions) = self.states();
         let mut contacts = self.preferred.clone();
@@ -294,7 +299,7 @@ impl<'a> Selection<'a> {
             }
         }
         let basis = self.system.independent(&contacts);
-        // What depends on the others keeps the share of the solution: its level, or nothing.
+        // Dependent contacts keep their share of the solution: the level or zero.
         for (i, state) in frictions.iter_mut().enumerate() {
             let direction = self.at_level[i];
             if state.sticks() && direction != 0.0 && !basis.contains(&Contact::Friction(i)) {
@@ -305,6 +310,7 @@ impl<'a> Selection<'a> {
     }
 }
 
+/// The slipping state with this sign of e'.
 fn slipping(direction: f64) -> FrictionState {
     if direction > 0.0 { FrictionState::Up } else { FrictionState::Down }
 }

@@ -1,4 +1,4 @@
-//! What is known of each element before any order is solved.
+//! Verdicts on the elements by the present state, before any order is solved.
 
 use super::{Friction, Selection, Stop, Touching, slipping};
 use crate::description::StopLaw;
@@ -6,12 +6,13 @@ use crate::mode::{FrictionState, StopState};
 use crate::system::Row;
 
 impl Selection<'_> {
-    /// -1, 0 or 1: the sign of a row's derivative of some order, zero where it is rounding.
+    /// Sign of a row's derivative of order `order`: -1, 0 or 1, with 0 for rounding.
     pub(super) fn sign(&self, row: &Row, order: usize) -> f64 {
         let value = row.dot(&self.derivatives[order]);
         if value.abs() <= self.sizes[order].zero(row) { 0.0 } else { value.signum() }
     }
 
+    /// Verdict on a stop by e - gap, e', its force and the event.
     pub(super) fn classify_stop(&self, i: usize, touching: &Touching) -> Stop {
         let stop = &self.system.stops[i];
         let excess = self.sign(&stop.excess, 0);
@@ -31,8 +32,8 @@ impl Selection<'_> {
             if rate < 0.0 {
                 return Stop::Is(StopState::Below);
             }
-            // What has drifted further from its edge than counts as zero, however slowly, is no
-            // longer there.
+            // A stop that has drifted off its edge by more than rounding, however slowly, is no
+            // longer at it.
             if excess == 0.0 {
                 return Stop::AtEdge;
             }
@@ -65,11 +66,12 @@ impl Selection<'_> {
         Stop::Is(StopState::Pressed)
     }
 
+    /// Verdict on a friction by its level, e' and the event.
     pub(super) fn classify_friction(&self, i: usize, resting: bool) -> Friction {
         let friction = &self.system.frictions[i];
         let mut level = friction.level.clone();
         let mut order = 0;
-        // The level is a signal, so that its derivatives are known at once.
+        // The level is a signal, so that all its derivatives are known.
         let sign = loop {
             let sign = self.sign(&level, 0);
             if sign != 0.0 || order >= self.system.signals.size {

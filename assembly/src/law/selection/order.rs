@@ -1,4 +1,4 @@
-//! The contacts' problem at one order, and what its solution decides.
+//! The contacts' problem at one order, and the decisions by its solution.
 
 use super::{Friction, Selection, Stop, slipping};
 use crate::law::ZERO;
@@ -8,14 +8,14 @@ use crate::system::Row;
 use nalgebra::{DMatrix, DVector};
 
 impl Selection<'_> {
-    /// The contacts' problem at an order.
+    /// The contacts' problem at an order (docs/assembly-law.md (A10)).
     pub(super) fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>) -> Problem {
         let m = contacts.len();
         let z = &self.derivatives[order];
         let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
         let mut lo = DVector::from_element(m, f64::NEG_INFINITY);
         let mut hi = DVector::from_element(m, f64::INFINITY);
-        // The terms' sizes, those of the forces before they are summed up on a body included.
+        // Sizes of the accelerations, by the forces' terms before they are summed on a body.
         let sizes: Vec<f64> = free
             .row_iter()
             .map(|row| row.iter().zip(self.sizes[order].0.iter()).map(|(f, s)| f.abs() * s).sum())
@@ -52,6 +52,7 @@ impl Selection<'_> {
         Problem { columns: self.system.columns(contacts), b, lo, hi, zero }
     }
 
+    /// Solution of the problem; a jam names stops instead of contacts.
     pub(super) fn solved(&self, problem: &Problem, contacts: &[Contact]) -> Result<Solution, Jam> {
         problem.solve().map_err(|jam| Jam {
             contacts: jam
@@ -62,13 +63,13 @@ impl Selection<'_> {
         })
     }
 
-    /// The level up to which a friction that rests holds.
+    /// Level up to which a resting friction holds: static until it is released.
     pub(super) fn level(&self, i: usize) -> &Row {
         let friction = &self.system.frictions[i];
         if self.released[i] { &friction.level } else { &friction.static_level }
     }
 
-    /// The frictions that slip although they have static levels of their own.
+    /// Frictions that slip in this solution and have not left their own static level yet.
     pub(super) fn leaving(&self, contacts: &[Contact], solution: &Solution) -> Vec<usize> {
         let slips = |(k, &contact): (usize, &Contact)| match contact {
             Contact::Friction(i) if !matches!(self.frictions[i], Friction::Is(_)) => {
@@ -80,7 +81,7 @@ impl Selection<'_> {
         contacts.iter().enumerate().filter_map(slips).collect()
     }
 
-    /// What the solution of an order decides.
+    /// Decides elements by the solution of an order.
     pub(super) fn decide(
         &mut self,
         order: usize,
@@ -128,8 +129,8 @@ impl Selection<'_> {
         }
     }
 
-    /// The contacts whose force lies strictly inside its bounds come before those that leave a
-    /// bound at a later order.
+    /// Appends to `preferred` the contacts whose force lies strictly inside its bounds, before
+    /// those that leave a bound at a later order.
     pub(super) fn prefer(&mut self, contacts: &[Contact], problem: &Problem, solution: &Solution) {
         for &k in &solution.free {
             let (contact, force) = (contacts[k], solution.lambda[k]);
@@ -142,8 +143,8 @@ impl Selection<'_> {
     }
 }
 
-/// The accelerations' rows along a direction. Of one or two terms, as most directions have, the
-/// others are left out, which are zeros.
+/// Row of the acceleration along direction `w`. Most directions have one or two nonzero terms: only
+/// these are summed.
 fn along(free: &DMatrix<f64>, w: &DVector<f64>) -> Row {
     let mut terms = w.iter().enumerate().filter(|(_, w)| **w != 0.0);
     let two = [terms.next(), terms.next()];
