@@ -58,7 +58,9 @@ pub struct Jam {
 
 /// A QR factorization of some of the columns.
 struct Basis {
+    /// Indices of the columns.
     places: Vec<usize>,
+    /// Orthonormal vectors.
     q: Vec<DVector<f64>>,
     /// Upper triangle R, column by column.
     r: Vec<Vec<f64>>,
@@ -156,7 +158,7 @@ impl ColumnSizes {
     }
 }
 
-/// The largest independent part of `places`, taken in their order.
+/// A maximal independent subset of `places`, preferring earlier ones.
 pub fn independent(columns: &DMatrix<f64>, places: &[usize]) -> Vec<usize> {
     Basis::of(columns, places).places
 }

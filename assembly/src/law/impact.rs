@@ -6,13 +6,13 @@ use crate::mode::Contact;
 use crate::system::System;
 use nalgebra::DVector;
 
-/// After this many impacts of one instant the velocities are projected on what is admissible.
+/// Limit of impacts at one instant, after which the velocities are projected (see `project`).
 const MAX_IMPACTS: usize = 1000;
 
-/// One impact: the stops that take part with an impulse, and what it does to the energy.
+/// One impact: the stops with an impulse, and its energies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Impact {
-    /// Place of the stop, closing speed before, impulse. Those without impulse are not listed.
+    /// Index of the stop, closing speed before, impulse. Stops without impulse are not listed.
     pub stops: Vec<(usize, f64, f64)>,
     /// Energy lost, J.
     pub lost: f64,
@@ -23,15 +23,15 @@ pub struct Impact {
 /// The impacts of one instant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Impacts {
-    /// One after another.
+    /// In order of occurrence.
     pub sequence: Vec<Impact>,
     /// Whether the sequence was ended by a projection.
     pub projected: bool,
-    /// Energy that the projection took, J.
+    /// Energy lost by the projection, J.
     pub projected_loss: f64,
-    /// By coordinate the largest sum of the sizes by which the impulses of one impact have changed
-    /// its velocity; nothing where there was one impulse in all. What several leave of a velocity
-    /// together has the rounding of this size.
+    /// By coordinate: largest sum over the impulses of one impact of the sizes of the changes of
+    /// its velocity, which bounds the rounding where they cancel (docs/assembly-law.md (A14)); 0
+    /// where there was only one impulse.
     pub shares: Vec<f64>,
 }
 
@@ -43,33 +43,35 @@ impl Impacts {
     }
 }
 
-/// The velocities at an instant and the stops that touch there.
+/// Machine and touching stops at an instant.
 pub struct Instant<'a> {
     /// The machine.
     pub system: &'a System,
-    /// Largest sizes so far.
+    /// Sizes that decide what is rounding.
     pub sizes: &'a Sizes,
-    /// Places of the rigid stops with e = gap.
+    /// Indices of the rigid stops with e = gap.
     pub touching: &'a [usize],
-    /// Restitution coefficients in force by stop: 0 where chatter ends.
+    /// By stop: restitution coefficient in force, 0 where chatter ends.
     pub restitution: &'a [f64],
 }
 
-/// Which of the stops with no closing speed stay closed, given the state, their places, those of
-/// the stops that close, and the number of impacts of the instant before.
+/// Decides which stops without closing speed stay closed. Arguments: the state, the indices of
+/// these stops, the indices of the stops that close, and the number of earlier impacts at the
+/// instant.
 pub type StayClosed<'a> = dyn FnMut(&DVector<f64>, &[usize], &[usize], usize) -> Result<Vec<bool>, Jam> + 'a;
 
 impl Instant<'_> {
+    /// Closing speed e' of a stop.
     fn speed(&self, stop: usize, z: &DVector<f64>) -> f64 {
         self.system.stops[stop].elongation.rate.dot(z)
     }
 
-    /// Carries out impacts until no touching stop closes; changes the velocities in `z`. It is asked
-    /// which of the stops with no closing speed take part in an impact (docs/assembly-law.md,
+    /// Applies impacts to the velocities in `z` until no touching stop closes. `stay_closed`
+    /// decides which stops without closing speed take part in an impact (docs/assembly-law.md,
     /// Sequences).
     ///
     /// # Errors
-    /// [`Jam`], whose contacts are places of stops.
+    /// [`Jam`], whose contacts are indices of stops.
     pub fn collide(&self, z: &mut DVector<f64>, stay_closed: &mut StayClosed<'_>) -> Result<Impacts, Jam> {
         let mut impacts = Impacts { shares: vec![0.0; self.system.coordinates], ..Impacts::default() };
         let mut largest = 0.0f64;
@@ -88,8 +90,7 @@ impl Instant<'_> {
                 self.project(z, &mut impacts)?;
                 return Ok(impacts);
             }
-            // Those that leave take no part; their turn comes when this impact drives them
-            // together.
+            // Stops that leave take no part until an impact makes them close.
             let mut taking: Vec<usize> = (0..speeds.len()).filter(|&k| speeds[k] >= -zero(k)).collect();
             let still = |&k: &usize| speeds[k] <= zero(k);
             if taking.iter().any(still) {
@@ -106,8 +107,8 @@ impl Instant<'_> {
             let u: Vec<f64> = taking.iter().map(|&k| speeds[k].max(0.0)).collect();
             let zeros: Vec<f64> = taking.iter().map(|&k| zero(k)).collect();
             let impact = self.impact(&stops, &u, &zeros, z)?;
-            // One without impulse has changed nothing, and nothing would follow but the same again:
-            // speeds on one body that all count as zero beside what counts as zero of the others.
+            // An impact without impulse changes nothing and would repeat without end: it happens
+            // where all speeds count as zero beside the rounding of other stops on the body.
             if impact.stops.is_empty() {
                 return Ok(impacts);
             }
@@ -116,7 +117,7 @@ impl Instant<'_> {
         }
     }
 
-    /// One impact of the stops with closing speeds `u`, by (A7).
+    /// Applies one impact of the stops with closing speeds `u`, by (A7).
     fn impact(&self, stops: &[usize], u: &[f64], zeros: &[f64], z: &mut DVector<f64>) -> Result<Impact, Jam> {
         let b = DVector::from_fn(u.len(), |k, _| (1.0 + self.restitution[stops[k]]) * u[k]);
         let p = self.impulses(stops, b, zeros)?;
@@ -132,8 +133,8 @@ impl Instant<'_> {
         Ok(impact)
     }
 
-    /// Takes in the sizes of what the last impact's impulses change the velocities by. The first
-    /// impact of one stop alone needs no more than the sizes of the velocities before and after it.
+    /// Includes the last impact in `shares`. The first impact of a single stop needs none: the
+    /// sizes of the velocities before and after it suffice.
     fn take_shares(&self, impacts: &mut Impacts) {
         let alone = matches!(&impacts.sequence[..], [first] if first.stops.len() < 2);
         let Some(impact) = impacts.sequence.last().filter(|_| !alone) else { return };
@@ -144,14 +145,14 @@ impl Instant<'_> {
         }
     }
 
-    /// The part of a stop's closing speed that prescribed bodies make.
+    /// Part of a stop's closing speed due to prescribed bodies.
     fn prescribed_speed(&self, stop: usize, z: &DVector<f64>) -> f64 {
         let n = self.system.coordinates;
         let e = &self.system.stops[stop].elongation;
         self.speed(stop, z) - e.w.dot(&z.rows(n, n))
     }
 
-    /// P >= 0 with b - G P <= 0, complementary.
+    /// The impulses P: P ≥ 0, b - G P ≤ 0, complementary.
     fn impulses(&self, stops: &[usize], b: DVector<f64>, zeros: &[f64]) -> Result<DVector<f64>, Jam> {
         let contacts: Vec<Contact> = stops.iter().map(|&i| Contact::Stop(i)).collect();
         let count = stops.len();
@@ -168,8 +169,7 @@ impl Instant<'_> {
         }
     }
 
-    /// Changes the velocities by impulses; returns the work that prescribed motions do through
-    /// links meanwhile.
+    /// Changes the velocities by impulses; returns the work of prescribed motions through links, J.
     fn apply(&self, stops: &[usize], p: &DVector<f64>, z: &mut DVector<f64>) -> f64 {
         let n = self.system.coordinates;
         let mut kick = DVector::zeros(n);
@@ -183,8 +183,8 @@ impl Instant<'_> {
         work
     }
 
-    /// The nearest velocities, in the inertia's metric, with which no touching stop closes: an
-    /// impact of all with restitution 0.
+    /// Projects the velocities, in the inertia's metric, onto those with which no touching stop
+    /// closes: an impact of all with restitution 0.
     fn project(&self, z: &mut DVector<f64>, impacts: &mut Impacts) -> Result<(), Jam> {
         let u: Vec<f64> = self.touching.iter().map(|&i| self.speed(i, z)).collect();
         let zeros: Vec<f64> =

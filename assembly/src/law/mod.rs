@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 /// so far: some hundreds of roundings.
 pub const ZERO: f64 = 1e-13;
 
-/// The largest size of each coordinate of the augmented state so far.
+/// Largest absolute value so far of each component of the augmented state, by which rounding is
+/// measured (docs/assembly-law.md (A14)).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sizes(#[serde(with = "crate::motion::saved::vector")] pub DVector<f64>);
 

@@ -33,6 +33,7 @@ use nalgebra::{DMatrix, DVector};
 /// A stop's state as far as it is decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stop {
+    /// Decided.
     Is(StopState),
     /// A rigid stop with e = gap and zero derivatives up to the present order.
     Touching,
@@ -45,8 +46,10 @@ enum Stop {
     AtLimits,
 }
 
+/// Verdict on a friction so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Friction {
+    /// Decided.
     Is(FrictionState),
     /// e' and its derivatives are zero up to the present order; the level's first nonzero
     /// derivative has this order.
@@ -55,7 +58,7 @@ enum Friction {
     AtLevel(f64),
 }
 
-/// The choice of the mode that follows an instant.
+/// State of a selection.
 pub struct Selection<'a> {
     system: &'a System,
     /// z and its derivatives, by order.
@@ -299,6 +302,7 @@ impl<'a> Selection<'a> {
         self.sizes.push(Sizes(size));
     }
 
+    /// The mode of the decided states, with its basis.
     fn finish(self) -> Mode {
         let (stops, mut frictions) = self.states();
         let mut contacts = self.preferred.clone();
@@ -325,6 +329,7 @@ impl<'a> Selection<'a> {
     }
 }
 
+/// The slipping state with this sign of e'.
 fn slipping(direction: f64) -> FrictionState {
     if direction > 0.0 { FrictionState::Up } else { FrictionState::Down }
 }

@@ -6,6 +6,7 @@ use crate::law::impact::Impacts;
 use crate::mode::{ElementState, FrictionState, Mode, StopState};
 
 impl Motion {
+    /// Reports impacts and adds them to the records and the energy accounts.
     pub(super) fn report_impacts(&mut self, impacts: &Impacts, observer: &mut Observer) {
         let time = self.time();
         for impact in &impacts.sequence {
@@ -18,6 +19,8 @@ impl Motion {
         self.hybrid.energy.impact(impacts.projected_loss, 0.0);
     }
 
+    /// Reports every element whose state differs from that in `before`; `closing` lists closing
+    /// stops with the times until their bounces would have accumulated, s.
     pub(super) fn report_changes(&self, before: &Mode, closing: &[(usize, f64)], observer: &mut Observer) {
         for (i, &was) in before.stops.iter().enumerate() {
             let left = closing.iter().find(|c| c.0 == i).map_or(0.0, |c| c.1);

@@ -36,8 +36,8 @@ impl Motion {
     /// # Errors
     /// [`Error::Step`] for an end before the present or not finite; [`Error::Jammed`],
     /// [`Error::Violated`], [`Error::Stuck`] and [`Error::Beyond`] where the motion cannot go on,
-    /// [`Error::TooStiff`] where it can in a further call: the state then stands at the time
-    /// reached.
+    /// [`Error::TooStiff`] and [`Error::Interrupted`] where a further call continues. The state is
+    /// then that at the time reached.
     pub fn advance_to(&mut self, end: f64) -> Result<(), Error> {
         self.advance(end, Pause::Never, &mut None).map(drop)
     }

@@ -59,7 +59,7 @@ impl Tables {
         self.met.iter().map(Met::bytes).sum()
     }
 
-    /// The mode at a place.
+    /// The mode with index `place`.
     pub(super) fn at(&self, place: usize) -> &Met {
         &self.met[place]
     }

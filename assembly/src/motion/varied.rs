@@ -1,12 +1,11 @@
-//! How a motion's state at a later time changes with a small change of its state, or of an input,
-//! now.
+//! Variational equations of a motion: the derivative of its later state by its present state and
+//! inputs.
 //!
 //! Between events a variation δ of the augmented state follows z' = A z as the state does. At an
-//! event, which comes where h·z = 0, the changed motion meets it by δt = -h·δ / h·f⁻ later, with f
-//! = A z on either side, so that δ⁺ = J (δ + f⁻ δt) - f⁺ δt: the saltation matrix, with J the
-//! derivative of the impact law, and the identity where no velocity jumps (docs/assembly-law.md
-//! (A21)). What a closed stop or a sticking friction takes away is gone: the variation lies in what
-//! is left.
+//! event, where h·z = 0, the varied motion meets it by δt = -h·δ / h·f⁻ later, with f = A z on
+//! either side, so that δ⁺ = J (δ + f⁻ δt) - f⁺ δt: the saltation matrix, with J the derivative of
+//! the impact law, and the identity where no velocity jumps (docs/assembly-law.md (A21)). A
+//! variation stays in the space that closed stops and sticking friction leave free.
 
 use super::projection::project;
 use super::{Event, EventKind, Motion, Reached};
@@ -16,47 +15,46 @@ use crate::mode::{Contact, Mode};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
-/// A singular value of the compliances of stops that are hit together counts as zero under this
-/// part of the largest: the box problem of (A7) leaves out contacts whose columns depend on the
-/// others'.
+/// Relative singular value under which the compliance matrix of stops hit together counts as
+/// singular: the box problem of (A7) leaves out contacts whose columns depend on the others'.
 const SINGULAR: f64 = 1e-12;
-/// A passage slower than this part of the sizes of its terms is a touch, at which there is no
-/// derivative.
+/// Relative rate of a passage, by the sizes of its terms, under which it is a touch: there is no
+/// derivative there.
 const TOUCH: f64 = 1e-12;
 
 fn dot(row: &[f64], z: &[f64]) -> f64 {
     row.iter().zip(z).map(|(a, b)| a * b).sum()
 }
 
-/// Takes from a variation what contacts hold: e of closed stops, e' of these and of sticking
-/// friction.
+/// Projects a variation onto the constraints of the contacts: e = 0 of closed stops, e' = 0 of
+/// these and of sticking friction.
 pub fn keep(system: &System, basis: &[Contact], variation: &mut [f64]) {
     if basis.is_empty() {
         return;
     }
     let r = triangle(&system.columns(basis));
-    // Stops come first, and so does their part of the triangle.
+    // A basis lists stops first; R of the stops is the leading block of the triangle.
     let stops = basis.iter().take_while(|contact| matches!(contact, Contact::Stop(_))).count();
     project(system, &basis[..stops], &r, false, variation, &mut Vec::new());
     project(system, basis, &r, true, variation, &mut Vec::new());
 }
 
-/// An event that a motion passes.
+/// An event that a motion has passed, for carrying variations over it.
 #[derive(Clone, Copy, Debug)]
 pub struct Crossing<'a> {
-    /// The mode before and the mode after it.
+    /// Mode before and after the event.
     pub modes: [&'a Mode; 2],
-    /// The state before and after its law.
+    /// State before and after its law.
     pub states: [&'a [f64]; 2],
     /// z' before and after it.
     pub rates: [&'a [f64]; 2],
-    /// The functional that has passed zero; none at a signal's knot, whose time does not vary.
+    /// The functional that has passed zero; `None` at a signal's knot, whose time does not vary.
     pub row: Option<&'a [f64]>,
-    /// What was told of it.
+    /// The reported events.
     pub events: &'a [Event],
 }
 
-/// The derivative of one impact: the stops that took an impulse, and the impulses P as linear
+/// Derivative of one impact: the stops with an impulse, and the matrix of the impulses P as linear
 /// functions of their closing speeds u, G P = (1 + ε) u (A7).
 struct LinearImpact {
     stops: Vec<usize>,
@@ -64,9 +62,9 @@ struct LinearImpact {
 }
 
 impl Crossing<'_> {
-    /// Carries variations over the event, through the impacts that the motion has had. Where
-    /// several stops are hit at one instant there may be no derivative; that of these impacts is
-    /// then taken.
+    /// Carries variations over the event by the derivative of the impacts that the motion has had.
+    /// Where several stops are hit at one instant the motion may have no derivative; this is then
+    /// that of the impacts in the order in which they happened.
     pub fn carry<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
         let (impacts, own) = (self.impacts(system), 2 * system.coordinates);
         let [incoming, outgoing] = self.rates;
@@ -88,10 +86,10 @@ impl Crossing<'_> {
         }
     }
 
-    /// The impacts that were told, one after another.
+    /// Derivatives of the reported impacts, in their order.
     fn impacts(&self, system: &System) -> Vec<LinearImpact> {
         let closes = |stop: usize| self.events.iter().any(|e| e.kind == EventKind::Close { stop });
-        // What closes has lost its last bounces.
+        // A stop that closes has no further bounce: its restitution is 0 here.
         let factor = |stop: usize| {
             let restitution = system.stops[stop].restitution().filter(|_| !closes(stop));
             1.0 + restitution.unwrap_or(0.0)
@@ -121,7 +119,7 @@ impl Crossing<'_> {
 }
 
 impl LinearImpact {
-    /// Changes the velocities of a variation by the impulses that its closing speeds ask for.
+    /// Changes the velocities of a variation by the impulses at its closing speeds.
     fn apply(&self, system: &System, change: &mut [f64]) {
         let rows = |i: &usize| &system.stops[*i].elongation;
         let speeds = self.stops.iter().map(|i| dot(rows(i).rate.as_slice(), change));
@@ -134,9 +132,9 @@ impl LinearImpact {
 }
 
 impl Motion {
-    /// The variations by each state (coordinates, then rates), and then by value and derivatives 1
-    /// to 3 of each input in turn, less what contacts hold: each a variation of the augmented
-    /// state, to be carried on by [`advance_with`](Self::advance_with).
+    /// Unit variations of the augmented state, for [`advance_with`](Self::advance_with): by each
+    /// state (coordinates, then rates), then by value and derivatives 1 to 3 of each input, each
+    /// projected onto the contacts' constraints.
     pub fn unit_variations(&self) -> Vec<Vec<f64>> {
         let system = &self.assembly.system;
         let signals = &system.signals;
@@ -151,8 +149,8 @@ impl Motion {
         places.map(unit).collect()
     }
 
-    /// Advances to a time or, if it is earlier, to the next event, before its law, and carries
-    /// variations along. An event that is due is passed first.
+    /// Advances with variations to a time or, if it is earlier, to the next event, before its law.
+    /// A pending event is applied first.
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
@@ -168,8 +166,8 @@ impl Motion {
         Ok(outcome)
     }
 
-    /// Applies the law of the event before which the last advance has ended, and carries variations
-    /// over it; without one nothing happens.
+    /// Applies the law of the pending event and carries variations over it; does nothing without
+    /// one.
     ///
     /// # Errors
     /// As [`apply_event`](Self::apply_event).
@@ -183,7 +181,7 @@ impl Motion {
             motion.table().a.rows_times(0..z.len(), z)
         };
         let incoming = rate(self);
-        // Of two functionals with one name the one that is zero here.
+        // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
         let due = self.due();
         let ended = self.table().watched.iter().filter(|w| Some(w.watch) == due);
         let off = |row: &DVector<f64>| row.dot(&before.1).abs();

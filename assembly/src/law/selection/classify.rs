@@ -64,6 +64,7 @@ impl Selection<'_> {
         Stop::Is(StopState::Pressed)
     }
 
+    /// Verdict on a friction by its level, e' and the event.
     pub(super) fn classify_friction(&self, i: usize, resting: bool) -> Friction {
         let friction = &self.system.frictions[i];
         let mut level = friction.level.clone();
