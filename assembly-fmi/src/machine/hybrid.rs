@@ -9,7 +9,7 @@ use crate::table::Quantity;
 use fmi_doors::hybrid::{Ended, Met, StepEnd, Until};
 use fmi_doors::log::Log;
 use fmi_doors::{Bases, Handled, Hybrid, Interface, Model, Problem};
-use vibro_assembly::motion::{Event, Outcome};
+use vibro_assembly::motion::{Event, Reached};
 
 /// What brings a motion back to where a step began.
 #[derive(Debug)]
@@ -85,7 +85,7 @@ impl Hybrid for Machine {
             tell(&assembly, event, log);
         };
         if until == Until::Event {
-            let due = motion.advance_before_event(end, &mut observe)? == Outcome::Event;
+            let due = motion.advance_before_event(end, &mut observe)? == Reached::Event;
             return Ok(Met { due, ..Met::default() });
         }
         motion.advance_observed(end, &mut observe)?;

@@ -84,7 +84,7 @@ fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
             motion.advance_with(now.max(motion.time()), &mut variations)?;
             break;
         }
-        if outcome == Outcome::End {
+        if outcome == Reached::End {
             return Ok(variations);
         }
         if motion.time() >= now - late {
