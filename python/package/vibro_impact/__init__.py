@@ -16,6 +16,7 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 
 from ._assembly import Assembly
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, Sketch
+from ._deprecated import basins, bifurcation
 from ._fmu import fmu_path
 from ._machine import Machine
 from ._many import Ends, measure_many, simulate_many
@@ -25,7 +26,7 @@ from ._native import __version__
 from ._orbits import LABELS, Branch, Orbit
 from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, SimilarNameWarning
 from ._steady import SteadyState, SteadyStates
-from ._studies import Attractor, Basins, Diagram, Direction, basins, bifurcation
+from ._studies import Attractor, Basins, Diagram, Direction
 
 __all__ = [
     "GROUP_NAMES",

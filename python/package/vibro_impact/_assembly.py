@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import MOST_PERIODS, array, discarded_and_kept, number, whole
+from ._arguments import MOST_PERIODS, array, discarded_and_kept, whole
 from ._assembly_description import AssemblyDescription
+from ._assembly_many import Section, measures_of, positive, section_of
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, Sketch, run_of
 from ._fmu import kit_path
-from ._measures import keeping, rows
 from ._progress import Bar
 from ._result import direction
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 _MOST_SAMPLES = 10_000_000
 _MOST_VALUES = 20_000
-#: Section of a motion: a period in s, or the name of a stop or friction.
-Section = Union[None, float, str]
 
 
 class Assembly(AssemblyDescription):
@@ -81,7 +79,7 @@ class Assembly(AssemblyDescription):
         if (until is None) == (times is None):
             raise TypeError("until or times: allowed is one of them")
         if times is None:
-            end = _positive("until", until)
+            end = positive("until", until)
             count = whole("samples", samples, 1, _MOST_SAMPLES)
             t = np.array([end if k == count else end * k / count for k in range(count + 1)])
         else:
@@ -197,7 +195,7 @@ class Assembly(AssemblyDescription):
         with Bar(progress, 0, "parts") as bar:
             ends = (float(values[0]), float(values[-1]))
             found = _native.assembly_diagram(
-                self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, _section(section), bool(anew), bar.report
+                self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, section_of(section), bool(anew), bar.report
             )
         up, down = (direction(AssemblyDirection, found[way]) for way in ("up", "down"))
         return AssemblyDiagram(self, name, of, up, down, found["hysteresis"], bool(at_section))
@@ -239,41 +237,3 @@ class Assembly(AssemblyDescription):
 
 def _from_text(text: str) -> Assembly:
     return Assembly._of(_native.Described(text, None))
-
-
-def ends(machines: list[Assembly], until: object, progress: bool) -> AssemblyEnds:
-    """The ends of assemblies' motions, for :func:`simulate_many`."""
-    end = _positive("until", until)
-    columns = machines[0].columns if machines else []
-    for index, machine in enumerate(machines):
-        if machine.columns != columns:
-            raise ValueError(f"machines[{index}] has the columns {machine.columns}: allowed are those of machines[0], {columns}")
-    with Bar(progress, len(machines), "motions") as bar:
-        with keeping(np.array):
-            values = _native.simulate_assemblies([m._described for m in machines], end, bar.report)
-    return AssemblyEnds(end, columns, values)
-
-
-def measures_of(
-    machines: list[Assembly], measures: Sequence[str], periods: int, settle: int, section: Section, errors: str, progress: bool
-) -> list[dict[str, float | str | None]]:
-    """Measures of assemblies' settled motions, for :func:`measure_many`."""
-    if isinstance(measures, str):
-        raise TypeError(f"measures = {measures!r}: allowed is a sequence of names")
-    names = list(measures)
-    periods = whole("periods", periods, 1, MOST_PERIODS)
-    settle = whole("settle", settle, 0, MOST_PERIODS)
-    with Bar(progress, len(machines), "motions") as bar:
-        described, at = [m._described for m in machines], _section(section)
-        return rows(names, errors, lambda told: _native.measure_assemblies(described, names, settle, periods, at, told, bar.report))
-
-
-def _section(section: Section) -> Union[None, float, str]:
-    return section if section is None or isinstance(section, str) else _positive("section", section)
-
-
-def _positive(name: str, value: object) -> float:
-    found = number(name, value)
-    if not found > 0:
-        raise ValueError(f"{name} = {value!r}: allowed is a finite number above 0")
-    return found

@@ -11,12 +11,13 @@ import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, Floats, Start, array, state, whole
-from ._assembly import Assembly, Section, ends, measures_of
+from ._assembly_description import AssemblyDescription
+from ._assembly_many import Section, ends, measures_of
 from ._assembly_results import AssemblyEnds
-from ._machine import Machine
 from ._measures import keeping, measure_names, rows
 from ._progress import Bar
 from ._result import Result
+from ._values import ParameterValues
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -38,7 +39,7 @@ class Ends(Result):
 
 @overload
 def simulate_many(
-    machines: Union[Machine, Iterable[Machine]],
+    machines: Union[ParameterValues, Iterable[ParameterValues]],
     starts: Union[Start, Sequence[Start]] = None,
     *,
     periods: int = 400,
@@ -47,7 +48,7 @@ def simulate_many(
 
 
 @overload
-def simulate_many(machines: Iterable[Assembly], *, until: float, progress: bool = False) -> AssemblyEnds: ...
+def simulate_many(machines: Iterable[AssemblyDescription], *, until: float, progress: bool = False) -> AssemblyEnds: ...
 
 
 def simulate_many(
@@ -99,7 +100,7 @@ def simulate_many(
 
 @overload
 def measure_many(
-    machines: Union[Machine, Iterable[Machine]],
+    machines: Union[ParameterValues, Iterable[ParameterValues]],
     measures: Sequence[str],
     starts: Union[Start, Sequence[Start]] = None,
     *,
@@ -112,7 +113,7 @@ def measure_many(
 
 @overload
 def measure_many(
-    machines: Iterable[Assembly],
+    machines: Iterable[AssemblyDescription],
     measures: Sequence[str],
     *,
     periods: int = 60,
@@ -181,7 +182,7 @@ def measure_many(
 
 
 def sweep_of(
-    machine: Union[Machine, Assembly], parameters: dict[str, Any], measures: Sequence[str], starts: Start = None, **options: Any
+    machine: Union[ParameterValues, AssemblyDescription], parameters: dict[str, Any], measures: Sequence[str], starts: Start = None, **options: Any
 ) -> list[dict[str, Any]]:
     """What :meth:`Machine.sweep` and :meth:`Assembly.sweep` return."""
     for name, values in parameters.items():
@@ -201,24 +202,24 @@ def _listed(machines: Any) -> Any:
 def _are_assemblies(machines: Any) -> bool:
     """Whether the machines are assemblies, by the first; a single :class:`Assembly` counts."""
     first = machines[0] if isinstance(machines, list) and machines else machines
-    return isinstance(first, Assembly)
+    return isinstance(first, AssemblyDescription)
 
 
-def _several(machines: Any) -> list[Assembly]:
+def _several(machines: Any) -> list[AssemblyDescription]:
     several = list(machines) if isinstance(machines, Iterable) else [machines]
     for index, machine in enumerate(several):
-        if not isinstance(machine, Assembly):
+        if not isinstance(machine, AssemblyDescription):
             raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Assembly")
     return several
 
 
 def _motions(
-    machines: Union[Machine, Iterable[Machine]], starts: Union[Start, Sequence[Start]], what: str
-) -> tuple[list[Machine], Floats]:
+    machines: Union[ParameterValues, Iterable[ParameterValues]], starts: Union[Start, Sequence[Start]], what: str
+) -> tuple[list[ParameterValues], Floats]:
     """A machine and a start for each motion."""
     several = list(machines) if isinstance(machines, Iterable) else [machines]
     for index, machine in enumerate(several):
-        if not isinstance(machine, Machine):
+        if not isinstance(machine, ParameterValues):
             raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Machine")
     rows = _rows(several, starts)
     if len(several) == 1:
@@ -233,7 +234,7 @@ def _motions(
     return several, rows
 
 
-def _rows(machines: list[Machine], starts: Any) -> Floats:
+def _rows(machines: list[ParameterValues], starts: Any) -> Floats:
     """Starts as an array of shape (n, 6): one for each machine, or one for each of several starts of a machine."""
     if isinstance(starts, np.ndarray) and starts.ndim == 2:
         found = array("starts", starts, "an array of shape (n, 6)", 2)

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 from . import _native
 from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, Start, array, choice, discarded_and_kept, number, state, whole
-from ._assembly import Assembly
-from ._machine import Machine
 from ._parameters import find
 from ._progress import Bar
 from ._result import Result, direction
+from ._values import ParameterValues
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -52,7 +50,7 @@ class Direction(Result):
 class Diagram(Result):
     """A bifurcation diagram in both directions."""
 
-    machine: Machine
+    machine: ParameterValues
     "The machine whose parameter varies."
     name: str
     "The parameter."
@@ -66,15 +64,8 @@ class Diagram(Result):
     "Where the two end on attractors that are neither the same nor mirror images, shape (n,)."
 
 
-def bifurcation(machine: Machine, **options: Any) -> Diagram:
-    """Deprecated name of :meth:`Machine.bifurcation`."""
-    _require_machine(machine, "an Assembly has its own method bifurcation")
-    _deprecated("bifurcation")
-    return machine.bifurcation(**options)
-
-
 def diagram_of(
-    machine: Machine,
+    machine: ParameterValues,
     parameter: dict[str, ArrayLike],
     start: Start,
     periods: tuple[int, int],
@@ -111,12 +102,6 @@ def _axis(name: str, given: ArrayLike) -> tuple[tuple[float, float], int]:
     return (first, last), len(values)
 
 
-def _require_machine(machine: object, of_assembly: str = "") -> None:
-    if not isinstance(machine, Machine):
-        own = f"; {of_assembly}" if of_assembly and isinstance(machine, Assembly) else ""
-        raise TypeError(f"machine is of type {type(machine).__name__}: allowed is Machine{own}")
-
-
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Attractor(Result):
     """An attractor: class, period, impacts and states of a settled motion."""
@@ -143,7 +128,7 @@ class Attractor(Result):
 class Basins(Result):
     """Basins of attraction over two initial values."""
 
-    machine: Machine
+    machine: ParameterValues
     "The machine."
     names: tuple[str, str]
     "The initial values across and up, by their names in units of L or L omega10."
@@ -162,19 +147,7 @@ class Basins(Result):
     "Ends of the plane: left, right, bottom, top."
 
 
-def basins(machine: Machine, **options: Any) -> Basins:
-    """Deprecated name of :meth:`Machine.basins`."""
-    _require_machine(machine)
-    _deprecated("basins")
-    return machine.basins(**options)
-
-
-def _deprecated(name: str) -> None:
-    text = f"vi.{name}(machine, ...) is deprecated and goes with the next version: machine.{name}(...) is the same"
-    warnings.warn(text, DeprecationWarning, stacklevel=3)
-
-
-def basins_of(machine: Machine, ranges: dict[str, tuple[float, float, int]], periods: int, progress: bool) -> Basins:
+def basins_of(machine: ParameterValues, ranges: dict[str, tuple[float, float, int]], periods: int, progress: bool) -> Basins:
     """What :meth:`Machine.basins` returns."""
     machine._needs_period("a plane of basins")
     if len(ranges) != 2:
@@ -191,7 +164,7 @@ def basins_of(machine: Machine, ranges: dict[str, tuple[float, float, int]], per
     )
 
 
-def _range(name: str, given: Any, machine: Machine) -> tuple[int, float, float, int]:
+def _range(name: str, given: Any, machine: ParameterValues) -> tuple[int, float, float, int]:
     choice("a name of a range", name, (*COORDINATES, *SI_COORDINATES))
     index = (*COORDINATES, *SI_COORDINATES).index(name) % 6
     try:
