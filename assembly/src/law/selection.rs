@@ -17,7 +17,7 @@
 //!   inside their bounds: the others keep a share that is a bound or zero.
 //!
 //! A further kind of contact needs its candidates in `Stop` or `Friction`, its first classification
-//! in `classify.rs`, and its bounds and decision in `order.rs`. A change is proved by
+//! in `classify.rs`, and its bounds and decision in `order.rs`. A change is tested by
 //! `tests/second_method.rs` (all modes tried, in 50 digits), `tests/lone_events.rs` (guess and
 //! choice agree) and unchanged golden files.
 
@@ -45,6 +45,7 @@ enum Stop {
     AtLimits,
 }
 
+/// A friction's state as far as it is decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Friction {
     Is(FrictionState),
@@ -247,8 +248,8 @@ impl<'a> Selection<'a> {
         let mut acceleration = &free * &z;
         let mut shares = DVector::zeros(self.system.coordinates);
         if !contacts.is_empty() {
-            let problem = self.problem(order, &contacts, &free);
-            let solution = self.solved(&problem, &contacts)?;
+            let problem = self.contact_problem(order, &contacts, &free);
+            let solution = self.solve_contacts(&problem, &contacts)?;
             let leaving = self.leaving(&contacts, &solution);
             if !leaving.is_empty() {
                 return Ok(leaving);
