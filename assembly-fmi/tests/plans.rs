@@ -1,5 +1,5 @@
-//! Variables and descriptions of all example machines, and of one with every kind of element and
-//! input.
+//! The variables and descriptions of all example machines, and of one with every kind of element
+//! and input.
 
 use fmi_doors::Version;
 use fmi_doors::description::{Kind, Variability};
@@ -70,7 +70,7 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
     // Thrown 40 cm at 20 m/s: 20 ms.
     let thrown = "[body.b]\nmass = 1.0\nstart = { v = 20.0 }\n[stop.wall]\nbetween = [\"ground\", \"b\"]\ngap = 0.4\nrestitution = 0.5\n";
     let alone = "[body.b]\nmass = 1.0\n";
-    // A body that turns freely with a second one: the pair has no period.
+    // Turning freely with a second body: no period of the pair.
     let pair =
         "[body.b]\nmass = 1.0\n[body.c]\nmass = 1.0\n[spring.s]\nbetween = [\"b\", \"c\"]\nstiffness = 5e3\n";
     for (text, stop, steps) in [

@@ -1,5 +1,5 @@
-//! Each energy account against a quadrature of the elements' powers, and the work of jumps against
-//! closed forms.
+//! Each energy account by itself against a quadrature of what the elements show, and the work of
+//! jumps against closed forms.
 
 mod common;
 
@@ -8,10 +8,10 @@ use vibro_assembly::Motion;
 use vibro_assembly::description::*;
 use vibro_assembly::mode::StopState;
 
-/// Length of a part, s, integrated by Gauss's rule with three nodes: for motions of 20 rad/s its
-/// error is below 1e-9 of a power's size.
+/// Parts between events, s, each by Gauss's rule with three nodes: for motions of 20 rad/s its
+/// error is under 1e-9 of a power's size.
 const PART: f64 = 2e-3;
-/// Error of the quadrature, J.
+/// What this quadrature is off, J.
 const QUADRATURE: f64 = 1e-8;
 /// Some tens of roundings of energies of order one.
 const ROUNDING: f64 = 1e-12;
@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-12;
 const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
-/// The integrals of powers up to a time, from the motion's values between its events.
+/// The integral of powers up to a time, by what the motion shows between its events.
 fn quadrature(mut m: Motion, end: f64, powers: impl Fn(&Motion) -> Vec<f64>) -> Vec<f64> {
     let mut sums = vec![0.0; powers(&m).len()];
     while m.time() < end {
@@ -78,12 +78,12 @@ fn powers_of_linked(m: &Motion) -> Vec<f64> {
     let [pulls, capped] = [0, 1].map(|i| m.stop(i));
     let rubs = m.friction(0);
     let stored = |e: f64| 150.0 * (e - 0.1).max(0.0);
-    // The link's force from the second body's motion; that from the first one's must agree.
+    // The link's force by the second body's motion, by which the first one's must agree.
     let on_a = m.load(0) + 9.81 + mutual[2] - pulls[2] - rubs[2];
     let on_b = m.load(1) - 0.5 * 3.0 * 9.81 - mutual[2] - base[2] + capped[2];
     let link = 3.0 * b[2] - on_b;
     assert!((a[2] - on_a - 2.0 * link).abs() < 1e-9, "{} {}", a[2] - on_a, 2.0 * link);
-    // The forces that move prescribed bodies balance all forces on them.
+    // What moves the prescribed bodies bears what acts on them.
     let on_p = base[2] - capped[2] - link;
     vec![
         m.load(0) * a[1],
@@ -115,9 +115,9 @@ fn second_method_each_account_by_a_quadrature() {
 
 #[test]
 fn closed_form_work_of_motions_and_loss_at_jumps_and_impacts() {
-    // A link divides a jump of 4 m/s into 3 m/s for 1 kg and 1 m/s for 3 kg: 6 J, an impulse of 3 N
-    // s at the mean of 2 m/s. A second jump, back to 1 m/s, has the impulse -2.25 N s at the mean
-    // of 2.5 m/s.
+    // A link makes of a jump by 4 m/s one of 3 m/s for 1 kg and 1 m/s for 3 kg: 6 J, by an impulse
+    // of 3 N s at 2 m/s in the mean. Of a second jump, back to 1 m/s, by an impulse of -2.25 N s at
+    // 2.5 m/s in the mean.
     let table = Record { knots: vec![(0.25, 0.0), (0.5, 1.0), (0.75, 1.25)], cubic: false };
     let moved = Signal { table: Some(table), ..Signal::default() };
     let d = Description {
@@ -148,9 +148,9 @@ fn closed_form_work_of_motions_and_loss_at_jumps_and_impacts() {
 
 #[test]
 fn closed_form_a_buffer_whose_force_ends_just_where_a_wall_throws_the_body_back() {
-    // On the way out the buffer's force k x + c x' vanishes at x > 0, exactly where a wall reverses
-    // x'. After the impact it is k x + c |x'|, so that it is no longer at its limit, although it
-    // falls from there on.
+    // On its way out the buffer's force k x + c x' ends at x > 0, where the wall stands and turns
+    // x' round: at once it is k x + c |x'|, although it falls from there on, so that it is at its
+    // limit no longer.
     let (k, c) = (100.0, 15.0);
     let mut d = Description {
         bodies: vec![body("b", 1.0, 0.05, 0.0)],
@@ -161,7 +161,7 @@ fn closed_form_a_buffer_whose_force_ends_just_where_a_wall_throws_the_body_back(
     m.advance_to_event(1.0, &mut |_| {}).unwrap();
     let ([s, v, _], time) = (m.body(0), m.time());
     assert!(m.mode().stops[0] == StopState::Free && s > 0.0 && v < 0.0, "{s} {v}");
-    // The wall stands so little further that it counts as met when the force vanishes.
+    // By so little further on that it counts as there when the force ends.
     d.stops.push(rigid("wall", &[(0, -1.0)], -s + 3e-15, 1.0));
     let mut m = motion(d);
     m.advance_to(time + 1e-9).unwrap();

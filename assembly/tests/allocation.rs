@@ -1,5 +1,5 @@
-//! A motion in steady operation allocates no memory, neither between events nor at events of one
-//! element. The test has its own process, since it replaces the allocator.
+//! A motion in steady operation takes no memory, neither between its events nor at those of one
+//! element. Alone in its process, since it has an allocator of its own.
 #![allow(unsafe_code)] // an allocator is one
 
 mod common;
@@ -31,7 +31,8 @@ fn damper() -> Description {
     }
 }
 
-/// A sled that friction on a belt drags against a spring and an elastic stop: it sticks and slips.
+/// A sled that a belt drags along by friction against a spring and an elastic stop: it sticks and
+/// slips.
 fn sled() -> Description {
     Description {
         bodies: vec![body("sled", 1.0, 0.0, 0.4), prescribed("belt", Signal::default(), 0.4)],
@@ -45,11 +46,11 @@ fn sled() -> Description {
     }
 }
 
-/// Follows a machine for 30 s, in which each of some kinds of events must occur 20 times without an
-/// allocation.
+/// Follows a machine for 30 s; each of some kinds of events must come 20 times, and nothing be
+/// allocated.
 fn follow(machine: Description, kinds: &[fn(&EventKind) -> bool]) {
     let mut motion = motion(machine);
-    // By this time every mode has been met, and each transition between modes.
+    // In this time every mode has been met, and from each those that follow it.
     motion.advance_to(60.0).unwrap();
     let mut counts = [0; 4];
     let before = COUNT.get();

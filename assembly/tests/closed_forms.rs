@@ -13,8 +13,8 @@ use vibro_assembly::motion::EventKind;
 /// Some roundings of numbers of order one, and of sums of a few hundred of them.
 const ROUNDING: f64 = 1e-12;
 
-/// Rest of a transient that falls by more than a quarter with each impact, after more than a
-/// hundred impacts; and rounding.
+/// What is left of a transient that falls by more than a quarter with each impact, after more than
+/// a hundred, and rounding.
 const SETTLED: f64 = 1e-12;
 
 fn is_impact(kind: &EventKind) -> bool {
@@ -196,8 +196,8 @@ fn others_models_coupled_clutches() {
 
 #[test]
 fn closed_form_bead_column() {
-    // Five beads fall onto a floor and one another, plastic: all come to rest, and each contact
-    // bears the weight above it.
+    // Five beads that fall on a floor one upon the other, plastic: all lie, each contact bears what
+    // is above it.
     let count = 5;
     let bodies =
         (0..count).map(|i| heavy(&format!("bead{i}"), 1.0, -1.0, 0.1 * (i + 1) as f64, 0.0)).collect();
@@ -224,7 +224,7 @@ fn closed_form_bead_column() {
 
 #[test]
 fn closed_form_redundant_stops() {
-    // Two floors at the same height under one block: it rests, however the force is shared.
+    // Two floors at the same height under one block: whatever the forces' shares, the block lies.
     let d = Description {
         gravity: 9.81,
         bodies: vec![heavy("block", 2.0, -1.0, 0.3, 0.0)],
@@ -254,8 +254,8 @@ fn anvil(mass: f64, speed: f64) -> Description {
 #[test]
 fn closed_form_light_body_between_a_wall_and_a_heavy_one() {
     // The heavy body drives the light one against the wall, where both stop; then a load draws them
-    // away together. The two impulses on the light body cancel up to rounding, which is the largest
-    // speed it has had.
+    // away together. The two impulses on the light body cancel but for rounding, which is all that
+    // its speed has ever been.
     for k in 1..100 {
         let (mass, speed) = (0.83f64.powi(k), 0.37 * k as f64);
         let mut d = anvil(mass, speed);
@@ -274,7 +274,7 @@ fn closed_form_light_body_between_a_wall_and_a_heavy_one() {
 
 #[test]
 fn invariant_an_impact_without_impulse_ends_the_sequence() {
-    // A speed of the light body below what counts as zero beside the heavy one's.
+    // A speed of the light body that is rounding beside what counts as zero of the heavy one's.
     let machine = Assembly::new(anvil(0.01, 0.0)).unwrap();
     let system = machine.system();
     let mut z = DVector::zeros(system.signals.size);
@@ -292,8 +292,8 @@ fn invariant_an_impact_without_impulse_ends_the_sequence() {
 fn closed_form_bounces_that_follow_one_another_ever_faster() {
     // Two equal bodies fall, the lower one drawn down faster: restitution 1/2 at the ground, 0
     // between them. Where both fall with v, the lower one bounces with v/2 and meets the upper one,
-    // and both fall with v/4. Each pause is of the order of the square of the one before: after
-    // some impacts no double lies between two of them, and in the end both bodies are at rest.
+    // and both fall with v/4. Each pause is of the size of the square of the one before: after some
+    // impacts there are no doubles between two of them, and in the end both lie still.
     let d = Description {
         gravity: 9.81,
         bodies: vec![heavy("lower", 1.0, -1.0, 0.1, 0.0), heavy("upper", 1.0, -1.0, 0.101, -1.0)],
@@ -328,8 +328,9 @@ fn closed_form_bounces_that_follow_one_another_ever_faster() {
 #[test]
 fn closed_form_redundant_friction_that_was_released_holds_again() {
     // A sled on the ground, held by two frictions, with a block on it that a load draws. At first
-    // the block's friction would transmit more than the static levels on the ground; then it slips
-    // at its level of 1.5, and two frictions with levels of 1 each suffice: the sled never moves.
+    // the block's friction would hand on more than the static levels on the ground; then it slips
+    // at its own level of 1.5, and two frictions with a level of 1 each are enough: the sled never
+    // moves.
     let ground = || Friction { static_force: Some(constant(1.1)), ..friction(&[(1, 1.0)], 1.0) };
     let block = Friction { static_force: Some(constant(4.0)), ..friction(&[(1, -1.0), (0, 1.0)], 1.5) };
     let d = Description {

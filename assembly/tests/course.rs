@@ -1,5 +1,5 @@
-//! Machines under a solver that uses derivatives and indicators only, against the exact motion; and
-//! machines with parameters that change during the motion.
+//! Machines in the hands of a solver that knows derivatives and indicators alone, against the exact
+//! motion; and machines of which numbers change under way.
 
 mod common;
 
@@ -11,11 +11,11 @@ use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::motion::Course;
 use vibro_assembly::{Assembly, Error, Motion, file};
 
-/// More events than any of these motions has.
+/// More than any of these motions has.
 const MOST_EVENTS: usize = 1000;
 
-/// A solver of fixed step: the Runge-Kutta method of fourth order, with roots of indicators by
-/// bisection of the step.
+/// A solver of fixed step: Runge and Kutta's rule of fourth order, with roots of indicators by
+/// halving the step's part.
 struct Solver {
     motion: Motion,
     course: Course,
@@ -86,13 +86,12 @@ fn example(name: &str) -> Arc<Assembly> {
 
 #[test]
 fn second_method_a_solver_by_derivatives_and_indicators_finds_the_exact_motion() {
-    // Error of coordinates and rates relative to their nominal values: overshoot of events and the
-    // method's error, magnified by impacts.
+    // Of coordinates and rates, in parts of their nominal sizes: lateness of events and the rule's
+    // error, magnified by impacts.
     const AGREEMENT: f64 = 1e-6;
-    // Error of the balance relative to the largest energy, by the method and the overshoot of
-    // events.
+    // Of the largest energy: what the rule and the late events leave.
     const BALANCE: f64 = 1e-7;
-    // Name, end, step, least number of events.
+    // Name, end, step, events at least.
     let machines = [
         ("bouncing_ball", 4.0, 1e-2, 6),
         ("impact_on_spring", 0.1, 1e-5, 1),
@@ -130,24 +129,24 @@ fn second_method_a_solver_by_derivatives_and_indicators_finds_the_exact_motion()
 
 #[test]
 fn closed_form_a_ball_comes_to_rest_on_a_course() {
-    // Time of rest sqrt(2 h/g) (1 + e)/(1 - e); bounces below some 1e-9 of the height are omitted,
-    // with their times.
+    // By theory at sqrt(2 h/g) (1 + e)/(1 - e); bounces under some 1e-9 of the height are left out,
+    // each with its time.
     const REST: f64 = 8.578_949_178_728_89;
     let mut solver = Solver::new(&example("bouncing_ball"));
     solver.run(9.0, 1e-2);
-    // A solver integrates the remaining forces at rest, the rounding of g.
+    // A solver goes on integrating what is left of the forces in rest: a rounding of g.
     let [s, v] = *solver.motion.states() else { unreachable!("a ball has two states") };
     assert!((s - 1.0).abs() < 1e-14 && v.abs() < 1e-14, "{s} {v}");
-    // Time of the omitted bounces: 2 u/(g (1 - e)) with u² = 2 g · 1e-9.
+    // The time of the bounces that are left out: 2 u/(g (1 - e)) with u² = 2 g · 1e-9.
     assert!(solver.events > 90 && solver.events < 110, "{} until {REST}", solver.events);
 }
 
-/// Bounces end at stops with restitution 1 or nearly 1, and between two stops in series, of which
-/// one drives the body to the other.
+/// Bounces end where a stop itself loses nothing or hardly anything, and between two stops in
+/// series, of which one drives the body from the other.
 #[test]
 fn second_method_bounces_end_on_a_course_as_in_the_exact_motion() {
-    // Error of coordinates: overshoot of events, magnified by impacts. Of rates: those of omitted
-    // bounces.
+    // Of coordinates: lateness of events, magnified by impacts. Of rates: those of the bounces that
+    // are left out, which no longer move.
     const AGREEMENT: f64 = 1e-6;
     let rubbed = |restitution: f64, force: f64| Description {
         gravity: 10.0,
@@ -183,15 +182,15 @@ fn second_method_bounces_end_on_a_course_as_in_the_exact_motion() {
     }
 }
 
-/// A host's solver leaves a moving closed stop slightly off its gap, on either side. Where a
-/// friction reverses meanwhile, this is neither an impact nor an opening, and it reverses once.
+/// A host's solver leaves a closed stop that moves a little off, on either side: where a friction
+/// turns round meanwhile, that is neither an impact nor the contact's end, and it turns round once.
 #[test]
 fn closed_form_a_box_rests_on_a_shaken_table_while_its_guide_turns_round() {
     // Amplitude, m, and half a period of the table, s: it pulls at the box by less than half its
     // weight.
     const AMPLITUDE: f64 = 2e-3;
     const HALF: f64 = 1.0 / 16.0;
-    // Reversals of the friction: at every half period from the first quarter on.
+    // Turns of the friction: at every half period but the first quarter.
     const TURNS: usize = 20;
     let shaken = |restitution: f64| Description {
         gravity: 10.0,
@@ -220,7 +219,7 @@ fn closed_form_a_box_rests_on_a_shaken_table_while_its_guide_turns_round() {
                 assert_eq!(solver.motion.mode().frictions[0], way, "{restitution} {step} {turn}");
                 assert_eq!(solver.motion.impacts(0).count, 0, "{restitution} {step} {turn}");
             }
-            // Setting an input while the stop is off its gap, on either side, is neither.
+            // An input that is set while it is off, on either side, is neither.
             for off in [-1e-8, 1e-8] {
                 let mut set = solver.motion.clone();
                 let states: Vec<f64> = set.states().iter().map(|x| x + off).collect();
@@ -228,16 +227,16 @@ fn closed_form_a_box_rests_on_a_shaken_table_while_its_guide_turns_round() {
                 set.set_inputs_on(&mut solver.course.clone(), &[(0, [1.0, 0.0, 0.0, 0.0])]).unwrap();
                 assert_eq!((set.mode().stops[0], set.impacts(0).count), (StopState::Closed, 0), "{off}");
             }
-            // The solver's rate may pass zero before the table's: then the state is projected
+            // The solver's rate may pass zero before the table's: then the contact is put right
             // first.
             assert!(solver.events <= 2 * TURNS, "{restitution} {step} {}", solver.events);
         }
     }
 }
 
-/// A table that a host sets between events has no rate, so that a box on it keeps its place until
-/// an event. Where the table is back by then, or less far down, nothing is violated, and the box is
-/// put on it.
+/// A table that a host sets between events has no rate, so that a box that rests on it stays where
+/// it is, until an event: where the table is back there, or less far down, nothing is violated, and
+/// the box is put on it.
 #[test]
 fn a_table_that_is_set_back_at_an_event_does_not_hit_the_box_on_it() {
     let description = Description {
@@ -273,15 +272,14 @@ fn a_table_that_is_set_back_at_an_event_does_not_hit_the_box_on_it() {
     }
 }
 
-/// The projection after the overshoot of an impact moves a body onto another stop's gap, and the
-/// impact closes that stop. Bodies that fall together then have no event: their stops' forces are
-/// zero and not the rounding of their weights.
+/// An impact is met late. What puts its bodies on the gap then moves one of them onto another
+/// stop's gap, which the impact drives shut. Bodies that fall as one then have no event: their
+/// stops' forces are nothing, and not the rounding of their weights.
 #[test]
 fn invariant_a_stop_that_the_impact_of_another_drives_shut_has_its_own_impact() {
-    // Error of the balance relative to the energy at the start, by the method and the overshoot of
-    // events.
+    // Of the energy at the start: what the rule and the late events leave.
     const BALANCE: f64 = 1e-9;
-    // After the bounces in the air, and before the floor is met.
+    // Until bounces in the air have come to an end, and before the floor is met.
     const END: f64 = 0.7;
     let pile = Description {
         gravity: 10.0,
@@ -308,17 +306,18 @@ fn invariant_a_stop_that_the_impact_of_another_drives_shut_has_its_own_impact() 
     assert!(residual.abs() < BALANCE * start.abs(), "{residual} of {start}");
 }
 
-/// A light part that a stiff spring presses on a stop of a heavy one: the rounding of the spring's
-/// force in the friction's exceeds the overshoot of an indicator. Until it is certain that the part
-/// slips, it sticks, which is no error.
+/// A light part that a stiff spring holds on a stop of a heavy one: what the spring's forces leave
+/// of the friction's by their rounding is more than an indicator is late. Until the law is sure
+/// that the part slips, it sticks, which is no error.
 #[test]
 fn closed_form_a_part_slips_that_a_stiff_spring_holds_on_a_stop() {
     const FREQUENCY: f64 = 1.17;
-    // The latest instant after the exact time of slipping, s, which is halved down to rounding.
+    // The latest instant behind that at which it slips by theory, s, and the parts by halves of it
+    // down to rounding.
     const LATEST: f64 = 1e-3;
     const HALVES: i32 = 50;
-    // Number of halvings at which the force exceeds its level by more than what counts as zero:
-    // down to 1.6e-5 s.
+    // Of these the first ones at which the force is beyond its level by more than counts as zero:
+    // to 1.6e-5 s.
     const SURE: i32 = 6;
     let machine = Description {
         bodies: vec![body("part", 0.013, -0.0535, 0.0), body("heavy", 10.0, -0.04, 0.0)],
@@ -331,7 +330,7 @@ fn closed_form_a_part_slips_that_a_stiff_spring_holds_on_a_stop() {
     let slips = ((10.5f64 - 64.0 * 0.04) / 18.0).asin() / (std::f64::consts::TAU * FREQUENCY);
     let mut stuck = Motion::new(Arc::new(Assembly::new(machine).unwrap())).unwrap();
     let course = stuck.begin_course().unwrap();
-    // Rates at rest that a solver's rounding leaves.
+    // What a solver's rounding leaves of rates at rest.
     let start: Vec<f64> = stuck.states().iter().map(|x| x + 1e-20).collect();
     for half in 0..HALVES {
         let mut late = stuck.clone();
@@ -348,7 +347,7 @@ fn closed_form_a_part_slips_that_a_stiff_spring_holds_on_a_stop() {
 
 #[test]
 fn closed_form_a_stiffness_that_changes_under_way() {
-    // One or two roundings in a period.
+    // Of a rounding or two in a period.
     const ROUNDING: f64 = 1e-14;
     let mut machine = Description { bodies: vec![body("b", 1.0, 1.0, 0.0)], ..Description::default() };
     machine.springs = vec![spring(&[(0, 1.0)], 4.0, 0.0)];
@@ -365,7 +364,7 @@ fn closed_form_a_stiffness_that_changes_under_way() {
     assert!((on.body(0)[0] - expected).abs() < ROUNDING, "{}", on.body(0)[0] - expected);
 }
 
-/// Relative rounding of a closed stop's force: a few products and a quotient.
+/// The force of a closed stop takes a few products and a quotient, each rounded.
 const ROUNDED: f64 = 1e-15;
 
 #[test]
@@ -383,7 +382,8 @@ fn closed_form_a_stop_gives_way_or_is_violated_where_its_gap_changes() {
     let mut resting = motion(machine(0.0, 10.0));
     resting.advance_to(1.0).unwrap();
     presses(&resting, 20.0);
-    // A heavier body presses more; a lowered floor lets it fall; a raised one is refused by name.
+    // Heavier, it presses more; a floor that has gone lets it fall; one that has risen is refused,
+    // by name.
     let heavier = resting.changed(Arc::new(Assembly::new(machine(0.0, 20.0)).unwrap())).unwrap();
     presses(&heavier, 40.0);
     let mut falling = resting.changed(Arc::new(Assembly::new(machine(0.5, 10.0)).unwrap())).unwrap();

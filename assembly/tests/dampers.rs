@@ -7,10 +7,10 @@ use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::{Assembly, Description, Quantity, What};
 
-/// Some hundred roundings of numbers of order one.
+/// Some hundred roundings of numbers about one.
 const ROUNDING: f64 = 1e-13;
 
-/// A body slowed by a damper alone, beside a drum damped through a lever of 0.1 m.
+/// A body that a damper alone slows, beside a drum that a lever of 0.1 m damps.
 const MACHINE: &str = r#"
     name = "Slowed"
     body.sledge = { mass = 2.0, start = { v = 3.0 } }
@@ -50,7 +50,7 @@ fn second_method_a_damper_is_a_spring_without_stiffness() {
     assert_eq!(one.state(), other.state());
 }
 
-/// No force depends on the coordinates, and both rates are damped.
+/// No force depends on where the bodies stand; both rates are damped.
 #[test]
 fn invariant_the_elongation_of_a_damper_need_not_return() {
     let assembly = Assembly::new(machine(MACHINE)).unwrap();

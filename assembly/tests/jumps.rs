@@ -1,5 +1,5 @@
-//! Jumps of signals: prescribed bodies that jump in coordinate and rate, and events at the instant
-//! of a knot.
+//! Signals that are set anew: prescribed bodies that jump in place and in rate, and events at the
+//! instant of a knot.
 
 mod common;
 
@@ -9,7 +9,7 @@ use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::motion::EventKind;
 use vibro_assembly::{Assembly, Motion};
 
-/// Some tens of roundings of numbers of order one.
+/// Some tens of roundings of numbers about one.
 const ROUNDING: f64 = 1e-14;
 
 fn text(toml: &str) -> Motion {
@@ -20,7 +20,7 @@ fn near(a: f64, b: f64) {
     assert!((a - b).abs() < ROUNDING, "{a} instead of {b}");
 }
 
-/// The accounts' balance less the change of the mechanical energy.
+/// What the accounts say less what the energies say.
 fn off_balance(m: &Motion, start: f64) -> f64 {
     let (kinetic, stored) = m.kinetic_and_stored();
     kinetic + stored - start - m.energy().balance()
@@ -62,13 +62,13 @@ fn closed_form_base_that_steps_away_from_what_lies_on_it() {
     near(off_balance(&m, 0.0), 0.0);
 }
 
-/// A differential: two bodies whose coordinates sum to that of a prescribed one, and springs that
-/// store the work of a step.
+/// A differential: two bodies, the sum of whose ways is that of a prescribed one, and springs that
+/// store what a step does.
 fn differential(motion: &str, order: [&str; 2]) -> Motion {
     differential_with(motion, order, "")
 }
 
-/// A differential with more elements.
+/// The same with more elements.
 fn differential_with(motion: &str, order: [&str; 2], more: &str) -> Motion {
     let bodies: String = order
         .iter()
@@ -85,8 +85,8 @@ fn closed_form_links_share_a_jump_by_inertia() {
     for order in [["a", "b"], ["b", "a"]] {
         let place = |name: &str| order.iter().position(|n| *n == name).unwrap();
         let (a, b) = (place("a"), place("b"));
-        // An impulse in the link moves one body three times as far as the other, in rate and in
-        // coordinate.
+        // An impulse in the link moves one of them three times as fast as the other: of a rate, and
+        // of a step's way.
         let mut m = differential("table = [[0.25, 0.0], [0.5, 1.0]]", order);
         m.advance_to(0.25).unwrap();
         near(m.body(a)[1], 3.0);
@@ -120,8 +120,8 @@ fn closed_form_inputs_that_jump_a_belt_and_a_base() {
 
 #[test]
 fn closed_form_force_that_touches_its_level_at_a_knot_makes_no_slip() {
-    // Friction is at its level only at the load's peak; a rounding before the peak would make it
-    // slip and stick.
+    // What holds the body is at its level at the peak of the load alone; a rounding before it would
+    // make it slip and stick.
     for peak in [0.3, 0.4, 0.5, 0.6, 0.7, 0.9, 1.1] {
         let mut m = text(&format!(
             "name = \"T\"\n[body.b]\nmass = 1.0\n[friction.f]\nbetween = [\"ground\", \"b\"]\nforce = 2.0\n\
@@ -135,8 +135,8 @@ fn closed_form_force_that_touches_its_level_at_a_knot_makes_no_slip() {
 
 #[test]
 fn invariant_every_knot_is_told_beside_what_ends_there() {
-    // A stop's force falls to zero with zero slope at a knot, which rounding may place before the
-    // knot; a body meets a stop there as well.
+    // A stop's force goes to zero with zero slope at a knot, where rounding sees it end before; a
+    // body meets a stop there, too.
     for knot in [0.8125f64, 0.3, 0.7] {
         let mut m = text(&format!(
             "name = \"K\"\n[body.b]\nmass = 0.5\n[body.c]\nmass = 1.0\nstart = {{ s = -{knot}, v = 1.0 }}\n\
@@ -166,8 +166,8 @@ fn invariant_impacts_at_the_start_are_told() {
 
 #[test]
 fn invariant_energy_of_impacts_on_bodies_that_links_tie_to_a_moving_one() {
-    // At an impact the link to two bodies has an impulse as well, by which the prescribed body does
-    // work; with one stop and with two.
+    // At an impact the link that carries two bodies along has an impulse, too, and the prescribed
+    // body does work by it; of one stop and of two.
     for second in ["", "[stop.t]\narms = { a = 2.0 }\ngap = 0.2\nrestitution = 0.3\n"] {
         let mut m = text(&format!(
             "name = \"C\"\n[body.a]\nmass = 1.0\nstart = {{ v = 0.75 }}\n[body.b]\nmass = 3.0\nstart = {{ v = 0.25 }}\n[body.p]\nmotion = {{ rate = 1.0 }}\n\
@@ -219,8 +219,8 @@ fn closed_form_changed_numbers_are_judged_after_the_share_of_their_jump() {
 
 #[test]
 fn closed_form_inputs_that_are_set_at_once_move_what_touches_together() {
-    // A carriage and the plate on it are both driven: neither violates the other, and there is no
-    // impact.
+    // A carriage and the plate that lies on it are both driven: neither violates the other, and
+    // nothing is hit.
     let mut m = text(
         "name = \"T\"\n[body.plate]\nmotion = { input = true }\n[body.carriage]\nmotion = { input = true }\n\
          [body.b]\nmass = 1.0\n[stop.r]\nbetween = [\"carriage\", \"plate\"]\ngap = 0.0\nrestitution = 0.5\n\
@@ -230,7 +230,7 @@ fn closed_form_inputs_that_are_set_at_once_move_what_touches_together() {
     let together = [(0, [0.5, 1.0, 0.0, 0.0]), (1, [0.5, 1.0, 0.0, 0.0])];
     m.set_inputs(&together).unwrap();
     assert_eq!((m.body(0)[0], m.body(1)[0], m.impacts(0).count), (0.5, 0.5, 0));
-    // Of several inputs that contradict one another none is set.
+    // Of several that cannot be together none is set.
     let before = m.save();
     assert!(m.set_inputs(&[(0, [2.0, 0.0, 0.0, 0.0]), (1, [1.0, 0.0, 0.0, 0.0])]).is_err());
     assert!(m.save() == before);

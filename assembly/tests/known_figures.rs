@@ -1,5 +1,5 @@
-//! The machines of examples/assembly against the figures in their files, and closed forms for every
-//! kind of element and signal.
+//! The machines of examples/assembly against the figures that their files state, and closed forms
+//! of every kind of element and signal.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -82,7 +82,7 @@ fn closed_form_bouncing_ball() {
 #[test]
 fn closed_form_den_hartog() {
     let mut m = example("den_hartog.toml");
-    // Friction damps the transient of an undamped oscillator: after hundreds of periods the
+    // The transient of an undamped oscillator is eaten by friction: after hundreds of periods the
     // amplitude is the steady one.
     let period = std::f64::consts::TAU / 1.5;
     m.advance_to(600.0 * period).unwrap();
@@ -127,7 +127,7 @@ fn closed_form_column_and_balls() {
     }
 }
 
-/// A mass at rest under one load.
+/// A mass on which one thing acts from rest.
 fn pulled(load: &str) -> Motion {
     text(&format!("name = \"P\"\n[body.a]\nmass = 2.0\n[load.l]\non = \"a\"\n{load}\n"))
 }
@@ -234,7 +234,7 @@ fn invariant_split_steps_and_saved_states() {
         }
         for i in 0..whole.assembly().description.bodies.len() {
             let (a, b) = (whole.body(i), split.body(i));
-            // Dozens of impacts magnify the rounding of different sub-steps.
+            // Dozens of impacts magnify the roundings of other sub-steps.
             assert!((a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-6, "{name} {i} {a:?} {b:?}");
         }
     }

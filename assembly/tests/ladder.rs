@@ -1,5 +1,5 @@
-//! Long steps miss no event: stiff machines against closed forms, and against themselves in parts
-//! too short for long steps.
+//! Long sub-steps pass over nothing: stiff machines against closed forms, and against themselves in
+//! parts too short for long sub-steps.
 
 mod common;
 
@@ -9,18 +9,18 @@ use vibro_assembly::motion::{Event, EventKind};
 
 /// Some hundreds of roundings of times of order one.
 const ROUNDING: f64 = 1e-12;
-/// A rounding magnified by the impacts of 2 s, none of which grazes.
+/// What impacts make of a rounding in 2 s, where none grazes.
 const MAGNIFIED: f64 = 1e-6;
 
-/// A decayed body that keeps sub-steps short.
+/// A body whose motion has decayed, of which sub-steps are short.
 fn decayed() -> (Body, Spring) {
     (body("fast", 1.0, 0.0, 0.0), spring(&[(0, 1.0)], 1e6, 1e3))
 }
 
 #[test]
 fn closed_form_what_is_pushed_evenly_meets_its_stop_however_long_the_sub_steps_are() {
-    // The second derivative of a parabola equals its bound: a smaller bound would allow a step
-    // beyond the stop. The body moves away from it first, or towards it at once.
+    // The bend of a parabola is its bound, and a length with less of it would lead beyond the stop.
+    // Away from it first, and towards it at once.
     let (fast, stiff) = decayed();
     for (speed, push) in [(0.0, 2.0), (-1.5, 2.0), (0.7, 0.5)] {
         for k in 1..40 {
@@ -40,7 +40,7 @@ fn closed_form_what_is_pushed_evenly_meets_its_stop_however_long_the_sub_steps_a
     }
 }
 
-/// Random numbers in [0, 1) from a seed (Numerical Recipes' generator).
+/// Numbers in [0, 1), by a seed (Numerical Recipes' generator).
 struct Random(u64);
 
 impl Random {
@@ -54,8 +54,8 @@ impl Random {
     }
 }
 
-/// A slow body with a light one on it that rings down, both driven and with stops; and the highest
-/// rate.
+/// A slow body, on which a light one sits that rings down, both driven, with stops of either; and
+/// the highest rate.
 fn ringing(random: &mut Random) -> (Description, f64) {
     let mass = random.between(0.02, 0.3);
     let rate = 10f64.powf(random.between(2.2, 3.2));
@@ -95,7 +95,7 @@ fn second_method_random_machines_that_ring_down_in_parts_too_short_for_long_sub_
         let (mut long, mut short) = (motion(d.clone()), motion(d));
         let all = events(&mut long, END);
         let mut theirs: Vec<Event> = Vec::new();
-        // A sub-step is 3 over a bound of the highest rate.
+        // A sub-step is 3 over a rate that is no less than the highest.
         let parts = (END * rate / 2.0).ceil();
         for k in 1..=parts as usize {
             let end = END * k as f64 / parts;

@@ -1,4 +1,5 @@
-//! Motions that end early: by interruption, by limits of work, and where energies would overflow.
+//! Motions that end early: by request, and where coordinates become too large for energies that are
+//! numbers.
 
 mod common;
 
@@ -8,8 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_assembly::description::*;
 use vibro_assembly::{Error, Motion};
 
-/// An undamped body on a stiff spring beside a stop at twice its amplitude: each of its periods
-/// needs sub-steps.
+/// An undamped body on a stiff spring beside a stop at twice its amplitude: each of its turns must
+/// be looked at.
 fn fast() -> Motion {
     motion(Description {
         bodies: vec![body("light", 1e-6, 0.0, 1.0)],
@@ -32,7 +33,7 @@ fn invariant_a_call_that_is_interrupted_goes_on_in_the_next_with_the_same_bits()
     assert_eq!(motion.save(), whole.save());
 }
 
-/// A body under a constant load.
+/// A body under such a load.
 fn pushed(force: f64) -> Motion {
     let load = Signal { constant: force, ..Signal::default() };
     motion(Description {
@@ -57,12 +58,12 @@ fn coordinates_beyond_energies_are_refused_with_body_and_time() {
         motion.restore(&before);
         assert_eq!(motion.body(0)[..2], [0.0, 0.0]);
     }
-    // However soon the call ends after the coordinate has become too large.
+    // However little of a call is left when it has become too large.
     for end in [0.500_001, 0.51, 0.6] {
         let error = pushed(-2e100).advance_to(end).unwrap_err();
         assert!(matches!(error, Error::Beyond { .. }), "{end}: {error}");
     }
-    // The largest allowed coordinates have finite energies.
+    // The largest that are allowed have energies.
     let mut motion = pushed(-1e99);
     motion.advance_to(1.0).unwrap();
     let (kinetic, stored) = motion.kinetic_and_stored();
@@ -83,7 +84,8 @@ fn a_start_beyond_energies_is_refused() {
 fn rates_beyond_doubles_are_refused_by_name() {
     let (sound, pushed) = (fast().assembly().description.clone(), pushed(1.0).assembly().description.clone());
     let said = |d: Description| vibro_assembly::Assembly::new(d).unwrap_err().to_string();
-    // 1e6 N/m over 1e-308 kg is infinite: such a machine would never complete a sub-step.
+    // 1e6 N/m over 1e-308 kg is infinite: such a machine would wait for its first sub-step without
+    // end.
     let mut light = sound.clone();
     light.bodies[0] = body("light", 1e-308, 0.0, 1.0);
     assert!(said(light).starts_with("spring.spring0.stiffness = 1e6: allowed are rates"));
@@ -104,15 +106,15 @@ fn what_a_link_makes_heavy_is_not_refused() {
     d.links = vec![Link { name: "rod".into(), arms: arms(&[(0, 1.0), (1, -1.0)]) }];
     let mut motion = motion(d);
     motion.advance_to(0.001).unwrap();
-    // With the body of 1 kg the spring's rate is 1,000 rad/s.
+    // By the body of 1 kg the spring makes 1,000 rad/s.
     let off = motion.body(1)[0] - 1e-3 * 1f64.sin();
     assert!(off.abs() < 1e-15, "{off:e}"); // a rounding of 1 m/s and some
 }
 
 #[test]
 fn closed_form_knots_are_no_work_that_has_no_end() {
-    // A force with the mean 1 N that alternates 60,000 times in 0.6 ms, on a body whose sub-step is
-    // 3 s.
+    // A force that goes up and down 60,000 times in 0.6 ms, of 1 N in the mean, on a body whose
+    // sub-step is 3 s.
     let knots = (0..120_001).map(|k| (5e-9 * f64::from(k), 2.0 * f64::from(k % 2))).collect();
     let force = Signal { table: Some(Record { knots, cubic: false }), ..Signal::default() };
     let mut motion = motion(Description {
@@ -122,16 +124,15 @@ fn closed_form_knots_are_no_work_that_has_no_end() {
         ..Description::default()
     });
     motion.advance_to(6e-4).unwrap();
-    // 1 - cos t and sin t, apart from the shape of the steps: at most 1e-8 N s at any time, zero at
-    // their ends.
+    // 1 - cos t and sin t, but for what the steps' shape adds: 1e-8 N s at most at any time,
+    // nothing at their ends.
     let [s, v, _] = motion.body(0);
     assert!((s - (1.0 - 6e-4f64.cos())).abs() < 1e-11 && (v - 6e-4f64.sin()).abs() < 1e-11, "{s} {v}");
 }
 
 #[test]
 fn too_many_events_in_a_call_are_told_with_what_helps() {
-    // A ball under 1 N that bounces without end, 1e6 times a second, before another stop could be
-    // met.
+    // A ball under 1 N that bounces for ever, 1e6 times a second, until another stop could be met.
     let mut motion = motion(Description {
         bodies: vec![body("ball", 1.0, -1.25e-13, 0.0)],
         springs: vec![spring(&[(0, 1.0)], 1e-6, 0.0)],

@@ -1,4 +1,5 @@
-//! Events of a single element, which are handled directly, against the general law.
+//! Events that concern one element alone, which have direct ways of their own, against the general
+//! law.
 
 mod common;
 
@@ -10,16 +11,17 @@ use std::cell::Cell;
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::Reached;
 
-/// Difference of the two methods relative to the largest coordinate: the rounding of an impulse
-/// times the mass ratio of 1e4.
+/// What two ways through the same equations may differ by, in parts of the largest coordinate: the
+/// roundings of an impulse, times what a small mass makes of them (1e4 between the heaviest and the
+/// lightest body).
 const ROUNDING: f64 = 1e-12;
-/// Number of events that are followed.
+/// Followed are so many events.
 const EVENTS: usize = 300;
-/// End of the motion, s.
+/// Until this time, s.
 const END: f64 = 4.0;
 
-/// Follows a machine and decides each event by both methods from the same state; counts events, and
-/// those that are bit-identical.
+/// Follows a machine, and decides each event in both ways from the same state; counts events, and
+/// those at which no bit differs.
 fn follow(d: Description, (events, same): (&Cell<usize>, &Cell<usize>)) -> Result<(), TestCaseError> {
     let mut direct = motion(d);
     let mut general = direct.clone().by_general_law();
@@ -54,8 +56,8 @@ fn follow(d: Description, (events, same): (&Cell<usize>, &Cell<usize>)) -> Resul
 fn second_method_events_of_one_element_by_the_general_law() {
     let config = ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() };
     let counts = (Cell::new(0), Cell::new(0));
-    // A fixed set of machines: where what counts as zero decides, the methods may differ once in
-    // tens of thousands.
+    // Always the same machines: where what counts as zero decides, two ways may differ once in tens
+    // of thousands of machines.
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let mut runner = TestRunner::new_with_rng(config, rng);
     runner.run(&assembly(), |d| follow(d, (&counts.0, &counts.1))).unwrap();

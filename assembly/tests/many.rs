@@ -1,4 +1,4 @@
-//! Machines of many bodies: their start takes seconds at most.
+//! Machines of many bodies: what is asked of them at their start takes seconds at most.
 
 mod common;
 
@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use vibro_assembly::description::*;
 use vibro_assembly::mode::StopState;
 
-/// Time limit, some ten times the time on a busy computer.
+/// What `check` of a long row may take, some ten times what it does on a computer with much other
+/// work.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Blocks in a row, each lying on the one before it, the first one on the ground.
@@ -39,8 +40,8 @@ fn closed_form_a_pile_of_blocks_bears_its_weight_in_time() {
 
 #[test]
 fn closed_form_rows_of_blocks_that_touch_start_in_time() {
-    // At rest nothing decides whether they touch. After one is thrown at the others, momentum and
-    // order are preserved, and energy as far as restitution preserves it.
+    // At rest nothing decides whether they touch. Of one that is thrown at the others momentum and
+    // order remain, and as much energy as restitution leaves.
     let count = 200;
     for (speed, restitution) in [(0.0, 0.5), (1.0, 1.0), (1.0, 0.5)] {
         let mut d = Description::default();

@@ -1,5 +1,5 @@
-//! Equivalent machines, mirrored, in other units, at another time or in another order, whose
-//! motions are known from one another without a second method.
+//! Machines that are the same but for how they are written: mirrored, in other units, at another
+//! time, in another order. What follows from which is known without any other method.
 
 mod common;
 
@@ -12,22 +12,25 @@ use vibro_assembly::description::*;
 use vibro_assembly::motion::Event;
 use vibro_assembly::{Assembly, Motion};
 
-/// Most events of a motion: bounces of restitution 1 under pressure have no end.
+/// Events after which a motion is followed no longer: bounces of restitution 1 that are pressed
+/// together have no end.
 const EVENTS: usize = 300;
-/// Length of a motion, s, and number of parts, whose ends are sums without rounding from any start.
+/// Followed so long, s, in so many parts: their ends are sums without rounding at any start.
 const END: (f64, u32) = (2.0, 16);
-/// Shift of the parts' ends, s, before times of short decimals, at which bodies with such numbers
-/// meet: so rounding does not decide on which side of a meeting a part ends.
+/// By this, s, the ends of the parts come before times of short decimals, at which bodies with such
+/// numbers meet: before a meeting and after it is then no question of rounding.
 const BEFORE: f64 = 0.0078125;
-/// Perturbation of the start that shows how much a motion magnifies errors.
+/// A start that is off by this shows how much a motion magnifies an error.
 const OFF: f64 = 1e-10;
-/// Errors of two motions relative to the largest coordinate. Coordinates have some tens of
-/// roundings, 1e-14, speeds up to sqrt(k/m) = 1e3/s times that, for 0.01 kg on 1e4 N/m.
+/// Errors that two motions make, in the same measure. Displacements are off by some tens of
+/// roundings, 1e-14, speeds by up to sqrt(k/m) = 1e3/s times that, where a body of 0.01 kg is on a
+/// spring or stop of 1e4 N/m.
 const OWN: f64 = 3e-11;
-/// Speed that counts as zero: speeds of sticking bodies fall by 1e-16 a sub-step, and powers of two
-/// must not underflow.
+/// Speeds of what sticks fall by 1e-16 a sub-step; under this they count as zero, before powers of
+/// two can underflow.
 const NOTHING: f64 = 1e-200;
-/// Magnification of errors beyond which rounding decides what follows.
+/// A motion that magnifies errors by more than this is at a place where a rounding decides what
+/// follows.
 const DECIDED: f64 = 1e4;
 
 /// States by time: s and v of every body.
@@ -70,13 +73,14 @@ fn all_arms(d: &mut Description) -> impl Iterator<Item = &mut Arms> {
     springs.chain(stops).chain(frictions).chain(d.links.iter_mut().map(|x| &mut x.arms))
 }
 
-/// The nearest time to which some minutes can be added without rounding.
+/// The nearest time to which any of some minutes is added without rounding.
 fn on_grid(time: f64) -> f64 {
     (time * 1048576.0).round() / 1048576.0
 }
 
-/// The machine perturbed by [`OFF`] in all speeds, in every second speed, or in all gaps of rigid
-/// stops. The first keeps relative speeds, and only the last shows that a stop is just touched.
+/// The same machine off by [`OFF`]: all speeds alike, every second one, or all gaps of rigid stops.
+/// The first leaves what two bodies do to each other, and only the last tells that a stop is just
+/// touched, where no speed is of help.
 fn off(d: &Description) -> [Description; 3] {
     let [mut all, mut second, mut gaps] = [0, 1, 2].map(|_| d.clone());
     free(&mut all).for_each(|b| b.v += OFF);
@@ -85,7 +89,7 @@ fn off(d: &Description) -> [Description; 3] {
     [all, second, gaps]
 }
 
-/// Whether two paths agree within the errors that the motion magnifies.
+/// Whether two paths agree within what the motion makes of errors.
 fn agree(d: &Description, one: &Path, other: &Path) -> Result<(), TestCaseError> {
     let moved = off(d).map(|off| path(motion(off), &all(d)).0);
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
@@ -104,8 +108,8 @@ fn agree(d: &Description, one: &Path, other: &Path) -> Result<(), TestCaseError>
     Ok(())
 }
 
-/// A fixed set of machines, unless `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more and
-/// others.
+/// Always the same machines, but where `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more and
+/// for others.
 fn config() -> ProptestConfig {
     let asked = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
     let is_set = |name: &str| std::env::var_os(name).is_some();
@@ -134,7 +138,7 @@ proptest! {
 
     #[test]
     fn invariant_units_of_length_and_mass_change_no_bit(d in assembly()) {
-        // Powers of two, which add no rounding.
+        // Powers of two, so that nothing is rounded anew.
         let (length, mass) = (1024.0, 0.015625);
         let mut other = d.clone();
         other.gravity *= length;
@@ -162,7 +166,7 @@ proptest! {
 
     #[test]
     fn invariant_the_time_of_the_start(d in assembly(), later in (0..200u8).prop_map(|k| 0.25 * f64::from(k))) {
-        // Knots at times whose sum with the start's is not rounded.
+        // Knots at times that a sum with the start's does not round.
         let mut d = d;
         for signal in signals(&mut d) {
             signal.steps.iter_mut().for_each(|s| s.time = on_grid(s.time));
@@ -197,8 +201,8 @@ proptest! {
 
     #[test]
     fn invariant_bodies_that_touch_nothing(d in assembly()) {
-        // Idle bodies change the method: machines of few coordinates have stored matrices, those of
-        // many a series of each state.
+        // Machines of few coordinates have tables of their sub-steps, those of many go by the
+        // series of each state.
         let mut other = d.clone();
         other.bodies.extend((0..10).map(|i| body(&format!("idle{i}"), 1.0, 0.0, 0.0)));
         let (one, _) = path(motion(d.clone()), &all(&d));
@@ -225,8 +229,8 @@ fn closed_form_rigid_stop_as_the_limit_of_a_stiff_one() {
         let floor = compliant("floor", &[(0, -1.0)], 0.0, stiffness, 0.0, DampingLimit::NoPull);
         let soft = path(motion(ball(floor)), &[0]).0;
         let apart = (rigid.last().unwrap()[0] - soft.last().unwrap()[0]).abs();
-        // Two contacts of half a period π sqrt(m/k) each, during which the rigid ball moves at less
-        // than 5 m/s.
+        // Two contacts of half a period π sqrt(m/k) each, in which the rigid ball flies at under 5
+        // m/s both ways.
         let most = 2.0 * 10.0 * std::f64::consts::PI / stiffness.sqrt();
         assert!(apart <= most && apart < 0.2 * before, "1e{exponent}: {apart:e}, {most:e}, {before:e}");
         before = apart;
@@ -253,7 +257,7 @@ fn closed_form_grazing_by_a_part_of_the_gap() {
             let all = events(&mut motion(oscillators(&[gap])), 3.0);
             let found = times(&all, |k| matches!(k, vibro_assembly::motion::EventKind::Impact { .. }));
             assert_eq!(found.len(), hits, "{depth:e} {gap} {all:?}");
-            // Error of a root of sin t = gap: the rounding of gap over the speed there, sqrt(2
+            // A root of sin t = gap: the rounding of gap, over the speed there, which is sqrt(2
             // depth).
             let near = 1e-15 / (2.0 * depth).sqrt();
             assert!(found.iter().all(|t| (t - gap.asin()).abs() < 4.0 * near), "{depth:e} {found:?}");
@@ -263,9 +267,9 @@ fn closed_form_grazing_by_a_part_of_the_gap() {
 
 #[test]
 fn closed_form_what_only_touches_is_no_event() {
-    // An oscillator released from its stop without speed returns to it each period and reverses
-    // there. A rounding of the coordinate, 1e-16, would be met with 1e-8 m/s. Beside it acts
-    // friction whose level 1 + sin touches zero once a second, on a body that it does not stop.
+    // Released from its stop without speed an oscillator comes back to it each turn and turns
+    // there. A rounding of the place, 1e-16, would be met with 1e-8 m/s. Beside it friction whose
+    // level 1 + sin comes to zero once a second, on a body that it does not stop.
     for k in 1..20 {
         let (stiffness, mass, from) =
             (17.3 * f64::from(k), 0.37 * f64::from(k % 7 + 1), 0.061 * f64::from(k));
@@ -286,7 +290,7 @@ fn closed_form_what_only_touches_is_no_event() {
 
 #[test]
 fn closed_form_corners_met_at_one_instant() {
-    // Three stops at one time, each as if alone; and two that catch a body between them.
+    // Three stops at one time, each as if it were alone; and two between which a body is caught.
     let alone = path(motion(oscillators(&[0.5])), &[0]).0;
     let together = path(motion(oscillators(&[0.5, 0.5, 0.5])), &[0, 1, 2]).0;
     for (a, b) in alone.iter().zip(&together) {

@@ -1,4 +1,5 @@
-//! The 3-DOF machine as an assembly against the 3-DOF core; both share only the search for roots.
+//! The 3-DOF machine as an assembly against the 3-DOF core, which shares only the search for roots
+//! with it.
 
 mod common;
 
@@ -8,13 +9,13 @@ use vibro_assembly::motion::EventKind;
 use vibro_impact::simulator::{Event, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Rounding of some hundreds of sub-steps in twenty periods by both methods, magnified tenfold by
-/// impacts.
+/// Both methods round each sub-step, of which twenty periods have some hundreds; a motion with
+/// impacts magnifies that tenfold.
 const AGREEMENT: f64 = 1e-12;
-/// Perturbations of the start by some roundings, which show their effect on a motion: the end of a
-/// run of chatter depends on them.
+/// Starts that are off by some roundings show what rounding does to a motion: where a run of
+/// chatter is closed depends on it.
 const ROUNDINGS: [f64; 4] = [-5e-15, -1e-15, 1e-15, 5e-15];
-/// Distance of two motions relative to the largest effect of the four perturbations.
+/// Two motions that rounding drives apart, in parts of the largest way that one of the four goes.
 const APART: f64 = 3.0;
 
 fn machine(p: &Parameters, start: &State) -> Description {
@@ -90,7 +91,7 @@ fn compare(p: &Parameters, start: &State, periods: f64, tolerance: f64) {
             );
         }
     }
-    // Both close runs of chatter at different heights; faster impacts must agree.
+    // Runs of chatter are closed at different heights: what is faster than that is the same.
     let loud = |all: &[(f64, usize, f64)]| all.iter().filter(|i| i.2 > 1e-4).cloned().collect::<Vec<_>>();
     let (own, theirs) = (loud(&own), loud(&theirs));
     assert!(theirs.len() > 10, "{theirs:?}");

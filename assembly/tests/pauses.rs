@@ -1,4 +1,4 @@
-//! Motions that pause before events, are saved as bytes, or begin at another time.
+//! A motion that pauses before its events, is saved as bytes, or begins at another time.
 
 mod common;
 
@@ -19,7 +19,7 @@ fn ball() -> Description {
     }
 }
 
-/// Rounding over a flight of one second.
+/// Of a flight of a second.
 const ROUNDING: f64 = 1e-15;
 
 #[test]
@@ -32,8 +32,8 @@ fn invariant_pausing_before_events_changes_no_bit() {
     {
         let (known, speed) = (before.len(), paused.body(0)[1]);
         assert!(paused.is_event_due());
-        // The ball still falls, or the load has not jumped yet; the law is applied once, when asked
-        // for.
+        // The ball still falls, or the load has not jumped yet; the law comes when it is asked for,
+        // once.
         assert_eq!(paused.load(0), if paused.time() > 0.3 { 0.05 } else { 0.0 });
         assert!(speed > 0.0, "{speed}");
         paused.apply_event(&mut |event| before.push(event.clone())).unwrap();
@@ -57,7 +57,7 @@ fn invariant_a_state_goes_through_bytes_before_an_event_too() {
     moving.advance_to(2.0).unwrap();
     other.advance_to(2.0).unwrap();
     assert_eq!(moving.save(), other.save());
-    // The state does not fit a machine with a further element.
+    // It is no state of a machine with another element.
     let machine = Description { stops: Vec::new(), ..ball() };
     assert!(!saved.fits(motion(machine).assembly()));
 }
@@ -74,8 +74,8 @@ fn closed_form_of_a_start_at_another_time() {
     assert_eq!(refused, "start time = NaN: allowed is a finite number");
 }
 
-/// Names and machines in which an element touches its limit and reverses there, as seen at 1.5 s,
-/// without another event.
+/// Names and machines in which something comes to its limit and turns round there, as seen at 1.5
+/// s, and nothing else happens.
 fn touches() -> [(&'static str, Description); 4] {
     let wave = |constant, amplitude| Signal { constant, ..sine(amplitude, 0.5, 0.0) };
     let load = |force| vec![Load { name: "load".into(), body: 0, force }];
@@ -128,7 +128,7 @@ fn invariant_a_capped_buffer_that_is_hardly_reached_stops_no_motion() {
                 let went = motion.advance_to(5.0 * f64::from(k) / f64::from(parts));
                 assert!(went.is_ok(), "depth {depth}, {parts} parts: {went:?}");
             }
-            // Five times the effect of a force of at most 2 k depth for microseconds.
+            // Five times a force of at most 2 k depth for microseconds.
             assert!((0.0..1e-13).contains(&motion.rate(1)), "{}", motion.rate(1));
         }
     }
@@ -136,7 +136,7 @@ fn invariant_a_capped_buffer_that_is_hardly_reached_stops_no_motion() {
 
 #[test]
 fn invariant_a_buffer_that_is_met_slowly_lets_go_in_one_call_as_in_many() {
-    // A cam with a flat top, of sixth order at 2 s, passes the edge of a heavily damped buffer by
+    // A cam with a flat top, of sixth order at 2 s, comes beyond a heavily damped buffer's edge by
     // 1e-12 m, with 7e-10 m/s.
     let wave = |amplitude, frequency| Harmonic { amplitude, frequency, phase: std::f64::consts::FRAC_PI_2 };
     let harmonics = [wave(1.0, 0.25), wave(-1.0 / 6.0, 0.75), wave(0.02, 1.25)];

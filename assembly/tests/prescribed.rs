@@ -1,5 +1,5 @@
-//! Machines without coordinates: test rigs whose bodies are all prescribed or linked to prescribed
-//! ones.
+//! Machines in which nothing moves freely: test rigs whose bodies all move as prescribed, or are
+//! tied to such bodies by links.
 
 mod common;
 
@@ -10,7 +10,7 @@ use vibro_assembly::motion::EventKind;
 
 /// Some hundreds of roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
-/// Rounding of work summed over a hundred sub-steps.
+/// Of works that are summed over a hundred sub-steps.
 const WORK: f64 = 1e-12;
 
 /// A ram that moves as a sine on a spring with a dashpot, a buffer and a brake to the ground.
@@ -38,8 +38,8 @@ fn closed_form_a_ram_that_moves_as_prescribed() {
         !slips.is_empty() && slips.iter().all(|t| ((t * 4.0) % 2.0 - 1.0).abs() < 4.0 * ROUNDING),
         "{all:?}"
     );
-    // Over a period the dashpot loses ½ d (ωA)² times its length, and friction F times the path 4
-    // A; both are work of the motion.
+    // Over a period: the dashpot ½ d (ωA)², friction F times the way of 4 A, all of it work of the
+    // motion.
     let energy = m.energy();
     let dashpot = 0.5 * 3.0 * (0.1 * TAU).powi(2);
     assert!((energy.dashpots[0].value() - dashpot).abs() < WORK, "{energy:?}");
@@ -56,8 +56,8 @@ fn closed_form_a_ram_that_moves_as_prescribed() {
 
 #[test]
 fn closed_form_what_links_tie_to_a_motion_is_carried() {
-    // A drum of 2 kg m², geared to a motor of 3 rad/s at a fifth of its speed in the opposite
-    // direction, under a load.
+    // A drum of 2 kg m² on a motor that turns with 3 rad/s, five times as slow and the other way
+    // round; a load on it.
     let mut d = Description {
         name: "Drum".into(),
         bodies: vec![prescribed("motor", constant(0.0), 3.0), body("drum", 2.0, 0.0, -0.6)],
@@ -73,7 +73,7 @@ fn closed_form_what_links_tie_to_a_motion_is_carried() {
     assert!((m.energy().loads[0].value() + 7.0 * 1.2).abs() < WORK);
     assert!((m.energy().motions.value() - 7.0 * 1.2).abs() < WORK, "{:?}", m.energy());
     assert_eq!(m.energy().balance().abs().max(WORK), WORK);
-    // Without a prescribed motion nothing moves.
+    // Without a motion nothing would ever move.
     d.bodies[0] = body("motor", 1.0, 0.0, 0.0);
     d.bodies[1] = body("drum", 2.0, 0.0, 0.0);
     d.links.push(Link { name: "second".into(), arms: arms(&[(0, 1.0), (1, -1.0)]) });

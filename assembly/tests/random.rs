@@ -1,5 +1,5 @@
 //! Random assemblies against invariants: no stop is violated, no force pulls or exceeds its level,
-//! the energy balance holds, and every motion reaches its end.
+//! energy is accounted for, and every motion goes on.
 
 mod common;
 
@@ -12,7 +12,7 @@ use vibro_assembly::description::{DampingLimit, Description, Friction, Load};
 use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::motion::EventKind;
 
-/// Rounding of a few thousand sub-steps, relative to the sizes that occur.
+/// Rounding of a few thousand sub-steps, in parts of the sizes that occur.
 const ROUNDING: f64 = 1e-9;
 
 fn energy(m: &Motion) -> f64 {
@@ -51,7 +51,8 @@ fn check(m: &Motion, start: f64, largest: f64) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Most events of a motion: bounces of restitution 1 under pressure may be millions.
+/// A machine whose bounces of restitution 1 are pressed together goes through millions of them:
+/// followed are so many events.
 const EVENTS: usize = 1000;
 
 /// Follows a machine and checks it on the way, at the events and between them.
@@ -78,8 +79,8 @@ fn follow(d: Description) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A fixed set of machines, unless `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more and
-/// others.
+/// Always the same machines, but where `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more and
+/// for others.
 fn config() -> ProptestConfig {
     let asked = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
     let is_set = |name: &str| std::env::var_os(name).is_some();
@@ -99,8 +100,8 @@ proptest! {
     }
 }
 
-/// A light body at its stop, until friction drags it along with a heavy one that reverses on
-/// springs.
+/// A light body that lies at its stop, until friction takes it along with a heavy one that turns
+/// round on springs.
 fn taken_along() -> Description {
     Description {
         gravity: 9.81,
@@ -127,8 +128,8 @@ fn taken_along() -> Description {
 
 #[test]
 fn invariant_a_light_body_is_taken_off_its_stop_by_friction_without_an_impact() {
-    // The heavy body's speed at its turning point is rounding. The light body, which has never
-    // moved, sticks to it, and meeting the stop with that speed is no impact.
+    // The heavy body's speed at its turning point is rounding of what it was. The light one, which
+    // has never moved, is held to it, and what it does to the stop with that speed is no impact.
     follow(taken_along()).unwrap();
     let mut motion = motion(taken_along());
     let all = events(&mut motion, 0.06);
@@ -137,7 +138,7 @@ fn invariant_a_light_body_is_taken_off_its_stop_by_friction_without_an_impact() 
     assert_eq!(all[0].time, all[1].time);
 }
 
-/// A body that a spring draws to a rigid stop, at the edge of a compliant one.
+/// A body that a spring draws to a rigid stop, where an elastic one ends at the same place.
 fn between_two_stops() -> Description {
     Description {
         bodies: vec![body("body", 0.14040273358480032, 0.0, 1.0), body("far", 1.0, -1.0, 0.0)],
@@ -152,8 +153,8 @@ fn between_two_stops() -> Description {
 
 #[test]
 fn invariant_bounces_end_at_an_elastic_stop_that_ends_at_the_same_place() {
-    // At the top of the lowest bounces the compliant stop's force is at its cap and at zero, both
-    // within rounding.
+    // At the top of the lowest bounces the elastic stop's force is at its cap and at zero, both but
+    // for rounding.
     follow(between_two_stops()).unwrap();
     let all = events(&mut motion(between_two_stops()), 0.1);
     let close = times(&all, |kind| matches!(kind, EventKind::Close { stop: 1 }));

@@ -9,15 +9,15 @@ use vibro_assembly::{Assembly, Error};
 
 /// Some tens of roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
-/// Error of a coordinate relative to the sizes of the elongations that it sums, as
-/// docs/assembly-law.md promises: some thousand roundings.
+/// Of a place, in parts of the sizes of the elongations that it consists of: what issue and page
+/// promise, some thousand roundings.
 const PLACE: f64 = 1e-12;
 
 fn at_rest(d: Description) -> Description {
     Description { gravity: 10.0, starts_at_rest: true, ..d }
 }
 
-/// Checks that nothing moves and no event happens until a time.
+/// Nothing moves or happens until a time.
 fn stands(m: &mut vibro_assembly::Motion, end: f64) {
     let free = |b: &Body| matches!(b.kind, BodyKind::Free(_));
     let bodies = &m.assembly().description.bodies;
@@ -27,7 +27,7 @@ fn stands(m: &mut vibro_assembly::Motion, end: f64) {
     assert!(all.is_empty(), "{all:?}");
     for (i, s) in before {
         let [now, v, a] = m.body(i);
-        // The coordinates of the start are rounded, which a stiff spring's force shows.
+        // The start's places are rounded, and a stiff spring feels it.
         assert!(
             (now - s).abs() < ROUNDING && v.abs() < 10.0 * ROUNDING && a.abs() < 1e2 * ROUNDING,
             "{i} {now} {v} {a}"
@@ -50,8 +50,8 @@ fn closed_form_hanging_chain() {
 
 #[test]
 fn closed_form_preloaded_stops() {
-    // A block pressed on a rigid stop by a preloaded spring, and a second one on a compliant stop
-    // of the first.
+    // A block pressed on a rigid stop by a preloaded spring; a second one on a rubber that lies on
+    // the first.
     let d = Description {
         bodies: vec![heavy("block", 1.0, 1.0, 0.0, 0.0), heavy("rider", 3.0, 1.0, 0.0, 0.0)],
         springs: vec![Spring { preload: -50.0, ..spring(&[(0, 1.0)], 100.0, 0.0) }],
@@ -132,7 +132,7 @@ fn closed_form_belt_rubs_a_body_at_rest() {
     stands(&mut m, 0.5);
 }
 
-/// Random numbers in [0, 1) from a seed (Numerical Recipes' generator).
+/// Numbers in [0, 1), by a seed (Numerical Recipes' generator).
 struct Random(u64);
 
 impl Random {
@@ -146,10 +146,10 @@ impl Random {
     }
 }
 
-/// A forest: each body hangs on the ground or on an earlier body, under gravity or a load, with
-/// ratios up to 1e12 of stiffnesses and 1e11 of inertias. Some springs are buffers pressed by what
-/// they bear, or have an idle rigid stop or friction beside them. Returns also each body's
-/// coordinate, with the sizes of the elongations between it and the ground.
+/// A forest: each body hangs on the ground or on one before it; stiffnesses up to 1e12 apart,
+/// inertias 1e11, each under gravity or a load. Some springs are buffers, pressed by what they
+/// bear, or have a closed rigid stop or friction that bears nothing beside them. Also each body's
+/// place, with the sizes of the elongations on its way to the ground.
 fn forest(random: &mut Random, count: usize) -> (Description, Vec<(f64, f64)>) {
     let mut d = Description::default();
     let (mut parents, mut stiffnesses, mut own) = (Vec::new(), Vec::new(), Vec::new());
@@ -176,7 +176,7 @@ fn forest(random: &mut Random, count: usize) -> (Description, Vec<(f64, f64)>) {
         stiffnesses.push(stiffness);
         own.push(force);
     }
-    // The load of each spring: that of its body and of all bodies on it.
+    // What each bears: its own and that of all on it.
     let mut borne = own;
     for i in (0..count).rev() {
         if let Some(parent) = parents[i] {
@@ -227,7 +227,8 @@ fn closed_form_a_sensor_on_a_stiff_spring_of_a_soft_one() {
                 let s = 10.0 * (1.0 + mass) / 100.0;
                 assert!((found[0] - s).abs() <= PLACE * s, "{stiff:e} {mass:e} {is_buffer}: {found:?}");
                 assert!((found[1] - found[0]).abs() <= 10.0 * mass / stiff + PLACE * s, "{found:?}");
-                // A light body without support is named, however stiff the others' springs are.
+                // A light body that nothing bears is the one that is named, however stiff what
+                // holds the others is.
                 d.bodies.push(heavy("loose", 1e-8, 0.5, 0.0, 0.0));
                 let refused = Assembly::new(at_rest(d)).unwrap_err();
                 let Error::NoEquilibrium { body, acceleration } = &refused else { panic!("{refused}") };
@@ -256,7 +257,7 @@ fn closed_form_a_belt_whose_speed_is_rounding_of_its_amplitude_does_not_rub() {
 
 #[test]
 fn closed_form_belts_that_move_rub_with_the_level_of_slipping_not_with_the_static_one() {
-    // Upwards and downwards, with a static level three times as high; a second body needs its own
+    // Up and down, beside a static level that is three times as high; a second body needs its own
     // static level.
     for rate in [0.5, -0.5] {
         let d = Description {

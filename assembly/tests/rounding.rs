@@ -1,5 +1,5 @@
-//! Rounding that counts as zero (docs/assembly-law.md (A14)): speeds under balanced forces, and
-//! forces and impulses that cancel.
+//! What is rounding and counts as zero (docs/assembly-law.md (A14)): speeds that balanced forces
+//! leave, and forces and impulses that cancel.
 
 mod common;
 
@@ -12,8 +12,8 @@ use vibro_assembly::motion::EventKind;
 /// Some tens of roundings of numbers of order one.
 const ROUNDING: f64 = 1e-14;
 
-/// Errors of coordinate and speed: half a rounding of 1 m in each of 2e4 sub-steps, possibly all in
-/// one direction; some roundings of the speed.
+/// By place and speed: half a rounding of 1 m in each of 2e4 sub-steps, which may all go one way;
+/// some roundings of the speed.
 const MANY_STEPS: [f64; 2] = [1e-11, 1e-13];
 
 /// A weight that hangs at rest on a spring, and friction whose level begins to rise at 0.5 s.
@@ -33,9 +33,9 @@ fn hanging(mass: f64, stiffness: f64) -> Description {
 
 #[test]
 fn closed_form_friction_on_what_hangs_at_rest_holds_at_once() {
-    // Weight and spring force are equal up to rounding, so that the largest speed so far is
-    // rounding. A level that rises as the square of time would need the root of it, 1e-8 s, to stop
-    // this speed.
+    // Weight and spring force are equal but for their rounding, so that all the speed there has
+    // ever been is rounding. A level that rises from zero by the square of time would need the root
+    // of it, 1e-8 s, to stop this speed.
     for k in 1..60 {
         let (mass, stiffness) = (0.37 * k as f64, 211.0 + 17.0 * k as f64);
         let mut motion = motion(hanging(mass, stiffness));
@@ -48,7 +48,8 @@ fn closed_form_friction_on_what_hangs_at_rest_holds_at_once() {
     }
 }
 
-/// A light body squeezed between a wall and a heavy one, with a buffer whose edge it just touches.
+/// A light body between a wall and a heavy one that is pressed on it, with a buffer whose edge it
+/// just touches.
 fn squeezed(mass: f64, force: f64) -> Description {
     Description {
         bodies: vec![body("light", mass, 0.0, 0.0), body("heavy", 1.0, 0.0, 0.0)],
@@ -65,8 +66,8 @@ fn squeezed(mass: f64, force: f64) -> Description {
 
 #[test]
 fn closed_form_two_forces_that_cancel_on_a_light_body_decide_nothing() {
-    // The contact forces on the light body are equal, and the rounding of their difference causes
-    // accelerations of any size.
+    // The contact forces on the light body are equal, and what their difference is by rounding
+    // makes accelerations of any size on it.
     for k in 1..100 {
         let (mass, force) = (0.83f64.powi(k), 0.37 * k as f64);
         let mut motion = motion(squeezed(mass, force));
@@ -90,9 +91,9 @@ fn closed_form_two_forces_that_cancel_on_a_light_body_decide_nothing() {
 
 #[test]
 fn closed_form_a_stiff_buffer_puts_the_same_force_to_both_bodies() {
-    // Loads press two bodies together on a stiff, strongly damped buffer 1 m from the origin, for a
-    // fifth of a second: some 2e4 sub-steps, in each of which 1e8 N/m times 1 m acts on each body.
-    // No other force acts, so that the centre of mass moves uniformly.
+    // Two bodies that loads press together on a stiff and strongly damped buffer, 1 m from the
+    // origin: for a fifth of a second, some 2e4 sub-steps of which each puts 1e8 N/m times 1 m to
+    // each body. No other force acts, so that the center of their masses moves evenly.
     let (masses, v, end) = ([0.49, 0.65], 0.67, 0.2);
     let pair = Description {
         bodies: vec![body("a", masses[0], 1.0, v), body("b", masses[1], 1.0, v)],
@@ -103,7 +104,7 @@ fn closed_form_a_stiff_buffer_puts_the_same_force_to_both_bodies() {
         ],
         ..Description::default()
     };
-    // Alone with stored matrices, and among idle bodies with the series of each state.
+    // Alone by tables, and among bodies that touch nothing by the series of each state.
     for others in [0, 10] {
         let mut d = pair.clone();
         d.bodies.extend((0..others).map(|i| body(&format!("idle{i}"), 1.0, 0.0, 0.0)));
@@ -122,9 +123,8 @@ fn closed_form_a_stiff_buffer_puts_the_same_force_to_both_bodies() {
 
 #[test]
 fn closed_form_body_at_rest_at_a_buffers_edge_stays() {
-    // In equilibrium a body that friction holds to another is at a buffer's gap, where its
-    // coordinate has only the size of the rounding of the other's forces: there is no event, and
-    // nothing moves.
+    // In equilibrium a body that friction holds to another stands at a buffer's gap, where its
+    // place has no size but what rounding makes of the other's forces: no event, and nobody moves.
     let machine = parse(
         "name = \"E\"\ngravity = 9.81\nstart = \"rest\"\n[body.a]\nmass = 0.94\ngravity = -1.0\n[body.b]\nmass = 0.39\ngravity = 1.0\n\
          [body.c]\nmass = 0.37\n[link.l]\narms = { a = 1.0, b = 2.0 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 342.6\n\
@@ -133,7 +133,7 @@ fn closed_form_body_at_rest_at_a_buffers_edge_stays() {
         "edge.toml",
         &no_records,
     );
-    // Short calls have short sub-steps, at whose ends the coordinates are rounding of rounding.
+    // Short calls have short sub-steps, at the ends of which the places are rounding of rounding.
     for end in [1e-7, 1e-3, 1.0] {
         let mut m = motion(machine.clone().unwrap());
         let at = m.coordinate(0);
@@ -144,9 +144,9 @@ fn closed_form_body_at_rest_at_a_buffers_edge_stays() {
 
 #[test]
 fn invariant_friction_across_a_stiff_spring_stays_within_its_level() {
-    // Bodies that friction holds across a spring of 1e6 times the mount's stiffness get no rounding
-    // of that spring's force, however long they are held. Otherwise friction that comes to rest
-    // against a force beyond its level would hold.
+    // What friction holds across a spring of 1e6 times the mount has no rounding of that spring's
+    // forces, however long it is held: else friction that comes to rest against a force beyond its
+    // level would stay.
     let machine = parse(
         "name = \"F\"\n[body.a]\nmass = 0.3765\nstart = { v = -0.614 }\n[body.b]\nmass = 2.4796\nstart = { v = -0.8143 }\n\
          [spring.mount]\narms = { a = 1.0 }\nstiffness = 170.0\ndamping = 0.5\n\
@@ -172,11 +172,11 @@ fn invariant_friction_across_a_stiff_spring_stays_within_its_level() {
 
 #[test]
 fn invariant_a_body_comes_to_rest_between_two_buffers_without_clearance() {
-    // It moves from one edge to the other ever more slowly, until its speed counts as zero. Then it
-    // rests at both edges, by the law without end, and does not drift into a buffer. Beside it a
-    // body is held and released by its stop, so that new modes begin.
+    // It hops from one edge to the other, ever slower, until its speed counts as zero. Then it
+    // rests, and does not drift into a buffer whose edge it is at, by the law, for ever. Beside it
+    // a body is held and let go by its stop, so that the mode begins anew.
     const UNTIL: f64 = 8.0;
-    /// Coordinate of both edges, m; speed, m/s; a buffer's stiffness, N/m, and damping, N s/m; the
+    /// Place of both edges, m, speed, m/s, a buffer's stiffness, N/m, and damping, N s/m, the
     /// load's amplitude, N, and frequency, Hz.
     const MACHINES: [[f64; 6]; 4] = [
         [
@@ -231,15 +231,15 @@ fn invariant_a_body_comes_to_rest_between_two_buffers_without_clearance() {
 
 #[test]
 fn closed_form_what_is_pushed_into_a_buffer_by_less_than_counts_as_zero_is_held_by_it() {
-    // The push counts as zero beside the spring, 1e-13 k Z, and so does the speed that it causes;
-    // the displacement does not.
+    // Beside the spring's 1e-13 k Z the push is zero, and so is all speed that it makes; what it
+    // makes of the place is not.
     const STIFFNESS: f64 = 1e4;
-    /// Push, N. Beside a spring of 1e9 N/m at 1 m up to 2e-4 N count as zero.
+    /// What counts as zero beside a spring of 1e9 N/m at 1 m is 2e-4 N.
     const PUSH: f64 = 1e-5;
-    /// Latest time, s: the push moves 2 kg by 17 times what counts as zero of a coordinate, 2e-13
-    /// m, within 1.17e-3 s.
+    /// The push moves 2 kg by seventeen times what counts as zero of a place, 2e-13 m, within
+    /// 1.17e-3 s.
     const MET: f64 = 1.5e-3;
-    /// Error of the coordinate, m: some times the 17 times 2e-13 m at which the buffer is entered.
+    /// Some times the seventeen of 2e-13 m, at which the buffer is entered.
     const OFF: f64 = 1e-11;
     for parts in [1, 2, 37] {
         let mut motion = motion(Description {
@@ -266,8 +266,8 @@ fn closed_form_what_is_pushed_into_a_buffer_by_less_than_counts_as_zero_is_held_
 
 #[test]
 fn invariant_a_buffer_whose_force_falls_to_zero_on_the_way_in_is_not_entered_again() {
-    // The dashpot's force counts as zero beside the size of the spring's, while the rate does not:
-    // the stop is at its edge and entered without a force.
+    // Its force, of its dashpot, is zero beside the size of its spring's, while the rate is not: so
+    // it stands at its edge, goes in and has no force.
     let mut machine = Description {
         bodies: vec![
             body("a", 1.0, 1.0, 0.516_825_806_985_093_1),
@@ -305,15 +305,15 @@ fn invariant_a_buffer_whose_force_falls_to_zero_on_the_way_in_is_not_entered_aga
     }
 }
 
-/// A load on the k-th body after the first.
+/// A load on the bodies behind the first one.
 fn load_on((k, force): (usize, Signal)) -> Load {
     Load { name: format!("load{k}"), body: k + 1, force }
 }
 
 #[test]
 fn closed_form_a_stop_held_closed_from_nothing_moves_no_buffer_that_depends_on_it() {
-    // All coordinates begin at 0, so that nothing has a size at first: 17 times what counts as zero
-    // is zero as well, and the buffer would leave zero without end.
+    // All begins at 0, so that nothing has a size at first: 17 times what counts as zero is
+    // nothing, too, and the buffer would leave zero without end.
     const LOAD: f64 = 4.005_966_510_345_249;
     const SPRINGS: [f64; 2] = [71_243_422.788_334_49, 4_408_352.957_888_796];
     const OFF: f64 = 1e-12;
@@ -355,15 +355,15 @@ fn closed_form_a_stop_held_closed_from_nothing_moves_no_buffer_that_depends_on_i
 
 #[test]
 fn closed_form_a_body_drifts_into_a_lone_buffer_with_a_speed_that_counts_as_zero() {
-    // Two bodies drift together. Beside the spring between them at 10 m their speed counts as zero
-    // at the buffer's edge; the buffer is entered with it nevertheless.
+    // Two bodies drift together; beside the spring between them at 10 m their speed counts as zero
+    // at the buffer's edge. It is entered with it nevertheless.
     const SPEED: f64 = 1e-7;
     const CLEARANCE: f64 = 1e-9;
     const STIFFNESS: f64 = 2.0;
     /// Both bodies, kg.
     const MASS: f64 = 2.0;
-    /// Relative error of the speed: the buffer is entered late by some times 17 times 2e-12 m,
-    /// beside its travel of 8e-8 m.
+    /// Of the speed: the buffer is entered some times the 17 of 2e-12 m late, beside its way of
+    /// 8e-8 m.
     const OFF: f64 = 1e-2;
     for parts in [1, 2, 37] {
         let mut motion = motion(Description {

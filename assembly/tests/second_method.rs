@@ -1,4 +1,5 @@
-//! Motions against a second method in 50 digits (tests/data/make_motions.py and make_families.py).
+//! Motions against those of a second method in 50 digits (tests/data/make_motions.py and
+//! make_families.py).
 
 use std::sync::Arc;
 use vibro_assembly::description::Description;
@@ -9,16 +10,17 @@ use vibro_assembly::{Assembly, Motion};
 const MACHINES: &str = include_str!("data/motions.txt");
 const FAMILIES: &str = include_str!("data/families.txt");
 
-/// Perturbation of the start that shows how much a motion magnifies errors.
+/// A start that is off by this shows how much a motion magnifies an error.
 const OFF: f64 = 1e-10;
-/// Errors of a motion relative to the largest coordinate: some hundreds of roundings, and omitted
-/// bounces of 1e-12.
+/// Errors that a motion makes of its own, in the same measure: some hundreds of roundings, and
+/// bounces of 1e-12 of the paths that are not followed.
 const OWN: f64 = 2e-13;
-/// Errors at the edge of the law relative to the largest coordinate, by the beginning of a family's
-/// name; most are [`OWN`] magnified a little. A touch of 1e-9 of the gap magnifies a rounding of
-/// the gap 1e4 times in the speed. Redundant stops, one of them plastic, cause bounces that follow
-/// one another ever faster, of which those closer than 1e-13 count as one instant. A stiff buffer
-/// magnifies a rounding of the coordinate by 1e4/s in the speed.
+/// Errors at the edge of the law, in parts of the largest coordinate, by the beginning of a
+/// family's name. Mostly they are of the kind of [`OWN`], magnified some times. Touching by 1e-9 of
+/// the gap makes of a rounding in the gap 1e4 times as much in the speed. Stops that say the same,
+/// one of them plastic, bring about bounces that follow one another ever faster, of which those
+/// nearer than 1e-13 of the paths are taken to be at one instant. A stiff buffer makes of a
+/// rounding in the place 1e4/s times as much in the speed.
 const EDGES: [(&str, f64); 7] = [
     ("grazing", 1e-10),
     ("redundant", 1e-9),

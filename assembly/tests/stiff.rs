@@ -1,4 +1,4 @@
-//! Stiff machines, which advance by long steps where no watched functional is near its limit.
+//! Stiff machines, which go on by long sub-steps where nothing that is watched is near.
 
 mod common;
 
@@ -10,16 +10,16 @@ use vibro_assembly::{Error, Motion};
 
 /// Some tens of roundings of a state of order one, over some hundred radians.
 const ROUNDING: f64 = 1e-13;
-/// Difference of two ways over some thousand radians at rates of 1e3/s: a rounding of the fast
-/// motion in each of thousands of sub-steps, magnified by impacts.
+/// Of a machine with rates of 1e3/s followed in two ways over some thousand radians: a rounding of
+/// the fast motion in each of thousands of sub-steps, and what impacts make of it.
 const TWO_WAYS: f64 = 1e-10;
 
-/// Error of a loss: decay of the fast motion at 500/s beside 1e9 rad/s, and the rounding of 1e9
-/// sub-steps.
+/// Of a loss, what the fast motion's decay at 500/s in 1e9 rad/s makes of its mean, and what 1e9
+/// rounded sub-steps make of that.
 const LOST: f64 = 1e-7;
 
-/// Errors of coordinate and speed of the middle of two bodies 1 m from the origin: roundings of
-/// each coordinate, 1e-16, and of the buffer's 100 m/s² times a sub-step, in each of 2e4 sub-steps.
+/// Of place and speed of the middle of two bodies 1 m from the origin: roundings of each place,
+/// 1e-16, and of the buffer's 100 m/s2 times a sub-step, in each of 2e4 sub-steps.
 const MIDDLE: [f64; 2] = [1e-12, 1e-11];
 
 /// Two bodies of mass 1 on springs to the ground, with a spring between them.
@@ -47,7 +47,7 @@ fn closed_form_two_undamped_oscillators_far_apart_in_frequency() {
         let (a, b) = (soft + 1.0, stiff + 1.0);
         let fast = 0.5 * (a + b) + 0.5 * ((b - a).powi(2) + 4.0f64).sqrt();
         let slow = (a * b - 1.0) / fast;
-        // Parts of the start in the slow mode shape (1, share) and in the fast one (-share, 1).
+        // The slow shape (1, share): its part of the start, and the other's of (-share, 1).
         let share = 1.0 / (b - slow);
         let part = start / (1.0 + share * share);
         let angle = slow.sqrt() * end;
@@ -61,15 +61,16 @@ fn closed_form_two_undamped_oscillators_far_apart_in_frequency() {
         );
         let after = motion.kinetic_and_stored();
         let change = after.0 + after.1 - kinetic - stored;
-        // Energies are squares of amplitudes.
+        // Energy goes with the square.
         assert!(change.abs() <= 2.0 * ROUNDING * stored, "{stiff:e}: {change:e} of {stored:e}");
     }
 }
 
-/// The tie of [`tied`].
+/// What ties the pair of [`tied`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Tie {
-    /// A spring with this damping; both bodies start equally, or with this relative speed.
+    /// A spring with this damping; both bodies start alike, or with this much of a speed against
+    /// one another.
     Spring(f64, f64),
     /// A buffer on which loads press them.
     Buffer,
@@ -110,9 +111,9 @@ fn tied(tie: Tie, idle: usize) -> Description {
 
 #[test]
 fn closed_form_what_a_stiff_spring_ties_moves_as_a_whole() {
-    // Forces of 1e9 N/m times the coordinates, rounded independently for each body, would move the
-    // middle by 1e-7. Where the tie's motion has decayed, steps are long; where it continues, they
-    // are some 2e4 short ones a second, since any of them may open the stop.
+    // Forces of 1e9 N/m times the coordinates, rounded for each body by itself, would move the
+    // middle by 1e-7. Where the tie's motion has decayed long sub-steps carry it, where it goes on
+    // some 2e4 short ones a second do, as the stop may be opened by any of them.
     for tie in [Tie::Spring(1e3, 0.0), Tie::Spring(0.0, 1e-3), Tie::Buffer] {
         for idle in [0, 10] {
             let mut motion = motion(tied(tie, idle));
@@ -129,10 +130,10 @@ fn closed_form_what_a_stiff_spring_ties_moves_as_a_whole() {
 
 #[test]
 fn closed_form_what_friction_or_a_stop_holds_across_a_stiff_spring_moves_as_one() {
-    // A light body is held to a heavy one across a spring of 1e10 N/m; both oscillate on 100 N/m
-    // alone, as 0.1 m cos ωt. A load of zero force has knots, at which sub-steps end early. The
-    // tie's rounding, of 1e10 N/m / 0.01 kg in the light body's row, would be 1e-4/s² of ω² =
-    // 100/s².
+    // A light body is held to a heavy one, across a spring of 1e10 N/m; both swing on 100 N/m and
+    // on nothing else, as 0.1 m cos ωt. A load without force has knots, up to which parts of
+    // sub-steps go. The tie's rounding, 1e10 N/m / 0.01 kg in the light body's row, would be
+    // 1e-4/s2 of ω² = 100/s2.
     let stuck =
         Description { frictions: vec![friction(&[(0, -1.0), (1, 1.0)], 1e3)], ..Description::default() };
     let pressed = Description {
@@ -161,17 +162,15 @@ fn closed_form_what_friction_or_a_stop_holds_across_a_stiff_spring_moves_as_one(
     }
 }
 
-/// A load that rises linearly.
+/// A load that rises evenly.
 fn ramp(body: usize, from: f64, rise: f64) -> Load {
     let table = Some(Record { knots: vec![(0.0, from), (1.0, from + rise)], cubic: false });
     Load { name: "ramp".into(), body, force: Signal { table, ..Signal::default() } }
 }
 
-/// Machines that hold a body against a stiff spring or buffer, each with its only event and the
-/// time of it.
+/// Motions that hold a body against a stiff spring or buffer, with the only event and its time.
 fn held() -> [(Description, EventKind, f64); 3] {
-    // Friction of 1 N against a load of 11.2 N + 10 N/s on a buffer pressed with 1.4e8 N/m times 80
-    // nm.
+    // Friction of 1 N, and 11.2 N + 10 N/s on a buffer pressed with 1.4e8 N/m times 80 nm.
     let buffer = compliant("buffer", &[(0, 1.0)], 0.05, 1.4e8, 3e4, DampingLimit::NoPull);
     let sticks = Description {
         bodies: vec![body("held", 0.3, 0.05000008, 0.0)],
@@ -180,8 +179,8 @@ fn held() -> [(Description, EventKind, f64); 3] {
         loads: vec![ramp(0, 11.2, 10.0)],
         ..Description::default()
     };
-    // A spring of 1e8 N/m presses with 10 N, and a load of 20 N/s pulls away: directly, or through
-    // a body that friction of 4 N holds.
+    // A spring of 1e8 N/m presses with 10 N, and a load of 20 N/s draws away: directly, or by a
+    // body that friction of 4 N holds.
     let mut pressed = Description {
         bodies: vec![body("pressed", 1.0, 1.0, 0.0)],
         springs: vec![Spring { preload: -1e8 - 10.0, ..spring(&[(0, 1.0)], 1e8, 1e3) }],
@@ -204,8 +203,8 @@ fn held() -> [(Description, EventKind, f64); 3] {
 
 #[test]
 fn closed_form_what_holds_a_body_on_a_stiff_spring_lets_go() {
-    // While the body is held nothing moves, however large the forces are that the contact balances.
-    // The rounding of 1.4e8 N/m times 0.05 m is 1e-9 N, which at 10 N/s is 1e-10 s.
+    // While it is held nothing moves, however great the forces are that the contact balances.
+    // Doubles know 1.4e8 N/m times 0.05 m to 1e-9 N, which at 10 N/s is 1e-10 s.
     for (machine, kind, time) in held() {
         let mut motion = motion(machine);
         let start = motion.state().clone();
@@ -219,7 +218,7 @@ fn closed_form_what_holds_a_body_on_a_stiff_spring_lets_go() {
     }
 }
 
-/// A stiff pair with a load, a moving base, friction and a stop.
+/// The same pair with a load, a moving base, friction and a stop.
 fn rattle() -> Description {
     let mut d = pair(39.5, 4e5, 10.0, (0.0, 1.0));
     d.bodies.push(prescribed("base", sine(0.01, 0.7, 0.3), 0.0));
@@ -250,7 +249,7 @@ fn second_method_a_stiff_machine_in_parts_too_short_for_long_sub_steps() {
     }
     let off = (long.state() - short.state()).amax();
     assert!(off < TWO_WAYS, "{off:e}");
-    // Each account, and the balance with the mechanical energy, which no account uses.
+    // Each account, and the balance with the mechanical energy, which none of them uses.
     let accounts = |m: &Motion| {
         let e = m.energy();
         let all = e
@@ -273,8 +272,8 @@ fn second_method_a_stiff_machine_in_parts_too_short_for_long_sub_steps() {
 
 #[test]
 fn closed_form_a_light_body_on_a_stiff_spring_follows_its_load() {
-    // A milligram on 1e12 N/m: 1e9 rad/s, lightly damped, 1e11 sub-steps in 100 s. Beside it a body
-    // meets a stop.
+    // A milligram on 1e12 N/m: 1e9 rad/s, damped a little. Beside it a body meets a stop. 1e11
+    // sub-steps in 100 s.
     let mut d = Description {
         bodies: vec![body("light", 1e-6, 0.0, 0.0), body("slow", 1.0, 0.5, 0.0)],
         springs: vec![spring(&[(0, 1.0)], 1e12, 1e-3), spring(&[(1, 1.0)], 1.0, 0.0)],
@@ -290,8 +289,8 @@ fn closed_form_a_light_body_on_a_stiff_spring_follows_its_load() {
     // Its own motion has decayed by exp(-500 t).
     assert!((motion.body(0)[0] - 1e-9 * angle.sin()).abs() < 1e-9 * ROUNDING, "{:e}", motion.body(0)[0]);
     assert!((motion.body(1)[0] - 0.5 * end.cos()).abs() < ROUNDING, "{:e}", motion.body(1)[0]);
-    // The dashpot loses the light body's initial energy relative to the motion that follows the
-    // load, and the loss of that motion, whose squared speed has the mean 1/2 at such an end.
+    // What the light body had at the start beside the speed that follows the load is lost in the
+    // dashpot, and what this speed loses; the mean of its square is a half at such an end.
     let follows = 1e-9 * TAU * 0.25;
     let exact = 0.5 * 1e-6 * (1e-3 - follows).powi(2) + 1e-3 * follows.powi(2) * 0.5 * end;
     let lost = motion.energy().dashpots[0].value();
@@ -300,8 +299,8 @@ fn closed_form_a_light_body_on_a_stiff_spring_follows_its_load() {
 
 #[test]
 fn a_motion_too_fast_for_its_end_is_told_with_body_and_sub_step() {
-    // An undamped body on a stiff spring beside a stop at twice its amplitude: each of its periods
-    // needs sub-steps.
+    // An undamped body on a stiff spring beside a stop at twice its amplitude: each of its turns
+    // must be looked at.
     let d = Description {
         bodies: vec![body("light", 1e-6, 0.0, 1.0), body("slow", 1.0, 0.1, 0.0)],
         springs: vec![spring(&[(0, 1.0)], 1e12, 0.0), spring(&[(1, 1.0)], 1.0, 0.0)],
@@ -311,7 +310,7 @@ fn a_motion_too_fast_for_its_end_is_told_with_body_and_sub_step() {
     let mut motion = motion(d).with_most_work(10_000);
     let Err(Error::TooStiff { time, cause }) = motion.advance_to(1.0) else { panic!("{}", motion.time()) };
     assert!(cause.starts_with("10000 sub-steps in one call;") && cause.contains("body.light"), "{cause}");
-    // 10,000 sub-steps of 3/1e9 s; the next call continues.
+    // 10,000 sub-steps of 3/1e9 s, and the next call goes on.
     assert!(time == motion.time() && (1e-6..1e-4).contains(&time), "{time:e}");
     assert!((motion.body(0)[0] - 1e-9 * (1e9 * time).sin()).abs() < 1e-9 * 1e-7, "{:e}", motion.body(0)[0]);
     motion.advance_to(time + 1e-6).unwrap();
@@ -320,10 +319,10 @@ fn a_motion_too_fast_for_its_end_is_told_with_body_and_sub_step() {
 #[test]
 fn closed_form_a_slow_body_beside_a_fast_one_meets_its_stop() {
     // In each sub-step, which the fast body's stop keeps short, the slow body moves by less than
-    // what counts as zero beside its coordinate.
+    // what counts as zero beside its place.
     const SPEED: f64 = 2e-8;
     const GAP: f64 = 1e-10;
-    /// A few times what counts as zero, relative to the largest coordinate.
+    /// What counts as zero, a few times over: parts of the largest coordinate.
     const PLACE: f64 = 1e-12;
     let mut motion = motion(Description {
         bodies: vec![body("fast", 1.0, 1e-3, 0.0), body("slow", 1.0, 1.0, SPEED)],
@@ -341,11 +340,12 @@ fn closed_form_a_slow_body_beside_a_fast_one_meets_its_stop() {
 
 #[test]
 fn closed_form_a_stop_lets_go_whose_force_begins_as_zero_beside_a_stiff_spring() {
-    // Beside 1e-13 of the spring's 1e8 N the load and its derivatives count as zero at the start,
-    // so that the stop's force counts as zero throughout the mode. A load of 1 N - 1 N cos pulls at
-    // once, one of 1 N sin after half a period, until which both bodies are held. Without a fast
-    // motion a sub-step, and with one a long step, may span a whole period.
-    /// Time until the load exceeds 16 times what counts as zero, s.
+    // 1e-13 of the spring's 1e8 N, and of what it does to the other body, hides the load and its
+    // derivatives at the start, so that the stop's force counts as zero throughout the mode. A load
+    // of 1 N - 1 N cos draws at once, one of 1 N sin after half a period, when both bodies are held
+    // until then: without a fast motion a sub-step, and with one a long sub-step, may take a whole
+    // period of it.
+    /// Until the load is beyond 16 times what counts as zero, s.
     const LATE: f64 = 0.03;
     let load =
         |constant, amplitude, frequency, phase| Signal { constant, ..sine(amplitude, frequency, phase) };

@@ -1,4 +1,5 @@
-//! The tables of modes stay within their memory limit, however a mode is entered.
+//! The tables of the modes that a motion meets stay within the memory that is given to them,
+//! whichever way leads to a mode.
 
 mod common;
 
@@ -7,8 +8,8 @@ use vibro_assembly::Motion;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::Reached;
 
-/// Independent bodies on springs, each between a buffer and friction: the number of modes is that
-/// of all combinations.
+/// Bodies on springs of their own, each between a buffer and friction: their modes are as many as
+/// all combinations.
 fn independent(count: usize) -> Description {
     let mut d = Description::default();
     for i in 0..count {
@@ -20,7 +21,7 @@ fn independent(count: usize) -> Description {
     d
 }
 
-/// The largest memory after any event, and the times of the events.
+/// The greatest memory after any event, and the times of the events.
 fn follow(mut motion: Motion, end: f64) -> (usize, Vec<f64>) {
     let (mut most, mut times) = (0, Vec::new());
     while motion.advance_to_event(end, &mut |event| times.push(event.time)).unwrap() == Reached::Event {
@@ -35,7 +36,8 @@ fn invariant_tables_stay_within_their_memory_on_every_way() {
     let one = machine().table_memory();
     let (free, times) = follow(machine(), 2.0);
     assert!(free > 100 * one, "{free} {one}: too few modes for this test");
-    // The excess: tables of one mode with its powers and contacts; at an event those of two modes.
+    // The tables of one mode are larger by its powers and by its contacts; at an event there are
+    // those of two.
     let (given, event) = (20 * one, 4 * one);
     for general in [false, true] {
         let limited = machine().with_table_memory(given);

@@ -1,4 +1,4 @@
-//! Variations through events, against closed forms and differences of motions.
+//! Variations over events, against closed forms and against differences of motions.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ fn motion(text: &str) -> Motion {
     Motion::new(Arc::new(Assembly::new(machine).unwrap())).unwrap()
 }
 
-/// The variations at time `end` by states and inputs at the start, through all events.
+/// The variations at a time of the states and inputs at the start, through every event.
 fn varied(motion: &mut Motion, end: f64) -> Vec<Vec<f64>> {
     let mut variations = motion.unit_variations();
     while motion.advance_with(end, &mut variations).unwrap() == Reached::Event {}
@@ -27,7 +27,7 @@ fn closed_form_a_ball_that_falls_on_a_floor() {
                 [load.push]\non = \"ball\"\ninput = true\n";
     let (h, v0, g, e, m, end) = (4.0_f64, 1.0_f64, 10.0_f64, 0.5, 2.0, 1.0);
     let variations = varied(&mut motion(text), end);
-    // The ball meets the floor with u after t: earlier by 1/u per s(0) and t/u per v(0), and faster
+    // It meets the floor with u after t; by s(0) sooner by 1/u, by v(0) sooner by t/u, and faster
     // by energy.
     let u = (v0 * v0 + 2.0 * g * h).sqrt();
     let t = (u - v0) / g;
@@ -66,7 +66,7 @@ fn closed_form_friction_that_comes_to_rest_keeps_no_rate() {
 
 #[test]
 fn closed_form_what_a_closed_stop_holds_does_not_vary() {
-    // Both move together, with their total momentum.
+    // Both move on together, with the momentum of both.
     let text = "name = \"Pair\"\n[body.a]\nmass = 1.0\nstart = { v = 2.0 }\n[body.b]\nmass = 3.0\n\
                 [stop.bump]\nbetween = [\"b\", \"a\"]\ngap = 1.0\nrestitution = 0.0\n\
                 [load.push]\non = \"a\"\nconstant = 4.0\n";
@@ -87,22 +87,21 @@ fn closed_form_what_a_closed_stop_holds_does_not_vary() {
     }
 }
 
-/// Error relative to a column's largest entry: a fourth-order difference has the fourth power of
+/// In parts of a column's largest entry: a difference of fourth order leaves the fourth power of
 /// its step, and rounding over the step.
 const DIFFERENCE: f64 = 2e-5;
 
-/// The examples, each up to a time by which its kinds of events have occurred, and at which there
-/// is none.
+/// The examples, each up to a time by which it has passed events of its kinds and stands at none.
 #[test]
 fn second_method_the_examples_against_differences_of_motions() {
     for (name, end, events, step) in [
         ("bouncing_ball", 3.0, 2, 2e-5),
         ("paper_machine", 12.0, 3, 2e-5),
-        // Friction comes to rest within micrometres of the buffer: smaller differences are needed.
+        // Its friction comes to rest within micrometres of the buffer: changes must be smaller.
         ("damper_with_buffer", 0.5, 10, 5e-7),
         ("msl_elastogap", 3.0, 2, 2e-5),
-        // The flanks magnify a rounding of the angles by 4e4/s in the speeds: larger differences
-        // are needed.
+        // Its flanks make of a rounding of the angles 4e4/s times as much in the speeds: changes
+        // must be greater.
         ("gear_backlash", 0.03, 4, 1e-4),
         ("msl_coupled_clutches", 1.3, 4, 2e-5),
         ("two_blocks", 0.1, 1, 2e-5),

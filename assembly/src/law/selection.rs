@@ -45,7 +45,6 @@ enum Stop {
     AtLimits,
 }
 
-/// A friction's state as far as it is decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Friction {
     Is(FrictionState),
@@ -248,8 +247,8 @@ impl<'a> Selection<'a> {
         let mut acceleration = &free * &z;
         let mut shares = DVector::zeros(self.system.coordinates);
         if !contacts.is_empty() {
-            let problem = self.contact_problem(order, &contacts, &free);
-            let solution = self.solve_contacts(&problem, &contacts)?;
+            let problem = self.problem(order, &contacts, &free);
+            let solution = self.solved(&problem, &contacts)?;
             let leaving = self.leaving(&contacts, &solution);
             if !leaving.is_empty() {
                 return Ok(leaving);

@@ -9,7 +9,7 @@ use crate::system::Elongation;
 use nalgebra::DVector;
 
 /// The machine's state before its signals were set.
-pub(super) struct BeforeJump {
+pub(super) struct Before {
     /// By body: coordinate and rate.
     bodies: Vec<[f64; 2]>,
     /// By stop: e - gap.
@@ -70,13 +70,13 @@ impl Motion {
             self.hybrid.inputs[i] = (self.time(), derivatives);
         }
         self.refill();
-        self.apply_jump(stood, &mut None)
+        self.set_anew(stood, &mut None)
     }
 
     /// The state before a jump; `None` for a machine without prescribed bodies.
-    pub(super) fn before_jump(&self) -> Option<BeforeJump> {
+    pub(super) fn before_jump(&self) -> Option<Before> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
-        system.has_motions.then(|| BeforeJump {
+        system.has_motions.then(|| Before {
             bodies: system.bodies.iter().map(|b| [b.s.dot(z), b.v.dot(z)]).collect(),
             excess: system.stops.iter().map(|s| s.excess.dot(z)).collect(),
             rates: system.frictions.iter().map(|f| f.elongation.rate.dot(z)).collect(),
@@ -87,7 +87,7 @@ impl Motion {
 
     /// Completes the jump of prescribed bodies since `before`: bodies tied to them by links take
     /// their share. Returns the contacts that it has separated.
-    pub(super) fn jump(&mut self, before: &BeforeJump) -> Parted {
+    pub(super) fn jump(&mut self, before: &Before) -> Parted {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         let shares = [self.share(before, 0), self.share(before, 1)];
         let n = self.assembly.system.coordinates;
@@ -105,7 +105,7 @@ impl Motion {
     /// bodies, M Δq = -Bᵀ m D Δp: the least change of the free bodies in the inertia's metric that
     /// their links allow, and the limit of ever faster continuous motions. `None` where no link
     /// takes part.
-    fn share(&self, before: &BeforeJump, which: usize) -> Option<DVector<f64>> {
+    fn share(&self, before: &Before, which: usize) -> Option<DVector<f64>> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let mut pull = DVector::zeros(system.coordinates);
         let mut any = false;
@@ -121,7 +121,7 @@ impl Motion {
     }
 
     /// Refuses a jump that violates a rigid stop.
-    pub(super) fn check_jump(&self, before: &BeforeJump) -> Result<(), Error> {
+    pub(super) fn check_jump(&self, before: &Before) -> Result<(), Error> {
         let (stops, hybrid) = (&self.assembly.system.stops, &self.hybrid);
         for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
             let (excess, zero) = (stop.excess.dot(&hybrid.z), hybrid.sizes.zero_of(&stop.excess));
@@ -147,7 +147,7 @@ impl Motion {
 
     /// The work of prescribed motions at a jump: the links' impulses times the means of the
     /// prescribed rates before and after, and the change of the stored energy.
-    pub(super) fn work_of_jump(&self, before: &BeforeJump) -> f64 {
+    pub(super) fn work_of_jump(&self, before: &Before) -> f64 {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let rates = before.prescribed.iter().zip(self.prescribed_rates());
         let bodies = system.bodies.iter().zip(&system.inertias).zip(&before.bodies);
@@ -157,7 +157,7 @@ impl Motion {
     }
 
     /// Contacts of the present mode that a jump has separated.
-    fn apart(&self, before: &BeforeJump) -> Parted {
+    fn apart(&self, before: &Before) -> Parted {
         let Self { assembly, hybrid, .. } = self;
         let (system, z) = (&assembly.system, &hybrid.z);
         let opened = |&(i, state): &(usize, &StopState)| {

@@ -30,7 +30,7 @@ impl Motion {
     }
 
     /// Ends a call that is interrupted, given its number of sub-steps so far.
-    pub(super) fn check_interruption(&self, sub_steps: u64) -> Result<(), Error> {
+    pub(super) fn hear(&self, sub_steps: u64) -> Result<(), Error> {
         let is_asked = || self.asked.as_ref().is_some_and(|asked| asked.load(Ordering::Relaxed));
         if (sub_steps + 1).is_multiple_of(LOOK) && is_asked() {
             return Err(Error::Interrupted { time: self.time() });

@@ -88,7 +88,7 @@ impl Motion {
         self.place = place;
         self.scratch.start.copy_from(&self.hybrid.z);
         self.keep_contacts();
-        self.include_contacts();
+        self.take_in_contacts();
         // A stop that is just entered is at its edge.
         let entered = if let Watch::Presses(i) = watch { Some(i) } else { None };
         if self.departs_alone(next, entered) {
@@ -101,9 +101,9 @@ impl Motion {
         false
     }
 
-    /// Whether at the passage of `watch` another functional of its element is at zero as well, or
-    /// so near that the general law may take it for rounding, such as a vanishing friction level.
-    /// An `ElastoGap` has two functionals with the same [`Watch`].
+    /// Whether at the passage of `watch` another functional of its element is at zero too, or so
+    /// near that the general law may take it for rounding, such as a vanishing friction level. An
+    /// `ElastoGap` has two functionals with the same [`Watch`].
     fn is_at_corner(&self, element: ElementState, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
         let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
