@@ -1,5 +1,5 @@
-//! Sketches of random machines: no two names meet, none lies outside or under a line, and symbols
-//! keep their places apart.
+//! Sketches of random machines: no two names overlap, and none lies outside the picture or under a
+//! line.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -8,9 +8,9 @@ use vibro_assembly::file::{no_records, parse};
 use vibro_figures::canvas::{self, text_width};
 use vibro_sketch::Sketch;
 
-/// Machines that are drawn.
+/// Number of machines.
 const MACHINES: u64 = 200;
-/// Of these so many are written as pictures, to be looked at, under `target/tmp/sketches/`.
+/// Number of machines whose pictures are written to `target/tmp/sketches/`, for inspection.
 const PICTURES: u64 = 20;
 /// SplitMix64.
 struct Random(u64);
@@ -72,12 +72,12 @@ fn machine(seed: u64) -> Description {
     parse(&text, "random.toml", &no_records).unwrap_or_else(|problem| panic!("{problem}\n{text}"))
 }
 
-/// What stands at an attribute's name.
+/// The value of an attribute.
 fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
     element.split_once(&format!(" {name}=\""))?.1.split('"').next()
 }
 
-/// The rectangle of a text, by the letters' widths and the height of capitals, in units of the
+/// The bounding box of a text, from widths of letters and height of capitals, in units of the
 /// drawing.
 #[derive(Debug)]
 struct Label {
@@ -96,7 +96,7 @@ impl Label {
             && other.top < self.bottom
     }
 
-    /// Whether an upright or level line goes through it.
+    /// Whether a vertical or horizontal line crosses it.
     fn is_crossed(&self, [(x0, y0), (x1, y1)]: [(f64, f64); 2]) -> bool {
         x0.min(x1) < self.right && x0.max(x1) > self.left && y0.min(y1) < self.bottom && y0.max(y1) > self.top
     }
@@ -117,13 +117,13 @@ fn labels(svg: &str) -> Vec<Label> {
             Some("end") => x - width,
             _ => x,
         };
-        // The baseline is at y; capitals are some seven tenths of the font's size.
+        // The baseline is at y; capitals have 0.7 of the font's size.
         Label { words, left, right: left + width, top: y - 0.7 * size, bottom: y }
     };
     texts.map(label).collect()
 }
 
-/// The upright and level parts of all lines of an SVG.
+/// The vertical and horizontal parts of all lines of an SVG.
 fn lines(svg: &str) -> Vec<[(f64, f64); 2]> {
     let mut found = Vec::new();
     for element in svg.split("<path").skip(1).map(|rest| rest.split('>').next().unwrap()) {

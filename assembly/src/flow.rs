@@ -7,9 +7,9 @@
 //! separately from the rest of A (`apart`), and stiff machines may advance many sub-steps at once
 //! (`ladder`).
 //!
-//! `RADIUS`, [`INTERVALS`], [`LOCAL`] and the other numbers of coefficients belong together: who
-//! changes one proves anew the error bound beside each. A new order of summation changes the last
-//! bits of motions, and with them the golden files.
+//! `RADIUS`, [`INTERVALS`], [`LOCAL`] and the other numbers of coefficients belong together: a
+//! change of one needs a new proof of the error bound beside each. Another order of summation
+//! changes the last bits of motions, and with them the golden files.
 
 mod ahead;
 mod apart;

@@ -57,8 +57,8 @@ pub(crate) fn read(kind: NumberKind, dimension: Dimension, text: &str) -> Option
 }
 
 impl Description {
-    /// All parameters, in the file's order of sections: bodies, springs, stops, frictions, links,
-    /// loads.
+    /// All parameters: gravity, then those of bodies and of elements in the order of
+    /// [`SECTIONS`](crate::elements::SECTIONS).
     ///
     /// ```
     /// use vibro_assembly::file::{no_records, parse};

@@ -1,4 +1,4 @@
-//! Derivatives of outputs, by what differences of the same machine's outputs say.
+//! Derivatives of outputs against differences of the machine's outputs.
 
 use crate::host::*;
 use crate::*;
@@ -14,7 +14,7 @@ fn pushed() -> Plan {
 
 #[test]
 fn second_method_time_derivatives_against_differences() {
-    // Of a central difference over 2e-4 s: the third derivative's part is h²/6 of it.
+    // Error of a central difference over 2e-4 s: h²/6 times the third derivative.
     const DIFFERENCE: f64 = 1e-5;
     let plan = pushed();
     let machine = Instance::of("time derivatives", &plan, false);
@@ -63,7 +63,7 @@ fn second_method_time_derivatives_against_differences() {
 
 #[test]
 fn closed_form_directional_derivatives_by_an_input() {
-    // Of a division by the mass through its factor.
+    // Rounding of a division by the mass through its Cholesky factor.
     const ROUNDING: f64 = 1e-15;
     let plan = pushed();
     let machine = Instance::of("derivatives", &plan, false);
@@ -105,10 +105,10 @@ fn closed_form_directional_derivatives_by_an_input() {
     assert!(near(adjoint, 2.0 * 0.5 + 1.0), "{adjoint}");
 }
 
-/// A force never pulls, and its derivatives have either sign.
+/// A stop's force never pulls; its derivatives have either sign.
 #[test]
 fn closed_form_derivatives_of_a_stops_force_that_falls() {
-    // Of a sine and of the weight in a sum.
+    // Rounding of a sine and of a weight in a sum.
     const ROUNDING: f64 = 1e-12;
     let text = "name = \"Resting\"\ngravity = 10.0\n[body.b]\nmass = 2.0\ngravity = 1.0\n[stop.floor]\nbetween = [\"ground\", \"b\"]\n\
                 gap = 0.0\nrestitution = 0.0\n[load.push]\non = \"b\"\ninput = true\namplitude = 3.0\nfrequency = 0.5\n";
@@ -160,13 +160,12 @@ fn product(a: &[[f64; 4]; 4], b: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-/// Steps of the length in which differences are taken: in flight, over an impact, over all kinds of
-/// events.
+/// Lengths of steps, s: in flight, over an impact, over all kinds of events.
 const SIZES: [f64; 3] = [0.05, 0.7, 2.0];
 
 #[test]
 fn second_method_derivatives_over_a_step_against_differences_of_steps() {
-    // A difference of fourth order, and rounding over its step.
+    // Step and error of a fourth-order difference, with rounding over its step.
     const STEP: f64 = 1e-5;
     const DIFFERENCE: f64 = 1e-6;
     let plan = shaken();
@@ -204,11 +203,11 @@ fn second_method_derivatives_over_a_step_against_differences_of_steps() {
     }
 }
 
-/// Steps that end before each law: read after the event, their product is the matrix of the whole
-/// step; before it, it lacks the jump.
+/// Steps that end before each event's law. Read after the events, the product of their matrices is
+/// that of the whole step; read before, a matrix lacks the jump.
 #[test]
 fn invariant_products_of_steps_between_events() {
-    // Of a product of some twenty matrices.
+    // Rounding of a product of some twenty matrices.
     const ROUNDING: f64 = 1e-9;
     let plan = shaken();
     let whole = Instance::of("whole", &plan, false);
@@ -237,7 +236,7 @@ fn invariant_products_of_steps_between_events() {
     for (a, b) in all.iter().flatten().zip(expected.iter().flatten()) {
         assert!((a - b).abs() < ROUNDING * largest, "{a} {b}");
     }
-    // What was put back has made no step.
+    // A restored instance has made no step.
     let mut state = std::ptr::null_mut();
     unsafe {
         assert_eq!(fmi3GetFMUState(parts.c, &mut state), OK);
@@ -259,7 +258,7 @@ fn closed_form_the_response_of_a_sled_to_an_inputs_derivatives() {
     unsafe {
         let status = fmi3GetFloat64(sled.c, &sled.reference("step.response"), 1, found.as_mut_ptr(), 8);
         assert_eq!(status, OK, "{:?}", sled.messages);
-        // Another number of values than the matrix has.
+        // A wrong number of values.
         assert_eq!(fmi3GetFloat64(sled.c, &sled.reference("step.response"), 1, found.as_mut_ptr(), 7), ERROR);
     }
     let factorial = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0];
@@ -276,15 +275,15 @@ fn invariant_arrays_are_in_their_own_description_alone() {
     assert_eq!(usual.table.reference("step.transition"), None);
     let xml = arrays.xml(fmi_doors::Version::Fmi3, None);
     assert!(xml.contains("name=\"step.transition\"") && xml.contains("<Dimension start=\"2\"/>"), "{xml}");
-    // No door of FMI 2.0 knows arrays.
+    // FMI 2.0 has no arrays.
     let uri = std::ffi::CString::new(format!("file://{}", resources("arrays", &usual).display())).unwrap();
     let token = std::ffi::CString::new(arrays.token()).unwrap();
     let (none, name) = (std::ptr::null(), c"a".as_ptr());
     assert!(unsafe { fmi2Instantiate(name, 1, token.as_ptr(), uri.as_ptr(), none, 0, 0) }.is_null());
 }
 
-/// A seed that is not finite, or that makes a derivative which is not: refused by name, nothing is
-/// written, and the motion goes on.
+/// A seed that is not finite, or gives a derivative that is not, is refused by name; nothing is
+/// written, and the motion continues.
 #[test]
 fn derivatives_that_are_no_finite_numbers_are_refused_by_name() {
     let plan = pushed();

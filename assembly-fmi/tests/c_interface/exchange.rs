@@ -1,4 +1,4 @@
-//! Model Exchange by both versions, in the hands of a host that knows the C interface alone.
+//! Model Exchange by both versions, with a host that uses the C interface only.
 
 mod sets;
 
@@ -18,7 +18,7 @@ fn made(folder: &str, plan: &Plan, messages: &mut Vec<String>) -> FmiInstance {
     unsafe { fmi3InstantiateModelExchange(name, token.as_ptr(), path.as_ptr(), 0, 1, environment, log) }
 }
 
-/// What a host's solver asks of an instance.
+/// The calls of a host's solver.
 struct Host {
     c: FmiInstance,
     states: usize,
@@ -39,7 +39,8 @@ impl Host {
         host
     }
 
-    /// Whether states have changed, and the time of the next event where it is known.
+    /// Handles an event: whether states have changed, and the time of the next event where it is
+    /// known.
     fn handle(&self) -> (bool, Option<f64>) {
         let (mut changed, mut defined, mut next) = (0, 0, 0.0);
         let (mut again, mut end, mut nominals) = (0, 0, 0);
@@ -73,7 +74,7 @@ impl Host {
         (slope, z.into_iter().fold(f64::INFINITY, f64::min))
     }
 
-    /// Whether the accepted point is an event's.
+    /// Accepts a point: whether an event is to be handled there.
     fn accept(&self) -> bool {
         let (mut event, mut end) = (0, 0);
         unsafe { assert_eq!(fmi3CompletedIntegratorStep(self.c, 1, &mut event, &mut end), OK) };
@@ -87,14 +88,14 @@ fn closed_form_a_ball_by_a_hosts_solver() {
     let mut messages = Vec::new();
     let host = Host::begin(made("exchanged", &plan, &mut messages));
     assert_eq!((host.states, host.indicators), (2, 1));
-    // A parabola is exact for a rule of second order: the impact comes at sqrt(2 h/g), with sqrt(2
-    // g h).
+    // A second-order method is exact for a parabola: the impact is at sqrt(2 h/g), with speed
+    // sqrt(2 g h).
     let (g, mut time, mut bounces) = (9.81f64, 0.0, 0);
     let mut state = null_mut();
     while bounces < 3 {
         let x = host.states();
         let h = (x[1].mul_add(x[1], 2.0 * g * (1.0 - x[0])).sqrt() - x[1]) / g;
-        // To just behind the stop, as a search for a root ends.
+        // To just beyond the stop, as a search for a root ends.
         let h = h * (1.0 + 1e-10);
         let (slope, _) = host.at(time, &x);
         let next = [x[0] + h * (slope[0] + 0.5 * h * slope[1]), x[1] + h * slope[1]];
@@ -110,12 +111,12 @@ fn closed_form_a_ball_by_a_hosts_solver() {
         assert_eq!(host.handle(), (true, None));
         bounces += 1;
         let after = host.states();
-        // Of what an event comes late.
+        // Overshoot of an event.
         let expected = -(2.0 * g).sqrt() * 0.9f64.powi(bounces);
         assert!(after[0] == 1.0 && (after[1] - expected).abs() < 1e-8, "{after:?} {expected}");
         assert!(host.at(time, &after).1 > 0.0);
     }
-    // A state that was saved before an event's law goes on as if it had not been left.
+    // A state saved before an event's law continues identically.
     let third = host.states();
     unsafe {
         assert_eq!(fmi3SetFMUState(host.c, state), OK);
@@ -143,15 +144,15 @@ fn closed_form_a_knot_is_a_time_event_and_its_left_side_is_the_solvers() {
     }
     let host = Host { c, states: 2, indicators: 0 };
     assert_eq!(host.handle(), (false, Some(0.25)));
-    // At the knot itself the load has not jumped until its event is handled.
+    // At the knot the load jumps only when the event is handled.
     assert_eq!(host.at(0.25, &[0.0, 0.0]).0, [0.0, 0.0]);
     assert!(host.accept());
     unsafe { assert_eq!(fmi3EnterEventMode(c), OK) };
-    // States are told to have changed, so that a solver starts anew: fmusim goes on with its old
-    // course otherwise.
+    // States are reported as changed, so that the solver restarts: fmusim would continue with its
+    // old step data otherwise.
     assert_eq!(host.handle(), (true, None));
     assert_eq!(host.at(0.25, &[0.0, 0.0]).0, [0.0, 2.0]);
-    // An input, a tunable parameter: between events the one, at an event the other.
+    // An input is set between events, a tunable parameter at an event.
     let mass = plan.table.reference("body.sled.mass").unwrap();
     unsafe {
         assert_eq!(fmi3SetFloat64(c, &mass, 1, &8.0, 1), ERROR, "{messages:?}");
@@ -221,7 +222,7 @@ fn closed_form_the_jacobian_of_a_spring() {
                 "{messages:?}"
             );
         }
-        // Of a division by the mass through its factor.
+        // Rounding of a division by the mass through its Cholesky factor.
         assert!(
             along.iter().zip(expected).all(|(a, b): (&f64, f64)| (a - b).abs() <= 1e-15 * b.abs()),
             "{along:?}"
@@ -230,13 +231,13 @@ fn closed_form_the_jacobian_of_a_spring() {
     unsafe { fmi3FreeInstance(c) };
 }
 
-/// A value of a variable that a host sets at an event.
+/// Sets a variable at an event.
 fn set(host: &Host, plan: &Plan, name: &str, value: f64) {
     let reference = plan.table.reference(name).unwrap();
     assert_eq!(unsafe { fmi3SetFloat64(host.c, &reference, 1, &value, 1) }, OK, "{name}");
 }
 
-/// Friction whose level is an input alone has no size but what the host sets.
+/// Friction whose level is an input alone has only the size that the host sets.
 #[test]
 fn closed_form_a_brake_that_a_host_presses_acts_at_once() {
     let text = "name = \"Brake\"\n[body.sled]\nmass = 2.0\nstart = { v = 3.0 }\n\
@@ -248,7 +249,7 @@ fn closed_form_a_brake_that_a_host_presses_acts_at_once() {
     set(&host, &plan, "friction.brake.force.input", 4.0);
     assert_eq!(host.handle(), (true, None));
     assert_eq!(host.at(0.5, &[1.5, 3.0]).0, [3.0, -2.0]);
-    // Between events an indicator shows that it is let go, and pressed again.
+    // Between events an indicator shows that the brake is released, and pressed again.
     for (level, slope) in [(-1.0, 0.0), (2.0, -1.0)] {
         set(&host, &plan, "friction.brake.force.input", level);
         assert!(host.at(1.0, &[2.0, 3.0]).1 <= 0.0, "{level}");
@@ -272,8 +273,7 @@ fn closed_form_a_buffer_that_a_jump_of_its_base_takes_away_has_no_force() {
     let near = |slope: &[f64], a: f64| (slope[1] - a).abs() < 1e-12;
     assert!(near(&host.at(0.0, &x).0, -21.0));
     for update in [true, false] {
-        // To where the buffer is 4 cm away, though its spring and dashpot together still push; and
-        // back.
+        // The base jumps 4 cm away from the buffer, whose linear force would still push; and back.
         for (place, a) in [(0.05, 0.0), (0.0, -21.0)] {
             unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
             set(&host, &plan, "body.base.motion.input", place);
@@ -288,8 +288,8 @@ fn closed_form_a_buffer_that_a_jump_of_its_base_takes_away_has_no_force() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// What is set at an event acts after it, in whichever order, with an update or without, and when
-/// its state was saved between.
+/// Values set at an event act after it, in any order, with an update or without, and through a
+/// saved state.
 #[test]
 fn closed_form_a_parameter_and_an_input_of_one_event() {
     let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
@@ -326,7 +326,7 @@ fn closed_form_a_parameter_and_an_input_of_one_event() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// An event's law comes before what a host sets at it, and by the old numbers.
+/// An event's law precedes the values set at it, and uses the old parameters.
 #[test]
 fn closed_form_a_parameter_that_is_set_at_an_impact() {
     let plan = plan("bouncing_ball.toml", unchanged);
@@ -344,8 +344,8 @@ fn closed_form_a_parameter_that_is_set_at_an_impact() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// A solver that has lost its way is told so, by name; nothing is written, and from other states it
-/// goes on.
+/// A diverged solver gets an error by name; nothing is written, and from other states the motion
+/// continues.
 #[test]
 fn values_that_are_no_finite_numbers_are_refused_by_name() {
     let plan = plan("bouncing_ball.toml", unchanged);

@@ -32,8 +32,8 @@ pub unsafe extern "C-unwind" fn keep(text: *mut c_void, _: c_int, _: *const c_ch
     unsafe { (*text.cast::<Vec<String>>()).push(message) };
 }
 
-/// Messages that the callback adds to through the same pointer by which they are read: of a box the
-/// compiler may suppose that nobody else does.
+/// Messages behind a raw pointer, through which the callback adds to them: a box would promise
+/// unique access.
 pub struct Messages(*mut Vec<String>);
 
 impl std::ops::Deref for Messages {

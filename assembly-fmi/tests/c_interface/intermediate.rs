@@ -1,5 +1,5 @@
-//! Steps that ask the host's callback: inputs in their course, outputs before each event and at the
-//! end, early return.
+//! Steps with intermediate updates: inputs as functions of time, outputs before each event and at
+//! the end, early return.
 
 use crate::host::*;
 use crate::*;
@@ -8,16 +8,16 @@ use std::ffi::{CString, c_void};
 use std::ptr::{from_mut, null, null_mut};
 use vibro_assembly_fmi::{FILE, Plan};
 
-/// What a host does in its callback, and what it has seen there.
+/// Actions and observations of a host in its callback.
 #[derive(Default)]
 struct Course {
     c: Option<FmiInstance>,
-    /// The input that it sets, and as which function of time.
+    /// The input to set, as a function of time.
     input: Option<u32>,
     course: Option<fn(f64) -> f64>,
-    /// What it reads.
+    /// Variables to read.
     output: u32,
-    /// Where it wants the step to end.
+    /// Requested end of the step.
     until: Option<f64>,
     seen: Vec<(f64, f64)>,
     asked: Vec<f64>,
@@ -51,7 +51,7 @@ unsafe extern "C-unwind" fn update(
     }
 }
 
-/// An instance with a callback, that requires the inputs, in initialization over.
+/// An initialized instance with a callback, which requires the inputs.
 fn instance(plan: &Plan, name: &str, host: &mut Course, event_mode: bool) -> FmiInstance {
     let folder = CString::new(resources(name, plan).to_str().unwrap()).unwrap();
     let token = CString::new(plan.token()).unwrap();
@@ -100,7 +100,7 @@ fn value(c: FmiInstance, plan: &Plan, name: &str) -> f64 {
 
 #[test]
 fn closed_form_an_input_that_is_a_cubic_within_the_step() {
-    // Of half a second's flight.
+    // Rounding over a flight of half a second.
     const ROUNDING: f64 = 1e-14;
     let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\n";
     let plan = Plan::new(text.into(), FILE).unwrap();
@@ -114,7 +114,7 @@ fn closed_form_an_input_that_is_a_cubic_within_the_step() {
     };
     let c = instance(&plan, "cubic", &mut host, false);
     for k in 0..2 {
-        // The value at the step's begin is that which was set before it.
+        // The value at the step's start is the one set before it.
         let begin = 0.5 * f64::from(k);
         unsafe { assert_eq!(fmi3SetFloat64(c, &reference("load.push.input"), 1, &push(begin), 1), OK) };
         assert_eq!(step(c, begin, 0.5), (OK, false, false, begin + 0.5));
@@ -144,7 +144,7 @@ fn invariant_a_host_sees_both_ends_of_every_flight_and_the_motion_is_the_same() 
     assert!(times.len() > 20 && times.iter().all(|time| events.contains(time)), "{times:?}");
     assert_eq!(value(c, &plan, "block.v"), native.body(1)[1] + 0.0);
     unsafe { fmi3FreeInstance(c) };
-    // In event mode the step ends at the first of them.
+    // With event mode the step ends at the first event.
     let mut host = Course { output: plan.table.reference("block.v").unwrap(), ..Course::default() };
     let c = instance(&plan, "looked at", &mut host, true);
     assert_eq!(step(c, 0.0, 1.0), (OK, true, true, events[0]));
@@ -161,7 +161,7 @@ fn closed_form_a_host_ends_a_step_within_and_goes_on() {
         ..Course::default()
     };
     let c = instance(&plan, "ended", &mut host, false);
-    // Before the impact it asks for an end that is a little later.
+    // Before the impact the host requests an end slightly later.
     let (status, event, early, time) = step(c, 0.0, 2.0);
     assert_eq!((status, event, early, time), (OK, false, true, impact + 0.1));
     assert!((host.seen[0].0 - impact).abs() < 1e-15 && (host.seen[0].1 - g * impact).abs() < 1e-14);

@@ -1,5 +1,5 @@
-//! Described machines through the C interface, as a host would run them: both versions, events,
-//! saved states, refusals.
+//! Described machines through the C interface of both versions: steps, events, saved states,
+//! refusals.
 #![allow(unsafe_code)] // the C interface
 
 #[path = "../../../doors/tests/common/calls.rs"]

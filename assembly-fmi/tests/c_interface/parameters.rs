@@ -1,4 +1,4 @@
-//! Parameters: what is refused, and what changes under way.
+//! Parameters: refusals, and changes during the motion.
 
 use crate::host::*;
 use crate::*;
@@ -11,7 +11,7 @@ fn parameters_that_are_no_machine_are_refused_by_name_and_nothing_is_lost() {
     assert_eq!(ball.set("stop.floor.restitution", 1.5), DISCARD);
     let last = || ball.messages.last().unwrap().clone();
     assert!(last().ends_with("stop.floor.restitution = 1.5: allowed is a number from 0 to 1"), "{}", last());
-    // A start beyond the stop is found when initialization ends, since both may be set one after
+    // A start beyond the stop is refused when initialization ends, since both may be set one after
     // the other.
     assert_eq!(ball.set("body.ball.start.s", 2.0), OK);
     unsafe {
@@ -22,7 +22,7 @@ fn parameters_that_are_no_machine_are_refused_by_name_and_nothing_is_lost() {
         assert_eq!(ball.get("ball.s"), 2.0);
         assert_eq!(fmi3ExitInitializationMode(ball.c), OK, "{}", last());
     }
-    // Falling for 0.4 s is not yet a metre.
+    // In 0.4 s the ball falls less than a metre.
     ball.step(0.0, 0.4);
     assert!((ball.get("ball.s") - (2.0 + 0.5 * 9.81 * 0.16)).abs() < 1e-14);
     assert_eq!(ball.set("body.ball.start.s", 0.0), ERROR);
@@ -31,7 +31,7 @@ fn parameters_that_are_no_machine_are_refused_by_name_and_nothing_is_lost() {
 
 #[test]
 fn closed_form_parameters_that_change_under_way() {
-    // Of a second's flight.
+    // Rounding over a flight of one second.
     const ROUNDING: f64 = 1e-14;
     let plan = plan("bouncing_ball.toml", unchanged);
     let ball = Instance::of("tuned", &plan, false);
@@ -41,8 +41,7 @@ fn closed_form_parameters_that_change_under_way() {
     assert_eq!(ball.set("gravity", 1.62), OK);
     assert_eq!([ball.get("ball.s"), ball.get("ball.v")], [s, v]);
     assert!((ball.get("ball.a") - 1.62).abs() < 1e-15);
-    // What is saved before the change was taken over goes on as if it had not been left, in another
-    // instance too.
+    // A state saved before the change acts continues identically, also in another instance.
     let (mut state, mut size) = (std::ptr::null_mut(), 0);
     let other = Instance::of("tuned", &plan, false);
     unsafe {

@@ -6,7 +6,7 @@ use crate::calls::{Random, Target, run_fmi2, run_fmi3};
 use crate::machines::{machines, run};
 use std::path::Path;
 
-/// Calls a run.
+/// Number of calls in a run.
 const CALLS: usize = 400;
 
 fn targets(folder: &str) -> Vec<Target> {

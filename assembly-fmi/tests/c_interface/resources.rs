@@ -1,4 +1,4 @@
-//! The machine's file among the resources: other machines', damaged and hostile ones.
+//! The machine's file in the resources: that of another machine, damaged ones and hostile ones.
 
 use crate::host::*;
 use crate::*;
@@ -53,7 +53,7 @@ fn a_damaged_file_is_named_with_the_line_that_is_no_machines() {
     }
 }
 
-/// A folder of resources whose file has these bytes, and the token that goes with them.
+/// A folder of resources whose file has these bytes, and its token.
 fn hostile(folder: &str, bytes: &[u8]) -> (std::path::PathBuf, String) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     std::fs::create_dir_all(&folder).unwrap();
@@ -94,7 +94,7 @@ fn hostile_files_are_refused_by_name_and_quickly() {
         assert!(message.len() < 100_000, "{name}: {} bytes", message.len());
         assert!(before.elapsed().as_secs() < 20, "{name}: {:?}", before.elapsed());
     }
-    // Bytes that are no text.
+    // Bytes that are no UTF-8.
     let (folder, token) = hostile("hostile bytes", &[0xff, 0xfe, 0x00, 0x80]);
     let refused = Instance::new(&folder, &ball, &token, false);
     assert!(refused.c.is_null() && refused.messages[0].contains(FILE), "{:?}", refused.messages);
@@ -185,7 +185,7 @@ fn a_machine_of_two_hundred_bodies_moves() {
     let chain = Instance::of("chain", &plan, false);
     chain.begin();
     chain.step(0.0, 0.1);
-    // Momentum stays.
+    // Momentum is conserved.
     let momentum: f64 = (0..200).map(|i| chain.get(&format!("b{i}.v"))).sum();
     assert!((momentum - 1.0).abs() < 1e-13, "{momentum}");
 }
@@ -197,7 +197,7 @@ fn jams_and_limits_of_work_are_errors_in_the_engines_words_and_the_state_stays()
                 [stop.face]\nbetween = [\"wall\", \"piston\"]\ngap = 0.5\nrestitution = 0.5\n\
                 [body.weight]\nmass = 1.0\n[spring.s]\nbetween = [\"ground\", \"weight\"]\nstiffness = 1.0\n";
     let press = Plan::new(text.into(), FILE).unwrap();
-    // A light elastic ball under a steady push, which never comes to rest.
+    // A light elastic ball under a constant force, which never comes to rest.
     let text = "name = \"Elastic\"\ngravity = 9.81\n[body.ball]\nmass = 1e-3\ngravity = 1.0\nstart = { s = -1e-9 }\n\
                 [stop.floor]\nbetween = [\"ground\", \"ball\"]\ngap = 0.0\nrestitution = 1.0\n";
     let elastic = Plan::new(text.into(), FILE).unwrap();
@@ -214,7 +214,7 @@ fn jams_and_limits_of_work_are_errors_in_the_engines_words_and_the_state_stays()
             let status = fmi3DoStep(press.c, 0.0, bad, 1, &mut event, &mut end, &mut early, &mut time);
             assert!(status > 1, "{name}");
             assert!(press.messages.last().unwrap().contains(said), "{name}: {:?}", press.messages);
-            // Where it stood, and able to go on.
+            // The state is unchanged, and the motion can continue.
             assert_eq!(press.get("time"), 0.0);
             assert_eq!(fmi3SetFMUState(press.c, state), OK);
             press.step(0.0, good);

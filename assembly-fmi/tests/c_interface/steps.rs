@@ -9,7 +9,8 @@ use vibro_assembly::motion::Event;
 use vibro_assembly_fmi::{FILE, Plan};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Rest of a ball that falls from 1 m with e = 0.9 at g = 9.81: (1 + e)/(1 - e) sqrt(2 h/g).
+/// Time of rest, s, of a ball that falls from 1 m with e = 0.9 at g = 9.81: (1 + e)/(1 - e) sqrt(2
+/// h/g).
 const REST: f64 = 8.578_949_178_728_89;
 
 #[test]
@@ -53,7 +54,7 @@ fn closed_form_ball_by_both_versions_and_the_same_bits_as_the_engine() {
 
 #[test]
 fn second_method_the_papers_machine_against_the_core() {
-    // Roundings of some hundreds of sub-steps, which impacts magnify tenfold.
+    // Rounding of some hundreds of sub-steps, magnified tenfold by impacts.
     const AGREEMENT: f64 = 1e-12;
     let plan = plan("paper_machine.toml", unchanged);
     let machine = Instance::of("paper", &plan, false);
@@ -119,7 +120,7 @@ fn closed_form_both_sides_of_a_load_that_jumps_at_a_time_that_is_told() {
     assert_eq!(sled.step(0.0, 1.0), (true, true, 0.25));
     unsafe { assert_eq!(fmi3EnterEventMode(sled.c), OK) };
     assert_eq!([sled.get("push.f"), sled.get("sled.a")], [0.0, 0.0]);
-    // What is saved before the event goes on as if it had not been left.
+    // A state saved before the event continues identically.
     let mut state = null_mut();
     unsafe { assert_eq!(fmi3GetFMUState(sled.c, &mut state), OK) };
     for _ in 0..2 {
@@ -147,7 +148,7 @@ fn invariant_saved_states_go_through_bytes_and_reset_begins_anew() {
         bytes = vec![0; size];
         assert_eq!(fmi3SerializeFMUState(one.c, state, bytes.as_mut_ptr(), size), OK);
         assert_eq!(fmi3FreeFMUState(one.c, &mut state), OK);
-        // Into an instance that was never initialized.
+        // Restored into an instance that was never initialized.
         let mut read = null_mut();
         assert_eq!(fmi3DeserializeFMUState(two.c, bytes.as_ptr(), size, &mut read), OK, "{:?}", two.messages);
         assert_eq!(fmi3SetFMUState(two.c, read), OK, "{:?}", two.messages);
@@ -158,7 +159,7 @@ fn invariant_saved_states_go_through_bytes_and_reset_begins_anew() {
     for row in plan.table.rows.iter().filter(|row| row.base == fmi_doors::Base::Real) {
         assert_eq!(one.get(&row.name).to_bits(), two.get(&row.name).to_bits(), "{}", row.name);
     }
-    // One bit off is noticed.
+    // A single altered bit is detected.
     bytes[size / 2] ^= 1;
     unsafe { assert_eq!(fmi3DeserializeFMUState(two.c, bytes.as_ptr(), size, &mut null_mut()), ERROR) };
     assert!(two.messages.last().unwrap().contains("checksum"), "{:?}", two.messages);
@@ -170,10 +171,9 @@ fn invariant_saved_states_go_through_bytes_and_reset_begins_anew() {
     assert_eq!(one.get("block.s"), first);
 }
 
-/// Whether the bytes of a saved state are taken with another phase in them and their checksum
-/// right.
+/// Whether a saved state with another phase and a valid checksum is accepted.
 fn is_taken(machine: &Instance<'_>, phase: u8) -> bool {
-    // Behind mark and checksum (8 bytes each) and the token stand interface type, two Booleans and
+    // After mark and checksum (8 bytes each) and the token follow interface type, two Booleans and
     // the phase.
     const CONTENT: usize = 16;
     const BEFORE_THE_PHASE: usize = 3;
@@ -195,7 +195,7 @@ fn is_taken(machine: &Instance<'_>, phase: u8) -> bool {
     }
 }
 
-/// Damaged bytes may say any phase: only those are taken that go with the motion, or with none.
+/// Damaged bytes may hold any phase: only phases that fit the motion, or its absence, are accepted.
 #[test]
 fn saved_states_whose_phase_does_not_go_with_the_motion_are_refused() {
     let plan = plan("damper_with_buffer.toml", unchanged);
@@ -212,7 +212,7 @@ fn saved_states_whose_phase_does_not_go_with_the_motion_are_refused() {
 
 #[test]
 fn closed_form_inputs_with_their_derivatives() {
-    // Of half a second.
+    // Rounding over half a second.
     const ROUNDING: f64 = 1e-15;
     let text = "name = \"Sled\"\n[body.sled]\nmass = 4.0\n[load.push]\non = \"sled\"\ninput = true\nconstant = 1.0\n";
     let plan = Plan::new(text.into(), FILE).unwrap();
@@ -230,7 +230,7 @@ fn closed_form_inputs_with_their_derivatives() {
         assert_eq!(fmi2EnterInitializationMode(c), OK);
         let input = reference("load.push.input");
         assert_eq!(fmi2SetReal(c, &input, 1, &3.0), OK);
-        // What was set shows at once, and time is that of the host.
+        // Set values are read back at once, and time is that of the host.
         assert_eq!([get(c, "sled.a"), get(c, "push.f"), get(c, "time")], [1.0, 4.0, 3.0]);
         assert_eq!(fmi2ExitInitializationMode(c), OK);
         assert_eq!(fmi2SetReal(c, &input, 1, &1.0), OK);
@@ -245,7 +245,7 @@ fn closed_form_inputs_with_their_derivatives() {
         let s = (t.powi(2) + t.powi(3) + t.powi(4) / 6.0) / 4.0;
         assert!((get(c, "sled.v") - v).abs() < ROUNDING && (get(c, "sled.s") - s).abs() < ROUNDING);
         assert_eq!(get(c, "load.push.input"), 1.0 + 6.0 * t + 2.0 * t * t);
-        // A value alone holds.
+        // A value without derivatives is held.
         assert_eq!(fmi2SetReal(c, &input, 1, &-1.0), OK);
         assert_eq!(fmi2DoStep(c, 3.5, 0.5, 1), OK);
         assert!((get(c, "sled.v") - v).abs() < ROUNDING, "{}", get(c, "sled.v") - v);

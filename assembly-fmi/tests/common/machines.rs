@@ -1,5 +1,5 @@
-//! Machines for random calls, whether a test or a fuzzer makes them. Beside this module stand the
-//! calls (`calls`) and the functions that the library of described machines exports (`component`).
+//! Machines for random calls by tests and fuzzers. Users of this module also include the calls
+//! (`calls`) and the exported functions of the library (`component`).
 
 use super::calls::{Random, Target, run_fmi2, run_fmi3};
 use std::ffi::CString;
@@ -7,7 +7,7 @@ use std::path::Path;
 use vibro_assembly::file;
 use vibro_assembly_fmi::{FILE, Plan};
 
-/// Calls that an input of a fuzzer chooses, more than the bytes of most do.
+/// Most calls of one fuzzer input.
 const CALLS: usize = 64;
 
 /// The machines, each without and with arrays; the files of their resources are written to this
@@ -38,14 +38,14 @@ pub fn machines(folder: &Path) -> Vec<Target> {
     texts.flat_map(|text| [(text.clone(), false), (text, true)]).map(target).collect()
 }
 
-/// An input of the fuzzer: the first byte chooses the machine and how it is used, the others calls
-/// and arguments.
+/// Runs a fuzzer input: the first byte chooses the machine and its use, the others choose calls and
+/// arguments.
 pub fn run(machines: &[Target], bytes: &[u8]) {
     let Some((kind, bytes)) = bytes.split_first() else { return };
     let (place, way) = (usize::from(*kind) % (machines.len() / 2), *kind / 8 % 5);
     let mut random = Random { bytes, seed: u64::from(*kind) };
     match way {
-        // No door of FMI 2.0 knows arrays.
+        // FMI 2.0 has no arrays.
         0 | 1 => run_fmi2(&machines[2 * place], &mut random, i32::from(way), CALLS),
         2 => run_fmi3(&machines[2 * place], &mut random, true, false, CALLS),
         3 => run_fmi3(&machines[2 * place + 1], &mut random, false, true, CALLS),

@@ -11,20 +11,21 @@ use std::sync::Arc;
 use vibro_assembly::{Element, Owner, What};
 use vibro_assembly_fmi::{FILE, Plan, Quantity, Role, SavedState};
 
-/// Of the terms that a value is the sum of, after some dozen operations; elements of stiff machines
+/// Rounding relative to the terms of a value after some dozen operations; in stiff machines terms
 /// cancel.
 const ROUNDING: f64 = 1e-9;
-/// Steps of the solver, and modes that are looked at.
+/// Number of steps of the solver.
 const STEPS: usize = 300;
+/// Most modes that are examined.
 const MODES: usize = 6;
 
-/// By unknown and known how the one depends on the other.
+/// The listed dependency kinds, by unknown and known.
 fn told(lists: &[&[Unknown]]) -> HashMap<u32, HashMap<u32, DependencyKind>> {
     let rows = lists.iter().flat_map(|list| list.iter());
     rows.map(|row| (row.reference, row.dependencies.iter().flatten().copied().collect())).collect()
 }
 
-/// States, inputs and time, with the size by which each is varied.
+/// States, inputs and time, each with the size of its variation.
 fn knowns(plan: &Plan, solver: &mut Solver) -> Vec<(u32, f64)> {
     let states = plan.assembly.states();
     let nominals = plan.assembly.nominals();
@@ -46,7 +47,7 @@ fn knowns(plan: &Plan, solver: &mut Solver) -> Vec<(u32, f64)> {
     all
 }
 
-/// Everything at a point that is moved from a saved one.
+/// All values at a point displaced from a saved one.
 struct Probe<'a> {
     plan: &'a Plan,
     solver: &'a mut Solver,
@@ -70,8 +71,8 @@ impl Probe<'_> {
         self.unknowns.iter().map(|&unknown| get(machine, unknown).unwrap()).collect()
     }
 
-    /// First derivatives times the step, second ones times its square, the sizes of what they are
-    /// differences of and the least of these. Time goes forwards.
+    /// First derivatives times the step, second ones times its square, the sizes of the values and
+    /// the least of these. Time varies forwards only.
     fn along(&mut self, base: &[(u32, f64)], known: u32, by: f64) -> Vec<[f64; 4]> {
         let moved = |by: f64| [base, &[(known, by)]].concat();
         let is_time = self.plan.table.rows[known as usize - 1].quantity == Quantity::Time;
@@ -87,7 +88,7 @@ impl Probe<'_> {
     }
 }
 
-/// A stop's force is never a pull: just beyond its end it is cut off.
+/// Whether a stop's force is cut off: it never pulls, so that it is zero just beyond its end.
 fn is_cut_off(plan: &Plan, unknown: u32, least: f64) -> bool {
     let Quantity::Column(column) = plan.table.rows[unknown as usize - 1].quantity else { return false };
     let Owner::Element(i) = column.owner else { return false };
@@ -164,7 +165,7 @@ fn mode(plan: &Plan, solver: &mut Solver) -> Vec<i64> {
     references.into_iter().map(|reference| get(&mut solver.machine, reference).unwrap() as i64).collect()
 }
 
-/// Everything after some values of a parameter were set at one event, the states being held; none
+/// All values after each of some parameter values is set at one event, with the states held; `None`
 /// where one is refused.
 fn after_event(probe: &mut Probe, parameter: u32, values: &[f64]) -> Option<Vec<f64>> {
     probe.solver.restore(&probe.saved);
@@ -180,8 +181,8 @@ fn after_event(probe: &mut Probe, parameter: u32, values: &[f64]) -> Option<Vec<
     Some(probe.unknowns.iter().map(|&unknown| get(machine, unknown).unwrap()).collect())
 }
 
-/// Unlisted tunable parameters that are set at an event move nothing; that states may jump there is
-/// no dependency.
+/// Checks that unlisted tunable parameters, set at an event, change nothing. A jump of states is no
+/// dependency.
 fn parameters(probe: &mut Probe, lists: &HashMap<u32, HashMap<u32, DependencyKind>>, found: &mut Found) {
     let plan = probe.plan;
     for (parameter, row) in (1..).zip(&plan.table.rows).filter(|(_, row)| row.role == Role::Tunable) {
@@ -192,7 +193,7 @@ fn parameters(probe: &mut Probe, lists: &HashMap<u32, HashMap<u32, DependencyKin
         let Some((before, after)) = before.zip(after_event(probe, parameter, &[other])) else { continue };
         for (k, &unknown) in probe.unknowns.iter().enumerate() {
             let moved = (after[k] - before[k]).abs() > ROUNDING * (after[k].abs() + before[k].abs());
-            // Sums of energy begin anew with another machine.
+            // Energy accounts restart with a changed machine.
             let is_sum = matches!(plan.table.rows[unknown as usize - 1].quantity, Quantity::Energy(_));
             if moved && !is_sum && !lists[&unknown].contains_key(&parameter) {
                 let name = &plan.table.rows[unknown as usize - 1].name;
@@ -246,7 +247,7 @@ fn second_method_dependencies_by_differences_in_every_mode_that_is_met() {
     assert_eq!(kinds.len(), 5, "{kinds:?}");
 }
 
-/// Every initial unknown; none where the start is refused.
+/// All initial unknowns; `None` where the start is refused.
 fn initial(plan: &Arc<Plan>, interface: Interface, time: f64, values: &[(u32, f64)]) -> Option<Vec<f64>> {
     let mut machine = Solver::instance(plan, interface);
     machine.set_experiment(None, time, None).unwrap();
@@ -299,7 +300,7 @@ fn second_method_initial_unknowns_by_differences() {
     }
 }
 
-/// A force moves no coordinate and no rate at once: hosts that connect these find no algebraic
+/// A force changes no coordinate and no rate at once: hosts that connect these find no algebraic
 /// loop.
 #[test]
 fn closed_form_an_input_that_is_a_force_is_listed_by_forces_and_accelerations_alone() {

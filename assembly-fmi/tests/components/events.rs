@@ -1,4 +1,4 @@
-//! One list of events: what changes in a contact at an event that a host handles is told by name.
+//! Messages of events: every state of a contact that changes at an event is reported by name.
 
 use crate::plans;
 use crate::solver::{Silent, get};
@@ -7,7 +7,7 @@ use fmi_doors::{Component, EventHandling, Interface, Life, Model};
 use std::collections::HashSet;
 use vibro_assembly_fmi::{Machine, Plan, Quantity};
 
-/// Events of a machine, at most.
+/// Most events of a machine.
 const EVENTS: usize = 60;
 
 #[derive(Default)]
@@ -23,7 +23,7 @@ impl Log for Told {
     }
 }
 
-/// The states of stops and frictions, with the names by which messages call them.
+/// The states of stops and frictions, with their names in messages.
 fn states(machine: &mut Machine, plan: &Plan) -> Vec<(String, f64)> {
     let own = |quantity| match quantity {
         Quantity::StopState(_) => Some("stop"),
@@ -68,7 +68,7 @@ fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
             machine.leave_event(&mut Silent).unwrap();
         }
     }
-    // Those of an elastogap among them: pressed (4) and capped (6).
+    // Among them are those of an `ElastoGap`: pressed (4) and capped (6).
     assert!(changes.contains(&(true, 4, 6)) || changes.contains(&(true, 6, 4)), "{changes:?}");
     assert!(changes.len() > 12, "{changes:?}");
 }

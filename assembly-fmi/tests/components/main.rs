@@ -1,5 +1,5 @@
-//! Machines as components, without the C interface: every example, and one with every kind of
-//! element, in every mode that is met.
+//! Machines as components, without the C interface: all examples, and a machine with every kind of
+//! element.
 
 mod dependencies;
 mod energy;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use vibro_assembly::file;
 use vibro_assembly_fmi::{FILE, Machine, Plan};
 
-/// Of half a second's motion.
+/// Rounding over half a second.
 const ROUNDING: f64 = 1e-14;
 
 fn ball() -> Arc<Plan> {

@@ -1,4 +1,4 @@
-//! Zero has no sign: whatever is read of a run is never -0, and never NaN or infinite.
+//! Values of a run are never -0, NaN or infinite.
 
 use crate::plans;
 use crate::solver::{Silent, Solver, get};
@@ -16,7 +16,7 @@ fn check(what: &str, plan: &Plan, time: f64, values: &[f64]) {
     }
 }
 
-/// Everything that a machine shows; of some outputs the derivatives as well.
+/// Reads all variables of a machine, and derivatives of some outputs.
 fn read(machine: &mut Machine, plan: &Plan, outputs: &[u32]) {
     let time = machine.time();
     for (reference, row) in (1..).zip(&plan.table.rows).filter(|(_, row)| row.dimensions.is_empty()) {
@@ -25,7 +25,7 @@ fn read(machine: &mut Machine, plan: &Plan, outputs: &[u32]) {
     for order in 1..=3 {
         for &output in outputs {
             let mut value = 0.0;
-            // Not offered of energies and of what changes at events only.
+            // Energies and discrete outputs have no derivatives.
             if machine.output_derivatives(&[output], &[order], |_, x| value = x).is_ok() {
                 check("derivative of an output", plan, time, &[value]);
             }
@@ -63,7 +63,7 @@ fn invariant_no_value_of_a_run_is_minus_zero() {
     }
 }
 
-/// What hosts set themselves has no sign either, and matrices neither.
+/// Values set by hosts, and matrices, are never -0 either.
 #[test]
 fn invariant_a_zero_that_was_set_with_a_sign_is_read_without() {
     for plan in plans().into_iter().filter(|plan| !plan.table.inputs.is_empty()) {

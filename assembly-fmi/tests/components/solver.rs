@@ -1,5 +1,5 @@
-//! A host's solver for machines as components: Runge and Kutta's rule of fourth order, with events
-//! found by halving.
+//! A host's solver for machines as components: the Runge-Kutta method of fourth order, with events
+//! found by bisection.
 
 use fmi_doors::log::{Category, Log};
 use fmi_doors::{Base, Bases, Component, EventHandling, Interface, Life, Model, Phase};
@@ -16,10 +16,10 @@ impl Log for Silent {
     fn log(&mut self, _: Category, _: &str) {}
 }
 
-/// Halvings of a step in search of an event.
+/// Bisections of a step in the search for an event.
 const HALVINGS: usize = 40;
 
-/// A machine in the hands of the solver.
+/// A machine under the solver.
 pub struct Solver {
     pub machine: Machine,
     pub time: f64,
@@ -78,7 +78,7 @@ impl Solver {
         self.put(t + h, &along(from, &mean, h));
     }
 
-    /// A step, or as much of it as there is before the next event, whose law is then applied.
+    /// Makes a step, or the part of it up to the next event, whose law is then applied.
     pub fn step(&mut self, h: f64) {
         let from = self.states();
         let knot = self.machine.next_event_time().filter(|knot| *knot <= self.time + h);
@@ -104,14 +104,14 @@ impl Solver {
         }
     }
 
-    /// Between events, at a state that was saved.
+    /// Restores a state that was saved between events.
     pub fn restore(&mut self, saved: &SavedState) {
         self.machine.restore(saved).unwrap();
         assert_eq!(self.machine.life().phase, Phase::Continuous);
     }
 }
 
-/// A variable's value, whatever its type; none where it cannot be read.
+/// A variable's value of any type; `None` where it cannot be read.
 pub fn get(machine: &mut Machine, reference: u32) -> Option<f64> {
     let mut value = f64::NAN;
     machine.get(Bases::ANY, &[reference], |_, x| value = x).ok()?;

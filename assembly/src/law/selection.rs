@@ -17,7 +17,7 @@
 //!   inside their bounds: the others keep a share that is a bound or zero.
 //!
 //! A further kind of contact needs its candidates in `Stop` or `Friction`, its first classification
-//! in `classify.rs`, and its bounds and decision in `order.rs`. A change is proved by
+//! in `classify.rs`, and its bounds and decision in `order.rs`. A change is tested by
 //! `tests/second_method.rs` (all modes tried, in 50 digits), `tests/lone_events.rs` (guess and
 //! choice agree) and unchanged golden files.
 

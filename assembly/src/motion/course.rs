@@ -4,7 +4,7 @@
 //!
 //! A solver's states have errors. An indicator passes zero where its functional exceeds zero by
 //! [`OVERSHOOT`] of its size, so that at the event the law sees the functional beyond zero. Just
-//! after an event the indicator is positive, as hosts require that look for a change of sign.
+//! after an event the indicator is positive, which hosts that look for a change of sign require.
 
 use super::event::Event;
 use super::jump::Parted;
@@ -210,9 +210,8 @@ impl Motion {
         self.is_at_knot(course) || !self.passed().is_empty()
     }
 
-    /// The event indicators: stops, then frictions. Each is [`OVERSHOOT`] less its functional
-    /// relative to its size, so that an event is where it becomes negative; it is 1 where nothing
-    /// is watched.
+    /// The event indicators: stops, then frictions. Each is 1e-11 less its functional relative to
+    /// its size, so that an event is where it becomes negative; it is 1 where nothing is watched.
     pub fn indicators(&self) -> Vec<f64> {
         let system = &self.assembly.system;
         let mut indicators = vec![1.0; system.indicators()];

@@ -1,4 +1,4 @@
-//! The first passage of a watched functional within a sub-step (docs/assembly-law.md (A6)).
+//! The first passage of a watched functional within a sub-step (docs/assembly-law.md, section 2).
 //!
 //! A motion is exact only if no passage is missed, so that each functional is either proved to stay
 //! below its limit or searched. The proofs go from cheap to dear:
@@ -7,7 +7,7 @@
 //! 2. Over each of eight intervals: samples at both ends, and bend h²/8 between them.
 //! 3. In the intervals that are left: the root of the local Taylor polynomial, the earliest first.
 //!
-//! Mostly the first step ends the search. A functional that starts at zero with a high order is
+//! The first step mostly ends the search. A functional that starts at zero with a high order is
 //! rounding at the ends of the first intervals: it is searched over the whole span, with the zero
 //! at its start divided out.
 //!
@@ -21,8 +21,8 @@
 //!
 //! A further kind of [`Watch`] has to say in `short_limit` whether it may leave zero within a
 //! sub-step, in `within_reach` whether it shortens the span, and in `only_touches` whether a touch
-//! is an event. A change is proved by `tests/second_method.rs`, `tests/rounding.rs` and
-//! `tests/random.rs`, and by unchanged golden files.
+//! is an event. A change is tested by `tests/second_method.rs`, `tests/rounding.rs`,
+//! `tests/random.rs` and unchanged golden files.
 
 use super::contact::DOUBTFUL;
 use super::{Hybrid, Scratch};

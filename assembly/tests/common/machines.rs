@@ -7,7 +7,7 @@ fn inertia() -> impl Strategy<Value = f64> {
     (-2.0..2.0f64).prop_map(|x| 10f64.powf(x))
 }
 
-/// One of the numbers that meet in corners, or any.
+/// A number from a short list, so that events coincide, or any number.
 fn nice(range: f64) -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(range), Just(-range), Just(0.5 * range), -range..range]
 }

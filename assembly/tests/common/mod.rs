@@ -1,4 +1,4 @@
-//! Machines put together in a few words, for tests.
+//! Short constructors of machines, for tests.
 #![allow(dead_code)]
 
 pub mod machines;
@@ -68,7 +68,7 @@ pub fn sine(amplitude: f64, frequency: f64, phase: f64) -> Signal {
     Signal { harmonics: vec![Harmonic { amplitude, frequency, phase }], ..Signal::default() }
 }
 
-/// Its motion from the start.
+/// The motion of a machine from its start.
 pub fn motion(description: Description) -> Motion {
     Motion::new(Arc::new(Assembly::new(description).unwrap())).unwrap()
 }

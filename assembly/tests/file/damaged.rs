@@ -1,4 +1,4 @@
-//! No text breaks the reader: what is damaged is read or refused with words.
+//! Damaged texts: each is read or refused with a message, without a panic.
 
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -6,7 +6,7 @@ use vibro_assembly::file::{no_records, parse};
 
 use crate::refusals::SOUND;
 
-/// Pieces of text that mean something to TOML or to a machine.
+/// Pieces of text with a meaning in TOML or in a machine's file.
 const PIECES: [&str; 24] = [
     "[",
     "]",
@@ -94,7 +94,7 @@ fn invariant_more_elements_than_allowed_are_refused() {
     assert_eq!(refusal.to_string(), "m.toml: elements: there are 10001; allowed are up to 10000");
 }
 
-/// Thousands of problems are refused in a moment, and their message stays readable.
+/// Thousands of problems are refused at once, with a readable message.
 #[test]
 fn invariant_thousands_of_problems_are_counted() {
     let body = |i: usize| format!("[body.b{i}]\nmass = 1.0\n[spring.s{i}]\nbetween = [\"c{i}\", \"d{i}\"]\n");

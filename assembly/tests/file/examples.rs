@@ -3,7 +3,7 @@
 use std::path::Path;
 use vibro_assembly::file::{no_records, parse, read};
 
-/// Each is read, says what it is held against, and is written so that it reads back equal.
+/// Each example is read, names its reference, and is written so that it reads back equal.
 #[test]
 fn invariant_every_example_is_a_machine() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
@@ -32,7 +32,7 @@ fn invariant_every_example_is_a_machine() {
     assert_eq!((names.len(), all >= 25), (all, true), "each example has a name of its own");
 }
 
-/// The page of the grammar shows machines that are read as they stand there.
+/// The machines on the grammar's page are read as they stand there.
 #[test]
 fn golden_machines_of_the_page_are_machines() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/assemblies.md");

@@ -1,4 +1,4 @@
-//! What the file's keys mean, against values worked out by hand.
+//! The meaning of the file's keys, against values computed by hand.
 
 use crate::refusals::{SOUND, records};
 use vibro_assembly::Description;
@@ -97,8 +97,8 @@ fn closed_form_what_a_prescribed_body_is_measured_in() {
     assert_eq!(base("motion = { input = true }\ndimension = \"rotation\"", levers), Dimension::Rotation);
 }
 
-/// What is refused elsewhere for a rigid stop is allowed for a compliant one, and gaps and preloads
-/// have both signs.
+/// A compliant stop may be violated at the start, as a rigid one may not; gaps and preloads have
+/// either sign.
 #[test]
 fn closed_form_what_is_allowed() {
     assert_eq!(changed("gap = \"4 mm\"", "gap = \"-4 mm\"").stops[1].gap, -0.004);

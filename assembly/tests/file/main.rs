@@ -1,5 +1,5 @@
-//! The file of a machine: what is refused and how, that what is written reads back, that no text
-//! breaks the reader, and that the examples are machines.
+//! The file of a machine: refusals with their messages, round trips, damaged texts, parameters and
+//! examples.
 
 mod damaged;
 mod examples;

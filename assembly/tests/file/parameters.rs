@@ -109,7 +109,7 @@ fn golden_reading_a_value_of_a_parameter() {
 }
 
 proptest! {
-    /// Each name is there once and leads to its own number; writing a value back changes nothing
+    /// Each name exists once and belongs to its own number; writing a value back changes nothing
     /// else.
     #[test]
     fn invariant_every_name_leads_to_its_own_number(machine in machine()) {
@@ -123,8 +123,7 @@ proptest! {
     }
 }
 
-/// What no file can say is refused in a program's description as well, before anything is made of
-/// it.
+/// Structures that no file can express are refused in a program's description as well.
 #[test]
 fn golden_refusals_of_a_program_s_description() {
     type Change = fn(&mut Description);

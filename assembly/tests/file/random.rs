@@ -1,4 +1,4 @@
-//! Random machines that are sound.
+//! Random valid machines.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -77,7 +77,7 @@ prop_compose! {
     }
 }
 
-/// What an elongation is made from: whether by levers, its dimension, two places and as many arms.
+/// Ingredients of an elongation: whether by levers, dimension, two places and as many arms.
 type Raw = (bool, bool, usize, usize, [f64; 2]);
 
 /// A stop's elongation, gap, rigidity, restitution, stiffness, damping, and whether it is clipped.
@@ -101,8 +101,8 @@ fn arms_of(bodies: &[Body], (levers, rotation, a, b, arms): Raw) -> Arms {
 }
 
 prop_compose! {
-    /// A sound machine: a spring on every body, links of pairs of bodies at rest at zero, rigid
-    /// stops where nothing has passed them.
+    /// A valid machine: a spring on every body, links between bodies at rest at zero, rigid stops
+    /// that the start does not violate.
     pub fn machine()(
         mut bodies in vec(body(), 1..6),
         gravity in not_negative(),
@@ -128,7 +128,7 @@ prop_compose! {
         let stop = |(i, (raw, gap, rigid, restitution, stiffness, damping, clipped)): (usize, RawStop)| {
             let limit = if clipped { DampingLimit::Elastogap } else { DampingLimit::NoPull };
             let arms = arms_of(&bodies, raw);
-            // Where the start of a rigid stop is, is another test's question.
+            // Starts at rigid stops are tested elsewhere.
             let rigid = rigid && starts_at_rest;
             let law = if rigid { StopLaw::Rigid { restitution } } else { StopLaw::Compliant { stiffness, damping, limit } };
             Stop { name: format!("stop_{i}"), arms, gap, law }

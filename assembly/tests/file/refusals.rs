@@ -48,7 +48,7 @@ stiffness = "200 MN/m"
 arms = { wheel = 1.0, drum = -3.0 }
 "#;
 
-/// What is put for what, and what is said then. Lines are counted in the changed text.
+/// Text to replace, its replacement, and the message. Lines are counted in the changed text.
 #[rustfmt::skip]
 const CASES: &[(&str, &str, &str)] = &[
     // Unknown names.

@@ -1,4 +1,4 @@
-//! What is written reads back to an equal machine, to the last digit.
+//! A written machine reads back equal, to the last digit.
 
 use crate::random::machine;
 use proptest::prelude::*;

@@ -1,9 +1,9 @@
-//! What a host sets at events and between them, in Model Exchange.
+//! Values set at events and between them, in Model Exchange.
 
 use super::*;
 
-/// A host's solver leaves a closed stop a little off, on either side, where that moves: neither
-/// violates it nor opens it.
+/// A host's solver leaves a moving closed stop slightly off its gap, on either side: this neither
+/// violates nor opens it.
 #[test]
 fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
     let text = "name = \"Shaken\"\ngravity = 10.0\n[body.base]\nmotion = { amplitude = 0.1, frequency = 0.5, phase = 0.5 }\n\
@@ -12,7 +12,7 @@ fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
     let plan = Plan::new(text.into(), FILE).unwrap();
     let mut messages = Vec::new();
     let host = Host::begin(made("moving base", &plan, &mut messages));
-    // Of a double near 0.1, and of forces near 1 N.
+    // Rounding of doubles near 0.1 and of forces near 1 N.
     const ROUNDING: f64 = 1e-15;
     let base = |time: f64| {
         let w = std::f64::consts::PI;
@@ -38,7 +38,7 @@ fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// What is not possible is refused where the event ends, and acts no further once it is taken back.
+/// An impossible value is refused when the event ends, and has no effect once it is taken back.
 #[test]
 fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
     let text = "name = \"Base\"\n[body.base]\nmotion = { input = true }\ndimension = \"translation\"\n\
@@ -71,11 +71,11 @@ fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
     }
 }
 
-/// Work and losses of a step after an input that a host has set between events, by the motion from
-/// rest against a dashpot.
+/// Work and losses of a step after an input set between events, for motion from rest against a
+/// dashpot.
 #[test]
 fn closed_form_losses_after_an_input_that_is_set_between_events() {
-    // Of a polynomial of degree 5 in place of the exponential: some (0.1 / 2)^6 / 6! of 1 J.
+    // Error of a polynomial of degree 5 in place of the exponential: some (0.1 / 2)^6 / 6! of 1 J.
     const POLYNOMIAL: f64 = 1e-9;
     let text = "name = \"Braked\"\n[body.sled]\nmass = 1.0\n[load.push]\non = \"sled\"\ninput = true\n\
                 [spring.oil]\nbetween = [\"ground\", \"sled\"]\nstiffness = 0.0\ndamping = 1.0\n";
@@ -99,7 +99,7 @@ fn closed_form_losses_after_an_input_that_is_set_between_events() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// CasADi sets states one by one; what is no state, or comes at an event, is refused by name.
+/// CasADi sets states one by one; other variables, and states at an event, are refused by name.
 #[test]
 fn second_method_states_that_are_set_by_value_references_are_those_set_together() {
     let text = "name = \"Geared\"\n[body.a]\nmass = 2.0\n[body.b]\nmass = 1.0\n[link.l]\narms = { a = 1.0, b = -0.25 }\n\
