@@ -16,7 +16,6 @@
 //! gap = "1 N"
 //! restitution = 0.9
 //! "#;
-//! use vibro_assembly::file::{no_records, parse};
 //! let refused = parse(text, "ball.toml", &no_records).unwrap_err();
 //! assert_eq!(
 //!     refused.to_string(),

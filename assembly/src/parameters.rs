@@ -74,7 +74,6 @@ impl Description {
     ///     gap = "1 m"
     ///     restitution = 0.9
     /// "#;
-    /// use vibro_assembly::file::{no_records, parse};
     /// let mut ball = parse(text, "ball.toml", &no_records)?;
     /// let names: Vec<_> = ball.parameters().into_iter().map(|p| p.name).collect();
     /// assert_eq!(names[..3], ["gravity", "body.ball.mass", "body.ball.gravity"]);

@@ -121,7 +121,7 @@ fn size_along(w: &Direction, q: &[DoubleDouble]) -> f64 {
 }
 
 /// Subtracts a force along a direction from the forces on the coordinates.
-fn take(force: DoubleDouble, w: &Direction, from: &mut [DoubleDouble]) {
+fn subtract_force(force: DoubleDouble, w: &Direction, from: &mut [DoubleDouble]) {
     w.iter().for_each(|&(k, w)| from[k] = from[k].minus(force.times(DoubleDouble::new(w))));
 }
 
@@ -225,7 +225,7 @@ impl Holding {
         let mut left: Vec<_> = self.force.iter().map(|&f| DoubleDouble::new(f)).collect();
         let mut rounding = BALANCED * &self.sizes;
         let mut bear = |w: &Direction, force: DoubleDouble, stiffness: f64| {
-            take(force, w, &mut left);
+            subtract_force(force, w, &mut left);
             let own = BALANCED * force.value().abs() + FINE * stiffness * size_along(w, &place.q);
             w.iter().for_each(|&(k, w)| rounding[k] += w.abs() * own);
         };
@@ -291,7 +291,7 @@ impl Holding {
         let change = BoxProblem { columns: weighted.columns.clone(), b, lo, hi, zero }.solve().ok()?.lambda;
         let mut by_q = left.to_vec();
         for (contact, &change) in self.contacts.iter().zip(change.iter()) {
-            take(DoubleDouble::new(change), &contact.w, &mut by_q);
+            subtract_force(DoubleDouble::new(change), &contact.w, &mut by_q);
         }
         weighted.factor.solve(&mut by_q);
         place.lambda.iter_mut().zip(change.iter()).for_each(|(force, &by)| *force = force.plus(by));

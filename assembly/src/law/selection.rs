@@ -250,8 +250,8 @@ impl<'a> Selection<'a> {
         let mut acceleration = &free * &z;
         let mut shares = DVector::zeros(self.system.coordinates);
         if !contacts.is_empty() {
-            let problem = self.problem(order, &contacts, &free);
-            let solution = self.solved(&problem, &contacts)?;
+            let problem = self.contact_problem(order, &contacts, &free);
+            let solution = self.solve_contacts(&problem, &contacts)?;
             let leaving = self.leaving(&contacts, &solution);
             if !leaving.is_empty() {
                 return Ok(leaving);

@@ -119,7 +119,7 @@ impl<'a> Held<'a> {
         }
         self.triangle.tr_solve_upper_triangular_mut(&mut demand);
         self.triangle.solve_upper_triangular_mut(&mut demand);
-        clean(&mut demand, &self.columns, &sizes);
+        zero_rounding(&mut demand, &self.columns, &sizes);
         demand
     }
 
@@ -266,7 +266,7 @@ impl System {
 /// throughout is known to vanish. `demands` are by contact the sizes of what it holds against. A
 /// contact's force is at most of the size that contacts hold against which share coordinates with
 /// it, directly or through others.
-fn clean(forces: &mut DMatrix<f64>, columns: &DMatrix<f64>, demands: &DMatrix<f64>) {
+fn zero_rounding(forces: &mut DMatrix<f64>, columns: &DMatrix<f64>, demands: &DMatrix<f64>) {
     let (m, size) = forces.shape();
     let norms: Vec<f64> = columns.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
     let shares = |i: usize, j: usize| columns.column(i).abs().dot(&columns.column(j).abs()) > 0.0;
@@ -305,7 +305,7 @@ mod tests {
         for (second, is_rounding) in [(small, true), (more, false)] {
             let forces = [0.5, small, small, second, small, small, small, small, small];
             let mut cleaned = DMatrix::from_row_slice(3, 3, &forces);
-            clean(&mut cleaned, &columns, &demands);
+            zero_rounding(&mut cleaned, &columns, &demands);
             let kept = if is_rounding { 0.0 } else { second };
             let exact = [0.5, small, small, kept, small, small, small, 0.0, small];
             assert_eq!(cleaned, DMatrix::from_row_slice(3, 3, &exact));

@@ -32,7 +32,7 @@ impl Motion {
     pub fn changed(&self, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.pass_event(&mut None)?;
-        old.take_in_flight();
+        old.include_flight();
         let stood = old.before_jump();
         let (system, bodies) = (&assembly.system, &old.assembly.system.bodies_of);
         if system.bodies_of != *bodies || system.stops.len() != old.hybrid.impacts.len() {
@@ -70,13 +70,13 @@ impl Motion {
         let mut motion = Self { overshoot, is_general, most_work, ..Self::of(assembly, hybrid) };
         motion.tables.most = old.tables.most;
         let parted = stood.map_or_else(Parted::default, |stood| motion.jump(&stood));
-        motion.open_what_is_off()?;
+        motion.open_grown_gaps()?;
         motion.settle(&[], &parted, &mut None)?;
         Ok(motion)
     }
 
     /// Opens closed stops whose gap has grown, and refuses stops whose gap is now less than e.
-    fn open_what_is_off(&mut self) -> Result<(), Error> {
+    fn open_grown_gaps(&mut self) -> Result<(), Error> {
         let (system, sizes) = (&self.assembly.system, &self.hybrid.sizes);
         let mut off = Vec::new();
         for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {

@@ -1,7 +1,7 @@
 //! The law at an event: impacts, the mode that follows, and the reports.
 
 use super::event::EventKind;
-use super::jump::{Before, Parted};
+use super::jump::{BeforeJump, Parted};
 use super::projection::project;
 use super::report::report;
 use super::{Hybrid, Motion, Observer, Scratch};
@@ -69,7 +69,7 @@ impl Motion {
         parted: &Parted,
         observer: &mut Observer,
     ) -> Result<(), Error> {
-        self.take_in_flight();
+        self.include_flight();
         if let [watch] = *ended
             && self.lone_event(watch, observer)
         {
@@ -91,7 +91,7 @@ impl Motion {
 
     /// Updates the largest sizes of velocities and coordinates by the terms since the mode began
     /// (docs/assembly-law.md (A14)).
-    pub(super) fn take_in_flight(&mut self) {
+    pub(super) fn include_flight(&mut self) {
         let (time, one) = (self.time(), self.assembly.system.signals.one);
         let hybrid = &mut self.hybrid;
         if time <= hybrid.since {
@@ -116,20 +116,28 @@ impl Motion {
     }
 
     /// Updates the largest sizes by the contacts of the present mode.
-    pub(super) fn take_in_contacts(&mut self) {
+    pub(super) fn include_contacts(&mut self) {
         let Hybrid { sizes, mode, .. } = &mut self.hybrid;
         mode.basis.iter().for_each(|&contact| sizes.include_contact(&self.assembly.system, contact));
     }
 
     /// Applies a signal's knot, at which prescribed bodies may have jumped.
-    pub(super) fn knot(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
+    pub(super) fn apply_knot(
+        &mut self,
+        stood: Option<BeforeJump>,
+        observer: &mut Observer,
+    ) -> Result<(), Error> {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         report(observer, self.time(), EventKind::Knot);
-        self.set_anew(stood, observer)
+        self.apply_jump(stood, observer)
     }
 
     /// Applies the law after signals have been set: jumps, then impacts and the mode that follows.
-    pub(super) fn set_anew(&mut self, stood: Option<Before>, observer: &mut Observer) -> Result<(), Error> {
+    pub(super) fn apply_jump(
+        &mut self,
+        stood: Option<BeforeJump>,
+        observer: &mut Observer,
+    ) -> Result<(), Error> {
         let mut parted = Parted::default();
         if let Some(stood) = stood {
             parted = self.jump(&stood);
@@ -248,7 +256,7 @@ impl Motion {
             }
             let kick = self.velocities() - before.rows(system.coordinates, system.coordinates);
             let after = flags.after(&kick, system, &self.hybrid.sizes);
-            let found = self.plastic(&impacts, &restitution, &after)?;
+            let found = self.low_bounces(&impacts, &restitution, &after)?;
             if found.is_empty() {
                 closing.extend(self.hold_low(touching, &after, &mut impacts)?);
                 return Ok((impacts, closing));
@@ -262,7 +270,7 @@ impl Motion {
 
     /// The stops of impacts whose bounces would be too low, by (A15), with the time until they
     /// would have accumulated.
-    fn plastic(
+    fn low_bounces(
         &mut self,
         impacts: &Impacts,
         restitution: &[f64],
@@ -311,7 +319,7 @@ impl Motion {
         self.place = self.tables.place_of(&mode, &self.assembly.system);
         self.hybrid.mode = mode;
         self.keep_contacts();
-        self.take_in_contacts();
+        self.include_contacts();
         self.find_departures();
         if self.rest_at_edges() {
             self.find_departures();

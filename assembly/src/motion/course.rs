@@ -300,7 +300,7 @@ impl Motion {
             course.event = self.time();
             let stood = self.before_jump();
             self.refill_on(course);
-            self.knot(stood, observer)?;
+            self.apply_knot(stood, observer)?;
             changed = true;
         }
         for _ in 0..CHAIN * (self.assembly.system.indicators() + 1) {

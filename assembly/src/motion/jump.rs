@@ -9,7 +9,7 @@ use crate::system::Elongation;
 use nalgebra::DVector;
 
 /// Values before signals are set anew, to which a jump is measured.
-pub(super) struct Before {
+pub(super) struct BeforeJump {
     /// By body: coordinate and rate.
     bodies: Vec<[f64; 2]>,
     /// By stop: e - gap.
@@ -70,13 +70,13 @@ impl Motion {
             self.hybrid.inputs[i] = (self.time(), derivatives);
         }
         self.refill();
-        self.set_anew(stood, &mut None)
+        self.apply_jump(stood, &mut None)
     }
 
     /// Values before a possible jump; `None` in a machine without prescribed motions.
-    pub(super) fn before_jump(&self) -> Option<Before> {
+    pub(super) fn before_jump(&self) -> Option<BeforeJump> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
-        system.has_motions.then(|| Before {
+        system.has_motions.then(|| BeforeJump {
             bodies: system.bodies.iter().map(|b| [b.s.dot(z), b.v.dot(z)]).collect(),
             excess: system.stops.iter().map(|s| s.excess.dot(z)).collect(),
             rates: system.frictions.iter().map(|f| f.elongation.rate.dot(z)).collect(),
@@ -87,7 +87,7 @@ impl Motion {
 
     /// Completes the jump that prescribed bodies have made since `before`: moves the bodies that
     /// links tie to them. Returns the contacts that it separates.
-    pub(super) fn jump(&mut self, before: &Before) -> Parted {
+    pub(super) fn jump(&mut self, before: &BeforeJump) -> Parted {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         let shares = [self.share(before, 0), self.share(before, 1)];
         let n = self.assembly.system.coordinates;
@@ -105,7 +105,7 @@ impl Motion {
     /// prescribed bodies: M Δq = -Bᵀ m D Δp, the least motion of the free bodies that their links
     /// allow, in the inertia's metric, and the limit of ever faster motions in place of the jump.
     /// `None` where no link takes part.
-    fn share(&self, before: &Before, which: usize) -> Option<DVector<f64>> {
+    fn share(&self, before: &BeforeJump, which: usize) -> Option<DVector<f64>> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let mut pull = DVector::zeros(system.coordinates);
         let mut any = false;
@@ -121,7 +121,7 @@ impl Motion {
     }
 
     /// Refuses a jump after which a rigid stop has e > gap and more than before.
-    pub(super) fn check_jump(&self, before: &Before) -> Result<(), Error> {
+    pub(super) fn check_jump(&self, before: &BeforeJump) -> Result<(), Error> {
         let (stops, hybrid) = (&self.assembly.system.stops, &self.hybrid);
         for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
             let (excess, zero) = (stop.excess.dot(&hybrid.z), hybrid.sizes.zero_of(&stop.excess));
@@ -147,7 +147,7 @@ impl Motion {
 
     /// Work of the prescribed motions in a jump, J: the links' impulses times the mean of the
     /// prescribed rates before and after, plus the change of the stored energy.
-    pub(super) fn work_of_jump(&self, before: &Before) -> f64 {
+    pub(super) fn work_of_jump(&self, before: &BeforeJump) -> f64 {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let rates = before.prescribed.iter().zip(self.prescribed_rates());
         let bodies = system.bodies.iter().zip(&system.inertias).zip(&before.bodies);
@@ -157,7 +157,7 @@ impl Motion {
     }
 
     /// Contacts of the mode in force that a jump has separated.
-    fn apart(&self, before: &Before) -> Parted {
+    fn apart(&self, before: &BeforeJump) -> Parted {
         let Self { assembly, hybrid, .. } = self;
         let (system, z) = (&assembly.system, &hybrid.z);
         let opened = |&(i, state): &(usize, &StopState)| {

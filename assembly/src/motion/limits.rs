@@ -30,7 +30,7 @@ impl Motion {
     }
 
     /// Checks the interruption flag every [`LOOK`] sub-steps.
-    pub(super) fn hear(&self, sub_steps: u64) -> Result<(), Error> {
+    pub(super) fn check_interruption(&self, sub_steps: u64) -> Result<(), Error> {
         let is_asked = || self.asked.as_ref().is_some_and(|asked| asked.load(Ordering::Relaxed));
         if (sub_steps + 1).is_multiple_of(LOOK) && is_asked() {
             return Err(Error::Interrupted { time: self.time() });

@@ -93,7 +93,7 @@ impl Motion {
         self.place = place;
         self.scratch.start.copy_from(&self.hybrid.z);
         self.keep_contacts();
-        self.take_in_contacts();
+        self.include_contacts();
         // A stop just entered is at its edge: it is exempt from the test of those that press.
         let entered = if let Watch::Presses(i) = watch { Some(i) } else { None };
         if self.departs_alone(next, entered) {

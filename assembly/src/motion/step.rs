@@ -99,7 +99,7 @@ impl Motion {
             Some(Due::Knot) => {
                 let stood = self.before_jump();
                 self.refill();
-                self.knot(stood, observer)
+                self.apply_knot(stood, observer)
             }
             None => Ok(()),
         }
@@ -114,7 +114,7 @@ impl Motion {
         let began = self.time();
         let (mut work, mut from) = (WORK.0 as f64, began);
         for sub_steps in 0..self.most_work {
-            self.hear(sub_steps)?;
+            self.check_interruption(sub_steps)?;
             let remaining = target.minus(self.hybrid.time).value();
             if remaining <= 0.0 {
                 self.hybrid.time = target;
@@ -244,15 +244,15 @@ impl Motion {
             }
         }
         if any_leaves {
-            self.let_leave();
+            self.rewatch_departed();
         }
     }
 
     /// Watches functionals again that exceed their rounding, with sizes that include the time since
     /// the mode began: a body at rest has no size of its own.
     #[inline(never)]
-    fn let_leave(&mut self) {
-        self.take_in_flight();
+    fn rewatch_departed(&mut self) {
+        self.include_flight();
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
             if *order == ORDERS && w.row.at(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row) {

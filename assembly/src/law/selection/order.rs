@@ -9,7 +9,12 @@ use nalgebra::{DMatrix, DVector};
 
 impl Selection<'_> {
     /// The quadratic program of the contacts at an order.
-    pub(super) fn problem(&self, order: usize, contacts: &[Contact], free: &DMatrix<f64>) -> BoxProblem {
+    pub(super) fn contact_problem(
+        &self,
+        order: usize,
+        contacts: &[Contact],
+        free: &DMatrix<f64>,
+    ) -> BoxProblem {
         let m = contacts.len();
         let z = &self.derivatives[order];
         let (mut b, mut zero) = (DVector::zeros(m), DVector::zeros(m));
@@ -52,7 +57,7 @@ impl Selection<'_> {
         BoxProblem { columns: self.system.columns(contacts), b, lo, hi, zero }
     }
 
-    pub(super) fn solved(&self, problem: &BoxProblem, contacts: &[Contact]) -> Result<Solution, Jam> {
+    pub(super) fn solve_contacts(&self, problem: &BoxProblem, contacts: &[Contact]) -> Result<Solution, Jam> {
         problem.solve().map_err(|jam| Jam {
             contacts: jam
                 .contacts
