@@ -46,10 +46,10 @@ use pulp::Simd;
 /// doubles about ±1.
 const MAX_DEPTH: u32 = 56;
 /// Most coefficients of a polynomial that is searched: those of a described machine's series.
-const MAX_COEFFICIENTS: usize = 26;
+const MAX_COEFFICIENTS: usize = 40;
 /// Most pieces that are examined. No polynomial of [`MAX_COEFFICIENTS`] or fewer needs as many, and
 /// hardly any needs a hundred (docs/numerics.md, "Second stage").
-const MAX_PIECES: u32 = 100_000;
+const MAX_PIECES: u32 = 250_000;
 /// Largest bound K on |p''|/(2p') with which a short Newton step proves the accuracy of the next
 /// iterate; see [`refine`]. The proof holds for any K far below 1/ε.
 const MAX_NEWTON_FACTOR: f64 = 1e4;

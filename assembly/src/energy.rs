@@ -5,10 +5,10 @@
 mod long;
 mod powers;
 
-pub use powers::{Account, Powers, Samples};
+pub use powers::{Account, AllPowers, Powers, Samples};
 
 use crate::flow::FlowTable;
-pub use crate::kernel::NODES;
+pub use crate::kernel::{NODES, nodes_for};
 use crate::system::System;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};

@@ -20,20 +20,22 @@ mod ladder;
 mod watched;
 
 pub use crate::kernel::SparseMatrix;
-pub use ahead::{Ahead, Series};
+pub use ahead::{Ahead, Series, TERMS};
 pub use exponential::rate_bound;
 pub use ladder::{Ladder, RUNGS, Rung};
 pub(crate) use watched::taylor;
 pub use watched::{Group, Head, WatchTable, head_of};
 
 use crate::law::ZERO;
-use crate::mode::Linear;
+use crate::mode::{Linear, Mode};
 use crate::signals::SMALL;
-use crate::system::StateRow;
+use crate::system::{StateRow, System};
 use apart::Apart;
-use exponential::{LEAST_RATE, series_orders};
+pub(crate) use exponential::LEAST_RATE;
+use exponential::{norm, series_orders};
 use kept::Kept;
 use nalgebra::DMatrix;
+use std::sync::Arc;
 
 /// Number of derivatives of a functional that are examined at the start of a mode, and of its
 /// Taylor coefficients from the first nonzero one on.
@@ -65,14 +67,16 @@ const ENDS: [f64; INTERVALS] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0
 pub struct FlowTable {
     /// A of z' = A z.
     pub a: SparseMatrix,
-    /// By entry of A: the sum of the sizes of its terms.
-    sizes: SparseMatrix,
-    /// Absolute values of the projection of velocities past the contacts, where there are contacts.
+    /// The sizes of the terms of A's entries, where they are not the entries' own.
+    sizes: Option<SparseMatrix>,
+    /// The sizes of what contacts leave of the velocities, where there are such.
     loose: Option<SparseMatrix>,
     /// Number of coordinates and velocities, which precede the signals.
     one: usize,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
     pub rate: f64,
+    /// By coordinate what it is multiplied by in this norm, 1/w of (A6).
+    weights: Vec<f64>,
     /// Length of a sub-step, s.
     pub length: f64,
     /// Forces of stiff springs and pressed compliant stops, where they are computed separately.
@@ -83,9 +87,9 @@ pub struct FlowTable {
     ladder: Ladder<Rung>,
     /// By interval: orders of a power series from the sub-step's start to the interval's end.
     orders: [usize; INTERVALS],
-    /// Watched functionals.
-    pub watched: Vec<WatchTable>,
-    /// Contact forces of the basis, as rows.
+    /// What is watched.
+    pub watched: Vec<Arc<WatchTable>>,
+    /// The forces of the basis.
     pub lambda: Vec<StateRow>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: DMatrix<f64>,
@@ -94,9 +98,9 @@ pub struct FlowTable {
 impl FlowTable {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        let Linear { mut a, terms: sizes, lambda, triangle, watched, elastic, loose } = linear;
-        let mut rate = rate_bound(&a, one).max(LEAST_RATE);
-        // With stored matrices separate forces cost time, so that only stiff ones are separated.
+        let Linear { mut a, terms, lambda, triangle, watched, elastic, loose } = linear;
+        let (mut rate, mut weights) = norm(&a, one);
+        // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
         let is_small = a.len() <= DENSE;
         let apart = elastic.and_then(|elastic| {
             let is_stiff = !is_small || elastic.are_stiff || rate > STIFF * rate_bound(&elastic.rest, one);
@@ -106,18 +110,21 @@ impl FlowTable {
         // all bodies that they hold together.
         if let (Some(apart), Some(_)) = (&apart, &loose) {
             a = apart.sum();
-            rate = rate_bound(&a, one).max(LEAST_RATE);
+            (rate, weights) = norm(&a, one);
         }
         let length = RADIUS / rate;
         let orders = ENDS.map(|end| series_orders(RADIUS * end));
-        let watched = watched.into_iter().map(|(watch, row)| WatchTable::new(watch, row, &a));
+        let watched = watched.into_iter().map(|(watch, row)| Arc::new(WatchTable::new(watch, row, &a)));
         let watched = watched.collect();
+        // Without contacts nothing cancels.
+        let sizes = loose.is_some().then_some(terms);
         let mut table = Self {
             a,
             sizes,
             loose,
             one,
             rate,
+            weights,
             length,
             apart,
             kept: None,
@@ -129,6 +136,37 @@ impl FlowTable {
         };
         table.kept = is_small.then(|| Kept::of(&table));
         table
+    }
+
+    /// The flow of a mode of a machine that keeps no tables.
+    pub fn of_mode(system: &System, mode: &Mode) -> Self {
+        let one = system.signals.one;
+        if system.signals.size <= DENSE || mode.contacts().next().is_some() {
+            return Self::new(system.linear(mode), one);
+        }
+        let split = system.split();
+        let terms = split.terms(mode);
+        let (rate, weights) = split.norm(&terms, one);
+        let all: Vec<_> = terms.iter().map(|term| (term.by.terms(), term.force.terms())).collect();
+        let a = split.base.less(&all);
+        let watched = split.watched(mode, &a);
+        let is_split = terms.iter().any(|term| !term.force.terms().is_empty());
+        Self {
+            a,
+            sizes: None,
+            loose: None,
+            one,
+            rate,
+            weights,
+            length: RADIUS / rate,
+            apart: is_split.then(|| Apart::split(split.base.clone(), terms)),
+            kept: None,
+            ladder: Ladder::default(),
+            orders: ENDS.map(|end| series_orders(RADIUS * end)),
+            watched,
+            lambda: Vec::new(),
+            triangle: DMatrix::zeros(0, 0),
+        }
     }
 
     /// The flow over 2^`k` sub-steps.
@@ -193,23 +231,14 @@ impl FlowTable {
         self.orders[last]
     }
 
-    /// Writes the heads of the watched functionals at a state, for a span `time` within a sub-step;
-    /// where forces are separate also z' and z''.
+    /// Looks ahead where tables are kept: writes where the watched functionals stand; where forces
+    /// are found apart also z' and z''.
     ///
     /// A separate force is a small difference of large terms: bounds from the state's coordinates
     /// would be far too wide, so that bounds are computed from z''.
     #[inline(always)]
-    pub fn look_ahead(
-        &self,
-        z: &[f64],
-        time: f64,
-        [rates, second]: [&mut Vec<f64>; 2],
-        ahead: &mut Ahead,
-        to: &mut Vec<Group>,
-    ) {
-        let Some(kept) = &self.kept else {
-            return ahead.find(self, z, self.orders_to(self.interval_of(time)), to);
-        };
+    pub fn look_ahead(&self, z: &[f64], [rates, second]: [&mut Vec<f64>; 2], to: &mut Vec<Group>) {
+        let Some(kept) = &self.kept else { return };
         let mut sizes = z;
         if let Some(apart) = &self.apart {
             [&mut *rates, second].into_iter().for_each(|memory| memory.resize(z.len(), 0.0));
@@ -220,15 +249,13 @@ impl FlowTable {
         kept.heads_at(z, sizes, to);
     }
 
-    /// Writes the state at a time `dt` within an [interval](Self::begin_interval) from that at its
-    /// start. Signals may stay as in `to` unless `all` coordinates are asked for, since their
-    /// values follow from the time.
+    /// The state at a time within an interval from that at its start, where tables are kept.
+    /// Signals, whose values at a time are known, may stay as in `to` unless `all` are asked for.
     #[inline(always)]
     pub fn within(&self, z: &[f64], dt: f64, all: bool, ahead: &mut Ahead, to: &mut [f64]) {
         match &self.kept {
-            None => ahead.within(dt / self.interval(), to),
             Some(kept) if !all => kept.within(z, dt, self.interval(), to),
-            Some(_) => {
+            _ => {
                 let series = ahead.memory();
                 series.expand(self, z, dt, self.orders[0]);
                 series.at(1.0, to);
@@ -236,53 +263,40 @@ impl FlowTable {
         }
     }
 
-    /// Writes the state at the end of a sub-step, from that at its start and the results of
-    /// [`look_ahead`](Self::look_ahead).
+    /// The tables of a sub-step, of a mode that keeps such.
     #[inline(always)]
-    pub fn at_end(&self, z: &[f64], derivatives: [&[f64]; 2], ahead: &Ahead, to: &mut [f64]) {
-        match &self.kept {
-            Some(kept) => kept.at_end(z, derivatives, self.length, to),
-            None => ahead.series.at(1.0, to),
-        }
+    fn tables(&self) -> &Kept {
+        self.kept.as_ref().expect("asked for where tables are kept")
     }
 
-    /// Writes the state at the start of interval `i`, from that at the sub-step's start and the
-    /// results of [`look_ahead`](Self::look_ahead).
+    /// The state at the end of a sub-step from that at its start, and from what
+    /// [looking ahead](Self::look_ahead) has left.
     #[inline(always)]
-    pub fn at_interval_start(&self, i: usize, z: &[f64], ahead: &Ahead, to: &mut [f64]) {
-        match (i.checked_sub(1), &self.kept) {
-            (None, _) => to.copy_from_slice(z),
-            (Some(last), Some(kept)) => kept.at_interval_end(last, z, to),
-            (Some(last), None) => ahead.series.at(ENDS[last], to),
+    pub fn at_end(&self, z: &[f64], derivatives: [&[f64]; 2], to: &mut [f64]) {
+        self.tables().at_end(z, derivatives, self.length, to);
+    }
+
+    /// The state at the start of interval `i` from that at the sub-step's start.
+    #[inline(always)]
+    pub fn at_interval_start(&self, i: usize, z: &[f64], to: &mut [f64]) {
+        match i.checked_sub(1) {
+            None => to.copy_from_slice(z),
+            Some(last) => self.tables().at_interval_end(last, z, to),
         }
     }
 
     /// The values at the interval ends of the watched functional at a place, from the state at the
     /// sub-step's start.
     #[inline(always)]
-    pub fn samples(&self, place: usize, z: &[f64], ahead: &Ahead) -> [f64; INTERVALS] {
-        match &self.kept {
-            Some(kept) => kept.watched(place).samples(z),
-            None => ahead.samples(place),
-        }
+    pub fn samples(&self, place: usize, z: &[f64]) -> [f64; INTERVALS] {
+        self.tables().watched(place).samples(z)
     }
 
-    /// Prepares an interval at whose start the state is `from`.
+    /// The Taylor coefficients of the watched functional at a place about a state, in units of an
+    /// interval.
     #[inline(always)]
-    pub fn begin_interval(&self, from: &[f64], ahead: &mut Ahead) {
-        if self.kept.is_none() {
-            ahead.begin_interval(self, from);
-        }
-    }
-
-    /// The Taylor coefficients of the watched functional at a place about the start of the
-    /// [prepared interval](Self::begin_interval), in units of an interval.
-    #[inline(always)]
-    pub fn local(&self, place: usize, from: &[f64], ahead: &Ahead) -> [f64; LOCAL] {
-        match &self.kept {
-            Some(kept) => kept.watched(place).local(from),
-            None => ahead.local(self, place),
-        }
+    pub fn local(&self, place: usize, from: &[f64]) -> [f64; LOCAL] {
+        self.tables().watched(place).local(from)
     }
 
     /// Whether matrices of a sub-step are stored; else states are advanced by power series.
@@ -319,7 +333,10 @@ impl FlowTable {
             // Derivatives are Taylor coefficients in units of the sub-step.
             let factor = self.length / k as f64;
             self.a.after_row(row, factor, next_row);
-            self.sizes.after_row(terms, factor, next_terms);
+            match &self.sizes {
+                Some(sizes) => sizes.after_row(terms, factor, next_terms),
+                None => self.a.sizes_after_row(terms, factor, next_terms),
+            }
             std::mem::swap(row, next_row);
             std::mem::swap(terms, next_terms);
             let value = dot(row, z);
@@ -333,7 +350,15 @@ impl FlowTable {
     /// The sum of the sizes of the terms of a functional's time derivative, from the coordinates'
     /// sizes.
     fn slope_size(&self, w: &WatchTable, sizes: &[f64]) -> f64 {
-        w.row.terms().iter().map(|&(i, x)| x.abs() * self.sizes.row_times(i, sizes)).sum()
+        w.row.terms().iter().map(|&(i, x)| x.abs() * self.terms_of(i, sizes)).sum()
+    }
+
+    /// The sizes of the terms of a row of A times the coordinates' sizes.
+    fn terms_of(&self, i: usize, sizes: &[f64]) -> f64 {
+        match &self.sizes {
+            Some(own) => own.row_times(i, sizes),
+            None => self.a.sizes_row_times(i, sizes),
+        }
     }
 
     /// The second time derivative of a functional at a state.
@@ -349,11 +374,12 @@ impl FlowTable {
     pub fn flight_sizes(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
         let time = time.min(self.length);
         match &self.loose {
-            None => self.sizes.rows_times_to(self.one / 2, sizes, time, to),
+            None => self.a.sizes_rows_times_to(self.one / 2, sizes, time, to),
             Some(loose) => {
                 let first = self.one / 2;
                 let apart = self.apart.as_ref().and_then(|apart| Some((apart, apart.rest_terms()?)));
-                let terms = apart.map_or(&self.sizes, |(_, terms)| terms);
+                let own = self.sizes.as_ref().unwrap_or(&self.a);
+                let terms = apart.map_or(own, |(_, terms)| terms);
                 all.resize(to.len(), 0.0);
                 terms.rows_times_to(first, sizes, time, all);
                 loose.rows_times_to(0, all, 1.0, to);
@@ -367,8 +393,12 @@ impl FlowTable {
     /// Count of stored numbers.
     pub fn numbers(&self) -> usize {
         let size = self.a.len();
-        2 * (self.a.entries() + self.sizes.entries() + self.loose.as_ref().map_or(0, SparseMatrix::entries))
-            + self.watched.len() * size
+        let held = [&self.sizes, &self.loose].into_iter().flatten().map(SparseMatrix::entries).sum::<usize>();
+        // Modes without contacts share what they watch.
+        let own = if held > 0 || self.kept.is_some() { size } else { 1 };
+        2 * (self.a.entries() + held)
+            + self.weights.len()
+            + self.watched.len() * own
             + self.kept.as_ref().map_or(0, |kept| kept.numbers(size))
             + self.apart.as_ref().map_or(0, Apart::numbers)
             + self.ladder.made().map(Rung::numbers).sum::<usize>()

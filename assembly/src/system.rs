@@ -4,16 +4,20 @@
 
 mod parts;
 mod rows;
+mod split;
 mod stiff;
 
 pub use parts::Part;
 pub use rows::{BodyRows, Elongation, FrictionRows, Functional, SpringRows, StateRow, StopRows};
+pub use split::{Split, Term};
 
 use crate::description::{Arms, BodyKind, Description, StopLaw};
 use crate::elements::Element;
+use crate::energy::AllPowers;
 use crate::error::Error;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use std::sync::OnceLock;
 
 /// Pivot of a redundant link: after elimination its largest arm on a free coordinate is below this
 /// part of its largest arm.
@@ -54,6 +58,9 @@ pub struct System {
     pub loads: Vec<StateRow>,
     /// By load: its body.
     pub load_bodies: Vec<usize>,
+    /// Modes without held contacts, of machines that keep no tables.
+    split: OnceLock<Split>,
+    powers: OnceLock<AllPowers>,
     /// Whether any body's motion is prescribed.
     pub has_motions: bool,
     /// The momentum Bᵀ m D p' that prescribed bodies impart through links, as rows; `None` where it
@@ -190,6 +197,8 @@ impl System {
             frictions: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
+            split: OnceLock::new(),
+            powers: OnceLock::new(),
             has_motions: motions.iter().any(Option::is_some),
             carried: (carried.amax() > 0.0).then_some(carried),
             inertias,
@@ -200,8 +209,19 @@ impl System {
         Ok(system)
     }
 
-    /// The momentum Bᵀ m D p' that prescribed bodies impart through links, if any: a change Δv of
-    /// the velocities takes the work Δv · Bᵀ m D p' from them (docs/assembly-law.md (A9)).
+    /// The powers of all modes, of a machine of which no body's motion is prescribed.
+    pub fn powers(&self) -> &AllPowers {
+        self.powers.get_or_init(|| AllPowers::new(self))
+    }
+
+    /// What is known of the modes without held contacts.
+    pub fn split(&self) -> &Split {
+        self.split.get_or_init(|| Split::new(self))
+    }
+
+    /// The momentum Bᵀ m D p' that prescribed bodies carry through links, where there is any: what
+    /// changes a coordinate's rate by Δv takes the work Δv · Bᵀ m D p' from them
+    /// (docs/assembly-law.md (A9)).
     pub(crate) fn carried(&self, z: &DVector<f64>) -> Option<DVector<f64>> {
         self.carried.as_ref().map(|carried| carried * z)
     }

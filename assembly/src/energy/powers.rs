@@ -4,10 +4,11 @@
 use super::long::WorkIntegral;
 use super::{AtNodes, NODES};
 use crate::description::StopLaw;
-use crate::flow::{FlowTable, Ladder, Series, taylor};
+use crate::flow::{FlowTable, Ladder, taylor};
 use crate::kernel::{Sparse, SparseColumns};
-use crate::mode::{Mode, StopState};
+use crate::mode::{FrictionState, Mode, StopState};
 use crate::system::{StateRow, System};
+use std::sync::Arc;
 
 /// Number of Taylor coefficients of a functional over a sub-step. With rate times length at most 3
 /// the first omitted term is below 3³²/32! < 8e-21 of the largest coordinate.
@@ -48,10 +49,8 @@ pub enum Samples<'a> {
     /// The initial state and the interval's fraction of a sub-step; requires
     /// [stored coefficients](Powers::are_dense).
     Start(&'a [f64], f64),
-    /// The state's power series over a sub-step, and the interval's fraction of it.
-    Series(&'a Series, f64),
-    /// The states at the [`NODES`] one after another, and the length of each.
-    States(&'a [f64], usize),
+    /// The states at the nodes of a rule, one behind the other, each of so many coordinates.
+    States(&'a [f64], usize, &'static [(f64, f64)]),
 }
 
 /// A factor times the product of two functionals.
@@ -63,10 +62,83 @@ struct Power {
     of: [usize; 2],
 }
 
+/// When a power is there.
+#[derive(Clone, Copy, Debug)]
+enum When {
+    Always,
+    Stop(usize, StopState),
+    Friction(usize, FrictionState),
+}
+
+/// The powers of all modes of a machine of which no body's motion is prescribed.
+#[derive(Clone, Debug)]
+pub struct AllPowers {
+    rows: Arc<Vec<Sparse>>,
+    all: Vec<(When, Power)>,
+    coordinates: usize,
+}
+
+impl AllPowers {
+    /// Of a machine.
+    pub fn new(system: &System) -> Self {
+        let mut rows: Vec<Sparse> = Vec::new();
+        let mut all = Vec::new();
+        let mut put = |when: When, account: Account, factor: f64, left: &StateRow, right: &StateRow| {
+            let own = [left, right].map(|row| Sparse::of(row.as_slice()));
+            if factor == 0.0 || own.iter().any(|row| row.terms().is_empty()) {
+                return;
+            }
+            let is_square = own[0] == own[1];
+            let [left, right] = own;
+            rows.push(left);
+            let of = if is_square { [rows.len() - 1; 2] } else { [rows.len() - 1, rows.len()] };
+            rows.extend((!is_square).then_some(right));
+            all.push((when, Power { account, factor, of }));
+        };
+        for (i, (row, &body)) in system.loads.iter().zip(&system.load_bodies).enumerate() {
+            put(When::Always, Account::Load(i), 1.0, row, &system.bodies[body].v);
+        }
+        for (i, spring) in system.springs.iter().enumerate() {
+            let rate = &spring.elongation.rate;
+            put(When::Always, Account::Dashpot(i), spring.damping, rate, rate);
+        }
+        for (i, stop) in system.stops.iter().enumerate() {
+            let (rate, account) = (&stop.elongation.rate, Account::Stop(i));
+            if let StopLaw::Compliant { damping, .. } = stop.law {
+                put(When::Stop(i, StopState::Pressed), account, damping, rate, rate);
+                put(When::Stop(i, StopState::Free), account, -1.0, &stop.spring, rate);
+                put(When::Stop(i, StopState::Capped), account, 1.0, &stop.spring, rate);
+            }
+        }
+        for (i, friction) in system.frictions.iter().enumerate() {
+            for state in [FrictionState::Up, FrictionState::Down] {
+                let (account, rate) = (Account::Friction(i), &friction.elongation.rate);
+                put(When::Friction(i, state), account, state.direction(), &friction.level, rate);
+            }
+        }
+        Self { rows: Arc::new(rows), all, coordinates: system.coordinates }
+    }
+
+    fn of_mode(&self, mode: &Mode) -> Powers {
+        let acts = |when: &When| match *when {
+            When::Always => true,
+            When::Stop(i, state) => mode.stops[i] == state,
+            When::Friction(i, state) => mode.frictions[i] == state,
+        };
+        let all: Vec<Power> =
+            self.all.iter().filter(|(when, _)| acts(when)).map(|(_, power)| power.clone()).collect();
+        let places = |place: usize| self.rows[place].terms().iter().any(|(j, _)| *j < self.coordinates);
+        let needs_places = all.iter().any(|power| power.of.into_iter().any(places));
+        Powers { rows: self.rows.clone(), needs_places, all, ..Powers::default() }
+    }
+}
+
 /// The powers in a mode.
 #[derive(Clone, Debug, Default)]
 pub struct Powers {
-    rows: Vec<Sparse>,
+    rows: Arc<Vec<Sparse>>,
+    /// Whether any of these rows has entries on coordinates.
+    needs_places: bool,
     /// Taylor coefficients of each row, in units of a sub-step, by coordinate.
     columns: Vec<SparseColumns<TERMS>>,
     all: Vec<Power>,
@@ -77,11 +149,15 @@ pub struct Powers {
 impl Powers {
     /// The powers of a machine in a mode.
     pub fn new(system: &System, mode: &Mode, table: &FlowTable) -> Self {
+        if !table.is_dense() && !system.has_motions {
+            return system.powers().of_mode(mode);
+        }
         let mut powers = Self::default();
         powers.add_losses(system, mode);
         if system.has_motions {
             powers.add_motions(system, mode, table);
         }
+        powers.needs_places = true;
         if table.is_dense() {
             let size = system.signals.size;
             let columns = |row: &Sparse| taylor(&table.a, &row.dense(size), 1.0, table.length);
@@ -125,7 +201,7 @@ impl Powers {
         }
         let of = rows.map(|row| {
             self.rows.iter().position(|known| *known == row).unwrap_or_else(|| {
-                self.rows.push(row);
+                Arc::make_mut(&mut self.rows).push(row);
                 self.rows.len() - 1
             })
         });
@@ -199,7 +275,7 @@ impl Powers {
 
     /// Whether Taylor coefficients are stored, as [`Samples::Start`] requires.
     pub fn are_dense(&self) -> bool {
-        !self.columns.is_empty() || self.rows.is_empty()
+        !self.columns.is_empty() || self.all.is_empty()
     }
 
     /// Count of stored numbers.
@@ -212,9 +288,9 @@ impl Powers {
     /// scratch memory.
     #[inline(always)]
     pub fn for_each(&self, samples: &Samples, values: &mut Vec<AtNodes>, mut take: impl FnMut(Account, f64)) {
-        values.resize(self.rows.len(), [0.0; NODES.len()]);
         match *samples {
             Samples::Start(z, part) => {
+                values.resize(self.rows.len(), [0.0; NODES.len()]);
                 let parts = powers_of(part);
                 for (value, columns) in values.iter_mut().zip(&self.columns) {
                     let mut c = columns.times(z);
@@ -222,20 +298,8 @@ impl Powers {
                     *value = at_nodes(&c);
                 }
             }
-            Samples::Series(series, part) => {
-                let parts = powers_of(part);
-                for (value, row) in values.iter_mut().zip(&self.rows) {
-                    let mut c = [0.0; TERMS];
-                    for ((c, term), part) in c.iter_mut().zip(series.terms()).zip(&parts) {
-                        *c = part * row.dot(term);
-                    }
-                    *value = at_nodes(&c);
-                }
-            }
-            Samples::States(states, size) => {
-                for (value, row) in values.iter_mut().zip(&self.rows) {
-                    *value = std::array::from_fn(|k| row.dot(&states[k * size..]));
-                }
+            Samples::States(states, size, rule) => {
+                return self.at_states(states.chunks_exact(size), rule, take);
             }
         }
         for power in &self.all {
@@ -246,6 +310,30 @@ impl Powers {
             }
             take(power.account, power.factor * mean);
         }
+    }
+
+    /// The mean of each power from the states at a rule's nodes.
+    fn at_states<'a>(
+        &self,
+        states: impl Iterator<Item = &'a [f64]> + Clone,
+        rule: &[(f64, f64)],
+        mut take: impl FnMut(Account, f64),
+    ) {
+        for power in &self.all {
+            let [left, right] = power.of.map(|place| &self.rows[place]);
+            let nodes = rule.iter().zip(states.clone());
+            let mean: f64 = if power.of[0] == power.of[1] {
+                nodes.map(|(node, z)| node.1 * left.dot(z).powi(2)).sum()
+            } else {
+                nodes.map(|(node, z)| node.1 * left.dot(z) * right.dot(z)).sum()
+            };
+            take(power.account, power.factor * mean);
+        }
+    }
+
+    /// The first coordinate that any power depends on: the velocities', where none does on places.
+    pub fn first(&self, one: usize) -> usize {
+        if self.needs_places { 0 } else { one / 2 }
     }
 }
 

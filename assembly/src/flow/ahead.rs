@@ -1,135 +1,205 @@
-//! The flow of a mode without stored matrices, for machines of many coordinates: a power series of
-//! the actual state. With many contacts a mode seldom recurs, and the series costs little more than
-//! products with stored matrices. It also bounds the motion more closely than bounds for every
-//! state.
+//! What lies ahead of a state where a mode keeps no tables of its sub-step, as in machines of many
+//! coordinates: of many contacts a mode is seldom met twice, and the power series of the actual
+//! state costs little more than products with tables.
+//!
+//! One series serves a sub-step: it ends a little behind the next event that a parabola predicts
+//! for any watched functional, its orders end where what is left out is proved to be rounding, and
+//! the events, the state at the first of them and the accounts up to there are all found from it
+//! (docs/assembly-law.md, section 2).
 
-use super::watched::{BOUND_MARGIN, WHOLE, put_head};
-use super::{ENDS, FlowTable, Group, Head, INTERVALS, LOCAL};
+use super::{FlowTable, RADIUS};
+use crate::kernel::multiply_add_rows;
 
-/// The states within a span of time as a power series in the elapsed fraction; its memory is
-/// reused.
+/// Coefficients of a series at most. With rate times length 4 the first one left out is under
+/// 4⁴⁰/40! < 2e-24 of the largest coordinate.
+pub const TERMS: usize = 40;
+
+/// What is left out of a series is under this part of the largest term, in the norm of (A6).
+const REMAINDER: f64 = 1e-18;
+
+/// By so much a series reaches behind the predicted event: parabolas come early and late.
+const BEHIND: f64 = 1.15;
+
+/// The shortest series, in parts of the longest: predictions of what leaves zero slowly may come
+/// too soon.
+const SHORTEST: f64 = 0.02;
+
+/// Rate times length of the longest series. Measured on chains: a contact is then passed by one
+/// series from its begin to its end.
+const REACH: f64 = 4.0;
+
+/// Coordinates whose series are evaluated together.
+const CHUNK: usize = 64;
+
+/// The states within a span as a power series in the part of it that has passed; its memory is used
+/// again.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
     terms: Vec<f64>,
     size: usize,
+    /// The order of the last term.
+    orders: usize,
 }
 
 impl Series {
-    /// Expands the states within a time `dt` from `z` up to an order. Not inlined: sparse products
-    /// gain nothing from the caller's vector instructions.
+    /// The states within a time `dt` from `z`, by so many orders. A function of its own, as its
+    /// entries that are not zero have no use for vectors.
     #[inline(never)]
     pub fn expand(&mut self, table: &FlowTable, z: &[f64], dt: f64, orders: usize) {
-        let (size, own) = (z.len(), table.one);
-        self.size = size;
-        self.terms.resize((orders + 1) * size, 0.0);
-        self.terms[..size].copy_from_slice(z);
-        for k in 1..=orders {
-            let (before, after) = self.terms.split_at_mut(k * size);
-            let (before, factor) = (&before[(k - 1) * size..], dt / k as f64);
-            // The first rows of A are q' = v.
-            let (lengths, others) = after[..size].split_at_mut(own / 2);
-            lengths.iter_mut().zip(&before[own / 2..]).for_each(|(q, v)| *q = factor * v);
-            table.rows_times_to(own / 2, before, factor, others);
-        }
+        self.begin(z, orders);
+        (1..=orders).for_each(|k| self.next(table, k, dt / k as f64));
+        self.orders = orders;
     }
 
-    /// Writes the state at a fraction of the span.
+    fn begin(&mut self, z: &[f64], orders: usize) {
+        self.size = z.len();
+        if self.terms.len() < (orders + 1) * self.size {
+            self.terms.resize((orders + 1) * self.size, 0.0);
+        }
+        self.terms[..self.size].copy_from_slice(z);
+    }
+
+    /// The term of order `k`, A times the one before and `factor`.
+    #[inline(always)]
+    fn next(&mut self, table: &FlowTable, k: usize, factor: f64) {
+        let (size, own) = (self.size, table.one);
+        let (before, after) = self.terms.split_at_mut(k * size);
+        let before = &before[(k - 1) * size..];
+        // The rates of the coordinates, which are the first half of the machine's own, are the
+        // velocities.
+        let (lengths, others) = after[..size].split_at_mut(own / 2);
+        lengths.iter_mut().zip(&before[own / 2..]).for_each(|(q, v)| *q = factor * v);
+        table.rows_times_to(own / 2, before, factor, others);
+    }
+
+    fn term(&self, k: usize) -> &[f64] {
+        &self.terms[k * self.size..][..self.size]
+    }
+
+    fn scale(&mut self, k: usize, factor: f64) {
+        self.terms[k * self.size..][..self.size].iter_mut().for_each(|x| *x *= factor);
+    }
+
+    /// The state where this part of the span has passed.
     #[inline(never)]
     pub fn at(&self, part: f64, to: &mut [f64]) {
-        to.fill(0.0);
-        // The larger terms are added last.
-        for term in self.terms.chunks_exact(self.size).rev() {
-            to.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * part + x);
+        to.copy_from_slice(self.term(self.orders));
+        // The larger terms last.
+        (0..self.orders).rev().for_each(|k| multiply_add_rows(to, part, self.term(k)));
+    }
+
+    /// The states at parts of a part of the span, one behind the other; coordinates before `first`
+    /// stay as in `to`.
+    #[inline(never)]
+    pub fn at_nodes(&self, nodes: &[(f64, f64)], part: f64, first: usize, to: &mut Vec<f64>) {
+        let size = self.size;
+        to.resize(nodes.len() * size, 0.0);
+        let mut begin = first;
+        while begin < size {
+            // So many coordinates of all terms are read from the nearest memory for each node.
+            let end = size.min(begin + CHUNK);
+            for (node, to) in nodes.iter().zip(to.chunks_exact_mut(size)) {
+                let (to, u) = (&mut to[begin..end], part * node.0);
+                to.copy_from_slice(&self.term(self.orders)[begin..end]);
+                (0..self.orders).rev().for_each(|k| multiply_add_rows(to, u, &self.term(k)[begin..end]));
+            }
+            begin = end;
         }
     }
 
-    /// The coefficients from order 0 on, each as long as the state.
+    /// The terms, each of as many coordinates as the state, from order 0 on.
     pub fn terms(&self) -> impl Iterator<Item = &[f64]> {
-        self.terms.chunks_exact(self.size)
+        self.terms.chunks_exact(self.size.max(1)).take(self.orders + 1)
     }
 }
 
-/// Power series of the states and functionals ahead of a state. Its functions are not inlined:
-/// within a sub-step's code they slow machines with stored matrices by 5 %.
+/// What lies ahead of a state.
 #[derive(Clone, Debug, Default)]
 pub struct Ahead {
-    /// States within a sub-step.
+    /// The states within the span.
     pub series: Series,
-    /// By watched functional: its power series in units of the sub-step.
-    ways: Vec<[f64; WHOLE]>,
-    /// States within the prepared interval, from its start.
-    interval: Series,
+    /// Length of the span, s.
+    pub span: f64,
+    /// The power series of each watched functional, in parts of the span.
+    ways: Vec<[f64; TERMS]>,
+    memory: Series,
 }
 
 impl Ahead {
-    /// Expands the series at a state up to `orders`, and writes the heads of all watched
-    /// functionals.
+    /// Expands the states ahead of one, up to the nearest predicted event and by a time `most` at
+    /// most. `leaving` tells, by place, of which order the zero is from which a watched functional
+    /// goes, and what it passes.
     #[inline(never)]
-    pub(super) fn find(&mut self, table: &FlowTable, z: &[f64], orders: usize, heads: &mut Vec<Group>) {
-        let Self { series, ways, .. } = self;
-        series.expand(table, z, table.length, orders);
-        ways.clear();
-        heads.clear();
+    pub fn find(&mut self, table: &FlowTable, z: &[f64], most: f64, leaving: impl Fn(usize) -> (usize, f64)) {
+        let series = &mut self.series;
+        series.begin(z, TERMS - 1);
+        series.next(table, 1, 1.0);
+        series.next(table, 2, 1.0);
+        let mut span = most.min(REACH / table.rate);
+        let shortest = SHORTEST * span;
         for (place, w) in table.watched.iter().enumerate() {
-            let mut way = [0.0; WHOLE];
-            way.iter_mut().zip(series.terms()).for_each(|(c, term)| *c = w.row.at(term));
-            // No term of the second derivative is larger within the sub-step than at its end.
-            let bend: f64 = way.iter().zip(BEND).map(|(c, factor)| factor * c.abs()).sum();
-            let head = Head {
-                value: way[0],
-                slope: way[1] / table.length,
-                bend: bend * BOUND_MARGIN / (table.length * table.length),
+            let (order, limit) = leaving(place);
+            let [value, slope, bend] = [0, 1, 2].map(|k| w.row.at(series.term(k)));
+            let passes = match order {
+                0 => passage(value - limit, slope, bend),
+                1 => (bend > 0.0 && slope < 0.0).then(|| -2.0 * slope / bend),
+                _ => None,
             };
-            put_head(heads, place, head);
-            ways.push(way);
+            span = passes.map_or(span, |time| span.min((BEHIND * time).max(shortest)));
         }
-    }
-
-    /// The values at the interval ends of the watched functional at a place.
-    #[inline(never)]
-    pub(super) fn samples(&self, place: usize) -> [f64; INTERVALS] {
-        let mut values = [0.0; INTERVALS];
-        for c in self.ways[place].iter().rev() {
-            for (value, end) in values.iter_mut().zip(ENDS) {
-                *value = *value * end + c;
+        self.span = span;
+        series.scale(1, span);
+        series.scale(2, 0.5 * span * span);
+        let norm = |series: &Series, k: usize| {
+            let largest = |most: f64, (x, weight): (&f64, &f64)| most.max((x * weight).abs());
+            series.term(k).iter().zip(&table.weights).fold(0.0, largest)
+        };
+        let own = |series: &Series, k: usize| {
+            let largest = |most: f64, (x, weight): (&f64, &f64)| most.max((x * weight).abs());
+            series.term(k)[..table.one].iter().zip(&table.weights).fold(0.0, largest)
+        };
+        let size = (0..3).map(|k| own(series, k)).fold(0.0, f64::max);
+        let (radius, mut k, mut bound) = (table.rate * span, 2, 0.5 * (table.rate * span).powi(2));
+        loop {
+            let ratio = radius / (k + 1) as f64;
+            if k + 1 == TERMS {
+                break;
             }
+            // What is left is at most the last term times q/(1 - q); it is looked at where it may be
+            // small.
+            if ratio < 0.9 && bound < 1e-8 && norm(series, k) * ratio / (1.0 - ratio) <= REMAINDER * size {
+                break;
+            }
+            k += 1;
+            bound *= ratio;
+            series.next(table, k, span / k as f64);
         }
-        values
+        series.orders = k;
+        self.ways.clear();
+        for w in &table.watched {
+            let mut way = [0.0; TERMS];
+            way.iter_mut().zip(series.terms()).for_each(|(c, term)| *c = w.row.at(term));
+            self.ways.push(way);
+        }
     }
 
-    /// Prepares an interval at whose start the state is `from`.
-    pub(super) fn begin_interval(&mut self, table: &FlowTable, from: &[f64]) {
-        self.interval.expand(table, from, table.interval(), LOCAL - 1);
+    /// The power series of the watched functional at a place, in parts of the span.
+    #[inline(always)]
+    pub fn way(&self, place: usize) -> &[f64; TERMS] {
+        &self.ways[place]
     }
 
-    /// The Taylor coefficients of the watched functional at a place about the prepared interval's
-    /// start, in units of an interval.
-    #[inline(never)]
-    pub(super) fn local(&self, table: &FlowTable, place: usize) -> [f64; LOCAL] {
-        let mut c = [0.0; LOCAL];
-        let row = &table.watched[place].row;
-        c.iter_mut().zip(self.interval.terms()).for_each(|(c, term)| *c = row.at(term));
-        c
-    }
-
-    /// Writes the state at a fraction of the prepared interval.
-    pub(super) fn within(&self, part: f64, to: &mut [f64]) {
-        self.interval.at(part, to);
-    }
-
-    /// Scratch memory for a series; it replaces the prepared interval's.
+    /// Memory for a series.
     pub fn memory(&mut self) -> &mut Series {
-        &mut self.interval
+        &mut self.memory
     }
 }
 
-/// Factors k (k - 1) of a series' coefficients in its second derivative.
-const BEND: [f64; WHOLE] = {
-    let mut factors = [0.0; WHOLE];
-    let mut k = 2;
-    while k < WHOLE {
-        factors[k] = (k * (k - 1)) as f64;
-        k += 1;
-    }
-    factors
-};
+/// When the parabola with this value below zero, slope and bend passes zero first.
+fn passage(value: f64, slope: f64, bend: f64) -> Option<f64> {
+    let square = slope * slope - 2.0 * bend * value;
+    let sum = slope + square.sqrt();
+    (value < 0.0 && square >= 0.0 && sum > 0.0).then(|| -2.0 * value / sum)
+}
+
+const _: () = assert!(RADIUS <= REACH);

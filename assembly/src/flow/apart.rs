@@ -7,26 +7,34 @@
 
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::mode::Elastic;
-use crate::system::Functional;
+use crate::system::{Functional, StateRow, Term};
 use nalgebra::DMatrix;
+use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// A = rest - Σ by ⊗ force, with separate forces.
 #[derive(Clone, Debug)]
 pub(super) struct Apart {
-    /// A without the separate forces.
-    rest: SparseMatrix,
-    /// By entry of `rest`: the sum of the sizes of its terms, where there are contacts.
+    /// A without them.
+    rest: Arc<SparseMatrix>,
+    /// Where there are contacts, the sizes of the terms of its entries.
     rest_terms: Option<SparseMatrix>,
-    /// The forces, each with what a unit of it takes from z'.
-    forces: Vec<(Functional, Sparse)>,
+    /// The forces, and what a unit of each takes from z'.
+    forces: Vec<(Arc<Functional>, Arc<Sparse>)>,
 }
 
 impl Apart {
     /// The form of A with a mode's elastic forces separate.
     pub(super) fn of(Elastic { rest, rest_terms, forces, .. }: Elastic) -> Self {
-        let forces = forces.into_iter().map(|(force, by)| (force, Sparse::of(by.as_slice())));
-        Self { rest, rest_terms, forces: forces.collect() }
+        let by = |by: StateRow| Arc::new(Sparse::of(by.as_slice()));
+        let forces = forces.into_iter().map(|(force, own)| (Arc::new(force), by(own)));
+        Self { rest: Arc::new(rest), rest_terms, forces: forces.collect() }
+    }
+
+    /// Of a mode without held contacts.
+    pub(super) fn split(rest: Arc<SparseMatrix>, terms: Vec<Term>) -> Self {
+        let forces = terms.into_iter().map(|term| (term.force, term.by));
+        Self { rest, rest_terms: None, forces: forces.collect() }
     }
 
     /// `to` = `factor` × A `z` in the rows from `first` on, with the forces computed first.
@@ -88,8 +96,11 @@ impl Apart {
 
     /// Count of stored numbers.
     pub(super) fn numbers(&self) -> usize {
-        let by = self.forces.iter().map(|(force, by)| force.len() + force.terms().len() + by.terms().len());
         let terms = self.rest_terms.as_ref().map_or(0, SparseMatrix::entries);
+        if terms == 0 {
+            return 2 * self.forces.len(); // what the modes share
+        }
+        let by = self.forces.iter().map(|(force, by)| force.len() + force.terms().len() + by.terms().len());
         2 * (self.rest.entries() + terms) + 2 * by.sum::<usize>()
     }
 }

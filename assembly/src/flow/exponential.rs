@@ -4,10 +4,10 @@
 use crate::kernel::SparseMatrix;
 use nalgebra::DMatrix;
 
-/// Least rate, 1/s, which keeps sub-steps finite; at this rate a sub-step lasts minutes.
-pub(super) const LEAST_RATE: f64 = 1e-3;
-/// Passes of the balancing of rows and columns. Each comes closer to the least norm; any number of
-/// them gives a bound.
+/// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
+pub(crate) const LEAST_RATE: f64 = 1e-3;
+/// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number
+/// of them gives a bound.
 const BALANCE_TURNS: usize = 12;
 /// Relative size of a series' remainder.
 const REMAINDER: f64 = 1e-19;
@@ -55,10 +55,22 @@ pub(super) fn series_orders(x: f64) -> usize {
     k
 }
 
-/// A bound of the norm of A: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j / w_i. The
+/// A bound of the norm of A, and by coordinate 1/w.
+pub(super) fn norm(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
+    let (rate, mut w) = weighted(a, one);
+    w.iter_mut().for_each(|w| *w = 1.0 / *w);
+    (rate.max(LEAST_RATE), w)
+}
+
+/// A bound of the norm of A.
+pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
+    weighted(a, one).0
+}
+
+/// A bound of the norm of A with its weights: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j / w_i. The
 /// weights of the machine's coordinates balance rows and columns; those of signals are so small
 /// that they add at most a quarter.
-pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
+fn weighted(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
     let size = a.len();
     let mut w = vec![1.0f64; size];
     let columns = a.transpose();
@@ -111,5 +123,6 @@ pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
     for j in one..size {
         w[j] = if signal[j].is_finite() && signal[j] > 0.0 { signal[j] } else { 1.0 };
     }
-    (0..size).map(|i| row_sum(&w, i, size)).fold(rate, f64::max)
+    let rate = (0..size).map(|i| row_sum(&w, i, size)).fold(rate, f64::max);
+    (rate, w)
 }

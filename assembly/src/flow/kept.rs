@@ -5,6 +5,7 @@ use super::exponential::{exponentials, second_integral};
 use super::watched::{Heads, WatchColumns, taylor, watch_columns};
 use super::{ENDS, FlowTable, Group, INTERVALS, LOCAL, WatchTable};
 use crate::kernel::{Blocks, SparseColumns};
+use std::sync::Arc;
 
 /// Number of Taylor coefficients of the velocities within an interval, from order 1 on: the first
 /// omitted term is below 0.375¹⁷/17! < 2e-22 of the largest coordinate. A multiple of the vector
@@ -43,7 +44,7 @@ impl Kept {
         let (a, one, step) = (&table.a, table.one, table.interval());
         let abs = a.abs();
         let columns =
-            |w: &WatchTable| watch_columns(w.row.as_slice(), [a, &abs], (step, table.apart.is_some()));
+            |w: &Arc<WatchTable>| watch_columns(w.row.as_slice(), [a, &abs], (step, table.apart.is_some()));
         let watched: Vec<WatchColumns> = table.watched.iter().map(columns).collect();
         let velocity = |j: usize| {
             let columns = taylor(a, a.row_of(j).as_slice(), step, step).into_iter();

@@ -9,7 +9,7 @@ use super::watched::BOUND_MARGIN;
 use super::{FlowTable, INTERVALS, RADIUS};
 use crate::kernel::Blocks;
 use nalgebra::DMatrix;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Number of rungs: lengths of up to 2⁴⁷ sub-steps.
 pub const RUNGS: usize = 48;
@@ -102,7 +102,7 @@ impl Rung {
         let Self { length, integral, change, exact, spread, reaches, .. } = self;
         let end = DMatrix::identity(change.nrows(), change.ncols()) + change;
         let later = end.abs() * spread * BOUND_MARGIN;
-        let reach = |(before, w): (&Vec<f64>, &super::WatchTable)| {
+        let reach = |(before, w): (&Vec<f64>, &Arc<super::WatchTable>)| {
             let later = spread.tr_mul(&end.tr_mul(&*w.row).abs()) * BOUND_MARGIN;
             before.iter().zip(&later).map(|(before, later)| before.max(*later)).collect()
         };

@@ -5,6 +5,7 @@ use super::{INTERVALS, LOCAL};
 use crate::kernel::{Sparse, SparseMatrix, combine};
 use crate::mode::Watch;
 use crate::system::{Functional, StateRow};
+use std::sync::Arc;
 
 /// Factor that covers the rounding of a bound.
 pub(super) const BOUND_MARGIN: f64 = 1.0 + 1e-9;
@@ -15,17 +16,21 @@ pub struct WatchTable {
     /// The event at which it passes zero.
     pub watch: Watch,
     /// The functional.
-    pub row: Functional,
+    pub row: Arc<Functional>,
     /// Its time derivative.
     pub slope: Sparse,
 }
 
 impl WatchTable {
-    /// The functional `row` in a mode with the matrix A.
-    pub(super) fn new(watch: Watch, row: StateRow, a: &SparseMatrix) -> Self {
-        let mut slope = vec![0.0; row.len()];
-        a.after_row(row.as_slice(), 1.0, &mut slope);
-        Self { watch, slope: Sparse::of(&slope), row: Functional::of(row) }
+    /// Of a functional of a mode, from A.
+    pub(crate) fn new(watch: Watch, row: StateRow, a: &SparseMatrix) -> Self {
+        let row = Arc::new(Functional::of(row));
+        Self { watch, slope: a.after_terms(row.terms()), row }
+    }
+
+    /// In a mode with another A.
+    pub(crate) fn in_mode(&self, a: &SparseMatrix) -> Self {
+        Self { watch: self.watch, slope: a.after_terms(self.row.terms()), row: self.row.clone() }
     }
 }
 
@@ -81,26 +86,15 @@ pub fn head_of(groups: &[Group], place: usize) -> Head {
     Head { value, slope, bend }
 }
 
-/// Adds the head of the functional at a place; requires the heads of all places before it.
-pub(super) fn put_head(groups: &mut Vec<Group>, place: usize, head: Head) {
-    if place.is_multiple_of(GROUP) {
-        groups.push(Group::default());
-    }
-    let Group(sums) = &mut groups[place / GROUP];
-    for (sums, value) in sums.iter_mut().zip([head.value, head.slope, head.bend]) {
-        sums[place % GROUP] = value;
-    }
-}
-
-/// Columns from which the heads of up to four functionals are computed: by coordinate their values,
-/// slopes and bounds of second derivatives.
+/// What the heads of some functionals are found from: by coordinate the values of all, their
+/// slopes, and the bounds of their bends.
 #[derive(Clone, Debug)]
 pub(super) struct Heads(Vec<[[f64; GROUP]; 3]>);
 
 impl Heads {
-    /// The columns of all functionals, in groups, with `size` coordinates.
-    pub(super) fn of(watched: &[WatchTable], columns: &[WatchColumns], size: usize) -> Vec<Self> {
-        let column = |(group, kept): (&[WatchTable], &[WatchColumns]), j: usize| {
+    /// Of functionals of so many coordinates, in groups.
+    pub(super) fn of(watched: &[Arc<WatchTable>], columns: &[WatchColumns], size: usize) -> Vec<Self> {
+        let column = |(group, kept): (&[Arc<WatchTable>], &[WatchColumns]), j: usize| {
             let mut column = [[0.0; GROUP]; 3];
             for (k, (w, kept)) in group.iter().zip(kept).enumerate() {
                 (column[0][k], column[2][k]) = (w.row[j], kept.curvature[j]);

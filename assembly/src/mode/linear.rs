@@ -205,42 +205,10 @@ impl System {
 
     /// The functionals that end a mode, each negative inside it.
     fn watched(&self, mode: &Mode, lambda: &[StateRow]) -> Vec<(Watch, StateRow)> {
-        let mut watched = Vec::new();
-        for (i, &state) in mode.stops.iter().enumerate() {
-            let stop = &self.stops[i];
-            let damped = stop.force != stop.spring;
-            match state {
-                StopState::Open => watched.push((Watch::Meets(i), (*stop.excess).clone())),
-                StopState::Closed => {}
-                StopState::Below => watched.push((Watch::Presses(i), (*stop.excess).clone())),
-                StopState::Pressed => {
-                    watched.push((Watch::Changes(i), -&*stop.force));
-                    if stop.is_elastogap() && damped {
-                        watched.push((Watch::Changes(i), &*stop.force - 2.0 * &*stop.spring));
-                    }
-                }
-                StopState::Free => {
-                    watched.push((Watch::Changes(i), (*stop.force).clone()));
-                    watched.push((Watch::Leaves(i), -&*stop.excess));
-                }
-                StopState::Capped => {
-                    watched.push((Watch::Changes(i), 2.0 * &*stop.spring - &*stop.force));
-                    watched.push((Watch::Leaves(i), -&*stop.excess));
-                }
-            }
-        }
-        for (i, (&state, friction)) in mode.frictions.iter().zip(&self.frictions).enumerate() {
-            match state {
-                FrictionState::Off => watched.push((Watch::Level(i), friction.level.clone())),
-                FrictionState::Up | FrictionState::Down => {
-                    watched.push((Watch::Stops(i), -state.direction() * &*friction.elongation.rate));
-                    watched.push((Watch::Level(i), -&friction.level));
-                }
-                FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => {
-                    watched.push((Watch::Level(i), -&friction.level));
-                }
-            }
-        }
+        let stops = mode.stops.iter().enumerate().flat_map(|(i, &state)| self.watched_of_stop(i, state));
+        let frictions = mode.frictions.iter().enumerate();
+        let frictions = frictions.flat_map(|(i, &state)| self.watched_of_friction(i, state));
+        let mut watched: Vec<(Watch, StateRow)> = stops.chain(frictions).collect();
         for (&contact, force) in mode.basis.iter().zip(lambda) {
             match contact {
                 Contact::Stop(i) => watched.push((Watch::Opens(i), -force)),
@@ -256,7 +224,50 @@ impl System {
         watched
     }
 
-    fn is_constant_and_negative(&self, row: &DVector<f64>) -> bool {
+    /// What is watched of a stop in a state, but for the force of a closed one.
+    pub(crate) fn watched_of_stop(&self, i: usize, state: StopState) -> Vec<(Watch, StateRow)> {
+        let stop = &self.stops[i];
+        let damped = stop.force != stop.spring;
+        match state {
+            StopState::Open => vec![(Watch::Meets(i), (*stop.excess).clone())],
+            StopState::Closed => Vec::new(),
+            StopState::Below => vec![(Watch::Presses(i), (*stop.excess).clone())],
+            StopState::Pressed => {
+                let cap = (stop.is_elastogap() && damped)
+                    .then(|| (Watch::Changes(i), &*stop.force - 2.0 * &*stop.spring));
+                std::iter::once((Watch::Changes(i), -&*stop.force)).chain(cap).collect()
+            }
+            StopState::Free => {
+                vec![(Watch::Changes(i), (*stop.force).clone()), (Watch::Leaves(i), -&*stop.excess)]
+            }
+            StopState::Capped => vec![
+                (Watch::Changes(i), 2.0 * &*stop.spring - &*stop.force),
+                (Watch::Leaves(i), -&*stop.excess),
+            ],
+        }
+    }
+
+    /// What is watched of a friction in a state, but for the force of one that sticks.
+    pub(crate) fn watched_of_friction(&self, i: usize, state: FrictionState) -> Vec<(Watch, StateRow)> {
+        let friction = &self.frictions[i];
+        match state {
+            FrictionState::Off => vec![(Watch::Level(i), friction.level.clone())],
+            FrictionState::Up | FrictionState::Down => vec![
+                (Watch::Stops(i), -state.direction() * &*friction.elongation.rate),
+                (Watch::Level(i), -&friction.level),
+            ],
+            FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => {
+                vec![(Watch::Level(i), -&friction.level)]
+            }
+        }
+    }
+
+    /// A of the mode in which nothing is pressed, slips or is held, but for stiff springs.
+    pub(crate) fn base(&self) -> SparseMatrix {
+        self.matrix(&self.accelerations(self.soft_forces(), &[], &[]))
+    }
+
+    pub(crate) fn is_constant_and_negative(&self, row: &DVector<f64>) -> bool {
         let one = self.signals.one;
         row[one] < 0.0 && row.iter().enumerate().all(|(j, &x)| j == one || x == 0.0)
     }

@@ -142,7 +142,9 @@ struct Scratch {
     rows: DepartureRows,
     /// By contact: its deviation from the constraint.
     off: Vec<f64>,
-    /// By functional of the powers: its values at the nodes.
+    /// States where powers are found, one behind the other.
+    nodes: Vec<f64>,
+    /// By functional its values where powers are found.
     values: Vec<crate::energy::AtNodes>,
 }
 

@@ -26,7 +26,7 @@
 
 use super::contact::DOUBTFUL;
 use super::{Hybrid, Scratch};
-use crate::flow::{Ahead, FlowTable, Group, Head, INTERVALS, LOCAL, ORDERS, Series, head_of};
+use crate::flow::{Ahead, FlowTable, Group, Head, INTERVALS, LOCAL, ORDERS, Series, TERMS, head_of};
 use crate::mode::Watch;
 use vibro_impact::events::{crossing_after_start, first_crossing};
 
@@ -45,8 +45,10 @@ pub(super) const LEAVES_ZERO: f64 = 16.0;
 /// Limit of a functional that is zero throughout the mode: at its passage it is surely beyond
 /// [`LEAVES_ZERO`].
 const PASSES: f64 = LEAVES_ZERO + 1.0;
-/// Least order of a zero at the start with which a functional is searched in one piece: at the
-/// first interval's end it is below 0.375⁶/6! < 4e-6 of its size.
+/// Behind a passage a functional is looked at over this part of a span, whether it only touches.
+const WINDOW: f64 = 0.125;
+/// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6!
+/// < 4e-6 of its size.
 const HIGH_ORDER: usize = 6;
 
 /// An instant within a sub-step, by interval.
@@ -125,7 +127,7 @@ impl PassageSearch<'_> {
     /// that include it. A quantity that begins at zero has no size before, so that any multiple of
     /// its rounding is zero, and it would leave zero again and again.
     #[inline(always)]
-    fn short_limit(&self, place: usize) -> f64 {
+    pub(super) fn short_limit(&self, place: usize) -> f64 {
         match self.table.watched[place].watch {
             Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) | Watch::Stops(_)
                 if self.is_unwatched(place) =>
@@ -164,7 +166,7 @@ impl PassageSearch<'_> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
         let has_high_order = self.hybrid.departing.iter().copied().any(is_high_order);
         let high = if has_high_order { self.high_order_passage(span, scratch.ahead.memory()) } else { None };
-        let Scratch { heads, near, start, interval: begun, ahead, .. } = scratch;
+        let Scratch { heads, near, start, interval: begun, .. } = scratch;
         let start = start.as_mut_slice();
         near.clear();
         let mut any = 0;
@@ -172,23 +174,21 @@ impl PassageSearch<'_> {
             let (order, limit, mut head) =
                 (self.order(place), self.short_limit(place), head_of(heads, place));
             head.value -= limit;
-            let samples = || table.samples(place, z, ahead).map(|value| value - limit);
+            let samples = || table.samples(place, z).map(|value| value - limit);
             let intervals = near_intervals(order, &head, table.interval(), samples);
             any |= intervals;
             near.push(intervals);
         }
         let end = StepPoint::end(span, table);
         for interval in (0..=end.interval).filter(|i| any & (1 << i) != 0) {
-            table.at_interval_start(interval, z, ahead, start);
-            table.begin_interval(start, ahead);
+            table.at_interval_start(interval, z, start);
             *begun = Some(interval);
             let from = &start[..];
             let length = if interval == end.interval { end.dt } else { table.interval() };
             // An early root is found again within twice its time, where the coefficients' rounding
             // is smaller.
             let (mut found, mut length, mut again) = (None, length, true);
-            while again && let Some((dt, place)) = self.passage_within(near, from, ahead, (interval, length))
-            {
+            while again && let Some((dt, place)) = self.passage_within(near, from, (interval, length)) {
                 again = interval == 0 && found.is_none() && dt > 0.0 && dt < 0.25 * length;
                 found = Some((dt, place));
                 length = 2.0 * dt;
@@ -201,8 +201,86 @@ impl PassageSearch<'_> {
         high
     }
 
-    /// Whether a passage counts as one at the knot at the end of its span: nothing watched is
-    /// beyond its limit there by more than what counts as zero, or its time rounds to the knot's.
+    /// The part of a span in which the watched stops' e stay within reach: 1, 1/2, …
+    pub(super) fn part_within_reach(&self, ahead: &Ahead) -> f64 {
+        let (mut part, least) = (1.0, 0.5f64.powi(HALVINGS));
+        for (place, w) in self.table.watched.iter().enumerate() {
+            if !matches!(w.watch, Watch::Meets(_) | Watch::Presses(_)) {
+                continue;
+            }
+            let way = ahead.way(place);
+            let path = |part: f64| way[1..].iter().rev().fold(0.0, |sum, c| (sum + c.abs()) * part);
+            if path(part) > REACH * way[0].abs() {
+                let size = w.row.size(self.hybrid.sizes.0.as_slice());
+                while path(part) > REACH * size && part > least {
+                    part *= 0.5;
+                }
+            }
+        }
+        part
+    }
+
+    /// The first passage of a watched functional from below zero to above within a part of a span,
+    /// as the part that has passed and the functional's place, or the proof that there is none.
+    pub(super) fn passage_ahead(&self, part: f64, ahead: &Ahead) -> Option<(f64, usize)> {
+        let mut first: Option<(f64, usize)> = None;
+        for place in 0..self.table.watched.len() {
+            let (order, way) = (self.order(place), ahead.way(place));
+            let begin = way[0] - self.short_limit(place);
+            let behind: f64 = way[2..].iter().map(|c| c.abs()).sum();
+            let stays = match order {
+                0 => begin < 0.0 && begin.max(begin + way[1]) + behind < 0.0,
+                1 => way[1] + behind < 0.0,
+                _ => false,
+            };
+            if stays {
+                continue;
+            }
+            let mut c = *way;
+            c[0] = begin.min(0.0);
+            if order > 0 {
+                c.copy_within(order.., 0);
+                c[TERMS - order..].fill(0.0);
+                c[0] = c[0].min(-f64::MIN_POSITIVE);
+            }
+            let hi = first.map_or(part, |(part, _)| part);
+            if let Some(u) = passage_of(&c, hi)
+                && !(order == 0 && self.only_touches_before(place, begin, &c, (u + WINDOW).min(hi)))
+            {
+                first = Some((u, place));
+            }
+        }
+        first
+    }
+
+    /// As [`only_touches`](Self::only_touches), up to a part of the span.
+    fn only_touches_before(&self, place: usize, begin: f64, c: &[f64; TERMS], part: f64) -> bool {
+        self.only_touches(place, begin, &shortened(c, part))
+    }
+
+    /// Whether a passage is one at the knot at the end of its span, as
+    /// [`is_at_knot`](Self::is_at_knot).
+    pub(super) fn is_at_knot_ahead(
+        &self,
+        (part, _): (f64, usize),
+        (end, knot): (f64, f64),
+        ahead: &Ahead,
+    ) -> bool {
+        let Self { table, hybrid } = self;
+        if hybrid.time.plus(part * ahead.span).value() >= knot {
+            return true;
+        }
+        if (end - part) * ahead.span > AT_KNOT * table.length {
+            return false;
+        }
+        let mut there = hybrid.z.as_slice().to_vec();
+        ahead.series.at(end, &mut there);
+        table.watched.iter().all(|w| w.row.at(&there) <= hybrid.sizes.zero_of(&w.row))
+    }
+
+    /// Whether a passage is one at the knot at the end of its span, but for rounding: there nothing
+    /// watched is beyond its limit by more than what counts as zero, or the clock shows the knot's
+    /// time.
     #[inline(never)]
     pub(super) fn is_at_knot(
         &self,
@@ -220,8 +298,7 @@ impl PassageSearch<'_> {
         }
         let (end, Scratch { start, interval, ahead, .. }) = (StepPoint::end(span, table), scratch);
         let (start, mut there) = (start.as_mut_slice(), hybrid.z.as_slice().to_vec());
-        table.at_interval_start(end.interval, &there, ahead, start);
-        table.begin_interval(start, ahead);
+        table.at_interval_start(end.interval, &there, start);
         *interval = Some(end.interval);
         table.within(start, end.dt, true, ahead, &mut there);
         table.watched.iter().all(|w| w.row.at(&there) <= hybrid.sizes.zero_of(&w.row))
@@ -257,14 +334,13 @@ impl PassageSearch<'_> {
         &self,
         near: &[u8],
         from: &[f64],
-        ahead: &Ahead,
         (interval, length): (usize, f64),
     ) -> Option<(f64, usize)> {
         let mut first: Option<(f64, usize)> = None;
         let ratio = length / self.table.interval();
         for (place, _) in near.iter().enumerate().filter(|(_, near)| **near & (1 << interval) != 0) {
             let order = if interval == 0 { self.order(place) } else { 0 };
-            let mut c = self.table.local(place, from, ahead);
+            let mut c = self.table.local(place, from);
             c[0] -= self.short_limit(place);
             let begin = c[0];
             if ratio != 1.0 {
@@ -303,7 +379,7 @@ impl PassageSearch<'_> {
     /// A stop or a level that passes zero slowly has its event as soon as it exceeds what counts as
     /// zero. Other functionals, such as forces, are touches only where they turn round.
     #[inline(never)]
-    fn only_touches(&self, place: usize, begin: f64, c: &[f64; LOCAL]) -> bool {
+    pub(super) fn only_touches<const N: usize>(&self, place: usize, begin: f64, c: &[f64; N]) -> bool {
         let w = &self.table.watched[place];
         let zero = self.hybrid.sizes.zero_of(&w.row);
         let turns = match w.watch {
@@ -321,9 +397,30 @@ impl PassageSearch<'_> {
     }
 }
 
-/// Whether a functional that exceeds zero within a span is on its way back at the end, or reaches
-/// its vertex before it rises by `zero` more.
-fn turns_round(begin: f64, c: &[f64; LOCAL], zero: f64) -> bool {
+/// The coefficients of a series in parts of a part of its span.
+fn shortened(c: &[f64; TERMS], part: f64) -> [f64; TERMS] {
+    let (mut c, mut scale) = (*c, 1.0);
+    for ck in &mut c {
+        *ck *= scale;
+        scale *= part;
+    }
+    c
+}
+
+/// The first root of a series in [0, `hi`]. One early in the span is found anew in a shorter one, of
+/// which the coefficients' rounding is smaller.
+fn passage_of(c: &[f64; TERMS], hi: f64) -> Option<f64> {
+    let u = crossing_after_start(c, hi, &mut 0)?;
+    if !(u > 0.0 && u < 0.25) {
+        return Some(u);
+    }
+    let part = 2.0 * u;
+    crossing_after_start(&shortened(c, part), 1.0, &mut 0).map_or(Some(u), |again| Some(again * part))
+}
+
+/// Whether what is beyond zero at the end of a span is on its way back there, or comes to its
+/// vertex before it is further beyond by `zero`.
+fn turns_round<const N: usize>(begin: f64, c: &[f64; N], zero: f64) -> bool {
     let (mut slope, mut bend) = (0.0, 0.0);
     for (k, x) in c.iter().enumerate().skip(1) {
         let k = k as f64;
@@ -366,7 +463,7 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
 
 /// Σ part(c_k) over k ≥ 1, in four partial sums for vector instructions.
 #[inline(always)]
-fn sum_behind(c: &[f64; LOCAL], part: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn sum_behind<const N: usize>(c: &[f64; N], part: impl Fn(f64) -> f64) -> f64 {
     let mut sums = [-part(c[0]), 0.0, 0.0, 0.0];
     for four in c.as_chunks::<4>().0 {
         sums.iter_mut().zip(four).for_each(|(sum, x)| *sum += part(*x));

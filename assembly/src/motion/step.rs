@@ -3,7 +3,7 @@
 use super::jump::Parted;
 use super::passage::{LEAVES_ZERO, PassageSearch, StepPoint};
 use super::{Due, Hybrid, Motion, Observer, Reached, Scratch};
-use crate::energy::Samples;
+use crate::energy::{Samples, nodes_for};
 use crate::error::Error;
 use crate::flow::ORDERS;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -151,20 +151,53 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// Makes one sub-step towards `goal`, of at most the mode's length; returns the event at which
-    /// it ends.
+    /// A sub-step towards `goal`, or to the event before which it ends.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
+        let Flown { place, dt, whole, reaches } = if self.table().is_dense() {
+            self.by_tables(goal, at_knot)
+        } else {
+            self.by_series(goal, at_knot)
+        };
+        self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
+        if dt > PROGRESS * self.table().length {
+            self.hybrid.chain = 0;
+        }
+        let knot = reaches && at_knot;
+        let carried = self.hybrid.carried % RENEW;
+        self.hybrid.carried = if place.is_some() { 0 } else { carried + u32::from(whole) };
+        self.hybrid.turns = self.hybrid.turns % RENEW + 1;
+        let carries = whole || place.is_some();
+        if !knot && (!carries || self.hybrid.turns == RENEW) {
+            self.refill();
+        }
+        self.hybrid.sizes.include(self.hybrid.z.as_slice());
+        self.keep_contacts();
+        if let Some(place) = place {
+            let watch = self.table().watched[place].watch;
+            self.hybrid.chain += 1;
+            self.hybrid.last = Some(watch);
+            if self.hybrid.chain > CHAIN * (self.hybrid.departing.len() + 1) {
+                return Err(self.stuck("the modes change without end"));
+            }
+            return Ok(Some(Due::Passage(watch)));
+        }
+        self.watch_again();
+        Ok(knot.then_some(Due::Knot))
+    }
+
+    /// Flies a sub-step of at most the table's length by what is kept of the mode.
+    #[inline(always)]
+    fn by_tables(&mut self, goal: DoubleDouble, at_knot: bool) -> Flown {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
         let met = tables.at(*place);
         let table = &*met.table;
         let remaining = goal.minus(hybrid.time).value();
         scratch.interval = None;
-        let Scratch { rates, second, heads, ahead, .. } = scratch;
-        let most = table.length.min(remaining);
-        table.look_ahead(hybrid.z.as_slice(), most, [rates, second], ahead, heads);
+        let Scratch { rates, second, heads, .. } = scratch;
+        table.look_ahead(hybrid.z.as_slice(), [rates, second], heads);
         let flight = PassageSearch { table, hybrid };
-        let span = flight.within_reach(most, &scratch.heads);
+        let span = flight.within_reach(table.length.min(remaining), &scratch.heads);
         let mut passage = flight.first_passage(span, scratch);
         if at_knot && span >= remaining {
             let knot = (span, goal.value());
@@ -177,57 +210,61 @@ impl Motion {
         let leaves = passage.as_ref().is_some_and(|passage| flight.is_unwatched(passage.place));
         let passage = passage.filter(|_| !leaves);
         if hybrid.energy.are_kept() {
-            let (powers, Scratch { ahead, values, .. }) = (met.powers(&assembly.system), &mut *scratch);
-            let part = dt / table.length;
-            let samples = if powers.are_dense() {
-                Samples::Start(hybrid.z.as_slice(), part)
-            } else {
-                Samples::Series(&ahead.series, part)
-            };
-            hybrid.energy.add(powers, dt, &samples, values);
+            let samples = Samples::Start(hybrid.z.as_slice(), dt / table.length);
+            hybrid.energy.add(met.powers(&assembly.system), dt, &samples, &mut scratch.values);
         }
         let Scratch { start, interval, ahead, rates, second, .. } = scratch;
         let z = hybrid.z.as_mut_slice();
         if whole {
-            table.at_end(z, [rates, second], ahead, start.as_mut_slice());
+            table.at_end(z, [rates, second], start.as_mut_slice());
             std::mem::swap(&mut hybrid.z, start);
         } else {
             let start = start.as_mut_slice();
             if *interval != Some(end.interval) {
-                table.at_interval_start(end.interval, z, ahead, start);
-                table.begin_interval(start, ahead);
+                table.at_interval_start(end.interval, z, start);
             }
             table.within(start, end.dt, at_knot, ahead, z);
-            if passage.is_some() && table.is_dense() {
+            if passage.is_some() {
                 assembly.system.signals.carry_within(start, end.dt, z);
             }
         }
         let reaches = passage.is_none() && !leaves && span >= remaining;
-        self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
-        if dt > PROGRESS * self.table().length {
-            self.hybrid.chain = 0;
+        Flown { place: passage.map(|passage| passage.place), dt, whole, reaches }
+    }
+
+    /// Flies a sub-step by one series of the actual state, which ends a little behind the event that
+    /// is predicted.
+    #[inline(always)]
+    fn by_series(&mut self, goal: DoubleDouble, at_knot: bool) -> Flown {
+        let Self { tables, place, hybrid, scratch, assembly, .. } = self;
+        let met = tables.at(*place);
+        let table = &*met.table;
+        let remaining = goal.minus(hybrid.time).value();
+        let flight = PassageSearch { table, hybrid };
+        let ahead = &mut scratch.ahead;
+        let leaving = |place: usize| (flight.order(place), flight.short_limit(place));
+        ahead.find(table, hybrid.z.as_slice(), remaining, leaving);
+        let part = flight.part_within_reach(ahead);
+        let is_end = part == 1.0 && ahead.span == remaining;
+        let mut passage = flight.passage_ahead(part, ahead);
+        if at_knot && is_end {
+            let knot = (part, goal.value());
+            passage = passage.filter(|passage| !flight.is_at_knot_ahead(*passage, knot, ahead));
         }
-        let knot = reaches && at_knot;
-        let carried = self.hybrid.carried % RENEW;
-        self.hybrid.carried = if passage.is_some() { 0 } else { carried + u32::from(whole) };
-        self.hybrid.turns = self.hybrid.turns % RENEW + 1;
-        let carries = whole || passage.is_some();
-        if !knot && (!carries || self.hybrid.turns == RENEW) {
-            self.refill();
+        let leaves = passage.is_some_and(|(_, place)| flight.is_unwatched(place));
+        let part = passage.map_or(part, |(part, _)| part);
+        let place = passage.filter(|_| !leaves).map(|(_, place)| place);
+        let dt = part * ahead.span;
+        if hybrid.energy.are_kept() {
+            let (powers, rule) = (met.powers(&assembly.system), nodes_for(table.rate * dt));
+            let first = powers.first(assembly.system.signals.one);
+            ahead.series.at_nodes(rule, part, first, &mut scratch.nodes);
+            let samples = Samples::States(&scratch.nodes, hybrid.z.len(), rule);
+            hybrid.energy.add(powers, dt, &samples, &mut scratch.values);
         }
-        self.hybrid.sizes.include(self.hybrid.z.as_slice());
-        self.keep_contacts();
-        if let Some(passage) = passage {
-            let watch = self.table().watched[passage.place].watch;
-            self.hybrid.chain += 1;
-            self.hybrid.last = Some(watch);
-            if self.hybrid.chain > CHAIN * (self.hybrid.departing.len() + 1) {
-                return Err(self.stuck("the modes change without end"));
-            }
-            return Ok(Some(Due::Passage(watch)));
-        }
-        self.watch_again();
-        Ok(knot.then_some(Due::Knot))
+        ahead.series.at(part, hybrid.z.as_mut_slice());
+        let whole = passage.is_none() && part == 1.0 && ahead.span >= table.length;
+        Flown { place, dt, whole, reaches: passage.is_none() && is_end }
     }
 
     /// Prepares the next sub-step, at whose start watched functionals are no longer at zero. Those
@@ -262,8 +299,20 @@ impl Motion {
     }
 }
 
-/// A sub-step, compiled for each vector instruction set. Products are not fused, so that all give
-/// bit-identical results.
+/// What a sub-step was.
+struct Flown {
+    /// The place of the watched functional that passes zero at its end.
+    place: Option<usize>,
+    /// Its length, s.
+    dt: f64,
+    /// Whether it had the length of the mode's sub-steps.
+    whole: bool,
+    /// Whether it has come to its goal.
+    reaches: bool,
+}
+
+/// A sub-step, compiled for each kind of vectors that a computer may have. Products are not fused,
+/// so that all give the same bits.
 struct Substep<'a> {
     motion: &'a mut Motion,
     goal: DoubleDouble,

@@ -93,7 +93,7 @@ impl Tables {
         if let Some(&place) = self.places.get(mode) {
             return place;
         }
-        let table = Arc::new(FlowTable::new(system.linear(mode), system.signals.one));
+        let table = Arc::new(FlowTable::of_mode(system, mode));
         self.met.push(Met { mode: mode.clone(), table, powers: OnceLock::new(), changes: Vec::new() });
         self.places.insert(mode.clone(), self.met.len() - 1);
         self.met.len() - 1

@@ -104,7 +104,7 @@ fn closed_form_what_turns_round_beyond_zero() {
 
 #[test]
 fn closed_form_sums_behind_the_first_coefficient() {
-    let c = std::array::from_fn(|k| if k % 3 == 0 { -1.0 } else { 1.0 } * f64::from(1u32 << k));
+    let c: [f64; LOCAL] = std::array::from_fn(|k| if k % 3 == 0 { -1.0 } else { 1.0 } * f64::from(1u32 << k));
     let sum: f64 = c[1..].iter().sum();
     assert_eq!(sum_behind(&c, |x| x), sum);
     assert_eq!(sum_behind(&c, f64::abs), f64::from((1u32 << LOCAL) - 2));
