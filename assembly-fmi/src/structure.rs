@@ -209,7 +209,9 @@ impl<'a> Structure<'a> {
     /// The knowns of a force that is linear in elongation and rate, with factors of a kind.
     fn elastic(&self, element: Element, times: DependencyKind) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
-        (0..2).for_each(|order| self.elongation(element, order, &mut own));
+        // The force of a damper does not depend on its elongation.
+        let first = usize::from(matches!(element, Element::Damper(_)));
+        (first..2).for_each(|order| self.elongation(element, order, &mut own));
         join(&mut knowns, &own, times);
         self.of_section(&element.dotted(), &mut knowns);
         knowns

@@ -57,7 +57,7 @@ impl Subject for assembly::Machine {
     fn structure(&self) -> BTreeMap<String, String> {
         BTreeMap::from([
             ("machine".into(), self.description.to_toml()),
-            ("section".into(), format!("{:?}", self.section)),
+            ("section".into(), in_words(&self.section)),
         ])
     }
 
@@ -78,5 +78,14 @@ impl Subject for assembly::Machine {
     fn unit_of_column(&self, column: &str) -> Option<&'static Unit> {
         let plain = column.strip_suffix("_from").or_else(|| column.strip_suffix("_to")).unwrap_or(column);
         self.written_unit(plain).filter(|unit| !unit.is_si())
+    }
+}
+
+/// The rule of a section in the words of the options that set it.
+fn in_words(rule: &SectionRule) -> String {
+    match rule {
+        SectionRule::Auto => "by the drive or the first stop".into(),
+        SectionRule::Period(period) => format!("--period {period:?} s"),
+        SectionRule::Element(name) => name.clone(),
     }
 }

@@ -69,13 +69,13 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
     for (line, words) in [
         ("check FILE --config x.toml", "--config: is an option of the paper's machine, and "),
         ("run FILE --until 2s --start x1=1", "--start: is an option of the paper's machine, and "),
-        ("run FILE --start x1=1", "allowed here: --until, --times, --knots"),
+        ("run FILE --start x1=1", "of such options allowed here: --until, --times, --knots"),
         ("bifurcation FILE --orbits --vary body.a.mass=1:2", "--orbits: is an option of the paper's machine"),
         ("sweep FILE --design rows.csv", "--design: is an option of the paper's machine"),
         ("run --until 2s", "--until: is an option of a machine's file: `vibro run FILE --until …`"),
         (
             "run --knots",
-            "allowed here: --periods, --duration, --discard, --start, --load, --interpolation, --config",
+            "of such options allowed here: --periods, --duration, --discard, --start, --load, --interpolation, --config",
         ),
         ("lyapunov --section upper", "`vibro lyapunov FILE --section …`"),
         ("bifurcation FILE", "no --vary: allowed is one parameter"),

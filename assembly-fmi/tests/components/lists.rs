@@ -80,3 +80,17 @@ fn golden_lists_of_a_machine_with_an_element_of_each_kind() {
         }
     }
 }
+
+/// f = c e' of a damper: no list of it, nor of what it accelerates, has a coordinate.
+#[test]
+fn closed_form_no_force_depends_on_the_elongation_of_a_damper() {
+    let text = "name = \"D\"\n[body.a]\nmass = 1.0\n[body.b]\nmass = 2.0\n[damper.d]\nbetween = [\"a\", \"b\"]\n\
+        damping = 3.0\n";
+    let plan = Plan::new(text.into(), FILE).unwrap();
+    let outputs = written(&plan, &plan.description().outputs);
+    let of = |name: &str| outputs.iter().find(|line| line.starts_with(name)).unwrap();
+    for name in ["d.f:", "a.a:", "b.a:"] {
+        assert!(of(name).contains("a.v") && !of(name).contains("a.s"), "{}", of(name));
+    }
+    assert!(of("d.e:").contains("a.s"));
+}

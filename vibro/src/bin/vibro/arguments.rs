@@ -183,7 +183,7 @@ pub fn check_subject(matches: &ArgMatches) -> Result<()> {
         None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
     };
     let names: Vec<String> = under(allowed).map(option).chain(["--set".into()]).collect();
-    let problem = format!("is {whose}; allowed here: {}", names.join(", "));
+    let problem = format!("is {whose}; of such options allowed here: {}", names.join(", "));
     Err(Error::Refused { what: option(given), problem })
 }
 
