@@ -42,7 +42,7 @@ const EIGHT: [(f64, f64); 8] = [
     (0.101_666_761_293_186_63, 0.111_190_517_226_687_24),
     (0.237_233_795_041_835_5, 0.156_853_322_938_943_64),
     (0.408_282_678_752_175_1, 0.181_341_891_689_181),
-    (0.591_717_321_247_824_9, 0.181_341_891_689_181),
+    (0.591_717_321_247_825, 0.181_341_891_689_181),
     (0.762_766_204_958_164_5, 0.156_853_322_938_943_64),
     (0.898_333_238_706_813_4, 0.111_190_517_226_687_24),
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
@@ -143,6 +143,9 @@ impl Sparse {
         &self.0
     }
 }
+
+/// Entries of a row that are not zero, with their places.
+pub type Entries<'a> = &'a [(usize, f64)];
 
 /// A square matrix by the nonzero entries of its rows.
 #[derive(Clone, Debug)]
@@ -264,7 +267,7 @@ impl SparseMatrix {
 
     /// The matrix less `x` times a row from some of its rows, by pairs of `(i, x)` and the row's
     /// entries.
-    pub fn less(&self, terms: &[(&[(usize, f64)], &[(usize, f64)])]) -> Self {
+    pub fn less(&self, terms: &[(Entries, Entries)]) -> Self {
         let mut changes: Vec<(usize, usize, f64)> = Vec::new();
         for (place, (by, _)) in terms.iter().enumerate() {
             changes.extend(by.iter().map(|&(i, x)| (i, place, x)));
