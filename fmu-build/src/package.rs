@@ -128,7 +128,7 @@ and later); on macOS libSystem.\n";
 /// Writes the usual archives for this machine, that of FMI 2.0 to `output` and the other beside it.
 ///
 /// # Errors
-/// Everything that [`platforms::at_hand`] and [`write`] return.
+/// Everything that [`platforms::at_hand`] and [`write()`] return.
 pub fn build(output: &Path) -> Result<()> {
     write(output, &Version::USUAL, &platforms::at_hand()?, None)
 }
