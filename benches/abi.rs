@@ -1,6 +1,6 @@
 //! The C interface in one process. Targets: a step without impact ≤ 0.5 µs, ten Reals read or
-//! written ≤ 50 ns, the FMU state taken and put back ≤ 200 ns; a step of FMI 3.0 within 10 % of
-//! that of FMI 2.0, as a ratio of steps made in turns. `cargo test --test allocation` checks that
+//! written ≤ 50 ns, the FMU state taken and put back ≤ 200 ns; an FMI 3.0 step within 10 % of the
+//! FMI 2.0 step, as a ratio from alternating runs. `cargo test --test allocation` checks that
 //! none of these allocates.
 #![allow(unsafe_code)] // the C interface
 
@@ -193,7 +193,7 @@ unsafe fn event_mode(c: FmiInstance) -> i32 {
     }
 }
 
-/// Time of the steps of 99 by 99 from rest, after each of which the state is put back, s a step.
+/// Time per step, s, over rounds of 99 steps from rest; the state is restored after each round.
 fn time_steps(mut step: impl FnMut(f64) -> i32, put_back: impl Fn() -> i32) -> f64 {
     const ROUNDS: usize = 100;
     let begin = Instant::now();
@@ -206,15 +206,15 @@ fn time_steps(mut step: impl FnMut(f64) -> i32, put_back: impl Fn() -> i32) -> f
     begin.elapsed().as_secs_f64() / (99 * ROUNDS) as f64
 }
 
-/// A step of FMI 3.0 over one of FMI 2.0, without event mode and with it: medians of turns that
-/// follow each other, so that what else the machine does meets all alike.
+/// Ratio of an FMI 3.0 step to an FMI 2.0 step, without and with event mode: the median over
+/// alternating runs, so that background load on the computer affects all alike.
 fn compare_steps(_: &mut Criterion) {
     const TURNS: usize = 301;
     let (c2, c3) = (initialized(), [0, 1].map(initialized3));
     let (mut start2, mut start3) = (null_mut(), [null_mut(); 2]);
     let mut times: [Vec<f64>; 3] = Default::default();
     let (mut flags, mut reached) = ([0_u8; 3], 0.0);
-    // SAFETY: live instances, states of their own, one of each result.
+    // SAFETY: live instances, each with its own saved state; one variable per output argument.
     unsafe {
         assert_eq!(fmi2GetFMUstate(c2, &mut start2), 0);
         for (c, start) in c3.iter().zip(&mut start3) {

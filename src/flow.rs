@@ -14,8 +14,8 @@
 //!
 //! # What must not change without proof
 //!
-//! - The length of a sub-step and the number of coefficients of a series belong together. The
-//!   compile-time assertions below hold the remainders; the derivation is docs/numerics.md,
+//! - Sub-step length and number of series coefficients depend on each other. The assertions below
+//!   bound the remainders at compile time; the derivation is docs/numerics.md,
 //!   section 1, and `tests/bounds.rs` compares it with machines chosen to break it.
 //! - The order of operations: states are compared bit by bit (`tests/state_bits.rs`). Tables are
 //!   bit-identical for all instruction sets, as no operation that fills them is fused.
@@ -44,7 +44,7 @@ pub use series::{ANCHORED, CENTRED, PIECE, Series, WHOLE, expand_along, remainde
 
 /// Intervals of a sub-step.
 pub const INTERVALS: usize = 16;
-/// Length of a sub-step times the fastest rate. With 2.4 most flights between two impacts of a
+/// Length of a sub-step times the fastest rate. At 2.4, most flights between the two impacts of a
 /// period take one or two sub-steps; the series about an interval's centre has radius 0.075/rate.
 const SUBSTEP_TIMES_RATE: f64 = 2.4;
 // Remainders of the series, as in the table of docs/numerics.md, section 1.
@@ -358,8 +358,8 @@ impl SubstepTable<LOAD> {
     }
 }
 
-/// Bound on |functional''| over an interval, from its largest values `row` at the centres. A row r
-/// at a centre is r·exp(Mδ) at a distance |δ| ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry
+/// Bound on |functional''| over an interval, from `row`, its largest magnitudes at the centres.
+/// With M the system matrix, a row r at a centre becomes r·exp(Mδ) at a distance |δ| ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry
 /// by entry.
 #[inline(always)]
 fn bound_between_centres<const N: usize>(

@@ -15,8 +15,9 @@ use vibro_impact::parameters::{FIELDS, Field, GROUPS, Groups, Parameters, check_
 /// Parameters of the 3-DOF machine in both forms, kept consistent.
 ///
 /// Setting a group leaves the other groups unchanged, setting an SI parameter the other SI
-/// parameters. Three groups are tied: β² = ε α̂23, where the one set last (at first α̂23) is held
-/// when ε changes; and μ13 = 1/ε (m3 = m2, as in the paper) until `mu13` or `secondary.m` is set.
+/// parameters. β² and α̂23 are tied by β² = ε α̂23: when ε changes, the one set last (initially
+/// α̂23) keeps its value and the other follows. μ13 = 1/ε (m3 = m2, as in the paper) holds until
+/// `mu13` or `secondary.m` is set.
 ///
 /// ```
 /// use vibro_analysis::ParameterSet;
@@ -108,8 +109,7 @@ impl ParameterSet {
     }
 
     /// The set STRONG, for the paper's section 5 (m3 = m1, strong coupling). Its numbers are chosen
-    /// for this program, since the copy of the paper this work was built from lacks the displayed
-    /// ones.
+    /// for this program: the available copy of the paper lacks the published ones.
     ///
     /// # Errors
     /// None for these numbers.
@@ -130,8 +130,8 @@ impl ParameterSet {
         &self.parameters
     }
 
-    /// Whether a parameter was set in either form: a group also by a physical parameter that enters
-    /// it, and a physical parameter also by its group.
+    /// Whether a parameter was set, directly or through the other form: a group counts as set when
+    /// any physical parameter in its definition was; a physical parameter, when its group was.
     pub fn is_set(&self, name: Name) -> bool {
         let given = |name: &&str| self.given.has(name);
         let definitions = || DEFINITIONS.iter();
@@ -151,8 +151,8 @@ impl ParameterSet {
         }
     }
 
-    /// The first of these groups that was set, under the name by which it was: its own or that of
-    /// its physical parameter.
+    /// Name under which the first of these groups that was set was given: the group's own name, or
+    /// the name of the physical parameter that sets it.
     pub fn first_set(&self, groups: &[&str]) -> Option<Name> {
         let names = groups.iter().filter_map(|group| DEFINITIONS.iter().find(|d| d.0 == *group));
         let mut names = names.flat_map(|d| [d.0, d.1]);
@@ -182,8 +182,8 @@ impl ParameterSet {
         }
     }
 
-    /// Physical parameters that were not set although others were, so that their values belong to
-    /// another machine; without those that a group determines and without the drive's phase.
+    /// Physical parameters left at default values although others were set, so that the machine is
+    /// a mixture. Parameters that a group determines, and the drive's phase, are excluded.
     pub fn not_given(&self) -> Vec<Name> {
         let fixed = |f: &&'static Field| self.is_set(Name::Si(f)) || f.name == "drive.phase";
         let missing = FIELDS.iter().filter(|f| self.is_si() && !fixed(f));
@@ -211,9 +211,9 @@ impl ParameterSet {
         self.changed(&[(name.into(), value)])
     }
 
-    /// The groups with one parameter of either form changed. If it is a group, the physical
-    /// parameters are not computed: theories in groups alone do not need them, and over a plane
-    /// this is a fifth of their time.
+    /// The groups with one parameter of either form changed. The physical parameters
+    /// are not computed if it is a group: theories in groups alone do not need them, and the
+    /// conversion would take a fifth of the time of a plane.
     ///
     /// # Errors
     /// The range that the value violates.
@@ -241,8 +241,8 @@ impl ParameterSet {
         Ok(Parameters { drive_phase, constant_loads, ..groups.to_parameters(self.parameters.scales())? })
     }
 
-    /// Applies texts of the form `name=value`, in order. A number without a unit is in the unit in
-    /// which its parameter was [written](Self::unit) before, as on every axis, or else in SI.
+    /// Applies texts of the form `name=value`, in order. A number without a unit is in the unit
+    /// last [written](Self::unit) for its parameter, else in SI. Axes follow the same rule.
     ///
     /// ```
     /// use vibro_analysis::ParameterSet;
@@ -274,8 +274,8 @@ impl ParameterSet {
         Ok(())
     }
 
-    /// Parses a number of a parameter: with a unit, or without one in the unit in which the
-    /// parameter was [written](Self::unit), or else in SI.
+    /// Quantity from a text. A number without a unit is in the unit last [written](Self::unit) for
+    /// the parameter, else in SI.
     ///
     /// # Errors
     /// As [`number`].
@@ -296,8 +296,8 @@ impl ParameterSet {
         }
     }
 
-    /// Applies values in order. Groups are converted to SI only where SI follows and at the end, so
-    /// that the order of two groups does not matter.
+    /// Applies values in order. Pending groups are converted to SI only before an SI parameter and
+    /// at the end, so that the order of two groups does not matter.
     ///
     /// # Errors
     /// The range that a value violates; nothing is changed then.

@@ -2,8 +2,8 @@
 //! (docs/assembly-law.md (A21)): one for the largest Lyapunov exponent, all for the multipliers of
 //! a period.
 //!
-//! What contacts hold is no direction of a variation, and neutral directions are removed: the rest
-//! of a variation can grow or shrink.
+//! Directions that contacts constrain, and neutral directions, are removed from a variation; only
+//! the remainder can grow or shrink.
 
 use super::flight::{Flow, ObservedFlight, Observer, Passage, dot};
 use nalgebra::DVector;
@@ -12,12 +12,13 @@ use vibro_assembly::motion::{Crossing, keep};
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::System;
 
-/// Stretches between checks of a variation's length, which changes by at most e¹⁰⁰ in them.
+/// Stretches of a flight between two checks of a variation's length; it changes by at most a factor
+/// of e¹⁰⁰ between them.
 const STRETCHES: f64 = 50.0;
-/// Lengths between which a variation is not rescaled on the way: its squares do not overflow for as
-/// many stretches more.
+/// Range of lengths in which a variation is not rescaled. Its squares cannot overflow before the
+/// next check, [`STRETCHES`] later.
 const SCALED: std::ops::Range<f64> = 1e-100..1e100;
-/// Part of a variation below which contacts hold it and the rest is rounding.
+/// Relative length below which the remainder of a variation is rounding, and is set to zero.
 const HELD: f64 = 1e-12;
 
 /// Units of the numbers of a state (q, q'), which give variations a length.
@@ -25,7 +26,7 @@ const HELD: f64 = 1e-12;
 pub struct Metric(pub Vec<f64>);
 
 impl Metric {
-    /// The metric in which coordinates count by ω, 1/s.
+    /// Metric that divides coordinates' units by ω (1/s) and leaves rates as they are.
     pub fn by_frequency(coordinates: usize, omega: f64) -> Self {
         Self((0..2 * coordinates).map(|k| if k < coordinates { 1.0 / omega } else { 1.0 }).collect())
     }
@@ -82,7 +83,7 @@ fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
 fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<f64>], metric: &Metric) {
     let Passage { watch, flows, states, events, .. } = passage;
     let rates = [0, 1].map(|k| flows[k].derivative(states[k]));
-    // Of two functionals with one name the one that is zero here.
+    // A functional may be watched twice under one name: the one that is zero here is meant.
     let ended = flows[0].watched.iter().filter(|ended| Some(ended.0) == watch);
     let off = |row: &[f64]| dot(row, states[0]).abs();
     let row = ended.map(|(_, row)| row.as_slice()).min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -182,7 +183,7 @@ impl Observer for Variation {
         for _ in 0..parts as u64 {
             self.v[0] = Flow::stretches(flow, &self.v[0], span / parts, &mut |_, _| ());
             hold(system, &flow.mode.basis, &mut self.v[0], &self.metric);
-            // Beside a slow drive dampers may remove all of it within one return.
+            // With a slow drive, dampers can shrink the variation to nothing within one return.
             if !SCALED.contains(&self.metric.length(&self.v[0])) {
                 self.scale();
             }

@@ -34,9 +34,8 @@ pub fn aligned<T>(pointer: *mut T, argument: &'static str) -> Result<*mut T, Fau
     if pointer.is_aligned() { Ok(pointer) } else { Err(Fault::Pointer { argument }) }
 }
 
-/// Refuses an array that cannot be; one without elements may have any pointer. More elements than
-/// `limit` are taken for a mistake: that keeps a wrong count from walking through the host's
-/// memory.
+/// Check of a host array: a count above `limit` and an invalid pointer are refused; an empty array
+/// may have any pointer. The limit keeps a wrong count from walking through the host's memory.
 ///
 /// # Errors
 /// [`Fault`] for more elements than any call has, or a pointer that cannot be followed.
@@ -62,11 +61,11 @@ pub fn check_count(number: &'static str, value: usize, count: usize) -> Result<(
     if value == count { Ok(()) } else { Err(problem()) }
 }
 
-/// The host's array as a slice; empty when `count` is 0, whatever the pointer. The argument is
-/// given by name, with the largest number of elements of any call.
+/// The host's array as a slice; empty when `count` is 0, whatever the pointer. `argument` is
+/// the array's name and the largest count that any call allows.
 ///
 /// # Errors
-/// [`Fault`] for a pointer or a count that cannot be.
+/// [`Fault`] for an invalid pointer or count.
 ///
 /// # Safety
 /// `pointer` is null or points to `count` elements that live and stay unchanged while the slice is
@@ -82,10 +81,10 @@ pub unsafe fn array<'a, T>(
     Ok(if count == 0 { &[] } else { unsafe { std::slice::from_raw_parts(pointer, count) } })
 }
 
-/// The host's array, which must have `expected` elements; both arguments are given by name.
+/// Host array of exactly `expected` elements; the names are those of the array and of its count.
 ///
 /// # Errors
-/// [`Fault`] for a pointer or a count that cannot be.
+/// [`Fault`] for an invalid pointer or count.
 ///
 /// # Safety
 /// As [`array()`].
@@ -104,7 +103,7 @@ pub unsafe fn vector<'a, T>(
 /// The host's C string.
 ///
 /// # Errors
-/// [`Fault`] for a pointer or a count that cannot be.
+/// [`Fault`] for an invalid pointer or count.
 ///
 /// # Safety
 /// `pointer` is null or points to a string that ends with a null byte and lives while the text is
@@ -118,7 +117,7 @@ pub unsafe fn c_str<'a>(pointer: *const c_char, argument: &'static str) -> Resul
 /// The host's array, or its single value, to be written.
 ///
 /// # Errors
-/// [`Fault`] for a pointer or a count that cannot be.
+/// [`Fault`] for an invalid pointer or count.
 ///
 /// # Safety
 /// `pointer` is null or points to `count` elements that live and are not read while this is used.
@@ -198,7 +197,7 @@ pub unsafe fn handle<'a>(pointer: *mut *mut c_void, argument: &'static str) -> R
 }
 
 impl Handle<'_> {
-    /// Puts what `new` makes of the present address (0 for null) in its place.
+    /// Address replaced by the result of `new`, which receives the present one (0 for null).
     ///
     /// # Errors
     /// Those of `new`, and when there is no variable.

@@ -2,8 +2,9 @@
 //! restored.
 //!
 //! Each method checks everything it was given and only then changes anything: a refused call leaves
-//! the component as it was. Which call is allowed in which state of which protocol is the door's to
-//! say; the component knows [`Phase`]s, which decide on what may be set.
+//! the component as it was. The FMI layer (the door) decides which call is allowed
+//! in which state of its protocol; the component knows only [`Phase`]s, which decide which
+//! variables may be set.
 
 mod access;
 mod arrival;
@@ -59,8 +60,8 @@ pub struct Instance {
     initial: Settings,
     settings: Settings,
     engine: Engine,
-    /// Which loads had their derivatives set since the last step: a value set after them does not
-    /// clear them.
+    /// Loads whose derivatives were set since the last step; a later set of a load's value keeps
+    /// its derivatives.
     slopes_set: [bool; 3],
     /// Whether parameters or loads were set since the last step.
     parameters_set: bool,
@@ -78,7 +79,7 @@ pub struct Instance {
     step_matrices: Option<StepMatrices>,
     /// What the clock of impacts shows.
     tick: Tick,
-    /// Nominal values of the states that the host was told last.
+    /// Nominal values of the states, as last reported to the host.
     nominals_told: Option<[f64; 6]>,
     /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
     given: u16,
@@ -157,8 +158,8 @@ impl Instance {
         }
     }
 
-    /// Of a state that a host with another handling of events has saved: where this one has no
-    /// phase of events, nothing of one is left, and an event that is due comes with its next step.
+    /// Adapts a state saved by a host with another event handling: without an event mode, pending
+    /// events are dropped, and an event that is due is handled in the next step.
     fn meet_own_protocol(&mut self) {
         if self.life.interface == Interface::CoSimulation && !self.life.handling.event_mode {
             self.events = EventState::default();
@@ -183,10 +184,10 @@ impl Instance {
         Ok(())
     }
 
-    /// What the outputs read now; of nothing that moves yet, the start.
+    /// Present values of the outputs; before initialization, those of the start.
     ///
     /// # Errors
-    /// [`Problem::Overflow`] when one is not finite: no output ever is.
+    /// [`Problem::Overflow`] when a value is not finite; outputs are always finite.
     fn present_values(&self) -> Outcome<OutputValues> {
         let mut values = match self.present()? {
             Present::Simulation(simulator) => OutputValues::of(&simulator),

@@ -6,11 +6,10 @@ use super::variables::{
 };
 use std::collections::BTreeMap;
 
-/// An unknown and what it depends on. The lists hold in every mode: where a closed form and a
-/// simulation differ, they name what either depends on. Outside initialization the continuous
-/// states are knowns, and held: that a parameter which is set at an event makes them jump there (by
-/// the law of an impact, or to another steady state of a closed form) is no dependency, and neither
-/// is what such a jump does to other unknowns.
+/// Unknown and its dependencies. The lists hold in every mode: where the closed form and the
+/// simulation differ, they are the union of both. Outside initialization the continuous states are
+/// knowns and count as fixed: a jump of the states when a parameter is set at an event is not
+/// listed as a dependency, nor are the effects of that jump on other unknowns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// Its place in the table.
@@ -25,7 +24,7 @@ pub const STATES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "bloc
 /// Names of their derivatives, in the same order.
 pub const DERIVATIVES: [&str; 6] = ["box.v", "block.v", "secondary.v", "box.a", "block.a", "secondary.a"];
 
-/// The same where each derivative is a variable that is no state.
+/// Names of the derivatives in editions where each derivative is a variable apart from the states.
 pub const EXTENDED_DERIVATIVES: [&str; 6] =
     ["der(box.s)", "der(block.s)", "der(secondary.s)", "box.a", "block.a", "secondary.a"];
 
@@ -73,13 +72,13 @@ pub fn input_of(body: usize) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.body == Some(body))
 }
 
-/// Knowns by place, in its order; of those that are only named it is not said how they enter.
+/// Dependencies ordered by place: `knowns` with their kinds, `names` with the kind `Dependent`.
 fn ordered<'a>(
     knowns: Knowns,
     names: impl IntoIterator<Item = &'a &'static str>,
 ) -> Vec<(usize, DependencyKind)> {
     let named = names.into_iter().map(|name| (*name, DependencyKind::Dependent));
-    // Where a name stands in both lists, the second says less.
+    // Names in both lists keep the second kind, `Dependent`, which is the less specific one.
     let all = knowns.iter().copied().chain(named).map(|(name, kind)| (place(name), kind));
     let ordered: BTreeMap<_, _> = all.collect();
     ordered.into_iter().collect()

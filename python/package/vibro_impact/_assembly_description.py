@@ -78,7 +78,7 @@ class AssemblyDescription:
         Raises
         ------
         ValueError, TypeError
-            For unknown names, with the nearest; for values that a file would be refused for.
+            For an unknown name (the message gives the nearest one), or a value not allowed in a file either.
         """
         units = self.units if any(isinstance(value, str) for value in parameters.values()) else {}
         for name, value in parameters.items():
@@ -90,7 +90,7 @@ class AssemblyDescription:
         return self._of(self._described.replace(changes))
 
     def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
-        """The values, those given as texts with units converted to SI."""
+        """The values in SI: texts with units are converted, numbers are returned unchanged."""
         if isinstance(given, (list, tuple, np.ndarray)) and any(isinstance(value, str) for value in given):
             return [self.replace(**{name: value}).parameters[name] for value in given]
         return given

@@ -41,9 +41,9 @@ class SteadyState(Result):
     eigenvalues: NDArray[np.complex128]
     "Eigenvalues of the slow flow's Jacobian, shape (4,), per unit of the slow time; empty for the exact orbit."
     multipliers: NDArray[np.complex128]
-    "Multipliers of half a cycle, shape (2,), of the exact orbit (6,)."
+    "Multipliers of half a cycle: shape (2,), or (6,) for the exact orbit."
     bifurcation: str
-    "What the largest multiplier announces."
+    "Type of bifurcation that the largest multiplier indicates."
 
     @property
     def stable(self) -> bool:

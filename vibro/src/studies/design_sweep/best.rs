@@ -4,7 +4,7 @@ use super::collected::value_in_words;
 use super::words::Labelled;
 use vibro_analysis::design_sweep::{Choice, DesignRow, SweepRequest, row};
 
-/// Most designs that are listed one by one.
+/// Maximum number of designs listed one by one.
 const TOLD: usize = 8;
 
 /// The best design, or the designs that error bars do not separate, and how it was sought.
