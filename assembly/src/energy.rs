@@ -5,7 +5,7 @@
 mod long;
 mod powers;
 
-pub use powers::{Account, AllPowers, Powers, Samples};
+pub use powers::{Account, Losses, Powers, Samples};
 
 use crate::flow::FlowTable;
 pub use crate::kernel::{NODES, nodes_for};

@@ -13,7 +13,7 @@ pub use split::{Split, Term};
 
 use crate::description::{Arms, BodyKind, Description, StopLaw};
 use crate::elements::Element;
-use crate::energy::AllPowers;
+use crate::energy::Losses;
 use crate::error::Error;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -60,7 +60,7 @@ pub struct System {
     pub load_bodies: Vec<usize>,
     /// Modes without held contacts, of machines that keep no tables.
     split: OnceLock<Split>,
-    powers: OnceLock<AllPowers>,
+    losses: OnceLock<Losses>,
     /// Whether any body's motion is prescribed.
     pub has_motions: bool,
     /// The momentum Bᵀ m D p' that prescribed bodies impart through links, as rows; `None` where it
@@ -198,7 +198,7 @@ impl System {
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
             split: OnceLock::new(),
-            powers: OnceLock::new(),
+            losses: OnceLock::new(),
             has_motions: motions.iter().any(Option::is_some),
             carried: (carried.amax() > 0.0).then_some(carried),
             inertias,
@@ -209,9 +209,9 @@ impl System {
         Ok(system)
     }
 
-    /// The powers of all modes, of a machine of which no body's motion is prescribed.
-    pub fn powers(&self) -> &AllPowers {
-        self.powers.get_or_init(|| AllPowers::new(self))
+    /// Works of loads and losses in all modes.
+    pub fn losses(&self) -> &Losses {
+        self.losses.get_or_init(|| Losses::new(self))
     }
 
     /// What is known of the modes without held contacts.

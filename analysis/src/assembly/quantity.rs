@@ -1,5 +1,5 @@
-//! Quantities of described machines by the names of the columns of their motion: `box.s`, `upper.f`,
-//! `shaker.f`.
+//! Quantities of described machines, by the names of the columns of their motion: `box.s`,
+//! `upper.f`, `shaker.f`.
 
 use super::flight::Flow;
 use crate::error::{Error, Result};

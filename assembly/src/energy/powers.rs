@@ -70,15 +70,16 @@ enum When {
     Friction(usize, FrictionState),
 }
 
-/// The powers of all modes of a machine of which no body's motion is prescribed.
+/// Works of loads and losses in all modes of a machine. The loss of a compliant stop is the work of
+/// its force beyond the stored energy ½ k max(0, e - gap)².
 #[derive(Clone, Debug)]
-pub struct AllPowers {
+pub struct Losses {
     rows: Arc<Vec<Sparse>>,
     all: Vec<(When, Power)>,
     coordinates: usize,
 }
 
-impl AllPowers {
+impl Losses {
     /// Of a machine.
     pub fn new(system: &System) -> Self {
         let mut rows: Vec<Sparse> = Vec::new();
@@ -119,15 +120,20 @@ impl AllPowers {
         Self { rows: Arc::new(rows), all, coordinates: system.coordinates }
     }
 
-    fn of_mode(&self, mode: &Mode) -> Powers {
-        let acts = |when: &When| match *when {
+    /// Those of a mode.
+    fn of_mode(&self, mode: &Mode) -> impl Iterator<Item = &Power> {
+        let acts = |when: When| match when {
             When::Always => true,
             When::Stop(i, state) => mode.stops[i] == state,
             When::Friction(i, state) => mode.frictions[i] == state,
         };
-        let all: Vec<Power> =
-            self.all.iter().filter(|(when, _)| acts(when)).map(|(_, power)| power.clone()).collect();
-        let places = |place: usize| self.rows[place].terms().iter().any(|(j, _)| *j < self.coordinates);
+        self.all.iter().filter(move |(when, _)| acts(*when)).map(|(_, power)| power)
+    }
+
+    /// The powers of a mode in a machine without prescribed bodies; its rows are these.
+    fn powers(&self, mode: &Mode) -> Powers {
+        let all: Vec<Power> = self.of_mode(mode).cloned().collect();
+        let places = |row: usize| self.rows[row].terms().iter().any(|(j, _)| *j < self.coordinates);
         let needs_places = all.iter().any(|power| power.of.into_iter().any(places));
         Powers { rows: self.rows.clone(), needs_places, all, ..Powers::default() }
     }
@@ -150,10 +156,10 @@ impl Powers {
     /// The powers of a machine in a mode.
     pub fn new(system: &System, mode: &Mode, table: &FlowTable) -> Self {
         if !table.is_dense() && !system.has_motions {
-            return system.powers().of_mode(mode);
+            return system.losses().powers(mode);
         }
         let mut powers = Self::default();
-        powers.add_losses(system, mode);
+        powers.add_losses(system.losses(), mode);
         if system.has_motions {
             powers.add_motions(system, mode, table);
         }
@@ -194,8 +200,7 @@ impl Powers {
         })
     }
 
-    fn add(&mut self, account: Account, factor: f64, left: &StateRow, right: &StateRow) {
-        let rows = [left, right].map(|row| Sparse::of(row.as_slice()));
+    fn add(&mut self, account: Account, factor: f64, rows: [Sparse; 2]) {
         if factor == 0.0 || rows.iter().any(|row| row.terms().is_empty()) {
             return;
         }
@@ -208,30 +213,10 @@ impl Powers {
         self.all.push(Power { account, factor, of });
     }
 
-    /// Adds loads and losses. The loss of a compliant stop is the work of its force beyond the
-    /// stored energy ½ k max(0, e - gap)².
-    fn add_losses(&mut self, system: &System, mode: &Mode) {
-        for (i, (row, &body)) in system.loads.iter().zip(&system.load_bodies).enumerate() {
-            self.add(Account::Load(i), 1.0, row, &system.bodies[body].v);
-        }
-        for (i, spring) in system.springs.iter().enumerate() {
-            let rate = &spring.elongation.rate;
-            self.add(Account::Dashpot(i), spring.damping, rate, rate);
-        }
-        for (i, stop) in system.stops.iter().enumerate() {
-            let (rate, account) = (&stop.elongation.rate, Account::Stop(i));
-            match (mode.stops[i], stop.law) {
-                (StopState::Pressed, StopLaw::Compliant { damping, .. }) => {
-                    self.add(account, damping, rate, rate);
-                }
-                (StopState::Free, _) => self.add(account, -1.0, &stop.spring, rate),
-                (StopState::Capped, _) => self.add(account, 1.0, &stop.spring, rate),
-                _ => {}
-            }
-        }
-        for (i, friction) in system.frictions.iter().enumerate() {
-            let direction = mode.frictions[i].direction();
-            self.add(Account::Friction(i), direction, &friction.level, &friction.elongation.rate);
+    /// Adds the loads and losses of a mode, rows that are equal once.
+    fn add_losses(&mut self, losses: &Losses, mode: &Mode) {
+        for Power { account, factor, of } in losses.of_mode(mode) {
+            self.add(*account, *factor, of.map(|row| losses.rows[row].clone()));
         }
     }
 
@@ -241,7 +226,8 @@ impl Powers {
         let mut add = |factor: f64, force: &StateRow, rate: &StateRow| {
             let mut prescribed = rate.clone();
             prescribed.rows_mut(n, n).fill(0.0);
-            self.add(Account::Motions, factor, force, &prescribed);
+            let rows = [force, &prescribed].map(|row| Sparse::of(row.as_slice()));
+            self.add(Account::Motions, factor, rows);
         };
         for (row, &body) in system.loads.iter().zip(&system.load_bodies) {
             add(-1.0, row, &system.bodies[body].v);

@@ -150,15 +150,11 @@ impl Ahead {
         self.span = span;
         series.scale(1, span);
         series.scale(2, 0.5 * span * span);
-        let norm = |series: &Series, k: usize| {
+        let norm = |series: &Series, k: usize, coordinates: usize| {
             let largest = |most: f64, (x, weight): (&f64, &f64)| most.max((x * weight).abs());
-            series.term(k).iter().zip(&table.weights).fold(0.0, largest)
+            series.term(k)[..coordinates].iter().zip(&table.weights).fold(0.0, largest)
         };
-        let own = |series: &Series, k: usize| {
-            let largest = |most: f64, (x, weight): (&f64, &f64)| most.max((x * weight).abs());
-            series.term(k)[..table.one].iter().zip(&table.weights).fold(0.0, largest)
-        };
-        let size = (0..3).map(|k| own(series, k)).fold(0.0, f64::max);
+        let size = (0..3).map(|k| norm(series, k, table.one)).fold(0.0, f64::max);
         let (radius, mut k, mut bound) = (table.rate * span, 2, 0.5 * (table.rate * span).powi(2));
         loop {
             let ratio = radius / (k + 1) as f64;
@@ -167,7 +163,10 @@ impl Ahead {
             }
             // What is left is at most the last term times q/(1 - q); it is looked at where it may be
             // small.
-            if ratio < 0.9 && bound < 1e-8 && norm(series, k) * ratio / (1.0 - ratio) <= REMAINDER * size {
+            if ratio < 0.9
+                && bound < 1e-8
+                && norm(series, k, z.len()) * ratio / (1.0 - ratio) <= REMAINDER * size
+            {
                 break;
             }
             k += 1;

@@ -245,17 +245,12 @@ impl PassageSearch<'_> {
             }
             let hi = first.map_or(part, |(part, _)| part);
             if let Some(u) = passage_of(&c, hi)
-                && !(order == 0 && self.only_touches_before(place, begin, &c, (u + WINDOW).min(hi)))
+                && !(order == 0 && self.only_touches(place, begin, &shortened(&c, (u + WINDOW).min(hi))))
             {
                 first = Some((u, place));
             }
         }
         first
-    }
-
-    /// As [`only_touches`](Self::only_touches), up to a part of the span.
-    fn only_touches_before(&self, place: usize, begin: f64, c: &[f64; TERMS], part: f64) -> bool {
-        self.only_touches(place, begin, &shortened(c, part))
     }
 
     /// Whether a passage is one at the knot at the end of its span, as
@@ -344,11 +339,7 @@ impl PassageSearch<'_> {
             c[0] -= self.short_limit(place);
             let begin = c[0];
             if ratio != 1.0 {
-                let mut scale = 1.0;
-                for ck in &mut c {
-                    *ck *= scale;
-                    scale *= ratio;
-                }
+                c = shortened(&c, ratio);
             }
             if order > 0 {
                 c.copy_within(order.., 0);
@@ -379,7 +370,7 @@ impl PassageSearch<'_> {
     /// A stop or a level that passes zero slowly has its event as soon as it exceeds what counts as
     /// zero. Other functionals, such as forces, are touches only where they turn round.
     #[inline(never)]
-    pub(super) fn only_touches<const N: usize>(&self, place: usize, begin: f64, c: &[f64; N]) -> bool {
+    fn only_touches<const N: usize>(&self, place: usize, begin: f64, c: &[f64; N]) -> bool {
         let w = &self.table.watched[place];
         let zero = self.hybrid.sizes.zero_of(&w.row);
         let turns = match w.watch {
@@ -398,7 +389,8 @@ impl PassageSearch<'_> {
 }
 
 /// The coefficients of a series in parts of a part of its span.
-fn shortened(c: &[f64; TERMS], part: f64) -> [f64; TERMS] {
+#[inline(always)]
+fn shortened<const N: usize>(c: &[f64; N], part: f64) -> [f64; N] {
     let (mut c, mut scale) = (*c, 1.0);
     for ck in &mut c {
         *ck *= scale;
@@ -463,7 +455,7 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
 
 /// Σ part(c_k) over k ≥ 1, in four partial sums for vector instructions.
 #[inline(always)]
-pub(super) fn sum_behind<const N: usize>(c: &[f64; N], part: impl Fn(f64) -> f64) -> f64 {
+fn sum_behind<const N: usize>(c: &[f64; N], part: impl Fn(f64) -> f64) -> f64 {
     let mut sums = [-part(c[0]), 0.0, 0.0, 0.0];
     for four in c.as_chunks::<4>().0 {
         sums.iter_mut().zip(four).for_each(|(sum, x)| *sum += part(*x));

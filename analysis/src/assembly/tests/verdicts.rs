@@ -113,7 +113,7 @@ pub(in crate::assembly) fn ball(amplitude: f64) -> Machine {
     ball_from(amplitude, 1.01)
 }
 
-/// The same from so many times the speed of the 1T motion.
+/// A ball on a table that starts with a multiple of the speed of its 1T motion.
 fn ball_from(amplitude: f64, part: f64) -> Machine {
     let [sine, cosine] = ball_phase(amplitude);
     let since = PERIOD - sine.atan2(cosine) / TAU * PERIOD;
