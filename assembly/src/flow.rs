@@ -19,7 +19,7 @@ mod kept;
 mod ladder;
 mod watched;
 
-pub use crate::kernel::SparseMatrix;
+pub use crate::kernel::{Sparse, SparseMatrix};
 pub use ahead::{Ahead, Series, TERMS};
 pub use exponential::rate_bound;
 pub use ladder::{Ladder, RUNGS, Rung};
@@ -27,14 +27,13 @@ pub(crate) use watched::taylor;
 pub use watched::{Group, Head, WatchTable, head_of};
 
 use crate::law::ZERO;
-use crate::mode::{Linear, Mode};
+use crate::mode::{Linear, Mode, Triangle};
 use crate::signals::SMALL;
-use crate::system::{StateRow, System};
+use crate::system::System;
 use apart::Apart;
 pub(crate) use exponential::LEAST_RATE;
 use exponential::{norm, series_orders};
 use kept::Kept;
-use nalgebra::DMatrix;
 use std::sync::Arc;
 
 /// Number of derivatives of a functional that are examined at the start of a mode, and of its
@@ -90,16 +89,23 @@ pub struct FlowTable {
     /// What is watched.
     pub watched: Vec<Arc<WatchTable>>,
     /// The forces of the basis.
-    pub lambda: Vec<StateRow>,
+    pub lambda: Vec<Sparse>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
-    pub triangle: DMatrix<f64>,
+    pub triangle: Triangle,
+    /// Count of the numbers stored from the beginning.
+    fixed: usize,
 }
 
 impl FlowTable {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
+        Self::with_norm(linear, one, |a| norm(a, one))
+    }
+
+    /// The flow of a linear system with a bound of the norm of A by its matrix.
+    fn with_norm(linear: Linear, one: usize, norm: impl Fn(&SparseMatrix) -> (f64, Vec<f64>)) -> Self {
         let Linear { mut a, terms, lambda, triangle, watched, elastic, loose } = linear;
-        let (mut rate, mut weights) = norm(&a, one);
+        let (mut rate, mut weights) = norm(&a);
         // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
         let is_small = a.len() <= DENSE;
         let apart = elastic.and_then(|elastic| {
@@ -110,17 +116,16 @@ impl FlowTable {
         // all bodies that they hold together.
         if let (Some(apart), Some(_)) = (&apart, &loose) {
             a = apart.sum();
-            (rate, weights) = norm(&a, one);
+            (rate, weights) = norm(&a);
         }
         let length = RADIUS / rate;
         let orders = ENDS.map(|end| series_orders(RADIUS * end));
         let watched = watched.into_iter().map(|(watch, row)| Arc::new(WatchTable::new(watch, row, &a)));
         let watched = watched.collect();
-        // Without contacts nothing cancels.
-        let sizes = loose.is_some().then_some(terms);
         let mut table = Self {
             a,
-            sizes,
+            // Without contacts nothing cancels.
+            sizes: terms,
             loose,
             one,
             rate,
@@ -133,26 +138,33 @@ impl FlowTable {
             watched,
             lambda,
             triangle,
+            fixed: 0,
         };
         table.kept = is_small.then(|| Kept::of(&table));
+        table.fixed = table.fixed_numbers();
         table
     }
 
     /// The flow of a mode of a machine that keeps no tables.
     pub fn of_mode(system: &System, mode: &Mode) -> Self {
         let one = system.signals.one;
-        if system.signals.size <= DENSE || mode.contacts().next().is_some() {
+        if system.signals.size <= DENSE {
             return Self::new(system.linear(mode), one);
         }
         let split = system.split();
-        let terms = split.terms(mode);
-        let (rate, weights) = split.norm(&terms, one);
-        let all: Vec<_> = terms.iter().map(|term| (term.by.terms(), term.force.terms())).collect();
-        let a = split.base.less(&all);
-        let watched = split.watched(mode, &a);
+        if mode.contacts().next().is_some() {
+            return Self::with_norm(system.linear(mode), one, |a| split.norm(a));
+        }
+        let mut terms = split.elastic(mode);
+        terms.extend(split.frictional(mode));
+        let a = split.with(terms.iter());
+        let (rate, weights) = split.norm(&a);
+        let in_mode = |(known, depends): &(Arc<WatchTable>, bool)| {
+            if *depends { Arc::new(known.in_mode(&a)) } else { known.clone() }
+        };
+        let watched = split.watched(mode).map(in_mode).collect();
         let is_split = terms.iter().any(|term| !term.force.terms().is_empty());
-        Self {
-            a,
+        let mut table = Self {
             sizes: None,
             loose: None,
             one,
@@ -165,8 +177,12 @@ impl FlowTable {
             orders: ENDS.map(|end| series_orders(RADIUS * end)),
             watched,
             lambda: Vec::new(),
-            triangle: DMatrix::zeros(0, 0),
-        }
+            triangle: Triangle::default(),
+            a,
+            fixed: 0,
+        };
+        table.fixed = table.fixed_numbers();
+        table
     }
 
     /// The flow over 2^`k` sub-steps.
@@ -316,7 +332,7 @@ impl FlowTable {
         rows: &mut DepartureRows,
     ) -> Option<(usize, f64)> {
         let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;
-        let value = w.row.at(z);
+        let value = w.row.dot(z);
         if leaves(value, w.row.size(sizes)) {
             return Some((0, value));
         }
@@ -324,11 +340,11 @@ impl FlowTable {
         if leaves(slope, self.slope_size(w, sizes)) {
             return Some((1, slope));
         }
-        let size = w.row.len();
+        let size = z.len();
         let DepartureRows { row, next_row, terms, next_terms } = rows;
         [&mut *row, next_row, terms, next_terms].into_iter().for_each(|memory| memory.resize(size, 0.0));
-        row.copy_from_slice(w.row.as_slice());
-        terms.iter_mut().zip(w.row.iter()).for_each(|(term, x)| *term = x.abs());
+        [&mut *row, terms].into_iter().for_each(|memory| memory.fill(0.0));
+        w.row.terms().iter().for_each(|&(j, x)| (row[j], terms[j]) = (x, x.abs()));
         for k in 1..ORDERS {
             // Derivatives are Taylor coefficients in units of the sub-step.
             let factor = self.length / k as f64;
@@ -392,17 +408,22 @@ impl FlowTable {
 
     /// Count of stored numbers.
     pub fn numbers(&self) -> usize {
-        let size = self.a.len();
+        self.fixed + self.ladder.made().map(Rung::numbers).sum::<usize>()
+    }
+
+    /// Count of the numbers stored from the beginning.
+    fn fixed_numbers(&self) -> usize {
         let held = [&self.sizes, &self.loose].into_iter().flatten().map(SparseMatrix::entries).sum::<usize>();
         // Modes without contacts share what they watch.
-        let own = if held > 0 || self.kept.is_some() { size } else { 1 };
+        let terms = |w: &Arc<WatchTable>| 2 * (w.row.terms().len() + w.slope.terms().len());
+        let is_own = held > 0 || self.kept.is_some();
         2 * (self.a.entries() + held)
             + self.weights.len()
-            + self.watched.len() * own
-            + self.kept.as_ref().map_or(0, |kept| kept.numbers(size))
+            + self.watched.iter().map(|w| if is_own { terms(w) } else { 1 }).sum::<usize>()
+            + self.kept.as_ref().map_or(0, |kept| kept.numbers(self.a.len()))
             + self.apart.as_ref().map_or(0, Apart::numbers)
-            + self.ladder.made().map(Rung::numbers).sum::<usize>()
-            + self.lambda.len() * (size + self.lambda.len())
+            + 2 * self.lambda.iter().map(|row| row.terms().len()).sum::<usize>()
+            + self.triangle.numbers()
     }
 }
 

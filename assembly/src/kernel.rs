@@ -131,6 +131,31 @@ impl Sparse {
         self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()
     }
 
+    /// `factor` times the row.
+    pub fn times(&self, factor: f64) -> Self {
+        Self::from_terms(self.0.iter().map(|&(j, x)| (j, factor * x)))
+    }
+
+    /// The row less another.
+    pub fn less(&self, other: &Self) -> Self {
+        let mut left: Vec<(usize, f64)> = Vec::with_capacity(self.0.len() + other.0.len());
+        let (mut own, mut others) = (self.0.iter().peekable(), other.0.iter().peekable());
+        loop {
+            let places = [own.peek(), others.peek()].map(|term| term.map(|term| term.0));
+            let Some(place) = places.into_iter().flatten().min() else {
+                return Self::from_terms(left.into_iter());
+            };
+            let x = own.next_if(|term| term.0 == place).map_or(0.0, |term| term.1);
+            let less = others.next_if(|term| term.0 == place).map_or(0.0, |term| term.1);
+            left.push((place, x - less));
+        }
+    }
+
+    /// The entry at a place.
+    pub fn entry(&self, j: usize) -> f64 {
+        self.0.iter().find(|term| term.0 == j).map_or(0.0, |term| term.1)
+    }
+
     /// The row as a dense vector.
     pub fn dense(&self, size: usize) -> Vec<f64> {
         let mut row = vec![0.0; size];
@@ -141,6 +166,12 @@ impl Sparse {
     /// The nonzero entries with their places.
     pub fn terms(&self) -> &[(usize, f64)] {
         &self.0
+    }
+}
+
+impl AsRef<Self> for Sparse {
+    fn as_ref(&self) -> &Self {
+        self
     }
 }
 
@@ -265,12 +296,11 @@ impl SparseMatrix {
         Sparse::from_terms(all.into_iter())
     }
 
-    /// The matrix less `x` times a row from some of its rows, by pairs of `(i, x)` and the row's
-    /// entries.
-    pub fn less(&self, terms: &[(Entries, Entries)]) -> Self {
-        let mut changes: Vec<(usize, usize, f64)> = Vec::new();
-        for (place, (by, _)) in terms.iter().enumerate() {
-            changes.extend(by.iter().map(|&(i, x)| (i, place, x)));
+    /// The matrix less the outer products of pairs of a column and a row, by their entries.
+    pub fn less<'t>(&self, products: impl Iterator<Item = [Entries<'t>; 2]>) -> Self {
+        let mut changes: Vec<(usize, Entries, f64)> = Vec::new();
+        for [column, row] in products {
+            changes.extend(column.iter().map(|&(i, x)| (i, row, x)));
         }
         changes.sort_by_key(|change| change.0);
         let mut sum = Self { rows: Vec::with_capacity(self.rows.len()), entries: Vec::new() };
@@ -284,8 +314,8 @@ impl SparseMatrix {
             }
             row.clear();
             row.extend_from_slice(self.row(i));
-            while let Some(&(_, place, x)) = changes.get(next).filter(|change| change.0 == i) {
-                for &(j, f) in terms[place].1 {
+            while let Some(&(_, own, x)) = changes.get(next).filter(|change| change.0 == i) {
+                for &(j, f) in own {
                     match row.iter_mut().find(|entry: &&mut (usize, f64)| entry.0 == j) {
                         Some(entry) => entry.1 -= x * f,
                         None => row.push((j, -x * f)),

@@ -1,13 +1,15 @@
 //! Modes: the states of all stops and frictions, which determine a linear system z' = A z and the
 //! functionals that end it (docs/assembly-law.md (A5)).
 
+pub(crate) mod groups;
+mod held;
 mod linear;
 pub mod states;
 
+pub use groups::Triangle;
 pub use linear::{Elastic, Linear};
 pub use states::{FrictionState, StopState};
 
-use crate::law::box_qp::independent;
 use crate::system::{Elongation, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -130,8 +132,8 @@ impl System {
         match state {
             FrictionState::Up => Some(friction.level.clone()),
             FrictionState::Down => Some(-&friction.level),
-            FrictionState::HeldUp => Some(friction.static_level.clone()),
-            FrictionState::HeldDown => Some(-&friction.static_level),
+            FrictionState::HeldUp => Some((*friction.static_level).clone()),
+            FrictionState::HeldDown => Some(-&*friction.static_level),
             FrictionState::Off | FrictionState::Stuck => None,
         }
     }
@@ -198,16 +200,6 @@ impl System {
             columns.set_column(k, &self.elongation_of(contact).column);
         }
         columns
-    }
-
-    /// The largest independent part of contacts, given in order of preference; the result is
-    /// sorted.
-    pub fn independent(&self, contacts: &[Contact]) -> Vec<Contact> {
-        let places: Vec<usize> = (0..contacts.len()).collect();
-        let mut basis: Vec<Contact> =
-            independent(&self.columns(contacts), &places).into_iter().map(|k| contacts[k]).collect();
-        basis.sort();
-        basis
     }
 
     /// The mode that differs from `mode` by the state of an element.

@@ -248,7 +248,9 @@ impl System {
         let mut column = w.clone();
         self.inertia.l_dirty().solve_lower_triangular_mut(&mut column);
         let mobility = self.inertia.solve(&w);
-        Elongation { e, rate: Functional::of(rate), w, drift, column, mobility }
+        let acts = |k: &usize| [&w, &column, &mobility].iter().any(|own| own[*k] != 0.0);
+        let reach = (0..self.coordinates).filter(acts).collect();
+        Elongation { e, rate: Functional::of(rate), w, drift, column, mobility, reach }
     }
 
     /// Adds the parts of all elements.
@@ -300,7 +302,7 @@ impl System {
         self.frictions.push(FrictionRows {
             elongation: self.elongation(arms),
             level: level.clone(),
-            static_level: static_level.unwrap_or(level).clone(),
+            static_level: Functional::of(static_level.unwrap_or(level).clone()),
             has_static: static_level.is_some(),
         });
         vec![Part::Friction(self.frictions.len() - 1)]

@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 use std::sync::Arc;
-use vibro_assembly::flow::{ORDERS, SparseMatrix, rate_bound};
+use vibro_assembly::flow::{ORDERS, Sparse, SparseMatrix, rate_bound};
 use vibro_assembly::mode::{Linear, Mode, Watch};
 use vibro_assembly::motion::{Event, Reached};
 use vibro_assembly::system::{StateRow, System};
@@ -36,7 +36,7 @@ pub struct Flow {
     /// Bound of the norm of A, 1/s.
     rate: f64,
     /// Forces of the mode's independent contacts.
-    pub lambda: Vec<StateRow>,
+    pub lambda: Vec<Sparse>,
     /// Functionals that end the mode, each negative inside it.
     pub watched: Vec<(Watch, StateRow)>,
 }
@@ -45,6 +45,8 @@ impl Flow {
     fn new(system: &System, mode: &Mode) -> Self {
         let Linear { a, lambda, watched, .. } = system.linear(mode);
         let rate = rate_bound(&a, system.signals.one);
+        let dense = |row: &Sparse| StateRow::from_vec(row.dense(system.signals.size));
+        let watched = watched.into_iter().map(|(watch, row)| (watch, dense(&row))).collect();
         Self { mode: mode.clone(), a, rate, lambda, watched }
     }
 

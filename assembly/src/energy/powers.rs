@@ -246,7 +246,8 @@ impl Powers {
             }
         }
         for (&contact, force) in mode.basis.iter().zip(&table.lambda) {
-            add(1.0, force, &system.elongation_of(contact).rate);
+            let force = StateRow::from_vec(force.dense(system.signals.size));
+            add(1.0, &force, &system.elongation_of(contact).rate);
         }
         // Links transmit the inertia and weight of free bodies to prescribed ones.
         for (i, body) in system.bodies.iter().enumerate().filter(|(i, _)| system.inertias[*i] > 0.0) {

@@ -139,7 +139,7 @@ impl Ahead {
         let shortest = SHORTEST * span;
         for (place, w) in table.watched.iter().enumerate() {
             let (order, limit) = leaving(place);
-            let [value, slope, bend] = [0, 1, 2].map(|k| w.row.at(series.term(k)));
+            let [value, slope, bend] = [0, 1, 2].map(|k| w.row.dot(series.term(k)));
             let passes = match order {
                 0 => passage(value - limit, slope, bend),
                 1 => (bend > 0.0 && slope < 0.0).then(|| -2.0 * slope / bend),
@@ -177,7 +177,7 @@ impl Ahead {
         self.ways.clear();
         for w in &table.watched {
             let mut way = [0.0; TERMS];
-            way.iter_mut().zip(series.terms()).for_each(|(c, term)| *c = w.row.at(term));
+            way.iter_mut().zip(series.terms()).for_each(|(c, term)| *c = w.row.dot(term));
             self.ways.push(way);
         }
     }

@@ -7,7 +7,7 @@
 
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::mode::Elastic;
-use crate::system::{Functional, StateRow, Term};
+use crate::system::{Functional, Term};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -26,9 +26,7 @@ pub(super) struct Apart {
 impl Apart {
     /// The form of A with a mode's elastic forces separate.
     pub(super) fn of(Elastic { rest, rest_terms, forces, .. }: Elastic) -> Self {
-        let by = |by: StateRow| Arc::new(Sparse::of(by.as_slice()));
-        let forces = forces.into_iter().map(|(force, own)| (Arc::new(force), by(own)));
-        Self { rest: Arc::new(rest), rest_terms, forces: forces.collect() }
+        Self { rest: Arc::new(rest), rest_terms, forces }
     }
 
     /// Of a mode without held contacts.
@@ -65,18 +63,7 @@ impl Apart {
     /// A as one matrix. Each force's part of a row is rounded by itself, so that parts of opposite
     /// sign in two rows stay opposite.
     pub(super) fn sum(&self) -> SparseMatrix {
-        let size = self.rest.len();
-        let (mut a, mut row) = (SparseMatrix::default(), vec![0.0; size]);
-        for i in 0..size {
-            row.fill(0.0);
-            self.rest.row(i).iter().for_each(|&(j, x)| row[j] = x);
-            for (force, by) in &self.forces {
-                let x = by.terms().iter().find(|(k, _)| *k == i).map_or(0.0, |(_, x)| *x);
-                force.terms().iter().for_each(|&(j, f)| row[j] -= x * f);
-            }
-            a.push_row(row.iter().copied().enumerate());
-        }
-        a
+        self.rest.less(self.forces.iter().map(|(force, by)| [by.terms(), force.terms()]))
     }
 
     /// A in double-double arithmetic.

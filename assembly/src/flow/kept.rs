@@ -43,8 +43,9 @@ impl Kept {
     pub(super) fn of(table: &FlowTable) -> Self {
         let (a, one, step) = (&table.a, table.one, table.interval());
         let abs = a.abs();
-        let columns =
-            |w: &Arc<WatchTable>| watch_columns(w.row.as_slice(), [a, &abs], (step, table.apart.is_some()));
+        let columns = |w: &Arc<WatchTable>| {
+            watch_columns(&w.row.dense(a.len()), [a, &abs], (step, table.apart.is_some()))
+        };
         let watched: Vec<WatchColumns> = table.watched.iter().map(columns).collect();
         let velocity = |j: usize| {
             let columns = taylor(a, a.row_of(j).as_slice(), step, step).into_iter();

@@ -7,8 +7,8 @@ use super::exact::Exact;
 use super::exponential::{exponentials, series_orders};
 use super::watched::BOUND_MARGIN;
 use super::{FlowTable, INTERVALS, RADIUS};
-use crate::kernel::Blocks;
-use nalgebra::DMatrix;
+use crate::kernel::{Blocks, Sparse};
+use nalgebra::{DMatrix, DVector};
 use std::sync::{Arc, OnceLock};
 
 /// Number of rungs: lengths of up to 2⁴⁷ sub-steps.
@@ -39,6 +39,10 @@ impl<T> Ladder<T> {
     pub fn made(&self) -> impl Iterator<Item = &T> {
         self.0.get().into_iter().flatten().filter_map(OnceLock::get)
     }
+}
+
+fn dense(row: &Sparse, size: usize) -> DVector<f64> {
+    DVector::from_vec(row.dense(size))
 }
 
 /// The flow over 2^k sub-steps.
@@ -78,7 +82,8 @@ impl Rung {
         let starts = exponentials(a, table.rate, length, &starts);
         let spreads = starts.iter().map(|start| start.abs() * &within);
         let spread = spreads.reduce(|a, b| a.zip_map(&b, f64::max)).expect("there are intervals");
-        let reach = |row: &super::StateRow| (spread.tr_mul(&row.abs()) * BOUND_MARGIN).as_slice().to_vec();
+        let reach =
+            |row: &Sparse| (spread.tr_mul(&dense(row, a.len()).abs()) * BOUND_MARGIN).as_slice().to_vec();
         let reaches = table.watched.iter().map(|w| reach(&w.row)).collect();
         let apart = table.apart.as_ref().filter(|_| a.len() <= EXACT);
         let exact = apart.map(|apart| Exact::first(apart, a.len(), length, RADIUS));
@@ -103,7 +108,7 @@ impl Rung {
         let end = DMatrix::identity(change.nrows(), change.ncols()) + change;
         let later = end.abs() * spread * BOUND_MARGIN;
         let reach = |(before, w): (&Vec<f64>, &Arc<super::WatchTable>)| {
-            let later = spread.tr_mul(&end.tr_mul(&*w.row).abs()) * BOUND_MARGIN;
+            let later = spread.tr_mul(&end.tr_mul(&dense(&w.row, change.nrows())).abs()) * BOUND_MARGIN;
             before.iter().zip(&later).map(|(before, later)| before.max(*later)).collect()
         };
         let reaches = reaches.iter().zip(&table.watched).map(reach).collect();

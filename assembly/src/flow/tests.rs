@@ -4,7 +4,7 @@ use super::*;
 use crate::file::{no_records, parse};
 use crate::mode::Watch;
 use crate::{Assembly, Motion};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -105,7 +105,7 @@ fn second_method_states_and_functionals_within_a_sub_step() {
                     let c = table.local(place, from.as_slice());
                     let sum = c.iter().rev().fold(0.0, |sum, c| sum * 0.37 + c);
                     let scale = w.row.size(exact.abs().as_slice()).max(1.0) * table.rate.max(1.0);
-                    assert!((sum - w.row.at(exact.as_slice())).abs() < ROUNDING * scale, "{size}: {place}");
+                    assert!((sum - w.row.dot(exact.as_slice())).abs() < ROUNDING * scale, "{size}: {place}");
                 }
             }
             table.look_ahead(z.as_slice(), [&mut rates, &mut second], &mut heads);
@@ -113,12 +113,15 @@ fn second_method_states_and_functionals_within_a_sub_step() {
                 let head = head_of(&heads, place);
                 let rate = &a * &z;
                 let scale = w.row.size(rate.abs().as_slice()).max(1.0) * table.rate.max(1.0);
-                assert!((head.value - w.row.at(z.as_slice())).abs() < ROUNDING * scale);
-                assert!((head.slope - w.row.at(rate.as_slice())).abs() < ROUNDING * scale, "{size}: {place}");
-                let bow = w.row.at((&a * &rate).as_slice());
+                assert!((head.value - w.row.dot(z.as_slice())).abs() < ROUNDING * scale);
+                assert!(
+                    (head.slope - w.row.dot(rate.as_slice())).abs() < ROUNDING * scale,
+                    "{size}: {place}"
+                );
+                let bow = w.row.dot((&a * &rate).as_slice());
                 assert!((table.bow(w, z.as_slice()) - bow).abs() < ROUNDING * scale * table.rate.powi(2));
                 for (k, sample) in table.samples(place, z.as_slice()).into_iter().enumerate() {
-                    let exact = w.row.at((&ends[k + 1] * &z).as_slice());
+                    let exact = w.row.dot((&ends[k + 1] * &z).as_slice());
                     assert!(
                         (sample - exact).abs() < ROUNDING * scale,
                         "{size}: {place} {k}: {sample} {exact}"
@@ -146,7 +149,7 @@ fn second_method_states_functionals_and_nodes_along_a_series() {
                 for (place, w) in table.watched.iter().enumerate() {
                     let value = ahead.way(place).iter().rev().fold(0.0, |sum, c| sum * part + c);
                     let scale = w.row.size(exact.abs().as_slice()).max(1.0) * table.rate.max(1.0);
-                    assert!((value - w.row.at(exact.as_slice())).abs() < ROUNDING * scale, "{place}");
+                    assert!((value - w.row.dot(exact.as_slice())).abs() < ROUNDING * scale, "{place}");
                 }
             }
             let (mut nodes, rule) = (Vec::new(), crate::kernel::nodes_for(0.0));
@@ -175,7 +178,7 @@ fn invariant_bends_stay_within_their_bounds() {
             let bow = &a * (&a * z);
             for (place, w) in table.watched.iter().enumerate() {
                 let bend = head_of(&heads, place).bend;
-                let row: &DVector<f64> = &w.row;
+                let row = &DVector::from_vec(w.row.dense(size));
                 let bound =
                     row.abs().dot(&((a.abs() * table.length).exp() * (a.abs() * (a.abs() * z.abs()))));
                 assert!(bend <= bound * (1.0 + ROUNDING) + ROUNDING, "{size}: {bend} of {bound}");
@@ -214,7 +217,7 @@ fn second_method_long_steps_and_their_bounds() {
             for part in 0..=PLACES {
                 let flow = (&a * (rung.length * part as f64 / PLACES as f64)).exp();
                 for (place, w) in table.watched.iter().enumerate() {
-                    let row = flow.tr_mul(&*w.row);
+                    let row = flow.tr_mul(&DVector::from_vec(w.row.dense(size)));
                     for j in 0..size {
                         let unit: Vec<f64> = (0..size).map(|i| if i == j { -1.0 } else { 0.0 }).collect();
                         let bound = rung.bend(place, &unit);

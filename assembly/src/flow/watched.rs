@@ -4,7 +4,6 @@
 use super::{INTERVALS, LOCAL};
 use crate::kernel::{Sparse, SparseMatrix, combine};
 use crate::mode::Watch;
-use crate::system::{Functional, StateRow};
 use std::sync::Arc;
 
 /// Factor that covers the rounding of a bound.
@@ -16,15 +15,14 @@ pub struct WatchTable {
     /// The event at which it passes zero.
     pub watch: Watch,
     /// The functional.
-    pub row: Arc<Functional>,
+    pub row: Arc<Sparse>,
     /// Its time derivative.
     pub slope: Sparse,
 }
 
 impl WatchTable {
     /// Of a functional of a mode, from A.
-    pub(crate) fn new(watch: Watch, row: StateRow, a: &SparseMatrix) -> Self {
-        let row = Arc::new(Functional::of(row));
+    pub(crate) fn new(watch: Watch, row: Arc<Sparse>, a: &SparseMatrix) -> Self {
         Self { watch, slope: a.after_terms(row.terms()), row }
     }
 
@@ -97,8 +95,8 @@ impl Heads {
         let column = |(group, kept): (&[Arc<WatchTable>], &[WatchColumns]), j: usize| {
             let mut column = [[0.0; GROUP]; 3];
             for (k, (w, kept)) in group.iter().zip(kept).enumerate() {
-                (column[0][k], column[2][k]) = (w.row[j], kept.curvature[j]);
-                column[1][k] = w.slope.terms().iter().find(|term| term.0 == j).map_or(0.0, |term| term.1);
+                (column[0][k], column[2][k]) = (w.row.entry(j), kept.curvature[j]);
+                column[1][k] = w.slope.entry(j);
             }
             column
         };

@@ -269,14 +269,68 @@ impl BoxProblem {
         best.map(|(i, _)| i)
     }
 
-    /// Solves the problem by an active-set method: the free contacts have zero residual, the others
-    /// are at a bound. In each turn the most violated contact becomes free, and contacts that meet
-    /// a bound on the way cease to be. Each turn lowers the value, so that no set recurs; Bland's
-    /// rule takes over where rounding could let one recur.
+    /// Solves the problem, group by group of contacts that share coordinates.
     ///
     /// # Errors
     /// [`Jam`] where the value is unbounded below.
     pub fn solve(&self) -> Result<Solution, Jam> {
+        let (groups, m) = (self.groups(), self.b.len());
+        if groups.len() == 1 {
+            return self.solve_coupled();
+        }
+        let [lambda, residual, zero] = [0.0; 3].map(|x| DVector::from_element(m, x));
+        let mut all = Solution { lambda, residual, zero, free: Vec::new() };
+        for (places, rows) in groups {
+            let own = |of: &DVector<f64>| DVector::from_fn(places.len(), |k, _| of[places[k]]);
+            let part = Self {
+                columns: DMatrix::from_fn(rows.len(), places.len(), |i, k| {
+                    self.columns[(rows[i], places[k])]
+                }),
+                b: own(&self.b),
+                lo: own(&self.lo),
+                hi: own(&self.hi),
+                zero: own(&self.zero),
+            };
+            let named = |jam: Jam| Jam { contacts: jam.contacts.into_iter().map(|k| places[k]).collect() };
+            let solution = part.solve_coupled().map_err(named)?;
+            for (k, &place) in places.iter().enumerate() {
+                all.lambda[place] = solution.lambda[k];
+                all.residual[place] = solution.residual[k];
+                all.zero[place] = solution.zero[k];
+            }
+            all.free.extend(solution.free.into_iter().map(|k| places[k]));
+        }
+        Ok(all)
+    }
+
+    /// Groups of contacts that share coordinates, directly or through others: the places of the
+    /// contacts and of the rows of their columns.
+    fn groups(&self) -> Vec<(Vec<usize>, Vec<usize>)> {
+        let m = self.b.len();
+        let mut group_of: Vec<usize> = (0..m).collect();
+        let mut first: Vec<Option<usize>> = vec![None; self.columns.nrows()];
+        for place in 0..m {
+            for (row, _) in self.columns.column(place).iter().enumerate().filter(|(_, x)| **x != 0.0) {
+                let (own, other) = (group_of[place], group_of[*first[row].get_or_insert(place)]);
+                if own != other {
+                    group_of.iter_mut().filter(|group| **group == own).for_each(|group| *group = other);
+                }
+            }
+        }
+        let mut groups: Vec<(Vec<usize>, Vec<usize>)> = vec![Default::default(); m];
+        (0..m).for_each(|place| groups[group_of[place]].0.push(place));
+        for (row, own) in first.iter().enumerate() {
+            own.iter().for_each(|&place| groups[group_of[place]].1.push(row));
+        }
+        groups.retain(|(places, _)| !places.is_empty());
+        groups
+    }
+
+    /// Solves the problem of one group by an active-set method: the free contacts have zero residual,
+    /// the others are at a bound. In each turn the most violated contact becomes free, and contacts
+    /// that meet a bound on the way cease to be. Each turn lowers the value, so that no set recurs;
+    /// Bland's rule takes over where rounding could let one recur.
+    fn solve_coupled(&self) -> Result<Solution, Jam> {
         let m = self.b.len();
         // `clamp` would panic for NaN bounds, which overflowing friction levels cause.
         let mut lambda = DVector::from_fn(m, |i, _| 0.0f64.max(self.lo[i]).min(self.hi[i]));

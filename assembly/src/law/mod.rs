@@ -4,6 +4,7 @@ pub mod box_qp;
 pub mod impact;
 pub mod selection;
 
+use crate::kernel::Sparse;
 use crate::mode::Contact;
 use crate::system::{Elongation, Functional, StateRow, System};
 use nalgebra::DVector;
@@ -25,8 +26,8 @@ impl Sizes {
     }
 
     /// The size up to which a functional's value counts as zero.
-    pub(crate) fn zero_of(&self, row: &Functional) -> f64 {
-        ZERO * row.size(self.0.as_slice())
+    pub(crate) fn zero_of(&self, row: &impl AsRef<Sparse>) -> f64 {
+        ZERO * row.as_ref().size(self.0.as_slice())
     }
 
     /// The size up to which a row's value counts as zero.
@@ -62,10 +63,10 @@ impl Sizes {
     fn include_held(&mut self, e: &Elongation, first: usize, row: &Functional) {
         let all = row.size(self.0.as_slice());
         let compliance = e.w.dot(&e.mobility);
-        for (k, mobility) in e.mobility.iter().enumerate().filter(|(_, m)| **m != 0.0) {
+        for &k in &e.reach {
             // A coordinate's own term is no larger than itself.
             let others = all - e.w[k].abs() * self.0[first + k];
-            self.0[first + k] = self.0[first + k].max(mobility.abs() / compliance * others);
+            self.0[first + k] = self.0[first + k].max(e.mobility[k].abs() / compliance * others);
         }
     }
 }

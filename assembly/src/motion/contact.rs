@@ -8,7 +8,7 @@ use super::{Hybrid, Motion, Observer, Scratch};
 use crate::error::Error;
 use crate::flow::ORDERS;
 use crate::law::Sizes;
-use crate::law::box_qp::{Jam, triangle};
+use crate::law::box_qp::Jam;
 use crate::law::impact::{Impacts, Instant};
 use crate::law::selection::{EventVerdict, Selection};
 use crate::mode::{Contact, Mode, StopState, Watch};
@@ -206,7 +206,7 @@ impl Motion {
                 (0..flags.stops.len()).filter(|&i| flags.stops[i]).map(Contact::Stop).collect();
             let system = &self.assembly.system;
             let independent = system.independent(&contacts);
-            let r = triangle(&system.columns(&independent));
+            let r = system.triangle(&independent);
             project(system, &independent, &r, false, self.hybrid.z.as_mut_slice(), &mut self.scratch.off);
             let stops = self.flags(&[], parted).stops;
             let touching = flags.stops.iter_mut().zip(stops).filter(|(touches, now)| *now && !**touches);
@@ -374,7 +374,7 @@ impl Motion {
         if held.len() == all.len() {
             return false;
         }
-        let r = triangle(&system.columns(&held));
+        let r = system.triangle(&held);
         project(system, &held, &r, true, z.as_mut_slice(), &mut self.scratch.off);
         true
     }

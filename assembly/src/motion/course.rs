@@ -227,8 +227,8 @@ impl Motion {
         let mut last = None;
         self.table().watched.iter().map(move |w| {
             let second = last.replace(w.watch) == Some(w.watch);
-            let size = hybrid.sizes.of(&w.row);
-            let value = if size > 0.0 { w.row.dot(&hybrid.z) / size } else { 0.0 };
+            let size = w.row.size(hybrid.sizes.0.as_slice());
+            let value = if size > 0.0 { w.row.dot(hybrid.z.as_slice()) / size } else { 0.0 };
             (system.indicator(w.watch, second), value)
         })
     }

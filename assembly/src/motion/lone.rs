@@ -112,7 +112,7 @@ impl Motion {
     fn is_at_corner(&self, element: ElementState, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
         let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
-        let mut near = own.filter(|w| w.row.at(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.row));
+        let mut near = own.filter(|w| w.row.dot(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.row));
         let mut passed = false;
         near.any(|w| w.watch != watch || std::mem::replace(&mut passed, true))
     }
@@ -155,7 +155,8 @@ impl Motion {
         let system = &assembly.system;
         let (stop, n) = (&system.stops[i], system.coordinates);
         let e = &stop.elongation;
-        let couples = |other: &Elongation| other.w.dot(&e.mobility) != 0.0;
+        let couples =
+            |other: &Elongation| other.reach.iter().map(|&k| other.w[k] * e.mobility[k]).sum::<f64>() != 0.0;
         let held = hybrid.mode.basis.iter().any(|&contact| couples(system.elongation_of(contact)));
         let compliance = e.w.dot(&e.mobility);
         let speed = e.rate.at(hybrid.z.as_slice());

@@ -51,7 +51,7 @@ fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut S
     // The present second derivatives are no bounds, but rule out lengths that are too long.
     let mut k = longest;
     for (place, w) in own.clone() {
-        let (value, slope, bend) = (beyond(place, w.row.at(z)), w.slope.dot(z), w.slope.dot(rates).abs());
+        let (value, slope, bend) = (beyond(place, w.row.dot(z)), w.slope.dot(z), w.slope.dot(rates).abs());
         if flight.order(place) > 0 || value >= 0.0 {
             return None;
         }
@@ -62,7 +62,7 @@ fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut S
     let safe = |k: usize| {
         let rung = table.rung(k);
         own.clone().all(|(place, w)| {
-            let value = beyond(place, w.row.at(z));
+            let value = beyond(place, w.row.dot(z));
             stays_below(value, w.slope.dot(z), rung.bend(place, second), rung.length)
         })
     };

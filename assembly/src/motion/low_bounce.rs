@@ -5,7 +5,6 @@ use super::Motion;
 use super::contact::{Flags, is_low};
 use super::projection::project;
 use crate::error::Error;
-use crate::law::box_qp::{independent, triangle};
 use crate::law::impact::Impacts;
 use crate::mode::{Contact, StopState};
 
@@ -63,10 +62,9 @@ impl Motion {
         }
         let held = touching.iter().filter(|i| low.contains(i) || mode.stops[**i] == StopState::Closed);
         let all: Vec<Contact> = held.map(|&i| Contact::Stop(i)).collect();
-        let free = independent(&system.columns(&all), &(0..all.len()).collect::<Vec<_>>());
-        let basis: Vec<Contact> = free.into_iter().map(|k| all[k]).collect();
+        let basis = system.independent(&all);
         let (before, energy) = (self.hybrid.z.clone(), self.kinetic_and_stored().0);
-        let r = triangle(&system.columns(&basis));
+        let r = system.triangle(&basis);
         project(system, &basis, &r, true, self.hybrid.z.as_mut_slice(), &mut Vec::new());
         let closes = |&i: &usize| {
             let e = &system.stops[i].elongation;

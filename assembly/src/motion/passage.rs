@@ -118,7 +118,7 @@ impl PassageSearch<'_> {
         }
         let row = &self.table.watched[place].row;
         let zero = self.hybrid.sizes.zero_of(row);
-        let is_left = row.at(self.hybrid.z.as_slice()) > LEAVES_ZERO * zero;
+        let is_left = row.dot(self.hybrid.z.as_slice()) > LEAVES_ZERO * zero;
         (zero * if is_left { DOUBTFUL + 1.0 } else { PASSES }).max(f64::MIN_POSITIVE)
     }
 
@@ -270,7 +270,7 @@ impl PassageSearch<'_> {
         }
         let mut there = hybrid.z.as_slice().to_vec();
         ahead.series.at(end, &mut there);
-        table.watched.iter().all(|w| w.row.at(&there) <= hybrid.sizes.zero_of(&w.row))
+        table.watched.iter().all(|w| w.row.dot(&there) <= hybrid.sizes.zero_of(&w.row))
     }
 
     /// Whether a passage is one at the knot at the end of its span, but for rounding: there nothing
@@ -296,7 +296,7 @@ impl PassageSearch<'_> {
         table.at_interval_start(end.interval, &there, start);
         *interval = Some(end.interval);
         table.within(start, end.dt, true, ahead, &mut there);
-        table.watched.iter().all(|w| w.row.at(&there) <= hybrid.sizes.zero_of(&w.row))
+        table.watched.iter().all(|w| w.row.dot(&there) <= hybrid.sizes.zero_of(&w.row))
     }
 
     /// The first passage of a functional that starts at zero with a high order. It is searched over
@@ -312,7 +312,7 @@ impl PassageSearch<'_> {
         for (place, (w, &order)) in table.watched.iter().zip(&self.hybrid.departing).enumerate() {
             if is_high_order(order) {
                 let mut c = [0.0; ORDERS];
-                let coefficients = series.terms().skip(order).map(|z| w.row.at(z));
+                let coefficients = series.terms().skip(order).map(|z| w.row.dot(z));
                 c.iter_mut().zip(coefficients).for_each(|(c, x)| *c = x);
                 c[0] = c[0].min(-f64::MIN_POSITIVE);
                 let hi = first.map_or(1.0, |(u, _)| u);

@@ -1,9 +1,8 @@
 //! Projection of the state onto the constraints of contacts (docs/assembly-law.md, section 6).
 
 use super::{Hybrid, Motion};
-use crate::mode::Contact;
+use crate::mode::{Contact, Triangle};
 use crate::system::System;
-use nalgebra::DMatrix;
 
 impl Motion {
     /// Projects the state onto the constraints of the present mode, by the least change in the
@@ -31,33 +30,25 @@ impl Motion {
 }
 
 /// Projects a state onto constraints by the least change in the inertia's metric: e = gap of stops,
-/// or e' = 0 of contacts with `rates`. A leading part R of `r` has RᵀR = WᵀM⁻¹W of the contacts.
+/// or e' = 0 of contacts with `rates`. `r` is the triangle of a list that begins with the contacts.
 /// `off` is scratch memory.
 pub(super) fn project(
     system: &System,
     contacts: &[Contact],
-    r: &DMatrix<f64>,
+    r: &Triangle,
     rates: bool,
     z: &mut [f64],
     off: &mut Vec<f64>,
 ) {
-    let m = contacts.len();
     off.clear();
     off.extend(contacts.iter().map(|&contact| match (contact, rates) {
         (Contact::Stop(i), false) => system.stops[i].excess.at(z),
         _ => system.elongation_of(contact).rate.at(z),
     }));
-    for j in 0..m {
-        let known: f64 = (0..j).map(|i| r[(i, j)] * off[i]).sum();
-        off[j] = (off[j] - known) / r[(j, j)];
-    }
-    for j in (0..m).rev() {
-        let known: f64 = (j + 1..m).map(|k| r[(j, k)] * off[k]).sum();
-        off[j] = (off[j] - known) / r[(j, j)];
-    }
+    r.solve(off);
     let first = if rates { system.coordinates } else { 0 };
     for (&contact, off) in contacts.iter().zip(off.iter()) {
-        let mobility = system.elongation_of(contact).mobility.iter();
-        z[first..].iter_mut().zip(mobility).for_each(|(x, m)| *x -= off * m);
+        let e = system.elongation_of(contact);
+        e.reach.iter().for_each(|&k| z[first + k] -= off * e.mobility[k]);
     }
 }

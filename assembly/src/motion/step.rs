@@ -275,7 +275,7 @@ impl Motion {
         let mut any_leaves = false;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
             if *order == ORDERS {
-                any_leaves |= w.row.at(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row);
+                any_leaves |= w.row.dot(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row);
             } else {
                 *order = 0;
             }
@@ -292,7 +292,7 @@ impl Motion {
         self.include_flight();
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
-            if *order == ORDERS && w.row.at(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row) {
+            if *order == ORDERS && w.row.dot(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row) {
                 *order = 0;
             }
         }

@@ -105,6 +105,6 @@ impl Motion {
 
     fn contact_force(&self, contact: Contact) -> f64 {
         let place = self.hybrid.mode.basis.iter().position(|&c| c == contact);
-        place.map_or(0.0, |k| self.table().lambda[k].dot(&self.hybrid.z))
+        place.map_or(0.0, |k| self.table().lambda[k].dot(self.hybrid.z.as_slice()))
     }
 }

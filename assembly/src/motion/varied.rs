@@ -10,10 +10,11 @@
 use super::projection::project;
 use super::{Event, EventKind, Motion, Reached};
 use crate::error::Error;
-use crate::law::box_qp::triangle;
+use crate::kernel::Sparse;
 use crate::mode::{Contact, Mode};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// Relative singular value under which the compliance matrix of stops hit together counts as
 /// singular: the box problem of (A7) leaves out contacts whose columns depend on the others'.
@@ -32,7 +33,7 @@ pub fn keep(system: &System, basis: &[Contact], variation: &mut [f64]) {
     if basis.is_empty() {
         return;
     }
-    let r = triangle(&system.columns(basis));
+    let r = system.triangle(basis);
     // A basis lists stops first; R of the stops is the leading block of the triangle.
     let stops = basis.iter().take_while(|contact| matches!(contact, Contact::Stop(_))).count();
     project(system, &basis[..stops], &r, false, variation, &mut Vec::new());
@@ -184,8 +185,9 @@ impl Motion {
         // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
         let due = self.due();
         let ended = self.table().watched.iter().filter(|w| Some(w.watch) == due);
-        let off = |row: &DVector<f64>| row.dot(&before.1).abs();
-        let row = ended.map(|w| &w.row).min_by(|a, b| off(a).total_cmp(&off(b))).cloned();
+        let off = |row: &Arc<Sparse>| row.dot(before.1.as_slice()).abs();
+        let row = ended.map(|w| &w.row).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let row = row.map(|row| row.dense(before.1.len()));
         let mut events = Vec::new();
         self.pass_event(&mut Some(&mut |event| events.push(event.clone())))?;
         let outgoing = rate(self);
@@ -193,7 +195,7 @@ impl Motion {
             modes: [&before.0, &self.hybrid.mode],
             states: [before.1.as_slice(), self.hybrid.z.as_slice()],
             rates: [incoming.as_slice(), outgoing.as_slice()],
-            row: row.as_ref().map(|row| row.as_slice()),
+            row: row.as_deref(),
             events: &events,
         };
         crossing.carry(&self.assembly.system, variations.iter_mut().map(Vec::as_mut_slice));

@@ -3,6 +3,7 @@
 //! The user sees an element, with one name, one force and one energy; the law sees its parts.
 
 use super::{Elongation, StateRow, System};
+use crate::kernel::Sparse;
 use crate::mode::{Contact, Mode, StopState};
 
 /// A part of an element, by index.
@@ -36,9 +37,11 @@ impl System {
 
     /// The force of a part in a mode as a row. `lambda` are the rows of the contact forces of the
     /// mode's [basis](Mode::basis).
-    pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[StateRow]) -> StateRow {
-        let held =
-            |contact: Contact| mode.basis.iter().position(|&c| c == contact).map(|k| lambda[k].clone());
+    pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[Sparse]) -> StateRow {
+        let held = |contact: Contact| {
+            let place = mode.basis.iter().position(|&c| c == contact);
+            place.map(|k| StateRow::from_vec(lambda[k].dense(self.signals.size)))
+        };
         let row = match part {
             Part::Spring(i) => Some(self.springs[i].force.clone()),
             Part::Stop(i) => match mode.stops[i] {

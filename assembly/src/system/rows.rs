@@ -42,6 +42,12 @@ impl Functional {
     }
 }
 
+impl AsRef<Sparse> for Functional {
+    fn as_ref(&self) -> &Sparse {
+        &self.terms
+    }
+}
+
 impl Deref for Functional {
     type Target = StateRow;
 
@@ -65,6 +71,8 @@ pub struct Elongation {
     pub column: DVector<f64>,
     /// The change of the velocities by a unit impulse, M⁻¹ w.
     pub mobility: DVector<f64>,
+    /// The coordinates at which any of w, L⁻¹ w and M⁻¹ w is not zero, ascending.
+    pub reach: Vec<usize>,
 }
 
 /// A body's coordinate as rows.
@@ -147,7 +155,7 @@ pub struct FrictionRows {
     /// Sliding level.
     pub level: StateRow,
     /// Static level.
-    pub static_level: StateRow,
+    pub static_level: Functional,
     /// Whether the static level is given separately.
     pub has_static: bool,
 }

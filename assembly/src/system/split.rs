@@ -17,8 +17,6 @@ pub struct Term {
     pub force: Arc<Functional>,
     /// M⁻¹ w in the places of the velocities.
     pub by: Arc<Sparse>,
-    /// Sums of the force's entries on coordinates and on velocities, times the scales of these.
-    reach: [f64; 2],
 }
 
 /// What is known of the modes without held contacts before any is met.
@@ -30,30 +28,32 @@ pub struct Split {
     stiff: Vec<Term>,
     /// By stop, pressed and at its cap.
     stops: Vec<[Term; 2]>,
-    /// By friction, slipping upwards and downwards.
-    frictions: Vec<[Term; 2]>,
+    /// By friction, in the states of [`LEVELS`].
+    frictions: Vec<[Term; 4]>,
     /// By stop and state what is watched.
     watched_stops: Vec<[Vec<Known>; 6]>,
-    /// By friction what is watched where it is off, and where it slips upwards and downwards.
-    watched_frictions: Vec<[Vec<Known>; 3]>,
+    /// By friction what is watched where it is off, slips upwards and downwards, and sticks.
+    watched_frictions: Vec<[Vec<Known>; 4]>,
     norm: Norm,
 }
 
 /// A watched functional; with entries on velocities its slope depends on the mode.
-type Known = (Arc<WatchTable>, bool);
+pub type Known = (Arc<WatchTable>, bool);
 
-/// The norm of (A6) for these modes: weights d of coordinates and Ω d of velocities, where d² are
+/// The norm of (A6) of a machine's modes: weights d of coordinates and Ω d of velocities, where d² are
 /// the entries of M⁻¹ on its diagonal, with which stiffness is symmetric.
 #[derive(Clone, Debug)]
 struct Norm {
     scales: Vec<f64>,
-    /// By coordinate Σ|A| d/d of base, on coordinates and on velocities.
-    rows: Vec<[f64; 2]>,
     /// By signal the largest weight beside which no velocity's rate feels it by more than one.
     signals: Vec<f64>,
     /// The rate of the signals among themselves.
     rate: f64,
 }
+
+/// The states in which a friction's force is its level, in the order of [`Split::frictions`].
+const LEVELS: [FrictionState; 4] =
+    [FrictionState::Up, FrictionState::Down, FrictionState::HeldUp, FrictionState::HeldDown];
 
 /// The places of the states in [`Split::watched_stops`].
 const STATES: [StopState; 6] = [
@@ -82,11 +82,7 @@ impl Split {
             .collect();
         let term = |force: StateRow, e: &super::Elongation| {
             let places = e.mobility.iter().enumerate().map(|(k, x)| (n + k, *x));
-            let size_of = |first: usize| {
-                force.iter().skip(first).zip(&scales).map(|(x, scale)| x.abs() * scale).sum::<f64>()
-            };
-            let reach = [size_of(0), size_of(n)];
-            Term { reach, force: Arc::new(Functional::of(force)), by: Arc::new(Sparse::from_terms(places)) }
+            Term { force: Arc::new(Functional::of(force)), by: Arc::new(Sparse::from_terms(places)) }
         };
         let stiff = system.stiff_springs.iter().map(|&i| &system.springs[i]);
         let stiff: Vec<Term> = stiff.map(|s| term(s.force.clone(), &s.elongation)).collect();
@@ -99,90 +95,89 @@ impl Split {
         };
         let stops: Vec<[Term; 2]> = (0..system.stops.len()).map(of_stop).collect();
         let of_friction = |i: usize| {
-            let friction = &system.frictions[i];
-            [1.0, -1.0].map(|sign| term(sign * &friction.level, &friction.elongation))
+            let level = |state| {
+                system.friction_force(i, state).unwrap_or_else(|| StateRow::zeros(system.signals.size))
+            };
+            LEVELS.map(|state| term(level(state), &system.frictions[i].elongation))
         };
-        let frictions: Vec<[Term; 2]> = (0..system.frictions.len()).map(of_friction).collect();
+        let frictions: Vec<[Term; 4]> = (0..system.frictions.len()).map(of_friction).collect();
         let known = |rows: Vec<(Watch, StateRow)>| -> Vec<Known> {
-            let rows = rows.into_iter().filter(|(_, row)| !system.is_constant_and_negative(row));
+            let rows = rows.into_iter().map(|(watch, row)| (watch, Sparse::of(row.as_slice())));
+            let rows = rows.filter(|(_, row)| !system.is_constant_and_negative(row));
             rows.map(|(watch, row)| {
-                let depends = row.rows(n, n).iter().any(|x| *x != 0.0);
-                (Arc::new(WatchTable::new(watch, row, &base)), depends)
+                let depends = row.terms().iter().any(|(j, _)| (n..2 * n).contains(j));
+                (Arc::new(WatchTable::new(watch, Arc::new(row), &base)), depends)
             })
             .collect()
         };
         let watched_stops = (0..system.stops.len())
             .map(|i| STATES.map(|state| known(system.watched_of_stop(i, state))))
             .collect();
-        let slips = [FrictionState::Off, FrictionState::Up, FrictionState::Down];
+        let states = [FrictionState::Off, FrictionState::Up, FrictionState::Down, FrictionState::Stuck];
         let watched_frictions = (0..system.frictions.len())
-            .map(|i| slips.map(|state| known(system.watched_of_friction(i, state))))
+            .map(|i| states.map(|state| known(system.watched_of_friction(i, state))))
             .collect();
         let norm = Norm::new(system, &base, scales, [&stiff, stops.as_flattened(), frictions.as_flattened()]);
         Self { base, stiff, stops, frictions, watched_stops, watched_frictions, norm }
     }
 
-    /// The forces that act in a mode beside base.
-    pub fn terms(&self, mode: &Mode) -> Vec<Term> {
-        let mut terms = self.stiff.clone();
-        for (own, state) in self.stops.iter().zip(&mode.stops) {
-            match state {
-                StopState::Pressed => terms.push(own[0].clone()),
-                StopState::Capped => terms.push(own[1].clone()),
-                _ => {}
-            }
-        }
-        for (own, state) in self.frictions.iter().zip(&mode.frictions) {
-            match state {
-                FrictionState::Up => terms.push(own[0].clone()),
-                FrictionState::Down => terms.push(own[1].clone()),
-                _ => {}
-            }
-        }
-        terms
+    /// The elastic forces that act in a mode: those of stiff springs, then those of stops.
+    pub fn elastic(&self, mode: &Mode) -> Vec<Term> {
+        let stops = self.stops.iter().zip(&mode.stops).filter_map(|(own, state)| match state {
+            StopState::Pressed => Some(&own[0]),
+            StopState::Capped => Some(&own[1]),
+            _ => None,
+        });
+        self.stiff.iter().chain(stops).cloned().collect()
     }
 
-    /// What ends a mode with this A.
-    pub fn watched(&self, mode: &Mode, a: &SparseMatrix) -> Vec<Arc<WatchTable>> {
-        let mut watched = Vec::new();
-        let mut put = |known: &[Known]| {
-            for (table, depends) in known {
-                let own = if *depends { Arc::new(table.in_mode(a)) } else { table.clone() };
-                watched.push(own);
-            }
-        };
-        for (own, state) in self.watched_stops.iter().zip(&mode.stops) {
-            put(&own[place_of(*state)]);
-        }
-        for (own, state) in self.watched_frictions.iter().zip(&mode.frictions) {
-            match state {
-                FrictionState::Off => put(&own[0]),
-                FrictionState::Up => put(&own[1]),
-                _ => put(&own[2]),
-            }
-        }
-        watched
+    /// The forces of frictions whose state determines them.
+    pub fn frictional(&self, mode: &Mode) -> Vec<Term> {
+        let frictions = self.frictions.iter().zip(&mode.frictions);
+        let place = |state| LEVELS.iter().position(|own| own == state);
+        frictions.filter_map(|(own, state)| place(state).map(|place| own[place].clone())).collect()
     }
 
-    /// A bound of the norm of A with these terms beside base, and by coordinate 1/w (A6).
-    pub fn norm(&self, terms: &[Term], one: usize) -> (f64, Vec<f64>) {
-        let Norm { scales, rows, signals, rate } = &self.norm;
-        let (mut rows, n) = (rows.clone(), scales.len());
-        for term in terms {
-            for &(place, x) in term.by.terms() {
-                let share = x.abs() / scales[place - n];
-                let row = &mut rows[place - n];
-                (row[0], row[1]) = (row[0] + share * term.reach[0], row[1] + share * term.reach[1]);
-            }
-        }
+    /// A with forces beside base.
+    pub fn with<'t>(&self, terms: impl Iterator<Item = &'t Term>) -> SparseMatrix {
+        self.base.less(terms.map(|term| [term.by.terms(), term.force.terms()]))
+    }
+
+    /// What ends a mode, but for the forces of held contacts.
+    pub fn watched(&self, mode: &Mode) -> impl Iterator<Item = &Known> {
+        let stops = self.watched_stops.iter().zip(&mode.stops).map(|(own, state)| &own[place_of(*state)]);
+        let frictions = self.watched_frictions.iter().zip(&mode.frictions).map(|(own, state)| match state {
+            FrictionState::Off => &own[0],
+            FrictionState::Up => &own[1],
+            FrictionState::Down => &own[2],
+            FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => &own[3],
+        });
+        stops.chain(frictions).flatten()
+    }
+
+    /// A bound of the norm of a mode's A, and by coordinate 1/w (A6).
+    pub fn norm(&self, a: &SparseMatrix) -> (f64, Vec<f64>) {
+        let Norm { scales, signals, rate } = &self.norm;
+        let (n, one) = (scales.len(), 2 * scales.len());
         // Ω = κ/Ω + γ + SHARE Ω of each row, and the largest Ω of all.
-        let of_row =
-            |[k, c]: &[f64; 2]| (c + (c * c + 4.0 * (1.0 - SHARE) * k).sqrt()) / (2.0 * (1.0 - SHARE));
-        let rate = rows.iter().map(of_row).fold(rate.max(crate::flow::LEAST_RATE), f64::max);
+        let of_row = |k: f64, c: f64| (c + (c * c + 4.0 * (1.0 - SHARE) * k).sqrt()) / (2.0 * (1.0 - SHARE));
+        let (mut rate, mut excess) = (rate.max(crate::flow::LEAST_RATE), 1.0f64);
+        for (k, scale) in scales.iter().enumerate() {
+            let (mut stiffness, mut damping) = (0.0, 0.0);
+            for &(j, x) in a.row(n + k) {
+                match j {
+                    _ if j < n => stiffness += x.abs() * scales[j] / scale,
+                    _ if j < one => damping += x.abs() * scales[j - n] / scale,
+                    // Held contacts may hand a body more of a signal than it has by itself.
+                    _ => excess = excess.max(x.abs() * signals[j - one] / scale),
+                }
+            }
+            rate = rate.max(of_row(stiffness, damping));
+        }
         let mut weights = Vec::with_capacity(one + signals.len());
         weights.extend(scales.iter().map(|d| 1.0 / d));
         weights.extend(scales.iter().map(|d| 1.0 / (rate * d)));
-        let unit = SHARE * rate * rate / signals.len() as f64;
+        let unit = SHARE * rate * rate / (signals.len() as f64 * excess);
         weights.extend(signals.iter().map(|g| 1.0 / (unit * g)));
         (rate, weights)
     }
@@ -191,7 +186,6 @@ impl Split {
 impl Norm {
     fn new(system: &System, base: &SparseMatrix, scales: Vec<f64>, terms: [&[Term]; 3]) -> Self {
         let (n, one, size) = (system.coordinates, system.signals.one, system.signals.size);
-        let mut rows = vec![[0.0; 2]; n];
         let mut signals = vec![f64::INFINITY; size - one];
         // By row the sizes that signals may add to it in any mode.
         let mut added = vec![0.0; size - one];
@@ -199,15 +193,18 @@ impl Norm {
         for term in terms.into_iter().flatten() {
             term.by.terms().iter().for_each(|&(place, x)| by_row[place - n].push((term, x)));
         }
-        for (k, row) in rows.iter_mut().enumerate() {
+        let mut lowest = crate::flow::LEAST_RATE;
+        for k in 0..n {
             added.fill(0.0);
+            let mut stiffness = 0.0;
             for &(j, x) in base.row(n + k) {
                 match j {
-                    _ if j < n => row[0] += x.abs() * scales[j] / scales[k],
-                    _ if j < one => row[1] += x.abs() * scales[j - n] / scales[k],
+                    _ if j < n => stiffness += x.abs() * scales[j] / scales[k],
+                    _ if j < one => {}
                     _ => added[j - one] += x.abs(),
                 }
             }
+            lowest = lowest.max(stiffness.sqrt());
             for (term, x) in &by_row[k] {
                 let own = term.force.terms().iter().filter(|(j, _)| *j >= one);
                 own.for_each(|&(j, f)| added[j - one] += (x * f).abs());
@@ -216,7 +213,6 @@ impl Norm {
                 *most = most.min(scales[k] / x);
             }
         }
-        let lowest = rows.iter().map(|row| row[0].sqrt()).fold(crate::flow::LEAST_RATE, f64::max);
         for i in one..size {
             for &(j, x) in base.row(i).iter().filter(|(j, _)| *j >= one && *j != i) {
                 let (i, j) = (i - one, j - one);
@@ -234,6 +230,6 @@ impl Norm {
             terms.map(|&(j, x)| x.abs() * signals[j - one] / signals[i - one]).sum::<f64>()
         };
         let rate = (one..size).map(of_row).fold(0.0, f64::max);
-        Self { scales, rows, signals, rate }
+        Self { scales, signals, rate }
     }
 }

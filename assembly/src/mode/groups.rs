@@ -1,0 +1,125 @@
+//! Groups of contacts that share coordinates. Contacts of different groups do not act on each
+//! other: their compliance matrix G = WᵀM⁻¹W has a block for each group (docs/assembly-law.md (A5)),
+//! so that work grows with the sizes of the groups and not with the number of all contacts.
+
+use super::Contact;
+use crate::law::box_qp::{independent, triangle};
+use crate::system::{Elongation, System};
+use nalgebra::DMatrix;
+
+/// Contacts that share coordinates, directly or through others.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    /// Their places in a list of contacts, ascending.
+    pub(crate) places: Vec<usize>,
+    /// The coordinates on which they act, ascending.
+    pub(crate) reach: Vec<usize>,
+}
+
+impl Group {
+    /// L⁻¹ w of its contacts, as columns over the group's coordinates.
+    pub(crate) fn columns(&self, system: &System, contacts: &[Contact]) -> DMatrix<f64> {
+        self.of_each(system, contacts, |e, k| e.column[k])
+    }
+
+    /// A vector of each contact's elongation, as columns over the group's coordinates.
+    pub(crate) fn of_each(
+        &self,
+        system: &System,
+        contacts: &[Contact],
+        entry: impl Fn(&Elongation, usize) -> f64,
+    ) -> DMatrix<f64> {
+        DMatrix::from_fn(self.reach.len(), self.places.len(), |row, column| {
+            entry(system.elongation_of(contacts[self.places[column]]), self.reach[row])
+        })
+    }
+}
+
+/// The upper triangle R with RᵀR = G of independent contacts, by groups.
+#[derive(Clone, Debug, Default)]
+pub struct Triangle(Vec<(Vec<usize>, DMatrix<f64>)>);
+
+impl Triangle {
+    /// Of the triangle of each group, with the places of its contacts.
+    pub(super) fn of(groups: Vec<(Vec<usize>, DMatrix<f64>)>) -> Self {
+        Self(groups)
+    }
+
+    /// Solves G x = b in place for the contacts that come first in the list, as many as `b` has.
+    pub(crate) fn solve(&self, b: &mut [f64]) {
+        for (places, r) in &self.0 {
+            let m = places.iter().take_while(|place| **place < b.len()).count();
+            for j in 0..m {
+                let known: f64 = (0..j).map(|i| r[(i, j)] * b[places[i]]).sum();
+                b[places[j]] = (b[places[j]] - known) / r[(j, j)];
+            }
+            for j in (0..m).rev() {
+                let known: f64 = (j + 1..m).map(|k| r[(j, k)] * b[places[k]]).sum();
+                b[places[j]] = (b[places[j]] - known) / r[(j, j)];
+            }
+        }
+    }
+
+    /// Count of stored numbers.
+    pub(crate) fn numbers(&self) -> usize {
+        self.0.iter().map(|(places, r)| places.len() + r.len()).sum()
+    }
+}
+
+impl System {
+    /// The groups of contacts, in the order of their first ones.
+    pub(crate) fn groups(&self, contacts: &[Contact]) -> Vec<Group> {
+        // By coordinate the contact that has it first; by contact one that it is joined to.
+        let mut first: Vec<Option<usize>> = vec![None; self.coordinates];
+        let mut joined: Vec<usize> = (0..contacts.len()).collect();
+        let root = |joined: &[usize], mut place: usize| {
+            while joined[place] != place {
+                place = joined[place];
+            }
+            place
+        };
+        for (place, &contact) in contacts.iter().enumerate() {
+            for &k in &self.elongation_of(contact).reach {
+                let [a, b] = [*first[k].get_or_insert(place), place].map(|own| root(&joined, own));
+                joined[a.max(b)] = a.min(b);
+            }
+        }
+        let mut groups: Vec<Group> = Vec::new();
+        let mut group_of: Vec<Option<usize>> = vec![None; contacts.len()];
+        for (place, &contact) in contacts.iter().enumerate() {
+            let own = *group_of[root(&joined, place)].get_or_insert_with(|| {
+                groups.push(Group { places: Vec::new(), reach: Vec::new() });
+                groups.len() - 1
+            });
+            groups[own].places.push(place);
+            groups[own].reach.extend(&self.elongation_of(contact).reach);
+        }
+        for group in &mut groups {
+            group.reach.sort_unstable();
+            group.reach.dedup();
+        }
+        groups
+    }
+
+    /// The largest independent part of contacts, given in order of preference; the result is
+    /// sorted.
+    pub fn independent(&self, contacts: &[Contact]) -> Vec<Contact> {
+        let mut basis: Vec<Contact> = Vec::new();
+        for group in self.groups(contacts) {
+            let places: Vec<usize> = (0..group.places.len()).collect();
+            let own = independent(&group.columns(self, contacts), &places);
+            basis.extend(own.into_iter().map(|k| contacts[group.places[k]]));
+        }
+        basis.sort();
+        basis
+    }
+
+    /// The triangle of independent contacts.
+    pub fn triangle(&self, contacts: &[Contact]) -> Triangle {
+        let of = |group: Group| {
+            let r = triangle(&group.columns(self, contacts));
+            (group.places, r)
+        };
+        Triangle(self.groups(contacts).into_iter().map(of).collect())
+    }
+}
