@@ -148,7 +148,7 @@ impl FlowTable {
     /// The flow of a mode of a machine that keeps no tables.
     pub fn of_mode(system: &System, mode: &Mode) -> Self {
         let one = system.signals.one;
-        if system.signals.size <= DENSE {
+        if system.keeps_matrices() {
             return Self::new(system.linear(mode), one);
         }
         let split = system.split();
@@ -163,7 +163,6 @@ impl FlowTable {
             if *depends { Arc::new(known.in_mode(&a)) } else { known.clone() }
         };
         let watched = split.watched(mode).map(in_mode).collect();
-        let is_split = terms.iter().any(|term| !term.force.terms().is_empty());
         let mut table = Self {
             sizes: None,
             loose: None,
@@ -171,7 +170,7 @@ impl FlowTable {
             rate,
             weights,
             length: RADIUS / rate,
-            apart: is_split.then(|| Apart::split(split.base.clone(), terms)),
+            apart: Some(Apart::split(split.base.clone(), terms)),
             kept: None,
             ladder: Ladder::default(),
             orders: ENDS.map(|end| series_orders(RADIUS * end)),

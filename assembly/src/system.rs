@@ -15,6 +15,7 @@ use crate::description::{Arms, BodyKind, Description, StopLaw};
 use crate::elements::Element;
 use crate::energy::Losses;
 use crate::error::Error;
+use crate::flow::DENSE;
 use crate::signals::{Builder, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::sync::OnceLock;
@@ -207,6 +208,11 @@ impl System {
         system.add_elements(d, &levels, &rows);
         system.add_forces();
         Ok(system)
+    }
+
+    /// Whether modes store matrices of their sub-steps.
+    pub(crate) fn keeps_matrices(&self) -> bool {
+        self.signals.size <= DENSE
     }
 
     /// Works of loads and losses in all modes.

@@ -3,53 +3,65 @@
 
 use super::{AtNodes, NODES};
 use crate::flow::Rung;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 
 /// The integral of the product of two functionals over a length of time, as the scalar product of
 /// two vectors L z and M z.
 #[derive(Clone, Debug)]
-pub(super) struct WorkIntegral([DMatrix<f64>; 2]);
+pub(super) struct WorkIntegral {
+    left: DMatrix<f64>,
+    /// M; `None` where it is L, as of a functional's square.
+    right: Option<DMatrix<f64>>,
+}
 
 impl WorkIntegral {
     /// The integral over one sub-step of a length, from two functionals' values at its nodes by
-    /// coordinate.
-    pub(super) fn new(rows: [&[AtNodes]; 2], length: f64) -> Self {
-        let matrix = |rows: &[AtNodes], weight: &dyn Fn(usize) -> f64| {
-            DMatrix::from_fn(NODES.len(), rows.len(), |k, j| weight(k) * rows[j][k])
+    /// coordinate; that of a square from one.
+    pub(super) fn new(left: &[AtNodes], right: Option<&[AtNodes]>, length: f64) -> Self {
+        let matrix = |rows: &[AtNodes], weight: &dyn Fn(f64) -> f64| {
+            DMatrix::from_fn(NODES.len(), rows.len(), |k, j| weight(length * NODES[k].1) * rows[j][k])
         };
-        Self([matrix(rows[0], &|k| length * NODES[k].1), matrix(rows[1], &|_| 1.0)])
+        match right {
+            Some(right) => Self { left: matrix(left, &|w| w), right: Some(matrix(right, &|_| 1.0)) },
+            None => Self { left: matrix(left, &f64::sqrt), right: None },
+        }
     }
 
     /// The integral over twice the rung's length. With L = QR, L z · M z equals R z · QᵀM z, which
-    /// has as many rows as coordinates. Orthogonal factors preserve small differences of rows, such
-    /// as a dashpot's rate.
+    /// has as many rows as coordinates; a square is that of R z. Orthogonal factors preserve small
+    /// differences of rows, such as a dashpot's rate.
     pub(super) fn doubled(&self, rung: &Rung) -> Self {
-        let [left, mut right] = self.0.each_ref().map(|rows| {
+        let both = |rows: &DMatrix<f64>| {
             let (count, later) = (rows.nrows(), rung.after(rows));
             DMatrix::from_fn(2 * count, rows.ncols(), |i, j| {
                 if i < count { rows[(i, j)] } else { later[(i - count, j)] }
             })
-        });
+        };
+        let (left, right) = (both(&self.left), self.right.as_ref().map(both));
         if left.nrows() <= left.ncols() {
-            return Self([left, right]);
+            return Self { left, right };
         }
         let size = left.ncols();
         let qr = left.qr();
-        qr.q_tr_mul(&mut right);
-        Self([qr.unpack_r(), right.rows(0, size).into_owned()])
+        let right = right.map(|mut right| {
+            qr.q_tr_mul(&mut right);
+            right.rows(0, size).into_owned()
+        });
+        Self { left: qr.unpack_r(), right }
     }
 
     /// The work from a state.
     pub(super) fn of(&self, z: &[f64]) -> f64 {
-        let [left, right] = &self.0;
-        let row = |rows: &DMatrix<f64>, i: usize| -> f64 {
-            z.iter().enumerate().map(|(j, z)| rows[(i, j)] * z).sum()
-        };
-        (0..left.nrows()).map(|i| row(left, i) * row(right, i)).sum()
+        let z = DVectorView::from_slice(z, z.len());
+        let left = &self.left * z;
+        match &self.right {
+            Some(right) => left.dot(&(right * z)),
+            None => left.norm_squared(),
+        }
     }
 
     /// Count of stored numbers.
     pub(super) fn numbers(&self) -> usize {
-        2 * self.0[0].len()
+        self.left.len() + self.right.as_ref().map_or(0, DMatrix::len)
     }
 }

@@ -194,7 +194,11 @@ impl Powers {
                 let rows: Vec<_> = self.rows.iter().map(at_nodes).collect();
                 self.all
                     .iter()
-                    .map(|power| WorkIntegral::new(power.of.map(|i| &rows[i][..]), table.length))
+                    .map(|power| {
+                        let [left, right] = power.of;
+                        let right = (left != right).then(|| &rows[right][..]);
+                        WorkIntegral::new(&rows[left], right, table.length)
+                    })
                     .collect()
             }
         })

@@ -8,7 +8,7 @@
 //! (docs/assembly-law.md, section 2).
 
 use super::{FlowTable, RADIUS};
-use crate::kernel::multiply_add_rows;
+use crate::kernel::{Sparse, multiply_add_rows};
 
 /// Coefficients of a series at most. With rate times length 4 the first one left out is under
 /// 4⁴⁰/40! < 2e-24 of the largest coordinate.
@@ -42,9 +42,8 @@ pub struct Series {
 }
 
 impl Series {
-    /// The states within a time `dt` from `z`, by so many orders. A function of its own, as its
-    /// entries that are not zero have no use for vectors.
-    #[inline(never)]
+    /// The states within a time `dt` from `z`, by so many orders.
+    #[inline(always)]
     pub fn expand(&mut self, table: &FlowTable, z: &[f64], dt: f64, orders: usize) {
         self.begin(z, orders);
         (1..=orders).for_each(|k| self.next(table, k, dt / k as f64));
@@ -81,7 +80,7 @@ impl Series {
     }
 
     /// The state where this part of the span has passed.
-    #[inline(never)]
+    #[inline(always)]
     pub fn at(&self, part: f64, to: &mut [f64]) {
         to.copy_from_slice(self.term(self.orders));
         // The larger terms last.
@@ -90,7 +89,7 @@ impl Series {
 
     /// The states at parts of a part of the span, one behind the other; coordinates before `first`
     /// stay as in `to`.
-    #[inline(never)]
+    #[inline(always)]
     pub fn at_nodes(&self, nodes: &[(f64, f64)], part: f64, first: usize, to: &mut Vec<f64>) {
         let size = self.size;
         to.resize(nodes.len() * size, 0.0);
@@ -113,6 +112,17 @@ impl Series {
     }
 }
 
+/// A watched functional over a span.
+#[derive(Clone, Copy, Debug)]
+pub struct HeadAhead {
+    /// Its value at the start.
+    pub value: f64,
+    /// Its coefficient of order 1, in parts of the span.
+    pub slope: f64,
+    /// A bound of the sum of its other coefficients' sizes.
+    pub behind: f64,
+}
+
 /// What lies ahead of a state.
 #[derive(Clone, Debug, Default)]
 pub struct Ahead {
@@ -120,8 +130,10 @@ pub struct Ahead {
     pub series: Series,
     /// Length of the span, s.
     pub span: f64,
-    /// The power series of each watched functional, in parts of the span.
-    ways: Vec<[f64; TERMS]>,
+    /// By watched functional.
+    heads: Vec<HeadAhead>,
+    /// By coordinate the sum of the sizes of its terms from order 2 on.
+    behind: Vec<f64>,
     memory: Series,
 }
 
@@ -129,7 +141,7 @@ impl Ahead {
     /// Expands the states ahead of one, up to the nearest predicted event and by a time `most` at
     /// most. `leaving` tells, by place, of which order the zero is from which a watched functional
     /// goes, and what it passes.
-    #[inline(never)]
+    #[inline(always)]
     pub fn find(&mut self, table: &FlowTable, z: &[f64], most: f64, leaving: impl Fn(usize) -> (usize, f64)) {
         let series = &mut self.series;
         series.begin(z, TERMS - 1);
@@ -137,9 +149,11 @@ impl Ahead {
         series.next(table, 2, 1.0);
         let mut span = most.min(REACH / table.rate);
         let shortest = SHORTEST * span;
+        self.heads.clear();
         for (place, w) in table.watched.iter().enumerate() {
             let (order, limit) = leaving(place);
             let [value, slope, bend] = [0, 1, 2].map(|k| w.row.dot(series.term(k)));
+            self.heads.push(HeadAhead { value, slope, behind: 0.0 });
             let passes = match order {
                 0 => passage(value - limit, slope, bend),
                 1 => (bend > 0.0 && slope < 0.0).then(|| -2.0 * slope / bend),
@@ -174,18 +188,35 @@ impl Ahead {
             series.next(table, k, span / k as f64);
         }
         series.orders = k;
-        self.ways.clear();
-        for w in &table.watched {
-            let mut way = [0.0; TERMS];
-            way.iter_mut().zip(series.terms()).for_each(|(c, term)| *c = w.row.dot(term));
-            self.ways.push(way);
+        self.behind.clear();
+        self.behind.resize(z.len(), 0.0);
+        for k in 2..=series.orders {
+            self.behind.iter_mut().zip(series.term(k)).for_each(|(sum, x)| *sum += x.abs());
+        }
+        for (head, w) in self.heads.iter_mut().zip(&table.watched) {
+            head.slope *= span;
+            head.behind = w.row.size(&self.behind);
         }
     }
 
-    /// The power series of the watched functional at a place, in parts of the span.
+    /// The watched functional at a place.
     #[inline(always)]
-    pub fn way(&self, place: usize) -> &[f64; TERMS] {
-        &self.ways[place]
+    pub fn head(&self, place: usize) -> HeadAhead {
+        self.heads[place]
+    }
+
+    /// The power series of a functional, in parts of the span.
+    #[inline(always)]
+    pub fn way(&self, row: &Sparse) -> [f64; TERMS] {
+        let mut way = [0.0; TERMS];
+        way.iter_mut().zip(self.series.terms()).for_each(|(c, term)| *c = row.dot(term));
+        way
+    }
+
+    /// Number of coefficients of these series that may differ from zero.
+    #[inline(always)]
+    pub fn coefficients(&self) -> usize {
+        self.series.orders + 1
     }
 
     /// Memory for a series.

@@ -147,7 +147,7 @@ fn second_method_states_functionals_and_nodes_along_a_series() {
                 ahead.series.at(part, &mut to);
                 assert!(apart(&to, &exact) < ROUNDING * exact.amax().max(1.0), "{part}");
                 for (place, w) in table.watched.iter().enumerate() {
-                    let value = ahead.way(place).iter().rev().fold(0.0, |sum, c| sum * part + c);
+                    let value = ahead.way(&w.row).iter().rev().fold(0.0, |sum, c| sum * part + c);
                     let scale = w.row.size(exact.abs().as_slice()).max(1.0) * table.rate.max(1.0);
                     assert!((value - w.row.dot(exact.as_slice())).abs() < ROUNDING * scale, "{place}");
                 }

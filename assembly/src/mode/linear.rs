@@ -4,7 +4,6 @@
 use super::groups::Triangle;
 use super::held::{Held, Reaction};
 use super::{Contact, FrictionState, Mode, StopState, Watch};
-use crate::flow::DENSE;
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::system::{Elongation, Functional, Split, StateRow, System, Term};
 use nalgebra::DMatrix;
@@ -73,7 +72,7 @@ impl System {
 
     /// The forces of a mode beside base, elastic and others, of a machine that keeps no tables.
     fn split_terms(&self, mode: &Mode) -> Option<(&Split, Vec<Term>, Vec<Term>)> {
-        let split = (self.signals.size > DENSE).then(|| self.split())?;
+        let split = (!self.keeps_matrices()).then(|| self.split())?;
         Some((split, split.elastic(mode), split.frictional(mode)))
     }
 
@@ -115,8 +114,7 @@ impl System {
         let moved = elongations.into_iter().map(|e| Arc::new(held.moved(e)));
         let forces = forces.into_iter().zip(moved).collect();
         let are_stiff = || !self.stiff_springs.is_empty() || !self.stiff_ties(&pressed).is_empty();
-        let is_small = self.signals.size <= DENSE;
-        let are_stiff = is_small && are_stiff();
+        let are_stiff = self.keeps_matrices() && are_stiff();
         if mode.basis.is_empty() {
             return Some(Elastic { rest, rest_terms: None, forces, are_stiff });
         }
@@ -126,7 +124,7 @@ impl System {
 
     /// The functionals that end a mode, each negative inside it.
     fn watched(&self, mode: &Mode, lambda: &[Sparse]) -> Vec<(Watch, Arc<Sparse>)> {
-        let mut watched: Vec<(Watch, Arc<Sparse>)> = if self.signals.size > DENSE {
+        let mut watched: Vec<(Watch, Arc<Sparse>)> = if !self.keeps_matrices() {
             self.split().watched(mode).map(|(known, _)| (known.watch, known.row.clone())).collect()
         } else {
             let stops = mode.stops.iter().enumerate().flat_map(|(i, &state)| self.watched_of_stop(i, state));

@@ -208,9 +208,10 @@ impl PassageSearch<'_> {
             if !matches!(w.watch, Watch::Meets(_) | Watch::Presses(_)) {
                 continue;
             }
-            let way = ahead.way(place);
-            let path = |part: f64| way[1..].iter().rev().fold(0.0, |sum, c| (sum + c.abs()) * part);
-            if path(part) > REACH * way[0].abs() {
+            let head = ahead.head(place);
+            if head.slope.abs() + head.behind > REACH * head.value.abs() {
+                let way = ahead.way(&w.row);
+                let path = |part: f64| way[1..].iter().rev().fold(0.0, |sum, c| (sum + c.abs()) * part);
                 let size = w.row.size(self.hybrid.sizes.0.as_slice());
                 while path(part) > REACH * size && part > least {
                     part *= 0.5;
@@ -225,18 +226,17 @@ impl PassageSearch<'_> {
     pub(super) fn passage_ahead(&self, part: f64, ahead: &Ahead) -> Option<(f64, usize)> {
         let mut first: Option<(f64, usize)> = None;
         for place in 0..self.table.watched.len() {
-            let (order, way) = (self.order(place), ahead.way(place));
-            let begin = way[0] - self.short_limit(place);
-            let behind: f64 = way[2..].iter().map(|c| c.abs()).sum();
+            let (order, head) = (self.order(place), ahead.head(place));
+            let begin = head.value - self.short_limit(place);
             let stays = match order {
-                0 => begin < 0.0 && begin.max(begin + way[1]) + behind < 0.0,
-                1 => way[1] + behind < 0.0,
+                0 => begin < 0.0 && begin.max(begin + head.slope) + head.behind < 0.0,
+                1 => head.slope + head.behind < 0.0,
                 _ => false,
             };
             if stays {
                 continue;
             }
-            let mut c = *way;
+            let mut c = ahead.way(&self.table.watched[place].row);
             c[0] = begin.min(0.0);
             if order > 0 {
                 c.copy_within(order.., 0);
@@ -244,7 +244,14 @@ impl PassageSearch<'_> {
                 c[0] = c[0].min(-f64::MIN_POSITIVE);
             }
             let hi = first.map_or(part, |(part, _)| part);
-            if let Some(u) = passage_of(&c, hi)
+            // Trailing zeros cost time and change nothing.
+            let found = match ahead.coefficients() {
+                ..=16 => passage_of::<16>(first_of(&c), hi),
+                17..=24 => passage_of::<24>(first_of(&c), hi),
+                25..=32 => passage_of::<32>(first_of(&c), hi),
+                _ => passage_of(&c, hi),
+            };
+            if let Some(u) = found
                 && !(order == 0 && self.only_touches(place, begin, &shortened(&c, (u + WINDOW).min(hi))))
             {
                 first = Some((u, place));
@@ -401,13 +408,18 @@ fn shortened<const N: usize>(c: &[f64; N], part: f64) -> [f64; N] {
 
 /// The first root of a series in [0, `hi`]. One early in the span is found anew in a shorter one, of
 /// which the coefficients' rounding is smaller.
-fn passage_of(c: &[f64; TERMS], hi: f64) -> Option<f64> {
+fn passage_of<const N: usize>(c: &[f64; N], hi: f64) -> Option<f64> {
     let u = crossing_after_start(c, hi, &mut 0)?;
     if !(u > 0.0 && u < 0.25) {
         return Some(u);
     }
     let part = 2.0 * u;
     crossing_after_start(&shortened(c, part), 1.0, &mut 0).map_or(Some(u), |again| Some(again * part))
+}
+
+/// The first coefficients of a series.
+fn first_of<const N: usize>(c: &[f64; TERMS]) -> &[f64; N] {
+    c.first_chunk().expect("N is at most TERMS")
 }
 
 /// Whether what is beyond zero at the end of a span is on its way back there, or comes to its

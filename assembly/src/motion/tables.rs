@@ -8,8 +8,9 @@ use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 /// Default size of the cache, bytes; beyond it all entries are dropped, and those in use are made
-/// again.
+/// again. Modes without stored matrices are made in some microseconds a body and seldom recur.
 const KEPT: usize = 128 << 20;
+const KEPT_WITHOUT_MATRICES: usize = 8 << 20;
 
 /// A mode in the cache.
 #[derive(Clone, Debug)]
@@ -47,13 +48,13 @@ pub(super) struct Tables {
     recount: usize,
 }
 
-impl Default for Tables {
-    fn default() -> Self {
-        Self { met: Vec::new(), places: HashMap::new(), most: KEPT, recount: 0 }
-    }
-}
-
 impl Tables {
+    /// The empty cache of a machine.
+    pub(super) fn new(system: &System) -> Self {
+        let most = if system.keeps_matrices() { KEPT } else { KEPT_WITHOUT_MATRICES };
+        Self { met: Vec::new(), places: HashMap::new(), most, recount: 0 }
+    }
+
     /// Size of all modes in memory, bytes.
     pub(super) fn bytes(&self) -> usize {
         self.met.iter().map(Met::bytes).sum()
