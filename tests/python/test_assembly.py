@@ -76,7 +76,8 @@ def test_second_method_a_sweep_is_the_measures_of_all_combinations():
 
 
 def test_closed_form_exponent_of_an_oscillator():
-    # x'' + 4 x' + 400 x = 0 shrinks with e^-2t; its length swings by some percent of one e-fold in 125 s.
+    # x'' + 4 x' + 400 x = 0 shrinks with e^-2t; its length swings by some percent of one e-fold in
+    # 125 s.
     machine = vi.Assembly({**OSCILLATOR, "spring": {"mount": {**OSCILLATOR["spring"]["mount"], "damping": "8 N s/m"}}})
     assert abs(machine.lyapunov() + 2.0) < 4e-3
 
