@@ -359,8 +359,8 @@ impl SubstepTable<LOAD> {
 }
 
 /// Bound on |functional''| over an interval, from `row`, its largest magnitudes at the centres.
-/// With M the system matrix, a row r at a centre becomes r·exp(Mδ) at a distance |δ| ≤ `half`, and |r exp(Mδ)| ≤ |r| exp(|M| half) entry
-/// by entry.
+/// With M the system matrix, a row r at a centre becomes r·exp(Mδ) at a distance |δ| ≤ `half`, and
+/// |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
 #[inline(always)]
 fn bound_between_centres<const N: usize>(
     model: &Model,

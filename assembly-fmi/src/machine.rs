@@ -143,8 +143,8 @@ impl Machine {
         }
     }
 
-    /// The same, zero without a sign, which is to be finite: of a host's solver that has lost its
-    /// way it may not be.
+    /// The value of a quantity with zero unsigned; an error where it is not finite, as after a
+    /// host's solver has diverged.
     fn finite_value(&self, quantity: Quantity, name: &str) -> Result<f64, Problem> {
         let value = self.value(quantity) + 0.0;
         let allowed = "a finite number: states or inputs are too large for it";

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! description ─▶ content (modelDescription.xml, page, terminals, pictures, file) ─┐
-//!                             kit (the compiled library and its licences, kept) ──┴─▶ archive ─▶ .fmu
+//!                         kit (the compiled library and its licences, kept) ──────┴─▶ archive
 //! ```
 //!
 //! The packager `fmu-build` makes kits; the Python package holds one.

@@ -9,10 +9,10 @@
 //! ```
 //!
 //! A simulation alternates between a smooth motion and events, at each of which a law changes it at
-//! once. A host sees that in one of four ways, by what it has agreed to ([`AtEvent`]): the step goes
-//! over the event, ends after it, ends before its law, or goes over it while the host is shown what
-//! changes at events only from the event's handling on. How a step begins, is taken back, is cut
-//! into pieces and ends is the same for every simulation; what differs is [`Hybrid`].
+//! once. A host sees that in one of four ways, by what it has agreed to ([`AtEvent`]): the step
+//! goes over the event, ends after it, ends before its law, or goes over it while the host is shown
+//! what changes at events only from the event's handling on. How a step begins, is taken back, is
+//! cut into pieces and ends is the same for every simulation; what differs is [`Hybrid`].
 //!
 //! Two orders must stay. A step keeps where it began before it takes over what was set. In a whole
 //! step what was set counts as taken over after the run, which may fail; in a step in pieces at

@@ -14,14 +14,14 @@ use crate::problem::Refused;
 /// here or the component's own; the doors add which call is allowed when, and what it means where
 /// they differ.
 #[derive(Debug)]
-pub struct Instance<C: Component> {
+pub struct CommonInstance<C: Component> {
     /// What it is an instance of.
     pub component: C,
     enabled: Categories,
     states: Handles<C::State>,
 }
 
-impl<C: Component> Instance<C> {
+impl<C: Component> CommonInstance<C> {
     /// A new one, for `fmi2Instantiate` and `fmi3Instantiate…` (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1).
     ///
     /// # Errors

@@ -7,7 +7,7 @@
 //!                      │    └───▶ messages   statuses, log categories and messages, alike in both
 //!                      │          ffi/       checked pointers, panics caught, handles looked up
 //!                      ▼
-//!                  instance       the component, its saved states, its log categories, alike in both
+//!                  instance       the component, saved states and log categories, alike in both
 //!                      ▼
 //!                  Component      life, steps and events, the same for every Hybrid
 //!                      ▲

@@ -17,7 +17,7 @@ use crate::life::{Interface, Life};
 use crate::model::Model;
 use crate::problem::Problem;
 use crate::values::Bases;
-use motion::Course;
+use motion::InputPolynomial;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::marker::PhantomData;
@@ -70,7 +70,7 @@ pub trait Tabular: 'static {
 pub struct FromTable<T> {
     state: Saved,
     /// Inputs that follow a polynomial within the present step.
-    courses: Vec<Course>,
+    courses: Vec<InputPolynomial>,
     model: PhantomData<fn() -> T>,
 }
 

@@ -2,8 +2,8 @@
 //! disk and loads nothing.
 //!
 //! ```text
-//! explorer/ (Rust) ─▶ cargo, wasm32-unknown-unknown ─▶ wasm-bindgen ─▶ core_bg.wasm, core.js ─┐
-//! explorer/page/ (JavaScript) ────────────────────────────────────────▶ esbuild (node) ──────┴─▶ explorer.html
+//! explorer/ (Rust) ─▶ cargo, wasm32 ─▶ wasm-bindgen ─▶ core_bg.wasm, core.js ─┐
+//! explorer/page/ (JavaScript) ──────────────────────▶ esbuild (node) ─────────┴─▶ explorer.html
 //! ```
 //!
 //! It needs the Rust target wasm32-unknown-unknown, node and npm. The npm packages are those of

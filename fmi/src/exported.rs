@@ -3,12 +3,12 @@
 
 use crate::component::settings::Settings;
 use crate::component::variables::Edition;
-use crate::component::{Problem, Protocol};
+use crate::component::{ComponentProblem, Protocol};
 use crate::fmi2::description::{NUMBERING, guid};
 use crate::fmi3::description as fmi3;
 use fmi_doors::{Instantiation, Refusal, Version};
 
-impl Refusal for Problem {
+impl Refusal for ComponentProblem {
     fn is_of_a_value(&self) -> bool {
         match self {
             Self::Model(_) | Self::ClosedForm { .. } | Self::Overflow { .. } | Self::Derivative { .. } => {
@@ -25,7 +25,7 @@ impl Protocol {
     ///
     /// # Errors
     /// For a token that is of none of this build's descriptions.
-    pub(crate) fn of(request: &Instantiation<'_>) -> Result<Self, Problem> {
+    pub(crate) fn of(request: &Instantiation<'_>) -> Result<Self, ComponentProblem> {
         let handling = request.handling;
         match request.version {
             Version::Fmi2 => {

@@ -1,13 +1,13 @@
 //! The vibro-impact machine as an FMI component, and its doors to C.
 //!
 //! ```text
-//! host ── fmi2XXX, fmi3XXX ──▶ fmi_doors    who may call what when, pointers, panics, statuses, messages
+//! host ── fmi2XXX, fmi3XXX ──▶ fmi_doors    which call is allowed, pointers, panics, messages
 //!                                 │
 //!                                 ▼
 //!                              exported     the component as the doors want it
-//!                                 │     └──▶ fmi2, fmi3   the exported functions; what the descriptions say beside the table
+//!                                 │     └──▶ fmi2, fmi3   exported functions, descriptions
 //!                                 ▼
-//!                              component    variables, what may be set when, steps, events, saved states
+//!                              component    variables, settings, steps, events, saved states
 //!                                 ▼
 //!                              vibro_impact
 //! ```

@@ -10,8 +10,8 @@ use vibro_fmi::component::variables::reference;
 use vibro_fmi::fmi2::abi::*;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// The same motion cut into other steps; the default motion is stable, so rounding is not
-/// amplified.
+/// Largest difference of one motion in other steps: the default motion is stable, so rounding is
+/// not amplified.
 const SAME: f64 = 1e-10;
 
 /// The native library's states at that time, from the default start.

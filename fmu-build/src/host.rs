@@ -124,7 +124,7 @@ impl Binary {
     ///
     /// # Errors
     /// [`Error::Call`](crate::Error::Call) with the FMU's log when it returns null.
-    pub fn instantiate(&self, guid: &str) -> Result<Instance<'_>> {
+    pub fn instantiate(&self, guid: &str) -> Result<Fmi2Instance<'_>> {
         let log = Box::new(Log::default());
         let callbacks = Box::new(Callbacks {
             logger: Some(logger),
@@ -150,7 +150,7 @@ impl Binary {
             )
         };
         let instance =
-            Instance { functions: self.functions, component, log, _callbacks: callbacks, _binary: self };
+            Fmi2Instance { functions: self.functions, component, log, _callbacks: callbacks, _binary: self };
         if component.is_null() {
             return Err(instance.log.failure("fmi2Instantiate", "null"));
         }
@@ -172,7 +172,7 @@ unsafe extern "C" fn logger(
 }
 
 /// An instance of the FMU; freed when dropped.
-pub struct Instance<'a> {
+pub struct Fmi2Instance<'a> {
     functions: Functions,
     component: Component,
     log: Box<Log>,
@@ -180,7 +180,7 @@ pub struct Instance<'a> {
     _binary: &'a Binary,
 }
 
-impl Instance<'_> {
+impl Fmi2Instance<'_> {
     /// `fmi2SetupExperiment`, `fmi2EnterInitializationMode`, `fmi2ExitInitializationMode`.
     ///
     /// # Errors
@@ -247,7 +247,7 @@ impl Instance<'_> {
     }
 }
 
-impl Drop for Instance<'_> {
+impl Drop for Fmi2Instance<'_> {
     fn drop(&mut self) {
         if !self.component.is_null() {
             // SAFETY: the component is live and is not used again.

@@ -2,8 +2,8 @@
 //! handed on as it is.
 //!
 //! ```text
-//! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line ─▶ sdist ─▶ wheels
-//!     ─▶ contents (the same again, of what was built) ─▶ notes, sums
+//! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line
+//!     ─▶ sdist ─▶ wheels ─▶ contents (the same again, of what was built) ─▶ notes, sums
 //! ```
 
 pub mod agreement;

@@ -117,7 +117,8 @@ impl<'a> Cycle<'a> {
             map = mapped(&map, |z| transition.apply(z));
             rows.push([1, 4].map(|i| (map.row(i) - map.row(i - 1)).transpose()));
             map = mapped(&map, |z| system.flight.strike(z, 0.0));
-            constant = system.flight.strike(&system.flown(transition, span(i), &constant), forced(i)[1]);
+            constant =
+                system.flight.strike(&system.state_after(transition, span(i), &constant), forced(i)[1]);
         }
         let sigma = f64::from(word.closing());
         let mut closed = Matrix6::identity() * sigma - map;
@@ -131,7 +132,7 @@ impl<'a> Cycle<'a> {
         let mut z = start;
         for (i, transition) in transitions.iter().enumerate() {
             let [gap, rate, _] = forced(i);
-            let arrived = system.flown(transition, span(i), &z);
+            let arrived = system.state_after(transition, span(i), &z);
             residual.push(Functional::Gap.of(&arrived) + gap - word.side(i + 1));
             rates.push(Functional::Rate.of(&arrived) + rate);
             z = system.flight.strike(&arrived, rate);

@@ -234,8 +234,8 @@ impl Orbit {
             (since, sign) = (since - span, f64::from(self.word.closing()));
         }
         let flight = self.phases.iter().rposition(|phase| *phase <= first + since).unwrap_or(0);
-        let flown = (first + since - self.phases[flight]).max(0.0);
-        let free = self.system.fly(flown, &self.departures[flight]);
+        let elapsed = (first + since - self.phases[flight]).max(0.0);
+        let free = self.system.fly(elapsed, &self.departures[flight]);
         sign * (free + self.system.forced(first + since))
     }
 

@@ -270,7 +270,7 @@ fn passes(
     };
     let Ok(mut simulator) = settled::simulator(&system, start) else { return Ok(Vec::new()) };
     let p = *system.parameters();
-    let mut course = Course::default();
+    let mut course = SampledMotion::default();
     let mut tried: Vec<(usize, Vec<i8>)> = Vec::new();
     course.states.push(in_drive_units(&p, &simulator.state()));
     for _ in 0..PERIODS {
@@ -301,7 +301,7 @@ fn passes(
 
 /// States of a motion at whole drive periods, and its impacts.
 #[derive(Default)]
-struct Course {
+struct SampledMotion {
     states: Vec<StroboscopicState>,
     letters: Vec<i8>,
     phases: Vec<f64>,
@@ -309,7 +309,7 @@ struct Course {
     ends: Vec<(usize, bool)>,
 }
 
-impl Course {
+impl SampledMotion {
     /// The next drive period.
     fn advance(&mut self, simulator: &mut Simulator, p: &vibro_impact::Parameters) -> Result<(), Error> {
         let mut rests = false;

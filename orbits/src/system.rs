@@ -193,7 +193,7 @@ impl System {
     }
 
     /// The free part of a state after a flight of a span, whose map is given.
-    pub(super) fn flown(&self, transition: &Transition, span: f64, z: &Vector6) -> Vector6 {
+    pub(super) fn state_after(&self, transition: &Transition, span: f64, z: &Vector6) -> Vector6 {
         let after = transition.apply(z);
         if self.balance.push == Vector6::zeros() || span == 0.0 { after } else { after + self.fall(span) }
     }
@@ -222,7 +222,7 @@ impl System {
 
     /// The free part of a state after a flight of a span.
     pub(super) fn fly(&self, span: f64, z: &Vector6) -> Vector6 {
-        self.flown(&self.flight.transition(span), span, z)
+        self.state_after(&self.flight.transition(span), span, z)
     }
 
     /// The SI state of one in units of L and ω1 L.

@@ -128,16 +128,16 @@ mod tests {
             // Back to the stop: the acceleration is constant but for the damper.
             let free = model.acceleration(SmoothMode::Flight, &z, Some(pressing)).free;
             let mut span = -2.0 * z[RELATIVE_RATE] / free;
-            let flown = |z: &Augmented, forces, span| {
+            let state_after = |z: &Augmented, forces, span| {
                 Series::<12>::expand(&model, SmoothMode::Flight, z, forces, span).at(1.0)
             };
             for _ in 0..4 {
-                let there = flown(&z, Some(&forces), span);
+                let there = state_after(&z, Some(&forces), span);
                 span -= (there[RELATIVE] - model.gap) / there[RELATIVE_RATE];
             }
-            z = flown(&z, Some(&forces), span);
+            z = state_after(&z, Some(&forces), span);
             z[RELATIVE] = model.gap;
-            v = turned(&flown(&turned(&v, model.block_share), None, span), -model.block_share);
+            v = turned(&state_after(&turned(&v, model.block_share), None, span), -model.block_share);
         }
         let lost = push(&model, 1.0);
         assert!(lost > 0.01 && (merged[BOX_RATE] + lost).abs() < SHORT * lost);

@@ -27,9 +27,9 @@ impl Simulator {
     #[inline(always)]
     pub(super) fn close_account(&mut self, advance: &AdvanceState) {
         if let Some(work) = self.flight.energy.drive_work() {
-            let flown = self.hybrid.time.minus(advance.flown_from).value();
+            let duration = self.hybrid.time.minus(advance.flown_from).value();
             let input = self.hybrid.sums.input.plus(work.value(&advance.z));
-            self.hybrid.sums.input = input.plus(work.mean() * flown);
+            self.hybrid.sums.input = input.plus(work.mean() * duration);
         }
     }
 

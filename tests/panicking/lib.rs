@@ -4,7 +4,7 @@
 
 use vibro_fmi::component;
 use vibro_fmi::ffi::panics::{guarded, silence};
-use vibro_fmi::fmi2::problem::Problem;
+use vibro_fmi::fmi2::problem::CallProblem;
 
 /// Returns `fmi2Fatal`.
 #[unsafe(no_mangle)]
@@ -12,6 +12,6 @@ pub extern "C" fn provoke_panic() -> i32 {
     silence();
     match guarded(|| -> i32 { panic!("provoked") }) {
         Ok(status) => status,
-        Err(fault) => Problem::<component::Problem>::from(fault).status() as i32,
+        Err(fault) => CallProblem::<component::ComponentProblem>::from(fault).status() as i32,
     }
 }

@@ -13,7 +13,7 @@ import vibro_impact as vi
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-TOLD = (ValueError, TypeError, RuntimeError)
+REFUSALS = (ValueError, TypeError, RuntimeError)
 
 wild = st.one_of(
     st.floats(allow_nan=True, allow_infinity=True),
@@ -76,7 +76,7 @@ def ask(changes, start, periods, kind, values):
         else:
             orbit = machine.orbit("UL", tries=4)
             checked(orbit.phases, orbit.speeds, *orbit.motion([0.0, 1.0]))
-    except TOLD as error:
+    except REFUSALS as error:
         assert str(error), "an exception says what was wrong"
 
 

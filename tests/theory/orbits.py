@@ -50,7 +50,7 @@ class Word:
             self.flights[span] = mpmath.expm(self.k["A"] * span)
         return self.flights[span]
 
-    def flown(self, span: Any, z: Any) -> Any:
+    def state_after(self, span: Any, z: Any) -> Any:
         """A flight of a state, with the fall of a free block."""
         return self.flight(span) * z + self.pull * mpmath.matrix([0, span**2 / 2, 0, 0, span, 0])
 
@@ -78,7 +78,7 @@ class Word:
     def pass_once(self, phases: Phases, z: Any) -> Tuple[Any, List[Any], List[Any]]:
         before, after = [], []
         for start, end in zip(phases, self.arrivals(phases)):
-            before.append(self.flown(end - start, z))
+            before.append(self.state_after(end - start, z))
             z = self.law(before[-1], end)
             after.append(z)
         return z, before, after

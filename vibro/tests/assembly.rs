@@ -207,7 +207,10 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
         let (code, error) = refused(&["check", &ball, "--set", set]);
         assert!(code == 2 && error.contains(words), "{error}");
     }
+    let parameters = file("assembly-parameters.toml", "[groups]\nkappa = 0.6\n").display().to_string();
     for (arguments, words) in [
+        // What the file is comes before what the command needs.
+        (vec!["run", &parameters], "is a parameter file of the paper's machine"),
         (vec!["run", &ball], "--until"),
         (vec!["run", &ball, "--until", "2 Hz"], "allowed is a finite time above 0"),
         (vec!["run", "nowhere.toml", "--until", "2"], "nowhere.toml: cannot be read"),

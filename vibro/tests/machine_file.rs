@@ -30,9 +30,16 @@ fn help_names_what_a_command_takes_with_a_file_and_without() {
         assert!(
             of_both.contains("[FILE]") && text.contains("NUMBERS") && text.contains("LIMITS of the paper's")
         );
-        for common in ["--set", "--out", "--threads"] {
+        for common in ["--set", "--out"] {
             assert!(of_both.contains(common), "{command} {common}: {text}");
         }
+        // One motion of a file needs no threads, and no run leaves unfinished parts.
+        let is_run = command == "run";
+        assert!(
+            of_both.contains("--threads") != is_run && of_paper.contains("--threads") == is_run,
+            "{text}"
+        );
+        assert!(text.contains("--discard-unfinished") != is_run, "{text}");
         for (own, others) in [(with, [of_both, of_paper]), (without, [of_both, of_file])] {
             for option in own {
                 assert!(
@@ -57,9 +64,18 @@ fn help_names_what_a_command_takes_with_a_file_and_without() {
     assert!(!help(&["template"]).contains("--config") && !help(&["merge"]).contains("--set"));
     let text = help(&["steady"]);
     assert!(text.contains("--config") && text.contains("LIMITS of the paper's machine"), "{text}");
-    // The alias is not in the main help, and its own help has no options of the paper's machine.
-    let text = help(&["assembly", "run"]);
-    assert!(text.contains("<FILE>") && !text.contains("--duration") && !text.contains("--config"), "{text}");
+    // The alias is not in the main help, and its own help is of machines' files alone.
+    for command in ["check", "draw", "run", "sweep", "bifurcation", "lyapunov"] {
+        let text = help(&["assembly", command]);
+        assert!(text.contains("<FILE>") && text.contains("NUMBERS"), "{text}");
+        for word in
+            ["with FILE", "paper", "LIMITS", "f10", "kappa", "box.k", "x1", "figure", "--config", "--start"]
+        {
+            assert!(!text.contains(word), "{command} {word}: {text}");
+        }
+    }
+    assert!(help(&["assembly", "run"]).contains("[default: 1000]"));
+    assert!(help(&["assembly", "sweep"]).contains("[default: 300000]"));
     assert!(!help(&[]).lines().any(|line| line.starts_with("  assembly")));
 }
 
@@ -67,7 +83,14 @@ fn help_names_what_a_command_takes_with_a_file_and_without() {
 fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
     let cradle = machine("cradle.toml");
     for (line, words) in [
-        ("check FILE --config x.toml", "--config: is an option of the paper's machine, and "),
+        ("check FILE --config x.toml", "--config: `vibro check` has no use for it"),
+        ("check FILE --threads 2", "of the options of all commands it takes --set\n"),
+        ("--out here assembly check FILE", "--out: `vibro check` has no use for it"),
+        ("draw FILE --replace", "of the options of all commands it takes --set, --out\n"),
+        ("run FILE --until 2s --threads 2", "--threads: is an option of the paper's machine, and "),
+        ("template --set kappa=0.6", "of the options of all commands it takes none\n"),
+        ("merge here --set kappa=0.6", "--set: `vibro merge` has no use for it"),
+        ("steady --discard-unfinished", "--discard-unfinished: `vibro steady` has no use for it"),
         ("run FILE --until 2s --start x1=1", "--start: is an option of the paper's machine, and "),
         ("run FILE --start x1=1", "of such options allowed here: --until, --times, --knots"),
         ("bifurcation FILE --orbits --vary body.a.mass=1:2", "--orbits: is an option of the paper's machine"),

@@ -231,7 +231,7 @@ const ASSEMBLY_EXPONENTS: [&str; 12] = [
     "lyapunov",
     DAMPER,
     "--vary",
-    "stop.steel.gap=4mm:6mm:31",
+    "stop.steel.gap=4mm:6mm:17",
     "--of",
     "block.s",
     "--discard",
@@ -241,7 +241,8 @@ const ASSEMBLY_EXPONENTS: [&str; 12] = [
     "--periods",
     "16",
 ];
-const ASSEMBLY_SWEEP: [&str; 12] = [
+// Little is measured again: how long is no matter of shards.
+const ASSEMBLY_SWEEP: [&str; 14] = [
     "sweep",
     DAMPER,
     "--vary",
@@ -254,18 +255,19 @@ const ASSEMBLY_SWEEP: [&str; 12] = [
     "3",
     "--periods",
     "2",
+    "--again",
+    "2000",
 ];
-const ASSEMBLY_PLANE: [&str; 12] = [
+// Three parts of at most 32 motions.
+const ASSEMBLY_PLANE: [&str; 10] = [
     "bifurcation",
     DAMPER,
     "--vary",
-    "stop.steel.gap=4mm:6mm",
+    "stop.steel.gap=4mm:6mm:8",
     "--vary",
-    "stop.buffer.gap=5mm:8mm",
+    "stop.buffer.gap=5mm:8mm:9",
     "--pair",
     "stop.steel.gap,stop.buffer.gap",
-    "--resolution",
-    "12",
     "--discard",
     "60",
 ];

@@ -12,7 +12,7 @@ use std::path::Path;
 /// digits, and these on the processor.
 const IRREGULAR: f64 = 0.1;
 /// Relative tolerance of a number with about three digits.
-const TOLD: f64 = 0.006;
+const THREE_DIGITS: f64 = 0.006;
 
 /// Mass (kg), gap (m) and restitution coefficient of the choice.
 const CHOICE: [f64; 3] = [1.2, 0.016, 0.5];
@@ -76,15 +76,19 @@ fn the_tutorial_says_what_its_commands_find() {
     close(
         told(page, "the box moves by # mm at resonance"),
         1e3 * largest(&first, "amplitude.without_block"),
-        TOLD,
+        THREE_DIGITS,
     );
     close(told(page, "the box now moves by # mm"), 1e3 * largest(&first, "amplitude.x1"), IRREGULAR);
     // 3. One motion, periodic.
     let rows = guide::rows("tutorial", "look/run.csv");
     let amplitude = rows.iter().map(|row| row[1].abs()).fold(0.0, f64::max);
-    close(told(page, "(of the box # mm)"), 1e3 * amplitude, TOLD);
+    close(told(page, "(of the box # mm)"), 1e3 * amplitude, THREE_DIGITS);
     let impacts = guide::rows("tutorial", "look/run-impacts.csv");
-    close(told(page, "the impacts (# m/s and "), impacts.iter().map(|row| row[2]).fold(0.0, f64::max), TOLD);
+    close(
+        told(page, "the impacts (# m/s and "),
+        impacts.iter().map(|row| row[2]).fold(0.0, f64::max),
+        THREE_DIGITS,
+    );
     assert!(said.iter().any(|text| text.contains("class: 1T")));
     // 4. The choice and its neighbours.
     let designs = table("designs/sweep.csv");
@@ -102,7 +106,11 @@ fn the_tutorial_says_what_its_commands_find() {
     let coefficient = told(page, "a coefficient of #. It brings");
     assert_eq!([mass, gap, coefficient], CHOICE);
     let choice = design(mass, gap, coefficient);
-    close(told(page, "brings the box from # mm"), 1e3 * number(choice, "amplitude.without_block.max"), TOLD);
+    close(
+        told(page, "brings the box from # mm"),
+        1e3 * number(choice, "amplitude.without_block.max"),
+        THREE_DIGITS,
+    );
     close(told(page, "to # mm at worst"), 1e3 * number(choice, "amplitude.x1.max"), IRREGULAR);
     close(told(page, "impacts of up to # N s"), number(choice, "impact.impulse.max"), IRREGULAR);
     let below = 1e-3 * told(page, "stay below # mm");

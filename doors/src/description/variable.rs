@@ -158,7 +158,7 @@ impl Variable {
         variable
     }
 
-    /// The same of a unit alone, or of none.
+    /// A Real of a unit, or of none, without a declared type; else as [`real`](Self::real).
     pub fn of_unit(
         reference: u32,
         name: impl Into<Text>,

@@ -12,7 +12,7 @@
 #![deny(unsafe_op_in_unsafe_fn)]
 
 use super::instance::Instance;
-use super::problem::{Outcome, Problem};
+use super::problem::{CallProblem, Outcome};
 use super::states::Function;
 use super::status;
 use super::types::{FmiBoolean, FmiStatus};
@@ -117,7 +117,7 @@ fn refuse<C: Component>(
     instance: &Instance<C>,
     host: &mut Host,
     function: Function,
-    problem: &Problem<C::Problem>,
+    problem: &CallProblem<C::Problem>,
 ) -> FmiStatus {
     report(instance.enabled(), host, function.name(), problem.status(), problem);
     problem.status() as FmiStatus
@@ -158,7 +158,7 @@ pub unsafe fn instantiate<C: Component>(
         instance.tell("fmi2Instantiate", &mut host);
         Ok(instance)
     });
-    match outcome.map_err(Problem::from).flatten() {
+    match outcome.map_err(CallProblem::from).flatten() {
         Ok(instance) => Box::into_raw(Box::new(Shared::<C>::new((instance, host)))).cast(),
         Err(problem) => {
             report(Categories::ALL, &mut host, "fmi2Instantiate", problem.status(), &problem);

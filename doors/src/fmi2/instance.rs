@@ -2,7 +2,7 @@
 //! present state is checked in one place, before any of these: [`guard`](Instance::guard), which
 //! the C interface calls.
 
-use super::problem::{Outcome, Problem};
+use super::problem::{CallProblem, Outcome};
 use super::states::{self, Function, Stage};
 use super::status::{self, StatusKind};
 use super::types::FmiEventInfo;
@@ -28,11 +28,11 @@ pub const STRING: Bases = Bases::new("String", &[]);
 /// One instance.
 #[derive(Debug)]
 pub struct Instance<C: Component> {
-    common: instance::Instance<C>,
+    common: instance::CommonInstance<C>,
 }
 
 impl<C: Component> Deref for Instance<C> {
-    type Target = instance::Instance<C>;
+    type Target = instance::CommonInstance<C>;
 
     fn deref(&self) -> &Self::Target {
         &self.common
@@ -65,13 +65,13 @@ impl<C: Component> Instance<C> {
             token,
             resources,
         };
-        Ok(Self { common: instance::Instance::new(&request, status::enabled_at_start(logging_on))? })
+        Ok(Self { common: instance::CommonInstance::new(&request, status::enabled_at_start(logging_on))? })
     }
 
     /// Refuses `function` in a state in which it is not allowed (FMI 2.0, 3.2.3 and 4.2.4).
     ///
     /// # Errors
-    /// [`Problem::State`].
+    /// [`CallProblem::State`].
     #[inline]
     pub fn guard(&self, function: Function) -> Outcome<C> {
         let life = self.component.life();
@@ -79,16 +79,16 @@ impl<C: Component> Instance<C> {
         if function.allowed(interface, stage) {
             return Ok(());
         }
-        Err(Problem::State { function, stage, interface, early: C::EARLY_END })
+        Err(CallProblem::State { function, stage, interface, early: C::EARLY_END })
     }
 
     /// `fmi2EnterInitializationMode` (FMI 2.0, 2.1.6).
     ///
     /// # Errors
-    /// [`Problem::Sequence`] without an experiment.
+    /// [`CallProblem::Sequence`] without an experiment.
     pub fn enter_initialization_mode(&mut self) -> Outcome<C> {
         if self.component.life().experiment.is_none() {
-            return Err(Problem::Sequence { what: "fmi2SetupExperiment must be called before" });
+            return Err(CallProblem::Sequence { what: "fmi2SetupExperiment must be called before" });
         }
         self.component.enter_initialization();
         Ok(())
@@ -116,7 +116,7 @@ impl<C: Component> Instance<C> {
     /// `fmi2DoStep` (FMI 2.0, 4.2.2).
     ///
     /// # Errors
-    /// [`Problem::Stopped`] (status Discard) when the step ended early; else as
+    /// [`CallProblem::Stopped`] (status Discard) when the step ended early; else as
     /// [`step`](Component::step).
     #[inline]
     pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome<C> {
@@ -124,7 +124,7 @@ impl<C: Component> Instance<C> {
         let outcome = self.component.step(point, size, &mut log)?;
         match outcome.reason {
             StepReason::EndReached => Ok(()),
-            StepReason::Stopped => Err(Problem::Stopped { time: outcome.time, early: C::EARLY_END }),
+            StepReason::Stopped => Err(CallProblem::Stopped { time: outcome.time, early: C::EARLY_END }),
         }
     }
 
@@ -133,13 +133,13 @@ impl<C: Component> Instance<C> {
     /// # Errors
     /// Always.
     pub fn cancel_step(&mut self) -> Outcome<C> {
-        Err(Problem::Sequence { what: "steps are synchronous: there is none to cancel" })
+        Err(CallProblem::Sequence { what: "steps are synchronous: there is none to cancel" })
     }
 
     /// `fmi2GetRealStatus` (FMI 2.0, 4.2.3).
     ///
     /// # Errors
-    /// [`Problem::StatusNotAvailable`] for all but the last successful time.
+    /// [`CallProblem::StatusNotAvailable`] for all but the last successful time.
     pub fn real_status(&self, kind: i32) -> Outcome<C, f64> {
         match StatusKind::from_number(kind).map_err(common)? {
             StatusKind::LastSuccessfulTime => Ok(self.component.time()),
@@ -150,7 +150,7 @@ impl<C: Component> Instance<C> {
     /// `fmi2GetBooleanStatus` (FMI 2.0, 4.2.3).
     ///
     /// # Errors
-    /// [`Problem::StatusNotAvailable`] for all but `fmi2Terminated`, which is never so.
+    /// [`CallProblem::StatusNotAvailable`] for all but `fmi2Terminated`, which is never so.
     pub fn boolean_status(&self, kind: i32) -> Outcome<C, bool> {
         match StatusKind::from_number(kind).map_err(common)? {
             StatusKind::Terminated => Ok(false),
@@ -165,7 +165,7 @@ impl<C: Component> Instance<C> {
     /// Always.
     pub fn no_status<T>(&self, kind: i32) -> Outcome<C, T> {
         let kind = StatusKind::from_number(kind).map_err(common)?;
-        Err(Problem::StatusNotAvailable { what: kind.not_available() })
+        Err(CallProblem::StatusNotAvailable { what: kind.not_available() })
     }
 
     /// `fmi2Get…` (FMI 2.0, 2.1.7).
@@ -177,7 +177,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.get(bases, references, write)?)
     }
 
-    /// The same for the types that are seldom asked for, compiled once for all of them.
+    /// [`get`](Self::get) for the types that are seldom asked for, compiled once for all of them.
     ///
     /// # Errors
     /// As [`get`](Self::get).
@@ -200,7 +200,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.set(bases, references, read)?)
     }
 
-    /// The same for the types that are seldom set, compiled once for all of them.
+    /// [`set`](Self::set) for the types that are seldom set, compiled once for all of them.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -211,6 +211,6 @@ impl<C: Component> Instance<C> {
 }
 
 /// What is refused in the component's name.
-fn common<P: crate::problem::Refusal>(problem: crate::problem::Problem) -> Problem<P> {
+fn common<P: crate::problem::Refusal>(problem: crate::problem::Problem) -> CallProblem<P> {
     Refused::Component(P::from(problem)).into()
 }

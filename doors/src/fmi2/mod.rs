@@ -2,7 +2,7 @@
 //! [component](crate::component).
 //!
 //! ```text
-//! host ── fmi2XXX ──▶ abi         arguments checked (ffi), state checked (states), panics caught (ffi), nothing decided
+//! host ── fmi2XXX ──▶ abi         checks arguments, catches panics (ffi), checks states
 //!                      │
 //!                      ▼
 //!                     instance    what a function of the standard means for the component

@@ -18,7 +18,7 @@ mod step;
 mod values;
 
 use super::instance::Instance;
-use super::problem::{Outcome, Problem};
+use super::problem::{CallProblem, Outcome};
 use super::states::Function;
 use super::status;
 use super::types::{FmiBoolean, FmiStatus};
@@ -114,7 +114,8 @@ pub unsafe fn call<C: Component>(
     }
 }
 
-/// The same where a call goes on that was let in before.
+/// Runs `body` as [`call`] does, without asking the state machine: for the later parts of a call
+/// that it has allowed.
 ///
 /// # Safety
 /// As for [`call`].
@@ -147,7 +148,7 @@ fn refuse<C: Component>(
     instance: &mut Instance<C>,
     host: &mut Host,
     function: Function,
-    problem: &Problem<C::Problem>,
+    problem: &CallProblem<C::Problem>,
 ) -> FmiStatus {
     let status = problem.status(function);
     report(instance.enabled(), host, function.name(), status, problem);

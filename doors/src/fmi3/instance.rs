@@ -2,7 +2,7 @@
 //! present state is checked in one place, before any of these: [`guard`](Instance::guard), which
 //! the C interface calls.
 
-use super::problem::{Outcome, Problem};
+use super::problem::{CallProblem, Outcome};
 use super::states::{Function, Stage};
 use super::types::{DiscreteStates, StepEnd};
 use crate::component::Component;
@@ -51,7 +51,7 @@ pub struct Update {
 /// One instance.
 #[derive(Debug)]
 pub struct Instance<C: Component> {
-    pub(super) common: instance::Instance<C>,
+    pub(super) common: instance::CommonInstance<C>,
     /// The inputs that the host intends to set inside a step.
     pub(super) required: Vec<u32>,
     /// What it may do now, while its callback runs.
@@ -62,7 +62,7 @@ pub struct Instance<C: Component> {
 }
 
 impl<C: Component> Deref for Instance<C> {
-    type Target = instance::Instance<C>;
+    type Target = instance::CommonInstance<C>;
 
     fn deref(&self) -> &Self::Target {
         &self.common
@@ -90,7 +90,7 @@ impl<C: Component> Instance<C> {
         let version = Version::Fmi3;
         let request = Instantiation { version, interface, handling, name, token, resources };
         Ok(Self {
-            common: instance::Instance::new(&request, enabled)?,
+            common: instance::CommonInstance::new(&request, enabled)?,
             required: Vec::new(),
             update: None,
             failed: None,
@@ -108,7 +108,7 @@ impl<C: Component> Instance<C> {
     /// Refuses `function` in a state in which it is not allowed (FMI 3.0.2, 2.3, 3.2 and 4.2).
     ///
     /// # Errors
-    /// [`Problem::State`].
+    /// [`CallProblem::State`].
     #[inline]
     pub fn guard(&self, function: Function) -> Outcome<C> {
         let (interface, stage) = (self.component.life().interface, self.stage());
@@ -116,7 +116,7 @@ impl<C: Component> Instance<C> {
             return Ok(());
         }
         let failed = self.failed.filter(|_| stage == Stage::Terminated);
-        Err(Problem::State { stage, interface, failed })
+        Err(CallProblem::State { stage, interface, failed })
     }
 
     /// What a status of a function leaves behind: after an error the instance is Terminated (FMI
@@ -196,7 +196,7 @@ impl<C: Component> Instance<C> {
         Ok(check_count("nValues", count, written)?)
     }
 
-    /// The same for the types that are seldom asked for, compiled once for all of them.
+    /// [`get`](Self::get) for the types that are seldom asked for, compiled once for all of them.
     ///
     /// # Errors
     /// As [`get`](Self::get).
@@ -228,7 +228,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.set(bases, references, read)?)
     }
 
-    /// The same for the types that are seldom set, compiled once for all of them.
+    /// [`set`](Self::set) for the types that are seldom set, compiled once for all of them.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -246,10 +246,10 @@ impl<C: Component> Instance<C> {
     /// `fmi3EnterEventMode` (FMI 3.0.2, 3.2.1 and 4.2.1).
     ///
     /// # Errors
-    /// [`Problem::Sequence`] in Co-Simulation where `eventModeUsed` is false.
+    /// [`CallProblem::Sequence`] in Co-Simulation where `eventModeUsed` is false.
     pub fn enter_event_mode(&mut self) -> Outcome<C> {
         if !self.component.life().handling.event_mode {
-            return Err(Problem::Sequence { what: "eventModeUsed was false at the instantiation" });
+            return Err(CallProblem::Sequence { what: "eventModeUsed was false at the instantiation" });
         }
         Ok(self.component.enter_event()?)
     }

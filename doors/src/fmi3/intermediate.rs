@@ -2,14 +2,15 @@
 //! outputs at its events and its end (FMI 3.0.2, 4.2.2).
 //!
 //! ```text
-//! start ─ an input required? ─▶ values at 1/3, 2/3 and 3/3 of the step ─▶ cubic loads ─▶ to the next event or the end
-//!                                                                                          │            ▲
-//!                                    the step's end ◀── end ── outputs shown at it ◀───────┤            │ law applied
-//!                                                                                          └─ event ─ outputs shown
+//! start ─ an input required? ─▶ values at 1/3, 2/3 and 3/3 of the step ─▶ cubic loads ─┐
+//!   ┌──────────────────────────────────────────────────────────────────────────────────┘
+//!   └▶ to the next event or the end ─ end ─▶ outputs shown ─▶ the step's end
+//!             ▲          └─ event ─▶ outputs shown ─▶ law applied ─┐
+//!             └────────────────────────────────────────────────────┘
 //! ```
 
 use super::instance::{FLOAT64, Instance, Update};
-use super::problem::{Outcome, Problem};
+use super::problem::{CallProblem, Outcome};
 use super::states::Function;
 use super::types::StepEnd;
 use crate::component::Component;
@@ -90,11 +91,11 @@ impl<C: Component> Instance<C> {
     /// Whether variables may be read now: not while inputs are asked for.
     ///
     /// # Errors
-    /// [`Problem::Intermediate`].
+    /// [`CallProblem::Intermediate`].
     #[inline]
     pub(super) fn check_get(&self) -> Outcome<C> {
         match self.update {
-            Some(update) if update.set_requested => Err(Problem::Intermediate {
+            Some(update) if update.set_requested => Err(CallProblem::Intermediate {
                 what: "a variable is read".to_owned(),
                 allowed: "to set inputs: intermediateVariableGetAllowed is false",
             }),
@@ -106,7 +107,7 @@ impl<C: Component> Instance<C> {
     /// and when asked for.
     ///
     /// # Errors
-    /// [`Problem::Intermediate`]; a reference that is no variable's.
+    /// [`CallProblem::Intermediate`]; a reference that is no variable's.
     #[inline]
     pub(super) fn check_set(&self, references: &[u32]) -> Outcome<C> {
         match self.update {
@@ -120,7 +121,7 @@ impl<C: Component> Instance<C> {
         for &reference in references {
             let variable = self.component.variable(reference)?;
             if !(update.set_requested && self.required.contains(&reference)) {
-                return Err(Problem::Intermediate {
+                return Err(CallProblem::Intermediate {
                     what: format!("{} is set", variable.name),
                     allowed: "to set inputs in requiredIntermediateVariables, where intermediateVariableSetRequested is true",
                 });
@@ -178,7 +179,7 @@ impl<C: Component> Instance<C> {
         self.update = None;
         if self.component.life().phase == Phase::Terminated {
             progress.pieces.take_back(&mut self.component)?;
-            return Err(Problem::Sequence {
+            return Err(CallProblem::Sequence {
                 what: "a call inside the callback was refused: the step has been taken back",
             });
         }

@@ -2,7 +2,7 @@
 //! 3.2.1 and 4.1.2).
 
 use super::instance::Instance;
-use super::problem::{Outcome, Problem};
+use super::problem::{CallProblem, Outcome};
 use crate::component::Component;
 use crate::ffi::pointers::check_count;
 use crate::problem::Refusal;
@@ -84,7 +84,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.dependencies(reference)?)
     }
 
-    /// The same where there is room for so many.
+    /// [`dependencies`](Self::dependencies) for a host that has room for `count` of them.
     ///
     /// # Errors
     /// For another number than there are.
@@ -104,6 +104,6 @@ impl<C: Component> Instance<C> {
 }
 
 /// A number that is not finite, refused in the component's name.
-fn refused<P: Refusal>(what: String, value: f64, allowed: &'static str) -> Problem<P> {
+fn refused<P: Refusal>(what: String, value: f64, allowed: &'static str) -> CallProblem<P> {
     P::from(crate::Problem::value(what, value, allowed)).into()
 }

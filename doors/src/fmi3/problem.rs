@@ -8,13 +8,13 @@ use crate::model::Model;
 use crate::problem::{Refusal, Refused};
 
 /// Outcome of a call on a component `C`.
-pub type Outcome<C, T = ()> = Result<T, Problem<<C as Model>::Problem>>;
+pub type Outcome<C, T = ()> = Result<T, CallProblem<<C as Model>::Problem>>;
 
 /// Why a call was refused. Each text names the thing, its value and what is allowed; the function's
 /// name is put before it when it is logged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Problem<P: Refusal> {
+pub enum CallProblem<P: Refusal> {
     /// The call is not allowed in this state (FMI 3.0.2, 2.3, 3.2 and 4.2).
     #[error("not allowed in state {stage:?} of {}{}{}", interface.name(), led_there(*failed), way_on(*stage))]
     State {
@@ -44,13 +44,13 @@ pub enum Problem<P: Refusal> {
     },
 }
 
-impl<P: Refusal> From<P> for Problem<P> {
+impl<P: Refusal> From<P> for CallProblem<P> {
     fn from(problem: P) -> Self {
         Self::Refused(problem.into())
     }
 }
 
-impl<P: Refusal> From<Fault> for Problem<P> {
+impl<P: Refusal> From<Fault> for CallProblem<P> {
     fn from(fault: Fault) -> Self {
         Self::Refused(fault.into())
     }
@@ -69,7 +69,7 @@ fn way_on(stage: Stage) -> &'static str {
     }
 }
 
-impl<P: Refusal> Problem<P> {
+impl<P: Refusal> CallProblem<P> {
     /// The status to return from a function. What the model cannot take as a value is discarded,
     /// with all as it was, since the host may go on with another value (FMI 3.0.2, 2.2.4);
     /// everything else is a mistake in the call.

@@ -14,7 +14,7 @@ use crate::values::Bases;
 const PARTS: f64 = 16.0;
 
 /// An input that follows a polynomial.
-pub(super) struct Course {
+pub(super) struct InputPolynomial {
     place: usize,
     /// When it began, s.
     since: f64,
@@ -22,7 +22,7 @@ pub(super) struct Course {
     polynomial: [f64; 4],
 }
 
-impl Course {
+impl InputPolynomial {
     fn value(&self, time: f64) -> f64 {
         let ([u, first, second, third], t) = (self.polynomial, time - self.since);
         u + t * (first + t * (second / 2.0 + t * (third / 6.0)))
@@ -136,7 +136,7 @@ impl<T: Tabular> Hybrid for FromTable<T> {
         let Ok((_, place)) = Self::row(reference, Bases::REAL) else { return };
         self.courses.retain(|course| course.place != place);
         if polynomial[1..] != [0.0; 3] {
-            self.courses.push(Course { place, since: self.time(), polynomial });
+            self.courses.push(InputPolynomial { place, since: self.time(), polynomial });
         }
         // The host has set this value itself, by which all others were finite.
         let _ = self.change(|values| values[place] = polynomial[0]);

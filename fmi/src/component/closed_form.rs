@@ -1,7 +1,7 @@
 //! A steady state played in time: clock, drive phase, impacts and energies counted as a simulation
 //! would.
 
-use super::problem::Problem;
+use super::problem::ComponentProblem;
 use super::settings::SolutionMode;
 use super::steady::{ORDERS, Solution};
 use super::values::{Approach, OutputValues, coupling_force};
@@ -107,7 +107,11 @@ impl ClosedForm {
     ///
     /// # Errors
     /// As [`Solution::new`].
-    pub(crate) fn new(mode: SolutionMode, parameters: &Parameters, time: f64) -> Result<Self, Problem> {
+    pub(crate) fn new(
+        mode: SolutionMode,
+        parameters: &Parameters,
+        time: f64,
+    ) -> Result<Self, ComponentProblem> {
         let time = DoubleDouble::new(time);
         Self::of(Data {
             mode,
@@ -127,7 +131,7 @@ impl ClosedForm {
     ///
     /// # Errors
     /// As [`Solution::new`].
-    pub(crate) fn of(data: Data) -> Result<Self, Problem> {
+    pub(crate) fn of(data: Data) -> Result<Self, ComponentProblem> {
         let p = &data.parameters;
         data.check()?;
         let solution = Solution::new(data.mode, p)?;
@@ -151,7 +155,7 @@ impl ClosedForm {
     ///
     /// # Errors
     /// As [`Solution::new`]; nothing has changed then.
-    pub(crate) fn restore(&mut self, data: Data) -> Result<(), Problem> {
+    pub(crate) fn restore(&mut self, data: Data) -> Result<(), ComponentProblem> {
         let same = data.mode == self.data.mode
             && data.parameters == self.data.parameters
             && data.from == self.data.from
@@ -185,7 +189,7 @@ impl ClosedForm {
     ///
     /// # Errors
     /// As [`Solution::new`]; nothing has changed then.
-    pub(crate) fn set_parameters(&mut self, parameters: &Parameters) -> Result<(), Problem> {
+    pub(crate) fn set_parameters(&mut self, parameters: &Parameters) -> Result<(), ComponentProblem> {
         let old = self.data.parameters;
         if *parameters == old {
             return Ok(());
@@ -223,7 +227,7 @@ impl ClosedForm {
         step: f64,
         stop_at_impact: bool,
         observer: EventObserver<'_, '_>,
-    ) -> Result<(AdvanceOutcome, f64), Problem> {
+    ) -> Result<(AdvanceOutcome, f64), ComponentProblem> {
         let end = DoubleDouble::sum(begin, step);
         check_time(self.data.parameters.drive_frequency, end.value())?;
         if end.minus(self.data.time).value() <= 0.0 {
@@ -258,7 +262,12 @@ impl ClosedForm {
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
-    pub(crate) fn advance_before_event(&mut self, begin: f64, step: f64, late: f64) -> Result<bool, Problem> {
+    pub(crate) fn advance_before_event(
+        &mut self,
+        begin: f64,
+        step: f64,
+        late: f64,
+    ) -> Result<bool, ComponentProblem> {
         let end = DoubleDouble::sum(begin, step);
         check_time(self.data.parameters.drive_frequency, end.value())?;
         if end.minus(self.data.time).value() <= 0.0 {

@@ -4,7 +4,7 @@
 mod law;
 mod varied;
 
-use super::problem::Problem;
+use super::problem::ComponentProblem;
 use super::values::{Approach, OutputValues, coupling_force};
 use super::variation::{Velocities, quadrature, velocities};
 use serde::{Deserialize, Serialize};
@@ -316,10 +316,10 @@ impl Continuous {
 }
 
 /// A set of states that is not finite.
-pub(crate) fn check_states(states: &[f64; 6]) -> Result<State, Problem> {
+pub(crate) fn check_states(states: &[f64; 6]) -> Result<State, ComponentProblem> {
     for (name, value) in super::structure::STATES.iter().zip(states) {
         if !value.is_finite() {
-            return Err(Problem::value(name, *value, "a finite number"));
+            return Err(ComponentProblem::value(name, *value, "a finite number"));
         }
     }
     let [x1, x2, x3, v1, v2, v3] = *states;

@@ -25,7 +25,7 @@ mod tests;
 use super::closed_form::ClosedForm;
 use super::continuous::Continuous;
 use super::event_state::EventState;
-use super::problem::{Outcome, Problem};
+use super::problem::{ComponentProblem, Outcome};
 use super::protocol::Protocol;
 use super::saved_state::{EngineState, SavedState};
 use super::settings::{Derived, Settings, SolutionMode};
@@ -91,7 +91,7 @@ impl Instance {
         Self::of_protocol(interface, Protocol::default())
     }
 
-    /// The same in a protocol's own terms.
+    /// A component with the start values, numbering and event handling of a protocol.
     pub fn of_protocol(interface: Interface, protocol: Protocol) -> Self {
         let Protocol { numbering, handling, start, edition } = protocol;
         Self {
@@ -187,7 +187,7 @@ impl Instance {
     /// Present values of the outputs; before initialization, those of the start.
     ///
     /// # Errors
-    /// [`Problem::Overflow`] when a value is not finite; outputs are always finite.
+    /// [`ComponentProblem::Overflow`] when a value is not finite; outputs are always finite.
     fn present_values(&self) -> Outcome<OutputValues> {
         let mut values = match self.present()? {
             Present::Simulation(simulator) => OutputValues::of(&simulator),
@@ -218,7 +218,7 @@ fn finite(values: OutputValues) -> Outcome<OutputValues> {
 
 /// Names the first output that is not finite.
 #[cold]
-fn overflow(values: &OutputValues) -> Problem {
+fn overflow(values: &OutputValues) -> ComponentProblem {
     let readings = VARIABLES.iter().filter_map(|variable| match variable.access {
         Access::Output(reading) | Access::Start { now: reading, .. } => {
             Some((variable.name, (reading.value)(values)))
@@ -227,5 +227,5 @@ fn overflow(values: &OutputValues) -> Problem {
     });
     let found = readings.into_iter().find(|(_, value)| !value.is_finite());
     let (name, value) = found.unwrap_or(("the motion", f64::INFINITY));
-    Problem::Overflow { name, value, time: values.time }
+    ComponentProblem::Overflow { name, value, time: values.time }
 }

@@ -58,7 +58,7 @@ impl Jet {
 }
 
 /// Where a motion stands, with its derivatives.
-pub(crate) struct Course<'a> {
+pub(crate) struct MotionJet<'a> {
     pub(crate) values: &'a OutputValues,
     /// Time derivatives of the displacements, `[body][order]`.
     pub(crate) motion: &'a [[f64; 6]; 3],
@@ -71,8 +71,8 @@ pub(crate) struct Course<'a> {
 
 /// The time derivatives of all that the outputs read; the event indicators, which are no outputs,
 /// are left out.
-pub(crate) fn jets(course: &Course<'_>) -> OutputValues<Jet> {
-    let Course { values, motion, parameters: p, loads, theta } = course;
+pub(crate) fn jets(course: &MotionJet<'_>) -> OutputValues<Jet> {
+    let MotionJet { values, motion, parameters: p, loads, theta } = course;
     let body = |order: usize| {
         let of = |b: usize| Jet(std::array::from_fn(|k| motion[b][order + k]));
         [of(0), of(1), of(2)]

@@ -3,7 +3,7 @@
 //! its calls, phases and outcomes to functions, states and statuses of one version.
 //!
 //! ```text
-//! instance ── variables, units, structure    one table: names, units, ranges, dependencies, getters, setters
+//! instance ── variables, units, structure    one table: names, units, ranges, dependencies, access
 //!    │
 //!    ├─ simulator (vibro_impact)             it steps itself, event by event
 //!    ├─ closed_form, steady                  it plays a steady state in time
@@ -34,5 +34,5 @@ pub use fmi_doors::{
     Advance, Dependency, EventHandling, Handled, Interface, Phase, Piece, StepOutcome, StepReason,
 };
 pub use instance::Instance;
-pub use problem::{Outcome, Problem};
+pub use problem::{ComponentProblem, Outcome};
 pub use protocol::Protocol;

@@ -1,13 +1,13 @@
 //! Why the component refuses.
 
 /// Outcome of a call.
-pub type Outcome<T = ()> = Result<T, Problem>;
+pub type Outcome<T = ()> = Result<T, ComponentProblem>;
 
 /// Why a call was refused; the component is then as it was. Each text names the thing, its value
 /// and what is allowed. What is not of this machine alone is the [doors'](Self::Door).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Problem {
+pub enum ComponentProblem {
     /// The variable does not have the derivative that was asked for or given.
     #[error("{name} has no such derivative: allowed are {allowed}")]
     NoDerivative {
@@ -85,7 +85,7 @@ pub enum Problem {
     Door(#[from] fmi_doors::Problem),
 }
 
-impl Problem {
+impl ComponentProblem {
     /// A value outside its range.
     pub(crate) fn value(name: &'static str, value: f64, allowed: &'static str) -> Self {
         fmi_doors::Problem::value(name, value, allowed).into()

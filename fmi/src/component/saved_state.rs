@@ -27,7 +27,7 @@ use super::closed_form;
 use super::continuous;
 use super::event_state::EventState;
 use super::identity;
-use super::problem::{Outcome, Problem};
+use super::problem::{ComponentProblem, Outcome};
 use super::settings::Settings;
 use super::values::Tick;
 use fmi_doors::{Experiment, Interface, Phase};
@@ -72,7 +72,7 @@ pub(super) enum EngineState {
     Continuous(continuous::Data),
 }
 
-fn refused(what: impl Into<Cow<'static, str>>) -> Problem {
+fn refused(what: impl Into<Cow<'static, str>>) -> ComponentProblem {
     fmi_doors::Problem::SavedState { what: what.into() }.into()
 }
 

@@ -1,7 +1,7 @@
 //! The steady states as the component shows them: the `steady.*` variables, and what the
 //! closed-form modes play.
 
-use super::problem::Problem;
+use super::problem::ComponentProblem;
 use super::settings::{Derived, SolutionMode, Steady};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use vibro_impact::flow::Series;
@@ -80,11 +80,15 @@ impl Solution {
     /// The steady state of a closed-form mode.
     ///
     /// # Errors
-    /// [`Problem::ClosedForm`] with the range of existence when there is none; [`Problem::Model`]
-    /// where it is undefined.
-    pub(crate) fn new(mode: SolutionMode, parameters: &Parameters) -> Result<Self, Problem> {
+    /// [`ComponentProblem::ClosedForm`] with the range of existence when there is none;
+    /// [`ComponentProblem::Model`] where it is undefined.
+    pub(crate) fn new(mode: SolutionMode, parameters: &Parameters) -> Result<Self, ComponentProblem> {
         if parameters.drive_frequency == 0.0 {
-            return Err(Problem::value("drive.frequency", 0.0, "a finite number > 0 for a steady state"));
+            return Err(ComponentProblem::value(
+                "drive.frequency",
+                0.0,
+                "a finite number > 0 for a steady state",
+            ));
         }
         match mode {
             SolutionMode::EventDriven | SolutionMode::ExactOrbit => exact(parameters),
@@ -214,7 +218,7 @@ impl Solution {
     }
 }
 
-fn approximate(parameters: &Parameters) -> Result<Solution, Problem> {
+fn approximate(parameters: &Parameters) -> Result<Solution, ComponentProblem> {
     let groups = parameters.groups()?;
     let scales = MultipleScales::new(&groups)?;
     if let Some(point) = upper(&scales) {
@@ -222,7 +226,7 @@ fn approximate(parameters: &Parameters) -> Result<Solution, Problem> {
     }
     let from = scales.force_range()?.positive_from;
     let unit = parameters.box_stiffness * parameters.stop_gap * groups.epsilon;
-    Err(Problem::ClosedForm {
+    Err(ComponentProblem::ClosedForm {
         what: format!(
             "drive.amplitude = {} N: the steady state by multiple scales exists from {} N on (groups.f10 = {}, from {from} on)",
             parameters.drive_amplitude,
@@ -232,7 +236,7 @@ fn approximate(parameters: &Parameters) -> Result<Solution, Problem> {
     })
 }
 
-fn exact(parameters: &Parameters) -> Result<Solution, Problem> {
+fn exact(parameters: &Parameters) -> Result<Solution, ComponentProblem> {
     let family = OrbitFamily::new(parameters)?;
     if let Some(orbit) = family.orbit(Sheet::Upper)? {
         return Ok(Solution::Orbit(Box::new(orbit)));
@@ -243,7 +247,7 @@ fn exact(parameters: &Parameters) -> Result<Solution, Problem> {
     let (a, b, c) = unit.quadratic();
     let response = (1.0 - c).max(0.0).sqrt();
     let needed = if b < 0.0 { (1.0 - b * b / (4.0 * a)).max(0.0).sqrt() } else { 1.0 };
-    Err(Problem::ClosedForm {
+    Err(ComponentProblem::ClosedForm {
         what: format!(
             "drive.amplitude = {} N: the exact two-impact orbit exists from {} N on",
             parameters.drive_amplitude,

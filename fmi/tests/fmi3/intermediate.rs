@@ -97,7 +97,7 @@ fn cubic_derivatives(t: f64) -> [f64; 4] {
     [cubic(t), -0.01 + 0.008 * t - 0.0006 * t * t, 0.008 - 0.0012 * t, -0.0012]
 }
 
-/// The same cubic through FMI 2.0's `SetRealInputDerivatives`.
+/// Intermediate update beside FMI 2.0's `SetRealInputDerivatives`, with one cubic load.
 #[test]
 fn second_method_a_cubic_load_is_that_of_input_derivatives() {
     const SAME: f64 = 1e-13;

@@ -90,7 +90,7 @@ impl Binary {
     ///
     /// # Errors
     /// [`Error::Call`](crate::Error::Call) with the FMU's log when it returns null.
-    pub fn instantiate(&self, token: &str) -> Result<Instance<'_>> {
+    pub fn instantiate(&self, token: &str) -> Result<Fmi3Instance<'_>> {
         let log = Box::new(Log::default());
         let token = CString::new(token).unwrap_or_default();
         let (name, resources) = (c"fmu-build".as_ptr(), c"".as_ptr());
@@ -115,7 +115,7 @@ impl Binary {
                 null(),
             )
         };
-        let instance = Instance { functions: self.functions, handle, log, _binary: self };
+        let instance = Fmi3Instance { functions: self.functions, handle, log, _binary: self };
         if handle.is_null() {
             return Err(instance.log.failure("fmi3InstantiateCoSimulation", "null"));
         }
@@ -136,14 +136,14 @@ unsafe extern "C" fn logger(
 }
 
 /// An instance of the FMU; freed when dropped.
-pub struct Instance<'a> {
+pub struct Fmi3Instance<'a> {
     functions: Functions,
     handle: Handle,
     log: Box<Log>,
     _binary: &'a Binary,
 }
 
-impl Instance<'_> {
+impl Fmi3Instance<'_> {
     /// `fmi3EnterInitializationMode`, `fmi3ExitInitializationMode`.
     ///
     /// # Errors
@@ -213,7 +213,7 @@ impl Instance<'_> {
     }
 }
 
-impl Drop for Instance<'_> {
+impl Drop for Fmi3Instance<'_> {
     fn drop(&mut self) {
         if !self.handle.is_null() {
             // SAFETY: the instance is live and is not used again.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
@@ -135,10 +136,11 @@ class Assembly(AssemblyDescription):
             self, parameters, measures, periods=periods, settle=settle, section=section, errors=errors, progress=progress
         )
 
-    def lyapunov(self, *, settle: int = 300, section: Section = None) -> Optional[float]:
+    def largest_exponent(self, *, settle: int = 300, section: Section = None) -> Optional[float]:
         """The largest Lyapunov exponent, 1/s, through impacts, sticking and sliding; None where the motion has none.
 
-        It is the measure ``exponent``. Over a parameter: ``bifurcation`` with ``exponents``.
+        It is the measure ``exponent``. Over a parameter: ``bifurcation`` with ``exponents``. All exponents of a motion, the spectrum,
+        are known of the 3-DOF machine alone: :meth:`Machine.lyapunov`.
 
         Parameters
         ----------
@@ -147,6 +149,12 @@ class Assembly(AssemblyDescription):
         """
         found = self.measure(["exponent"], settle=settle, section=section)["exponent"]
         return None if found is None else float(found)
+
+    def lyapunov(self, *, settle: int = 300, section: Section = None) -> Optional[float]:
+        """Deprecated name of :meth:`largest_exponent`."""
+        text = "Assembly.lyapunov is deprecated and goes with the next version: largest_exponent(...) is the same"
+        warnings.warn(text, DeprecationWarning, stacklevel=2)
+        return self.largest_exponent(settle=settle, section=section)
 
     def bifurcation(
         self,

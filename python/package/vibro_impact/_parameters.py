@@ -55,12 +55,12 @@ class SimilarNameWarning(UserWarning):
     """A parameter is given by its symbol, from which the name of another parameter differs by case alone: ``F10`` (N) and ``f10``."""
 
 
-_COUNT, _TOLD = _native.parameters()
+_COUNT, _ROWS = _native.parameters()
 #: Every parameter by name: label of an axis, unit, what it is, what is allowed.
-PARAMETERS = {name: about for name, *about in _TOLD}
+PARAMETERS = {name: about for name, *about in _ROWS}
 #: Names of the physical parameters and of the groups.
-SI_NAMES = tuple(told[0] for told in _TOLD[:_COUNT])
-GROUP_NAMES = tuple(told[0] for told in _TOLD[_COUNT:])
+SI_NAMES = tuple(row[0] for row in _ROWS[:_COUNT])
+GROUP_NAMES = tuple(row[0] for row in _ROWS[_COUNT:])
 
 
 def find(given: str) -> str:

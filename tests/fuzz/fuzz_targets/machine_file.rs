@@ -1,8 +1,11 @@
 //! Any text as a machine's file: it is refused with a message, or gives an instance that moves and
 //! whose values are numbers.
 //!
-//! `cargo +nightly fuzz run --fuzz-dir tests/fuzz machine_file examples/assembly -- -only_ascii=1 -timeout=60`
-//! begins with the examples.
+//! Begun from the examples:
+//! ```text
+//! cargo +nightly fuzz run --fuzz-dir tests/fuzz machine_file examples/assembly -- \
+//!     -only_ascii=1 -timeout=60
+//! ```
 #![no_main]
 #![allow(missing_docs)]
 

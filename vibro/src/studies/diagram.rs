@@ -23,7 +23,7 @@ const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
 /// Stroke of the curves over which others are drawn.
 pub(super) const WIDE: u32 = 14;
 /// Most windows listed on the screen.
-const TOLD: usize = 40;
+const MAX_LISTED: usize = 40;
 
 /// The two directions through a range of values.
 pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
@@ -173,9 +173,9 @@ pub(super) fn remarks<P: DiagramPoint>(
 ) -> Vec<String> {
     let windows = Diagram::windows(&diagram.up);
     let window = |w: &Window| format!("{name} {} … {}: {}", told(w.from), told(w.to), w.class.name());
-    let mut lines: Vec<String> = windows.iter().take(TOLD).map(window).collect();
-    if windows.len() > TOLD {
-        lines.push(format!("… and {} more windows in the table", windows.len() - TOLD));
+    let mut lines: Vec<String> = windows.iter().take(MAX_LISTED).map(window).collect();
+    if windows.len() > MAX_LISTED {
+        lines.push(format!("… and {} more windows in the table", windows.len() - MAX_LISTED));
     }
     if let Some(apart) = apart {
         let count = |sought: Option<bool>| apart.iter().filter(|apart| **apart == sought).count();

@@ -28,7 +28,7 @@ const MOST_SEEDS: usize = 1001;
 /// next to a bifurcation has died out by then.
 const LATER: u32 = 20_000;
 /// Most sequences of doublings, and most uncovered rows, listed on the screen.
-const TOLD: usize = 12;
+const MAX_LISTED: usize = 12;
 /// Decimals of a located value in words: ten digits are certain.
 const DECIMALS: usize = 10;
 
@@ -162,12 +162,12 @@ impl DiagramOrbits {
         )];
         let told = |what: &str, holds: &dyn Fn(&Covering) -> bool| {
             let rows: Vec<&CoveredRow> = self.rows.iter().filter(|row| holds(&row.covering)).collect();
-            let values = rows.iter().take(TOLD).map(|row| {
+            let values = rows.iter().take(MAX_LISTED).map(|row| {
                 let (value, way) = (set.with_unit(sweep.axis.name, row.value), DIRECTIONS[row.direction]);
                 format!("{value} {way} ({})", row.class.name())
             });
             let values: Vec<String> = values.collect();
-            let more = if rows.len() > TOLD { ", …" } else { "" };
+            let more = if rows.len() > MAX_LISTED { ", …" } else { "" };
             (!rows.is_empty()).then(|| format!("{} {what}: {}{more}", rows.len(), values.join(", ")))
         };
         words.extend(told("rest at a stop, which words do not describe", &|c| matches!(c, Covering::Rests)));
@@ -212,7 +212,7 @@ impl DiagramOrbits {
         };
         let mut remarks = self.coverage_in_words(set, sweep);
         remarks.push(search_in_words(&self.tree.searched));
-        remarks.extend(self.doublings_in_words(set).into_iter().take(TOLD));
+        remarks.extend(self.doublings_in_words(set).into_iter().take(MAX_LISTED));
         let what = format!(
             "{} branches of periodic orbits over the local maxima of {symbol} over {along}",
             branches.len()

@@ -90,7 +90,7 @@ const IMPACTS: [Entry<f64>; 8] = [
 ];
 
 /// Most classes listed on the screen.
-const TOLD: usize = 8;
+const MAX_LISTED: usize = 8;
 
 /// Checks that a plane and its table fit into memory.
 ///
@@ -235,11 +235,11 @@ fn remarks<M: ShownPlane>(plane: &Isoperiodic<M::Point>) -> Vec<String> {
     classes.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
     let told: Vec<String> = classes
         .iter()
-        .take(TOLD)
+        .take(MAX_LISTED)
         .map(|(n, c)| format!("{n} {:.1} %", percent(*c, plane.points.len())))
         .collect();
     let mut lines =
-        vec![format!("{}{}", told.join(", "), if classes.len() > TOLD { ", others less" } else { "" })];
+        vec![format!("{}{}", told.join(", "), if classes.len() > MAX_LISTED { ", others less" } else { "" })];
     lines.extend(M::remarks(plane));
     let refused = plane.points.len() - motions().count();
     if refused > 0 {

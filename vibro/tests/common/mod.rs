@@ -23,10 +23,13 @@ pub fn folder(name: &str) -> PathBuf {
     path
 }
 
-/// `vibro` with its output in a folder.
+/// `vibro` with its output in a folder, where the command writes one.
 pub fn command(out: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    command.args(arguments).arg("--out").arg(out);
+    command.args(arguments);
+    if !arguments.iter().any(|word| ["check", "template"].contains(word)) {
+        command.arg("--out").arg(out);
+    }
     command
 }
 

@@ -54,7 +54,7 @@ impl Request {
             instance.tell(function, &mut host);
             Ok(instance)
         });
-        match outcome.map_err(Problem::from).flatten() {
+        match outcome.map_err(CallProblem::from).flatten() {
             Ok(instance) => Box::into_raw(Box::new(Shared {
                 instance: RefCell::new((instance, host)),
                 environment: self.environment,
@@ -120,7 +120,7 @@ pub unsafe fn instantiate_scheduled<C: Component>(request: Request) -> FmiInstan
     // SAFETY: as the caller says.
     unsafe {
         request.instantiate::<C>("fmi3InstantiateScheduledExecution", None, |_, _, _| {
-            Err(Problem::Sequence {
+            Err(CallProblem::Sequence {
                 what: "the model has no partitions to schedule: use Co-Simulation or Model Exchange",
             })
         })

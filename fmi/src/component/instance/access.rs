@@ -1,8 +1,8 @@
 //! What may be set when, and the time derivatives of outputs.
 
 use super::events::Present;
-use super::{Engine, Instance, Interface, Outcome, Phase, Problem};
-use crate::component::jets::{Course, Jet, jets};
+use super::{ComponentProblem, Engine, Instance, Interface, Outcome, Phase};
+use crate::component::jets::{Jet, MotionJet, jets};
 use crate::component::settings::Settings;
 use crate::component::values::OutputValues;
 use crate::component::variables::{Access, Bases, Causality, Numbering, Set, Variable, WRITERS, Writer};
@@ -11,7 +11,7 @@ use crate::component::variables::{Access, Bases, Causality, Numbering, Set, Vari
 pub(super) const NO_LOADS: &str = "0 in a closed-form mode";
 
 #[cold]
-pub(super) fn no_such(numbering: Numbering, reference: u32, bases: Bases) -> Problem {
+pub(super) fn no_such(numbering: Numbering, reference: u32, bases: Bases) -> ComponentProblem {
     let found = match numbering.variable(reference) {
         Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
         None => {
@@ -46,7 +46,7 @@ impl Instance {
         let variable = self.look_up(reference, bases)?;
         self.check_settable(&WRITERS[self.numbering.place(reference)], variable)?;
         if !variable.accepts(value) {
-            return Err(Problem::value(variable.name, value, variable.allowed()));
+            return Err(ComponentProblem::value(variable.name, value, variable.allowed()));
         }
         self.check_load(variable, value)
     }
@@ -55,7 +55,7 @@ impl Instance {
     pub(super) fn check_load(&self, variable: &Variable, value: f64) -> Outcome {
         if variable.causality == Causality::Input && value != 0.0 && matches!(self.engine, Engine::Closed(_))
         {
-            return Err(Problem::value(variable.name, value, NO_LOADS));
+            return Err(ComponentProblem::value(variable.name, value, NO_LOADS));
         }
         Ok(())
     }
@@ -136,10 +136,16 @@ impl Instance {
                 (form.derivatives(), *form.parameters(), [[0.0; 4]; 3], form.theta(), form.values())
             }
             Present::None | Present::Continuous(_) => {
-                return Err(Problem::sequence("the instance is not initialized"));
+                return Err(ComponentProblem::sequence("the instance is not initialized"));
             }
         };
-        Ok(jets(&Course { values: &values, motion: &motion, parameters: &parameters, loads: &loads, theta }))
+        Ok(jets(&MotionJet {
+            values: &values,
+            motion: &motion,
+            parameters: &parameters,
+            loads: &loads,
+            theta,
+        }))
     }
 }
 
@@ -161,7 +167,8 @@ pub(super) fn jet_of(variable: &Variable) -> Outcome<fn(&OutputValues<Jet>) -> J
         }
         _ => None,
     };
-    reading.ok_or(Problem::NoDerivative { name: variable.name, allowed: "those of continuous outputs" })
+    reading
+        .ok_or(ComponentProblem::NoDerivative { name: variable.name, allowed: "those of continuous outputs" })
 }
 
 pub(super) fn check_order(variable: &Variable, order: i32, highest: i32, allowed: &'static str) -> Outcome {

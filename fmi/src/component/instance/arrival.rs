@@ -1,7 +1,7 @@
 //! Where a step leads: to its end, which own time may be past by rounding, with an event a little
 //! behind it; or back to its beginning.
 
-use super::Problem;
+use super::ComponentProblem;
 use vibro_impact::State;
 use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -91,13 +91,17 @@ fn size(simulator: &Simulator) -> f64 {
 
 /// Takes back a step that failed, and says why it did, or that it could not be taken back.
 #[cold]
-pub(super) fn take_back(simulator: &mut Simulator, before: &Snapshot, problem: Problem) -> Problem {
+pub(super) fn take_back(
+    simulator: &mut Simulator,
+    before: &Snapshot,
+    problem: ComponentProblem,
+) -> ComponentProblem {
     if let Err(refused) = simulator.restore(before) {
         return fmi_doors::Problem::not_taken_back(&problem, &refused).into();
     }
     match problem {
-        Problem::Model(Error::WorkLimit { time, events, restitution, path, .. }) => {
-            Problem::WorkLimit { own: simulator.time(), time, events, restitution, path }
+        ComponentProblem::Model(Error::WorkLimit { time, events, restitution, path, .. }) => {
+            ComponentProblem::WorkLimit { own: simulator.time(), time, events, restitution, path }
         }
         problem => problem,
     }

@@ -2,7 +2,7 @@
 
 use super::events::Present;
 use super::initial::forces;
-use super::{Engine, Instance, Outcome, Problem};
+use super::{ComponentProblem, Engine, Instance, Outcome};
 use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
 use crate::component::settings::{Derived, Settings, SolutionMode};
@@ -78,7 +78,7 @@ impl Instance {
                 return Err(no(variable, allowed));
             }
             if !value.is_finite() {
-                return Err(Problem::value(variable.name, value, "a finite seed"));
+                return Err(ComponentProblem::value(variable.name, value, "a finite seed"));
             }
         }
         let (values, samples) = match initial {
@@ -93,7 +93,7 @@ impl Instance {
             let variable = self.look_up(reference, Bases::REAL)?;
             let value = along(variable);
             if !value.is_finite() {
-                return Err(Problem::Derivative { name: variable.name, value });
+                return Err(ComponentProblem::Derivative { name: variable.name, value });
             }
         }
         for (i, &reference) in unknowns.iter().enumerate() {
@@ -202,7 +202,7 @@ impl Instance {
                 }
             }
         }
-        Err(refused.unwrap_or_else(|| Problem::sequence("there is nothing to differentiate")))
+        Err(refused.unwrap_or_else(|| ComponentProblem::sequence("there is nothing to differentiate")))
     }
 
     /// What a known is measured by: its value, or where that is less what is of its kind in this
@@ -279,8 +279,8 @@ impl Instance {
 }
 
 /// A difference would reach over a jump.
-fn over_an_impact() -> Problem {
-    Problem::sequence("an impact is as near as a difference is wide")
+fn over_an_impact() -> ComponentProblem {
+    ComponentProblem::sequence("an impact is as near as a difference is wide")
 }
 
 /// Whether a variable is the derivative of a state and nothing else.
@@ -294,8 +294,8 @@ fn is_further_known(variable: &Variable) -> bool {
     tunable || variable.causality == Causality::Independent
 }
 
-fn no(variable: &Variable, allowed: &'static str) -> Problem {
-    Problem::NoDerivative { name: variable.name, allowed }
+fn no(variable: &Variable, allowed: &'static str) -> ComponentProblem {
+    ComponentProblem::NoDerivative { name: variable.name, allowed }
 }
 
 fn read(settings: &Settings, variable: &Variable) -> f64 {

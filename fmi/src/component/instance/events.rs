@@ -3,7 +3,7 @@
 //! events (Model Exchange) are handled in the same two calls.
 
 use super::arrival::take_back;
-use super::{Engine, Instance, Outcome, Phase, Problem};
+use super::{ComponentProblem, Engine, Instance, Outcome, Phase};
 use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
 use crate::component::log::{Category, Log};
@@ -182,11 +182,11 @@ impl Instance {
     ///
     /// # Errors
     /// What was set and is not possible; nothing has changed then.
-    pub(super) fn carry_out_event(&mut self, log: &mut dyn Log) -> Outcome<bool> {
+    pub(super) fn apply_event(&mut self, log: &mut dyn Log) -> Outcome<bool> {
         let mut report = teller(log);
         let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
         let changed = match &mut self.engine {
-            Engine::None => return Err(Problem::sequence("the instance is not initialized")),
+            Engine::None => return Err(ComponentProblem::sequence("the instance is not initialized")),
             Engine::Continuous(continuous) => continuous.handle_event(&mut report),
             Engine::Simulation(simulator) => {
                 let (before, contact) = (simulator.snapshot(), simulator.contact());

@@ -2,7 +2,7 @@
 
 use super::events::Present;
 use super::initial::forces;
-use super::{Engine, Instance, Interface, Outcome, Problem};
+use super::{ComponentProblem, Engine, Instance, Interface, Outcome};
 use crate::component::continuous::Continuous;
 use fmi_doors::Model as _;
 
@@ -21,7 +21,7 @@ impl Instance {
     pub(super) fn continuous_mut(&mut self) -> Outcome<&mut Continuous> {
         match &mut self.engine {
             Engine::Continuous(continuous) => Ok(continuous),
-            _ => Err(Problem::sequence("the instance is not initialized")),
+            _ => Err(ComponentProblem::sequence("the instance is not initialized")),
         }
     }
 
@@ -41,7 +41,9 @@ impl Instance {
         };
         match values.iter().position(|value| !value.is_finite()) {
             None => Ok(values),
-            Some(i) => Err(Problem::Overflow { name: names[i], value: values[i], time: self.time() }),
+            Some(i) => {
+                Err(ComponentProblem::Overflow { name: names[i], value: values[i], time: self.time() })
+            }
         }
     }
 }

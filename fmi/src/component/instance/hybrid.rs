@@ -4,7 +4,7 @@
 use super::arrival::{advance, is_at_end, rounding, take_back};
 use super::events::{Changes, describe, log_left_out, report_contact, teller};
 use super::last_step::LastStep;
-use super::{Engine, Instance, Outcome, Phase, Problem, finite, given};
+use super::{ComponentProblem, Engine, Instance, Outcome, Phase, finite, given};
 use crate::component::closed_form::{ClosedForm, Data};
 use crate::component::event_state::{Discrete, EventState};
 use crate::component::log::{Category, Log, Silence};
@@ -51,16 +51,18 @@ impl Hybrid for Instance {
 
     fn check(&self, point: f64, size: f64) -> Outcome {
         if matches!(self.engine, Engine::None | Engine::Continuous(_)) {
-            return Err(Problem::sequence("the instance is not initialized"));
+            return Err(ComponentProblem::sequence("the instance is not initialized"));
         }
         self.life.check_step(point, size, self.time()).map_err(|problem| match problem {
             fmi_doors::Problem::Time { given, own } if self.life.phase == Phase::StoppedEarly => {
-                Problem::Stopped { given, own }
+                ComponentProblem::Stopped { given, own }
             }
             problem => problem.into(),
         })?;
         if self.events.pending {
-            return Err(Problem::sequence("the event of the last step must be handled in Event Mode first"));
+            return Err(ComponentProblem::sequence(
+                "the event of the last step must be handled in Event Mode first",
+            ));
         }
         Ok(())
     }
@@ -142,7 +144,7 @@ impl Hybrid for Instance {
         Ok(Met { events, ..met })
     }
 
-    fn undo(&mut self, undo: Undo, problem: Problem) -> Problem {
+    fn undo(&mut self, undo: Undo, problem: ComponentProblem) -> ComponentProblem {
         self.events.side = 0;
         self.invalidate();
         match (&mut self.engine, undo.0, &self.last_step) {
@@ -226,7 +228,7 @@ impl Hybrid for Instance {
 
     fn carry_out(&mut self, log: &mut dyn Log) -> Outcome<Handled> {
         self.end_tick()?;
-        let states = self.carry_out_event(log)?;
+        let states = self.apply_event(log)?;
         Ok(Handled { states, nominals: self.nominals_changed() })
     }
 
@@ -249,7 +251,7 @@ impl Hybrid for Instance {
         if failed && self.end_tick().is_err() {
             self.tick.active = false;
         }
-        if self.looks_past_the_event() && (failed || self.carry_out_event(&mut Silence).is_err()) {
+        if self.looks_past_the_event() && (failed || self.apply_event(&mut Silence).is_err()) {
             self.invalidate();
         }
     }

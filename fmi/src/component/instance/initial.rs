@@ -1,7 +1,7 @@
 //! What an instance starts from.
 
 use super::access::NO_LOADS;
-use super::{Engine, Instance, Interface, Outcome, Problem};
+use super::{ComponentProblem, Engine, Instance, Interface, Outcome};
 use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::Continuous;
 use crate::component::settings::{Settings, SolutionMode};
@@ -32,7 +32,7 @@ impl Instance {
                 "1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate";
             // In later descriptions it is a mistake in the call, and not of a value.
             return Err(match self.edition {
-                Edition::Every => Problem::value("mode", f64::from(settings.mode.number()), ALLOWED),
+                Edition::Every => ComponentProblem::value("mode", f64::from(settings.mode.number()), ALLOWED),
                 _ => fmi_doors::Problem::Sequence { what: format!("mode must be {ALLOWED}").into() }.into(),
             });
         }
@@ -70,7 +70,7 @@ impl Instance {
         for (body, load) in settings.loads.derivatives.iter().enumerate() {
             if let Some(&value) = load.iter().find(|value| **value != 0.0) {
                 let name = input_of(body).map_or("a load", |input| input.name);
-                return Err(Problem::value(name, value, NO_LOADS));
+                return Err(ComponentProblem::value(name, value, NO_LOADS));
             }
         }
         ClosedForm::new(settings.mode, &settings.parameters, self.life.start_time())

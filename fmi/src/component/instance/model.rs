@@ -1,7 +1,7 @@
 //! Variables, continuous states and saved states, as the doors ask for them.
 
 use super::access::{check_order, jet_of, no_such};
-use super::{Engine, Instance, Outcome, Problem};
+use super::{ComponentProblem, Engine, Instance, Outcome};
 use crate::component::closed_form::ClosedForm;
 use crate::component::continuous::{Continuous, check_states};
 use crate::component::log::{Category, Log};
@@ -24,7 +24,7 @@ const REACH: f64 = 10.0;
 
 #[allow(refining_impl_trait)] // numbers of the model are arrays
 impl Model for Instance {
-    type Problem = Problem;
+    type Problem = ComponentProblem;
     type State = SavedState;
 
     /// There are fewer than 100 variables; a saved state has less than a kilobyte.
@@ -175,11 +175,14 @@ impl Model for Instance {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let variable = self.look_up(reference, Bases::REAL)?;
             if variable.body.is_none() {
-                return Err(Problem::NoDerivative { name: variable.name, allowed: "those of inputs" });
+                return Err(ComponentProblem::NoDerivative {
+                    name: variable.name,
+                    allowed: "those of inputs",
+                });
             }
             check_order(variable, order, INPUT_ORDER, "1, 2 or 3")?;
             if !value.is_finite() {
-                return Err(Problem::value(variable.name, value, "a finite derivative"));
+                return Err(ComponentProblem::value(variable.name, value, "a finite derivative"));
             }
             self.check_load(variable, value)?;
         }
@@ -220,7 +223,7 @@ impl Model for Instance {
             if value.is_finite() {
                 return Ok(value);
             }
-            Err(Problem::Overflow { name: variable.name, value, time: instance.time() })
+            Err(ComponentProblem::Overflow { name: variable.name, value, time: instance.time() })
         };
         for (&reference, &order) in references.iter().zip(orders) {
             derivative(self, reference, order)?;
@@ -256,11 +259,11 @@ impl Model for Instance {
 
     fn set_continuous_states(&mut self, states: &[f64]) -> Outcome {
         let states: &[f64; 6] =
-            states.try_into().map_err(|_| Problem::sequence("there are six continuous states"))?;
+            states.try_into().map_err(|_| ComponentProblem::sequence("there are six continuous states"))?;
         let w = states[1] - states[0];
         if self.edition > Edition::Every && w.abs() > REACH * self.settings.parameters.stop_gap {
             let allowed = "up to 10 times stop.gap, so that a solver can look beyond an impact";
-            return Err(Problem::value("stop.s", w, allowed));
+            return Err(ComponentProblem::value("stop.s", w, allowed));
         }
         let state = check_states(states)?;
         self.continuous_mut()?.set_state(state);

@@ -11,8 +11,8 @@ use vibro_impact::simulator::{Event, Simulator};
 /// How far a prediction looks, in drive periods: motions near the two-impact orbit have four
 /// impacts in it.
 const PERIODS: f64 = 2.0;
-/// The same in the fastest time constant of the system, for a drive that is very slow or stands
-/// still: what has not happened by then is not worth the time of looking for it.
+/// How far a prediction looks at the most, in the system's fastest time constant, where the drive
+/// is very slow or stands still: a later event is not worth the search.
 const TIME_CONSTANTS: f64 = 1e4;
 
 impl Instance {

@@ -9,9 +9,9 @@ pub enum Edition {
     Every,
     /// Descriptions that know event indicators and derivatives as variables.
     Extended,
-    /// The same with arrays.
+    /// Extended descriptions with arrays.
     Arrays,
-    /// The same with a clock.
+    /// Descriptions with arrays and a clock.
     Clocked,
 }
 

@@ -44,10 +44,9 @@ pub enum Kind {
 pub struct Reading {
     /// Its value.
     pub value: fn(&OutputValues) -> f64,
-    /// The same expression on numbers that vary; none for what changes at events only.
+    /// Its value as a number that varies; none for what changes at events only.
     pub varied: Option<fn(&OutputValues<Varied>) -> Varied>,
-    /// The same expression on numbers with their time derivatives; none for what changes at events
-    /// only.
+    /// Its value with its time derivatives; none for what changes at events only.
     pub jet: Option<fn(&OutputValues<Jet>) -> Jet>,
 }
 
@@ -186,7 +185,7 @@ impl Variable {
         self.start_in(&Settings::default())
     }
 
-    /// The same where a description starts from other settings.
+    /// Start value in a description that starts from `settings`.
     pub fn start_in(&self, settings: &Settings) -> Option<f64> {
         match self.access {
             Access::Setting { get, .. } | Access::Start { get, .. } => Some(get(settings)),

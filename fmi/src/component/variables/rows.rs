@@ -256,7 +256,7 @@ pub(super) const fn group(
     derived(Section::Groups, name, description, number, get, knowns)
 }
 
-/// The same of fixed parameters.
+/// A dimensionless group of fixed parameters.
 pub(super) const fn fixed_group(
     name: &'static str,
     description: &'static str,
@@ -324,7 +324,7 @@ pub(super) const fn join<const N: usize>(lists: &[&[&'static str]]) -> [&'static
 const DECIDING: [&str; 12] =
     join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_STOPS, &["drive.amplitude", "drive.frequency"]]);
 
-/// The same as knowns.
+/// [`DECIDING`] as knowns.
 const STEADY: Knowns = &{
     let mut knowns = [("", Dependent); DECIDING.len()];
     let mut i = 0;

@@ -62,7 +62,7 @@ const BLOCK: [&str; 9] = join(&[&OF_PAIR, &OF_COUPLING, &OF_DRIVE, &["mode"]]);
 /// The parameters in the contact force.
 const PRESSING: [&str; 8] = join(&[&OF_PAIR, &OF_COUPLING, &OF_DRIVE]);
 
-/// The same with the unit in which the pressing acceleration is told.
+/// The parameters in the pressing acceleration: those of the force, and the gap as unit of length.
 const PRESSED: [&str; 9] = join(&[&OF_PAIR, &OF_COUPLING, &["stop.gap"], &OF_DRIVE]);
 
 /// The parameters in the accelerations of all three bodies.

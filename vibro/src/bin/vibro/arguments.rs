@@ -6,12 +6,13 @@
 //! * An option of both is in the command's struct. Where the defaults differ, the second one is a
 //!   `default_value_if` on `file`, and the help text states both.
 //! * An option of one machine is in the struct `…OfFile` or `…OfPaper`, whose heading help shows
-//!   and by which [`check_subject`] refuses it for the other machine.
+//!   and by which [`check_options`] refuses it for the other machine.
 //! * An axis, quantity or measure is text to clap; [`Command::read_axes`] and `assembly_studies`
 //!   parse it, since its form depends on the machine.
 //!
 //! Identifiers of options are keys of manifests: they stay, and a new word is an alias.
 
+use crate::alias;
 use crate::common_arguments::{Common, WITH_FILE, WITHOUT_FILE};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::ranges::texts;
@@ -20,7 +21,7 @@ use crate::study_arguments::{
     Basin, Bifurcation, Compare, Isoperiodic, Lyapunov, Manifold, Merge, Plane, Reproduce, Response,
     Stability, Template,
 };
-use crate::sweep_arguments::{self, Sweep};
+use crate::sweep_arguments::{EXAMPLES, EXAMPLES_OF_PAPER, Sweep, TABLE};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, CommandFactory, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -79,7 +80,7 @@ and compliant stops
   No friction; springs and dampers are linear.";
 
 /// How numbers of a machine's file are read.
-const NUMBERS: &str = "\
+pub const NUMBERS: &str = "\
 NUMBERS
   A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
   Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
@@ -91,71 +92,65 @@ pub fn command() -> clap::Command {
     let all = with_negative_numbers(with_notes(Arguments::command(), &[LIMITS]));
     let shared: Vec<Arg> = all.get_arguments().cloned().collect();
     let all = all.mut_subcommands(|command| {
-        let (unused, notes): (&[&str], &[&str]) = match command.get_name() {
-            "check" => (&["config", "out", "replace", "discard_unfinished", "threads"], &[NUMBERS]),
-            "draw" => (&["config", "replace", "discard_unfinished", "threads"], &[NUMBERS]),
-            "sweep" => (&[], &[sweep_arguments::EXAMPLES, NUMBERS, LIMITS]),
-            "run" | "bifurcation" | "lyapunov" => (&[], &[NUMBERS, LIMITS]),
-            "template" => (&["config", "set", "out", "replace", "discard_unfinished", "threads"], &[LIMITS]),
-            "merge" => (&["config", "set"], &[LIMITS]),
-            _ => (&[], &[LIMITS]),
+        let notes: &[&str] = match command.get_name() {
+            "check" | "draw" => &[NUMBERS],
+            "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
+            "run" | "bifurcation" | "lyapunov" => &[NUMBERS, LIMITS],
+            _ => &[LIMITS],
         };
-        with_notes(with_shared(command, &shared, unused), notes)
+        with_notes(with_shared(command, &shared), notes)
     });
-    let alias = alias(&all);
+    let alias = alias::alias(&all);
     all.subcommand(alias)
 }
 
 /// Help that ends with these notes.
-fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
+pub fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
     let own = command.get_after_help().map(ToString::to_string);
     let notes: Vec<String> = own.into_iter().chain(notes.iter().map(|note| (*note).into())).collect();
     command.after_help(notes.join("\n\n"))
 }
 
-/// Hides in a command's help the shared options that it refuses or ignores. A command of two
-/// machines lists `--config` under the heading of the paper's machine.
-fn with_shared(command: clap::Command, shared: &[Arg], unused: &[&str]) -> clap::Command {
-    let heading = if has_file(&command) { Some(WITHOUT_FILE) } else { None };
+/// Shared options that a command has no use for: its help leaves them out, and [`check_options`]
+/// refuses them. Only a study of parts has unfinished ones.
+fn unused(command: &str) -> &'static [&'static str] {
+    match command {
+        "check" => &["config", "out", "replace", "discard_unfinished", "threads"],
+        "draw" => &["config", "replace", "discard_unfinished", "threads"],
+        "template" => &["config", "set", "out", "replace", "discard_unfinished", "threads"],
+        "merge" => &["config", "set"],
+        "run" | "steady" | "response" | "manifold" | "stability" | "plane" | "compare" | "orbit"
+        | "locus" => &["discard_unfinished"],
+        _ => &[],
+    }
+}
+
+/// A command with the shared options as it takes them: hidden where it has no use for them, and
+/// under the heading of the paper's machine where that one alone has. One motion of a machine's
+/// file has no use for threads.
+fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
+    let (name, of_file) = (command.get_name().to_owned(), has_file(&command));
     let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
-        "config" => Some(arg.clone().help_heading(heading).hide(unused.contains(&"config"))),
-        id => unused.contains(&id).then(|| arg.clone().hide(true)),
+        id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
+        "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
+        "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
+        "set" if ["check", "draw"].contains(&name.as_str()) => Some(arg.clone().help(SET_OF_FILE)),
+        "set" if !of_file => Some(arg.clone().help(SET_OF_PAPER)),
+        "set" => Some(arg.clone()),
+        _ => None,
     });
     own.fold(command, clap::Command::arg)
 }
 
-/// The alias `vibro assembly COMMAND FILE` of version 0.2.
-fn alias(all: &clap::Command) -> clap::Command {
-    let commands = all.get_subcommands().filter(|command| has_file(command)).cloned();
-    let of_file = commands.map(|command| {
-        command.mut_args(|arg| match arg.get_help_heading() {
-            Some(WITHOUT_FILE) => arg.hide(true),
-            _ if arg.get_id() == FILE => arg.required(true),
-            _ => arg,
-        })
-    });
-    clap::Command::new(ALIAS)
-        .about("Alias of the commands with a machine's FILE: `vibro assembly run FILE` is `vibro run FILE`")
-        .hide(true)
-        .arg_required_else_help(true)
-        .subcommand_required(true)
-        .subcommands(of_file)
-}
+/// Help of `--set` where a machine's file is meant, and where the paper's machine is.
+const SET_OF_FILE: &str = "Set one parameter, e.g. stop.upper.gap=5mm. May be repeated";
+const SET_OF_PAPER: &str = "Set one parameter, e.g. kappa=0.6, box.k=48kN/m. May be repeated";
 
-/// The matches without the alias.
-pub fn without_alias(matches: ArgMatches) -> ArgMatches {
-    match matches.subcommand() {
-        Some((ALIAS, inner)) => inner.clone(),
-        _ => matches,
-    }
-}
-
-/// Name of the alias of the commands with a machine's file.
-const ALIAS: &str = "assembly";
 /// Name of the argument for a machine's file.
-const FILE: &str = "file";
+pub const FILE: &str = "file";
 
-fn has_file(command: &clap::Command) -> bool {
+/// Whether a command takes a machine's file.
+pub fn has_file(command: &clap::Command) -> bool {
     command.get_arguments().any(|arg| arg.get_id() == FILE)
 }
 
@@ -164,20 +159,33 @@ pub fn file(matches: &ArgMatches) -> Option<&Path> {
     matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
 }
 
-/// Refuses an option of the paper's machine where a FILE is named, and one of a FILE where none is.
+/// Refuses a shared option for which the command has no use, an option of the paper's machine where
+/// a FILE is named, and one of a FILE where none is.
 ///
 /// # Errors
 /// [`Error::Refused`] with the option and those that are allowed.
-pub fn check_subject(matches: &ArgMatches) -> Result<()> {
+pub fn check_options(matches: &ArgMatches) -> Result<()> {
     let (all, file) = (command(), file(matches));
     let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
-    let Some(command) = all.find_subcommand(name).filter(|command| has_file(command)) else { return Ok(()) };
+    let Some(command) = all.find_subcommand(name) else { return Ok(()) };
+    let is_given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
+    let option = |arg: &Arg| format!("--{}", arg.get_long().unwrap_or_default());
+    let is_unused = |arg: &&Arg| unused(name).contains(&arg.get_id().as_str());
+    if let Some(given) = command.get_arguments().filter(is_unused).find(is_given) {
+        let taken = all.get_arguments().filter(|arg| !is_unused(arg) && arg.get_long() != Some("help"));
+        let taken: Vec<String> = taken.map(option).collect();
+        let taken = if taken.is_empty() { "none".into() } else { taken.join(", ") };
+        let problem =
+            format!("`vibro {name}` has no use for it; of the options of all commands it takes {taken}");
+        return Err(Error::Refused { what: option(given), problem });
+    }
+    if !has_file(command) {
+        return Ok(());
+    }
     let (refused, allowed) =
         if file.is_some() { (WITHOUT_FILE, WITH_FILE) } else { (WITH_FILE, WITHOUT_FILE) };
     let under = |heading| command.get_arguments().filter(move |a| a.get_help_heading() == Some(heading));
-    let is_given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
     let Some(given) = under(refused).find(is_given) else { return Ok(()) };
-    let option = |arg: &Arg| format!("--{}", arg.get_long().unwrap_or_default());
     let whose = match file {
         Some(file) => format!("an option of the paper's machine, and {} is named", file.display()),
         None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),

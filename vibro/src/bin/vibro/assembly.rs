@@ -60,6 +60,8 @@ fn follow(
     RunArguments { samples, of_file: a, .. }: &RunArguments,
     common: &Common,
 ) -> Result<bool> {
+    // First, since a file of another kind wants other options.
+    let machine = read(file, common)?;
     let times = match (&a.times, a.until) {
         (Some(path), _) => assembly::times_of(path)?,
         (None, Some(until)) => assembly::even_times(until, *samples as usize)?,
@@ -68,7 +70,6 @@ fn follow(
             return Err(Error::Refused { what: format!("run {}", file.display()), problem });
         }
     };
-    let machine = read(file, common)?;
     let mut invocation = common.invocation.clone();
     let ends = (times.len(), times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
     invocation.options.insert("times".into(), format!("{} from {:?} to {:?} s", ends.0, ends.1, ends.2));

@@ -3,7 +3,7 @@
 //!
 //! `run`, `sweep`, `bifurcation` and `lyapunov` take two machines: that of the FILE they name, and
 //! without one the paper's. An option that only one of the two has stands under the heading
-//! [`WITH_FILE`] or [`WITHOUT_FILE`]; by these headings [`crate::arguments::check_subject`] refuses
+//! [`WITH_FILE`] or [`WITHOUT_FILE`]; by these headings [`crate::arguments::check_options`] refuses
 //! it for the other machine.
 
 use crate::ranges::whole;

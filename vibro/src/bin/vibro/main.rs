@@ -1,5 +1,6 @@
 //! `vibro`: arguments, files and printing. The studies are those of the library `vibro`.
 
+mod alias;
 mod arguments;
 mod assembly;
 mod assembly_studies;
@@ -34,11 +35,11 @@ use vibro_analysis::{Name, ParameterSet, number, typed_unit};
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    let matches = arguments::without_alias(arguments::command().get_matches());
+    let matches = alias::without_alias(arguments::command().get_matches());
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     arguments.common.invocation = invocation::invocation(&matches);
     let file = arguments::file(&matches);
-    match arguments::check_subject(&matches).and_then(|()| run(&mut arguments, file)) {
+    match arguments::check_options(&matches).and_then(|()| run(&mut arguments, file)) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(interruption::INTERRUPTED as u8),
         Err(error) => {

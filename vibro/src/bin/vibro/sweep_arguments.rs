@@ -17,11 +17,15 @@ use vibro_analysis::{Name, Unit};
 const DEFAULT: &str =
     "amplitude.x1,amplitude.without_block,amplitude.w,impacts,impact.speed,power.impact,class";
 
+/// Examples with a machine's file.
 pub const EXAMPLES: &str = "\
 EXAMPLES
   vibro sweep machine.toml --list
-  vibro sweep machine.toml --vary stop.upper.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25
-  of the paper's machine:
+  vibro sweep machine.toml --vary stop.upper.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25";
+
+/// Examples of the paper's machine.
+pub const EXAMPLES_OF_PAPER: &str = "\
+EXAMPLES of the paper's machine
   vibro sweep --config parameters.toml --vary stop.gap=2mm:24mm:100 --output amplitude.x1,impacts
   1188 designs, each by its largest amplitude over a band of drive frequencies and two starts:
     vibro sweep --config parameters.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 \\
@@ -29,8 +33,10 @@ EXAMPLES
       --output amplitude.x1,impact.impulse
   vibro sweep --vary m2=0.8kg,1.2kg,1.6kg --vary L=5mm:10mm:6 --config parameters.toml
   vibro sweep --vary block.m=0.4kg:1.6kg --vary stop.gap=2mm:24mm --sobol 256 --config parameters.toml
-  vibro sweep --design rows.csv    (a header with names of parameters, then numbers, with or without units)
+  vibro sweep --design rows.csv    (a header with names of parameters, then numbers, with or without units)";
 
+/// What the tables of a sweep contain.
+pub const TABLE: &str = "\
 THE TABLE (sweep.csv, sweep.parquet) has a row for each design: the parameters and outputs in SI, the reason if values are
 missing, and at the end each parameter that was written in another unit, in that unit (`drive.frequency [Hz]`). With one motion a
 design the column of an output has its name. With several there are NAME.min, NAME.mean, NAME.max, and where the largest was

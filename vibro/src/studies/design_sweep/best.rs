@@ -5,7 +5,7 @@ use super::words::Labelled;
 use vibro_analysis::design_sweep::{Choice, DesignRow, SweepRequest, row};
 
 /// Maximum number of designs listed one by one.
-const TOLD: usize = 8;
+const MAX_LISTED: usize = 8;
 
 /// The best design, or the designs that error bars do not separate, and how it was sought.
 pub(super) fn best_in_words<M: Labelled>(
@@ -47,7 +47,7 @@ pub(super) fn best_in_words<M: Labelled>(
 
 /// The numbers of the designs that are listed.
 pub(super) fn told(choice: &Choice) -> &[usize] {
-    &choice.possible[..choice.possible.len().min(TOLD)]
+    &choice.possible[..choice.possible.len().min(MAX_LISTED)]
 }
 
 /// How many designs were measured again, and how.

@@ -277,7 +277,7 @@ fn a_played_motion_has_no_impacts_at_its_start() {
     }
 }
 
-/// The same in either kind of step.
+/// Both kinds of step: over the events, and to be ended at events.
 #[test]
 fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_others() {
     for ends_at_events in [false, true] {

@@ -42,7 +42,8 @@ fn run(fmu: &mut Instance, stop: f64, messages: &mut Messages) -> usize {
     run_within(1e-13, fmu, stop, messages)
 }
 
-/// The same by a host that finds events not before their time and at most so late (s).
+/// Runs to `stop` as a host that finds events at most `late` seconds after their time, never
+/// before it; returns the number of events.
 fn run_within(late: f64, fmu: &mut Instance, stop: f64, messages: &mut Messages) -> usize {
     let mut events = 0;
     loop {

@@ -52,7 +52,7 @@ fn damaged_and_foreign_bytes_are_refused() {
         assert!(
             matches!(
                 SavedState::deserialize(&bytes[..length]),
-                Err(Problem::Door(fmi_doors::Problem::SavedState { .. }))
+                Err(ComponentProblem::Door(fmi_doors::Problem::SavedState { .. }))
             ),
             "{length}"
         );

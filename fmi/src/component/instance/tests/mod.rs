@@ -72,7 +72,7 @@ fn with_handling(event_mode: bool, early_return: bool, start: &[(&str, f64)]) ->
     stepping(Protocol { handling, ..Protocol::default() }, start)
 }
 
-/// The same of a protocol.
+/// A component of a protocol with start values of its own; in Step Mode.
 fn stepping(protocol: Protocol, start: &[(&str, f64)]) -> Instance {
     let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
     for (name, value) in start {

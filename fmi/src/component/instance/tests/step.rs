@@ -176,7 +176,7 @@ fn a_step_that_cannot_be_taken_back_is_reported() {
     let before = simulator.snapshot();
     let cause = || Error::Step { time: 1.0, end: 0.5 };
     let problem = take_back(&mut simulator, &before, cause().into());
-    assert!(matches!(problem, Problem::Model(Error::Step { .. })), "{problem}");
+    assert!(matches!(problem, ComponentProblem::Model(Error::Step { .. })), "{problem}");
     // A snapshot that no simulator has made: behind its parameters and its time stand x1 and w,
     // which is past the stop here.
     let mut bytes = postcard::to_stdvec(&before).unwrap();
@@ -185,7 +185,7 @@ fn a_step_that_cannot_be_taken_back_is_reported() {
     let foreign: Snapshot = postcard::from_bytes(&bytes).unwrap();
     let problem = take_back(&mut simulator, &foreign, cause().into());
     let said = problem.to_string();
-    assert!(matches!(problem, Problem::Door(fmi_doors::Problem::NotTakenBack { .. })), "{said}");
+    assert!(matches!(problem, ComponentProblem::Door(fmi_doors::Problem::NotTakenBack { .. })), "{said}");
     assert!(said.contains(&cause().to_string()) && said.contains("could not be taken back"), "{said}");
     assert_eq!(simulator.snapshot(), before);
 }

@@ -90,7 +90,10 @@ fn refused_sets_change_nothing_and_name_the_variable_and_its_range() {
     }
     for name in ["time", "box.a", "groups.epsilon", "steady.exists"] {
         assert!(
-            matches!(set(&mut fmu, name, 0.0), Err(Problem::Door(fmi_doors::Problem::NotSettable { .. }))),
+            matches!(
+                set(&mut fmu, name, 0.0),
+                Err(ComponentProblem::Door(fmi_doors::Problem::NotSettable { .. }))
+            ),
             "{name}"
         );
     }
