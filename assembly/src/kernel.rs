@@ -185,68 +185,94 @@ pub struct SparseMatrix {
     rows: Vec<usize>,
     entries: Vec<(usize, f64)>,
     /// Its entries in a form for fast products.
-    bands: Option<Bands>,
+    slices: Option<Slices>,
 }
 
 /// The matrix without rows.
 impl Default for SparseMatrix {
     fn default() -> Self {
-        Self { rows: vec![0], entries: Vec::new(), bands: None }
+        Self { rows: vec![0], entries: Vec::new(), slices: None }
     }
 }
 
-/// The diagonals of a matrix that are well filled, as in a chain of bodies, and its other entries.
-/// Products with a diagonal need no list of places and compile to vector instructions.
+/// Rows of a slice.
+const SLICE: usize = 8;
+
+/// Least number of entries of a diagonal within a slice that are kept as a list of all: fewer are
+/// as fast one by one.
+const FILLED: usize = 3;
+
+/// A matrix by slices of eight rows, from one row on: of each slice the diagonals that are well
+/// filled, as in a chain of bodies, and the other entries one by one. A product with a diagonal
+/// needs no list of places and compiles to vector instructions.
 #[derive(Clone, Debug)]
-struct Bands {
-    /// By diagonal its first row, that row's column, and the entries.
-    diagonals: Vec<(usize, usize, Vec<f64>)>,
+struct Slices {
+    /// The first row.
+    begin: usize,
+    /// By slice where its diagonals end.
+    ends: Vec<usize>,
+    /// The first column of a diagonal within its slice, and its entries.
+    diagonals: Vec<(usize, [f64; SLICE])>,
     /// Row, column and value of the others.
     others: Vec<(usize, usize, f64)>,
 }
 
-/// Least number of entries of a diagonal, and their least share of its length: what products gain
-/// by vectors of four.
-const FILLED: (usize, f64) = (4, 0.4);
-
-impl Bands {
-    fn of(matrix: &SparseMatrix) -> Self {
-        let mut by_diagonal: Vec<(usize, usize, f64)> = Vec::with_capacity(matrix.entries());
-        for i in 0..matrix.len() {
-            by_diagonal.extend(matrix.row(i).iter().map(|&(j, x)| (i, j, x)));
-        }
-        // A diagonal is where row - column is constant; sorting is stable, so that rows ascend.
-        by_diagonal.sort_by_key(|&(i, j, _)| i + matrix.len() - j);
-        let mut bands = Self { diagonals: Vec::new(), others: Vec::new() };
-        for own in by_diagonal.chunk_by(|a, b| a.0 + b.1 == b.0 + a.1) {
-            let (first, last) = (own[0], own[own.len() - 1]);
-            let length = last.0 - first.0 + 1;
-            if own.len() >= FILLED.0 && own.len() as f64 >= FILLED.1 * length as f64 {
-                let mut entries = vec![0.0; length];
-                own.iter().for_each(|&(i, _, x)| entries[i - first.0] = x);
-                bands.diagonals.push((first.0, first.1, entries));
-            } else {
-                bands.others.extend_from_slice(own);
+impl Slices {
+    fn of(matrix: &SparseMatrix, begin: usize) -> Self {
+        let mut slices = Self { begin, ends: Vec::new(), diagonals: Vec::new(), others: Vec::new() };
+        let size = matrix.len();
+        for first in (begin..size).step_by(SLICE) {
+            let rows = first..size.min(first + SLICE);
+            let mut own: Vec<(usize, usize, f64)> = Vec::new();
+            for i in rows {
+                own.extend(matrix.row(i).iter().map(|&(j, x)| (i, j, x)));
             }
+            // Column - row is constant on a diagonal; sorting is stable, so that rows ascend.
+            own.sort_by_key(|&(i, j, _)| size + j - i);
+            for diagonal in own.chunk_by(|a, b| a.1 + b.0 == b.1 + a.0) {
+                let (row, column, _) = diagonal[0];
+                match column.checked_sub(row - first) {
+                    Some(column) if diagonal.len() >= FILLED && column + SLICE <= size => {
+                        let mut entries = [0.0; SLICE];
+                        diagonal.iter().for_each(|&(i, _, x)| entries[i - first] = x);
+                        slices.diagonals.push((column, entries));
+                    }
+                    _ => slices.others.extend_from_slice(diagonal),
+                }
+            }
+            slices.ends.push(slices.diagonals.len());
         }
-        bands
+        slices
     }
 
-    /// `to` = `factor` × matrix × `from`, in the rows from `first` on.
+    /// `to` = `factor` × matrix × `from`, in the rows from the first one on.
     #[inline(always)]
-    fn rows_times_to(&self, first: usize, from: &[f64], factor: f64, to: &mut [f64]) {
-        to.fill(0.0);
-        for (row, column, entries) in &self.diagonals {
-            let skipped = first.saturating_sub(*row);
-            let Some(entries) = entries.get(skipped..) else { continue };
-            let (to, from) = (&mut to[row + skipped - first..], &from[column + skipped..]);
-            to.iter_mut().zip(entries).zip(from).for_each(|((y, x), z)| *y += x * z);
+    fn times_to(&self, from: &[f64], factor: f64, to: &mut [f64]) {
+        let mut first = 0;
+        for (to, &end) in to.chunks_mut(SLICE).zip(&self.ends) {
+            let mut sums = [0.0; SLICE];
+            for (column, entries) in &self.diagonals[first..end] {
+                let from = &from[*column..][..SLICE];
+                (0..SLICE).for_each(|i| sums[i] += entries[i] * from[i]);
+            }
+            to.iter_mut().zip(&sums).for_each(|(y, sum)| *y = factor * sum);
+            first = end;
         }
-        for &(i, j, x) in self.others.iter().filter(|(i, ..)| *i >= first) {
-            to[i - first] += x * from[j];
-        }
-        to.iter_mut().for_each(|y| *y *= factor);
+        self.others.iter().for_each(|&(i, j, x)| to[i - self.begin] += factor * x * from[j]);
     }
+}
+
+/// The largest absolute value of products of two lists, place by place.
+#[inline(always)]
+pub fn largest_product(x: &[f64], z: &[f64]) -> f64 {
+    let ((x, x_rest), (z, z_rest)) = (x.as_chunks::<SLICE>(), z.as_chunks::<SLICE>());
+    let larger = |most: f64, product: f64| if product.abs() > most { product.abs() } else { most };
+    let mut most = [0.0; SLICE];
+    for (x, z) in x.iter().zip(z) {
+        (0..SLICE).for_each(|i| most[i] = larger(most[i], x[i] * z[i]));
+    }
+    let rest = x_rest.iter().zip(z_rest).map(|(x, z)| x * z);
+    most.into_iter().chain(rest).fold(0.0, larger)
 }
 
 impl SparseMatrix {
@@ -268,13 +294,13 @@ impl SparseMatrix {
                 next[j] += 1;
             }
         }
-        Self { rows, entries, bands: None }
+        Self { rows, entries, slices: None }
     }
 
-    /// The matrix with its diagonals kept beside its entries, for one of which many products are
-    /// made.
-    pub fn with_bands(mut self) -> Self {
-        self.bands = Some(Bands::of(&self));
+    /// The matrix with slices of the rows from `begin` on beside its entries, for one of which many
+    /// products are made.
+    pub fn with_slices(mut self, begin: usize) -> Self {
+        self.slices = Some(Slices::of(&self, begin));
         self
     }
 
@@ -314,12 +340,14 @@ impl SparseMatrix {
     /// `to` = `factor` × matrix × `from`, in the rows from `first` on.
     #[inline(always)]
     pub fn rows_times_to(&self, first: usize, from: &[f64], factor: f64, to: &mut [f64]) {
-        if let Some(bands) = &self.bands {
-            return bands.rows_times_to(first, from, factor, to);
-        }
-        for (y, ends) in to.iter_mut().zip(self.rows[first..].windows(2)) {
+        let sliced = self.slices.as_ref().filter(|slices| slices.begin >= first);
+        let (by_entries, by_slices) = to.split_at_mut(sliced.map_or(to.len(), |slices| slices.begin - first));
+        for (y, ends) in by_entries.iter_mut().zip(self.rows[first..].windows(2)) {
             let row = &self.entries[ends[0]..ends[1]];
             *y = factor * row.iter().map(|&(j, x)| x * from[j]).sum::<f64>();
+        }
+        if let Some(slices) = sliced {
+            slices.times_to(from, factor, by_slices);
         }
     }
 
@@ -434,7 +462,7 @@ impl SparseMatrix {
     /// The matrix of absolute values.
     pub fn abs(&self) -> Self {
         let entries = self.entries.iter().map(|&(j, x)| (j, x.abs())).collect();
-        Self { rows: self.rows.clone(), entries, bands: None }
+        Self { rows: self.rows.clone(), entries, slices: None }
     }
 }
 

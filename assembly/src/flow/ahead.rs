@@ -8,7 +8,7 @@
 //! (docs/assembly-law.md, section 2).
 
 use super::{FlowTable, RADIUS};
-use crate::kernel::{Sparse, multiply_add_rows};
+use crate::kernel::{Sparse, largest_product, multiply_add_rows};
 
 /// Coefficients of a series at most. With rate times length 4 the first one left out is under
 /// 4⁴⁰/40! < 2e-24 of the largest coordinate.
@@ -29,7 +29,7 @@ const SHORTEST: f64 = 0.02;
 const REACH: f64 = 4.0;
 
 /// Coordinates whose series are evaluated together.
-const CHUNK: usize = 64;
+const CHUNK: usize = 8;
 
 /// The states within a span as a power series in the part of it that has passed; its memory is used
 /// again.
@@ -91,19 +91,52 @@ impl Series {
     /// stay as in `to`.
     #[inline(always)]
     pub fn at_nodes(&self, nodes: &[(f64, f64)], part: f64, first: usize, to: &mut Vec<f64>) {
-        let size = self.size;
-        to.resize(nodes.len() * size, 0.0);
-        let mut begin = first;
-        while begin < size {
-            // So many coordinates of all terms are read from the nearest memory for each node.
-            let end = size.min(begin + CHUNK);
-            for (node, to) in nodes.iter().zip(to.chunks_exact_mut(size)) {
-                let (to, u) = (&mut to[begin..end], part * node.0);
-                to.copy_from_slice(&self.term(self.orders)[begin..end]);
-                (0..self.orders).rev().for_each(|k| multiply_add_rows(to, u, &self.term(k)[begin..end]));
-            }
-            begin = end;
+        to.resize(nodes.len() * self.size, 0.0);
+        let mut done = 0;
+        while done < nodes.len() {
+            let left = &nodes[done..];
+            let to = &mut to[done * self.size..];
+            done += match left.len() {
+                12.. => self.at_these::<12>(left, part, first, to),
+                8.. => self.at_these::<8>(left, part, first, to),
+                6.. => self.at_these::<6>(left, part, first, to),
+                _ => self.at_these::<1>(left, part, first, to),
+            };
         }
+    }
+
+    /// The states at the first `N` nodes; returns N. Of eight coordinates at a time the sums of all
+    /// nodes stay in registers.
+    #[inline(always)]
+    fn at_these<const N: usize>(
+        &self,
+        nodes: &[(f64, f64)],
+        part: f64,
+        first: usize,
+        to: &mut [f64],
+    ) -> usize {
+        let parts: [f64; N] = std::array::from_fn(|node| part * nodes[node].0);
+        let mut begin = first;
+        while begin + CHUNK <= self.size {
+            let mut sums = [[0.0; CHUNK]; N];
+            for k in (0..=self.orders).rev() {
+                let term = &self.term(k)[begin..][..CHUNK];
+                for (sum, part) in sums.iter_mut().zip(parts) {
+                    (0..CHUNK).for_each(|i| sum[i] = sum[i] * part + term[i]);
+                }
+            }
+            for (node, sum) in sums.iter().enumerate() {
+                to[node * self.size + begin..][..CHUNK].copy_from_slice(sum);
+            }
+            begin += CHUNK;
+        }
+        for i in begin..self.size {
+            for (node, part) in parts.iter().enumerate() {
+                let terms = (0..=self.orders).rev().map(|k| self.term(k)[i]);
+                to[node * self.size + i] = terms.fold(0.0, |sum, term| sum * part + term);
+            }
+        }
+        N
     }
 
     /// The terms, each of as many coordinates as the state, from order 0 on.
@@ -165,8 +198,7 @@ impl Ahead {
         series.scale(1, span);
         series.scale(2, 0.5 * span * span);
         let norm = |series: &Series, k: usize, coordinates: usize| {
-            let largest = |most: f64, (x, weight): (&f64, &f64)| most.max((x * weight).abs());
-            series.term(k)[..coordinates].iter().zip(&table.weights).fold(0.0, largest)
+            largest_product(&series.term(k)[..coordinates], &table.weights[..coordinates])
         };
         let size = (0..3).map(|k| norm(series, k, table.one)).fold(0.0, f64::max);
         let (radius, mut k, mut bound) = (table.rate * span, 2, 0.5 * (table.rate * span).powi(2));

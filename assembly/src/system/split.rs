@@ -72,7 +72,7 @@ fn place_of(state: StopState) -> usize {
 impl Split {
     pub(super) fn new(system: &System) -> Self {
         let n = system.coordinates;
-        let base = Arc::new(system.base().with_bands());
+        let base = Arc::new(system.base().with_slices(n));
         let scales: Vec<f64> = (0..n)
             .map(|k| {
                 let mut unit = nalgebra::DVector::zeros(n);
