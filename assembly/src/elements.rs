@@ -7,7 +7,6 @@
 use crate::description::{
     Arms, BodyKind, Damper, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
 };
-use crate::quantity::What;
 
 /// An element of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,15 +113,6 @@ impl<'a> Element<'a> {
             Self::Friction(_) => Action::Rubbing,
             Self::Link(_) => Action::Tying,
             Self::Load(_) => Action::Driving,
-        }
-    }
-
-    /// Its quantities, each a column, an FMU variable and a measure of studies.
-    pub fn quantities(self) -> &'static [What] {
-        match self.action() {
-            Action::Tying => &[],
-            Action::Driving => &[What::F],
-            _ => &[What::E, What::Rate, What::F],
         }
     }
 

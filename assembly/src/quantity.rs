@@ -120,6 +120,17 @@ impl Description {
     }
 }
 
+impl Element<'_> {
+    /// Its quantities, each a column, an FMU variable and a measure of studies.
+    pub fn quantities(self) -> &'static [What] {
+        match self.action() {
+            Action::Tying => &[],
+            Action::Driving => &[What::F],
+            _ => &[What::E, What::Rate, What::F],
+        }
+    }
+}
+
 fn meaning(what: What, element: Option<Element>) -> &'static str {
     match what {
         What::S => "Coordinate",

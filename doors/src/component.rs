@@ -154,8 +154,3 @@ pub trait Component: Hybrid {
 }
 
 impl<H: Hybrid> Component for H {}
-
-/// Refuses by name.
-pub(crate) fn not_offered<T, P: crate::Refusal>(what: &'static str) -> Result<T, P> {
-    Err(Problem::NotOffered { what }.into())
-}

@@ -28,10 +28,10 @@ pub(crate) mod steps;
 pub use pieces::Pieces;
 pub use steps::{AtEvent, Ended, Met, StepEnd, Until};
 
-use crate::component::not_offered;
 use crate::events::Handled;
 use crate::log::Log;
 use crate::model::Model;
+use crate::problem::not_offered;
 use std::fmt::Debug;
 
 /// A simulation with events, from which the layer makes a [`Component`](crate::Component).

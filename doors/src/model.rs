@@ -1,12 +1,11 @@
 //! What an FMU is an instance of, apart from how it moves: variables, continuous states, saved
 //! states. How it moves is [`Hybrid`](crate::Hybrid).
 
-use crate::component::not_offered;
 use crate::events::EarlyEnd;
 use crate::instantiation::{Instantiation, Named};
 use crate::life::Life;
 use crate::log::Log;
-use crate::problem::Refusal;
+use crate::problem::{Refusal, not_offered};
 use crate::values::{Bases, Dependency};
 use std::fmt::Debug;
 

@@ -147,3 +147,8 @@ impl Refusal for Problem {
         matches!(self, Self::Value { .. })
     }
 }
+
+/// Refuses what a component does not offer, by name.
+pub(crate) fn not_offered<T, P: Refusal>(what: &'static str) -> Result<T, P> {
+    Err(Problem::NotOffered { what }.into())
+}

@@ -1,8 +1,7 @@
 //! `vibro assembly COMMAND FILE`, the alias of `vibro COMMAND FILE` of version 0.2. Its help speaks
 //! of machines' files alone.
 
-use crate::arguments::{FILE, NUMBERS, has_file, with_notes};
-use crate::common_arguments::WITHOUT_FILE;
+use crate::common_arguments::{FILE, NUMBERS, WITHOUT_FILE, has_file, with_notes};
 use crate::sweep_arguments::{EXAMPLES, TABLE};
 use clap::builder::{Resettable, StyledStr};
 use clap::{ArgMatches, Command};

@@ -13,7 +13,7 @@
 //! Identifiers of options are keys of manifests: they stay, and a new word is an alias.
 
 use crate::alias;
-use crate::common_arguments::{Common, WITH_FILE, WITHOUT_FILE};
+use crate::common_arguments::{Common, FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::ranges::texts;
 use crate::run::RunArguments;
@@ -79,13 +79,6 @@ and compliant stops
   Three bodies on one line: box, block, secondary oscillator. Both stops are rigid and have one coefficient of restitution.
   No friction; springs and dampers are linear.";
 
-/// How numbers of a machine's file are read.
-pub const NUMBERS: &str = "\
-NUMBERS
-  A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
-  Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
-  Names of parameters are the file's own: docs/assemblies.md.";
-
 /// The command line as clap has it. The help of every command names what that command takes, and
 /// ends with the limits of the paper's machine where it takes that one.
 pub fn command() -> clap::Command {
@@ -102,13 +95,6 @@ pub fn command() -> clap::Command {
     });
     let alias = alias::alias(&all);
     all.subcommand(alias)
-}
-
-/// Help that ends with these notes.
-pub fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
-    let own = command.get_after_help().map(ToString::to_string);
-    let notes: Vec<String> = own.into_iter().chain(notes.iter().map(|note| (*note).into())).collect();
-    command.after_help(notes.join("\n\n"))
 }
 
 /// Shared options that a command has no use for: its help leaves them out, and [`check_options`]
@@ -145,14 +131,6 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
 /// Help of `--set` where a machine's file is meant, and where the paper's machine is.
 const SET_OF_FILE: &str = "Set one parameter, e.g. stop.upper.gap=5mm. May be repeated";
 const SET_OF_PAPER: &str = "Set one parameter, e.g. kappa=0.6, box.k=48kN/m. May be repeated";
-
-/// Name of the argument for a machine's file.
-pub const FILE: &str = "file";
-
-/// Whether a command takes a machine's file.
-pub fn has_file(command: &clap::Command) -> bool {
-    command.get_arguments().any(|arg| arg.get_id() == FILE)
-}
 
 /// The machine's file, if one was named.
 pub fn file(matches: &ArgMatches) -> Option<&Path> {

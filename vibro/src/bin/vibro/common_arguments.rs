@@ -21,6 +21,28 @@ pub const WITHOUT_FILE: &str = "Options without FILE";
 /// The folder of results unless another one is named.
 pub const DEFAULT_OUT: &str = "vibro-out";
 
+/// Name of the argument for a machine's file.
+pub const FILE: &str = "file";
+
+/// How numbers of a machine's file are read.
+pub const NUMBERS: &str = "\
+NUMBERS
+  A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
+  Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
+  Names of parameters are the file's own: docs/assemblies.md.";
+
+/// Whether a command takes a machine's file.
+pub fn has_file(command: &clap::Command) -> bool {
+    command.get_arguments().any(|arg| arg.get_id() == FILE)
+}
+
+/// Help that ends with these notes.
+pub fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
+    let own = command.get_after_help().map(ToString::to_string);
+    let notes: Vec<String> = own.into_iter().chain(notes.iter().map(|note| (*note).into())).collect();
+    command.after_help(notes.join("\n\n"))
+}
+
 /// Arguments of every command.
 #[derive(Args, Debug)]
 pub struct Common {
