@@ -21,5 +21,5 @@ mod start;
 mod tangent;
 mod values;
 
-pub use differentiated::Differentiated;
+pub use differentiated::{Differentiated, VariedObserver};
 pub use lost::{Cause, Lost};

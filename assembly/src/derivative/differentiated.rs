@@ -15,6 +15,7 @@ use crate::quantity::Quantity;
 use nalgebra::DVector;
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Events count as being at one instant within this part of the time, and of the time in which the
@@ -124,6 +125,13 @@ impl Differentiated {
         let scales =
             deltas.iter().map(|d: &Option<DVector<f64>>| d.as_ref().unwrap_or(&zero).abs()).collect();
         Ok(Self { machine, motion, parameters, modes, mode, deltas, scales, lost, met: Vec::new() })
+    }
+
+    /// A motion that a flag interrupts, as [`Motion::with_interruption`].
+    #[must_use]
+    pub fn with_interruption(mut self, asked: Arc<AtomicBool>) -> Self {
+        self.motion = self.motion.with_interruption(asked);
+        self
     }
 
     /// The motion itself.
