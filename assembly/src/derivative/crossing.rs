@@ -8,6 +8,7 @@ use super::mode::VariedRow;
 use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind};
 use crate::signals::StepTime;
+use crate::system::StateRow;
 use nalgebra::DVector;
 
 /// An event that a motion has passed.
@@ -23,6 +24,10 @@ pub(super) struct Crossing<'a> {
     pub events: &'a [Event],
     /// Earlier events of the same instant.
     pub earlier: &'a [Met],
+    /// Functionals that come to zero at this instant.
+    pub together: Vec<&'a (Watch, StateRow)>,
+    /// Functionals that are zero throughout the mode that follows.
+    pub still: Vec<&'a (Watch, StateRow)>,
 }
 
 /// An event at an instant, for the events that follow at the same one.
@@ -109,7 +114,7 @@ impl Crossing<'_> {
         }
         self.machine.fill(p, self.before.time, self.after.z, delta);
         self.machine.keep(p, delta, scale, &self.after)?;
-        self.machine.check(Varied { p, delta, scale }, &self.after, false)?;
+        self.machine.check(Varied { p, delta, scale }, &self.after, &self.still)?;
         Ok(Later { event: later, own })
     }
 
@@ -176,7 +181,7 @@ impl Crossing<'_> {
             Contact::Friction(i) => self.after.mode.mode.frictions[i] != mode.mode.frictions[i],
         };
         let mut times = Vec::new();
-        for (watch, row) in machine.approaching(&self.before) {
+        for (watch, row) in self.together.iter().copied() {
             let contact = contact_of(*watch);
             let is_hit = matches!(watch, Watch::Meets(_)) && due.is_some();
             if Some(contact) == due || is_hit || (due.is_some() && !changes(contact)) {
@@ -272,7 +277,7 @@ impl Crossing<'_> {
     /// What later events of the same instant need to know.
     pub fn met(&self, later: Vec<Option<f64>>) -> Option<Met> {
         let (watch, _) = self.due.as_ref()?;
-        let together = self.machine.approaching(&self.before).map(|(watch, _)| *watch).collect();
+        let together = self.together.iter().map(|(watch, _)| *watch).collect();
         Some(Met { watch: *watch, later, together, jumps: self.jumps() })
     }
 }

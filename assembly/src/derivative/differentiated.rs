@@ -227,6 +227,9 @@ impl Differentiated {
 
     /// The present mode with its derivatives.
     fn enter(&mut self) {
+        if *self.motion.mode() == self.mode.mode {
+            return;
+        }
         let Self { machine, motion, modes, .. } = self;
         let made = || Arc::new(VariedMode::new(&machine.system, &machine.tangents, motion.mode()));
         self.mode = modes.entry(motion.mode().clone()).or_insert_with(made).clone();
@@ -249,10 +252,14 @@ impl Differentiated {
         let after = self.state();
         let outgoing = self.mode.rates(&after);
         let begun = if due.is_some() { z.clone() } else { jumped(&machine.system, &z, &after) };
+        let before = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time };
+        let after = Instant { mode: &self.mode, z: &after, rates: &outgoing, sizes: &sizes, time };
         let crossing = Crossing {
             machine: &machine,
-            before: Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time },
-            after: Instant { mode: &self.mode, z: &after, rates: &outgoing, sizes: &sizes, time },
+            together: machine.approaching(&before),
+            still: machine.still(&after, false),
+            before,
+            after,
             due,
             impulses: Impulse::all(&machine.system, &events, &begun),
             events: &events,

@@ -9,12 +9,17 @@ use nalgebra::{DMatrix, DVector};
 const REMAINDER: f64 = 1e-18;
 /// Orders beyond those of the state's own series: a term of a derivative is that of the state times
 /// its order.
-const MORE: usize = 6;
-/// A flight is one by matrices where it has more lengths of a series than the square of the number
-/// of coordinates over this: making a matrix takes the cube.
+const MORE: usize = 2;
+/// Shortest flight by matrices, as a part of the length of a series.
+const PART: f64 = 0.125;
+/// Most coordinates with which every flight from [`PART`] on is one by matrices: modes recur, and each
+/// matrix is made once.
+const SMALL: usize = 20;
+/// With more coordinates, a flight is one by matrices where it has more lengths of a series than the
+/// square of their number over this: making a matrix takes the cube.
 const DEAR: f64 = 15.0;
 
-/// The flow over 2^k lengths: exp(A t) - 1, and by parameter its derivative.
+/// The flow over 2^k parts of a length: exp(A t) - 1, and by parameter its derivative.
 pub(super) struct Rung {
     flow: DMatrix<f64>,
     by: Vec<DMatrix<f64>>,
@@ -30,15 +35,15 @@ fn orders(radius: f64) -> usize {
 }
 
 impl Rung {
-    /// The flow over one length of a series.
+    /// The flow over one part of the length of a series.
     fn first(mode: &VariedMode) -> Self {
         let size = mode.a.len();
         // Transposed, as `times_rows` has them.
         let (mut term, mut flow) = (DMatrix::identity(size, size), DMatrix::zeros(size, size));
         let mut terms = vec![DMatrix::zeros(size, size); mode.by.len()];
         let mut by = terms.clone();
-        for k in 1..=orders(RADIUS) {
-            let factor = mode.length / k as f64;
+        for k in 1..=orders(PART * RADIUS) {
+            let factor = PART * mode.length / k as f64;
             for ((own, sum), InMode { a, .. }) in terms.iter_mut().zip(&mut by).zip(&mode.by) {
                 let mut next = mode.a.times_rows(own, factor);
                 for (i, row) in a {
@@ -74,10 +79,11 @@ impl Rung {
 impl VariedMode {
     /// Carries a state and its derivatives over a time without events.
     pub fn carry(&self, z: &mut DVector<f64>, deltas: &mut [Option<DVector<f64>>], mut time: f64) {
-        let lengths = time / self.length;
-        if lengths >= 1.0 && lengths > (self.a.len() as f64).powi(2) / DEAR {
-            for k in (0..RUNGS).rev() {
-                let length = self.length * 2f64.powi(k as i32);
+        let (size, parts) = (self.a.len(), time / (PART * self.length));
+        if parts >= 1.0 && (size <= SMALL || PART * parts > (size as f64).powi(2) / DEAR) {
+            let longest = (parts.log2() as usize).min(RUNGS - 1);
+            for k in (0..=longest).rev() {
+                let length = PART * self.length * 2f64.powi(k as i32);
                 while time >= length {
                     self.rung(k).carry(z, deltas);
                     time -= length;
@@ -90,7 +96,7 @@ impl VariedMode {
         }
     }
 
-    /// The flow over 2^`k` lengths.
+    /// The flow over 2^`k` parts of a length.
     fn rung(&self, k: usize) -> &Rung {
         self.flights.at(k).get_or_init(|| match k.checked_sub(1) {
             Some(below) => self.rung(below).doubled(),

@@ -65,7 +65,10 @@ impl Impulse {
         let g = DMatrix::from_fn(stops.len(), stops.len(), |i, j| rows(i).w.dot(&rows(j).mobility));
         let limit = (SINGULAR * g.amax()).max(f64::MIN_POSITIVE);
         let zero = DMatrix::zeros(stops.len(), stops.len());
-        let inverse = g.pseudo_inverse(limit).ok().filter(|inverse| inverse.shape() == zero.shape());
+        let inverse = match stops.len() {
+            1 if g[(0, 0)] > 0.0 => Some(DMatrix::from_element(1, 1, 1.0 / g[(0, 0)])),
+            _ => g.pseudo_inverse(limit).ok().filter(|inverse| inverse.shape() == zero.shape()),
+        };
         let impulses = DVector::from_iterator(group.len(), group.iter().map(|hit| hit.1));
         let mut after = z.clone();
         for (k, p) in impulses.iter().enumerate() {

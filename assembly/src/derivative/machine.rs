@@ -11,7 +11,7 @@ use crate::law::box_qp::triangle;
 use crate::mode::{Contact, StopState, Watch};
 use crate::signals::Layout;
 use crate::system::{Elongation, StateRow, System};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::sync::Arc;
 
 /// A varied value counts as zero up to this part of its terms' sizes: far above rounding, far below
@@ -105,7 +105,7 @@ impl Machine {
         let basis = &mode.mode.basis;
         let mut response = e.mobility.clone();
         if !basis.is_empty() {
-            let r = triangle(&self.system.columns(basis));
+            let r = &mode.triangle;
             let mut off = DVector::from_iterator(
                 basis.len(),
                 basis.iter().map(|&contact| self.system.elongation_of(contact).w.dot(&response)),
@@ -160,12 +160,26 @@ impl Machine {
     }
 
     /// The watched functionals that come to zero at this instant.
-    pub fn approaching<'a>(&'a self, at: &'a Instant) -> impl Iterator<Item = &'a (Watch, StateRow)> {
-        let comes = |row: &StateRow| {
-            let terms: f64 = row.iter().zip(at.rates.iter()).map(|(a, b)| (a * b).abs()).sum();
-            row.dot(at.rates) > TOUCH * terms
+    pub fn approaching<'a>(&self, at: &Instant<'a>) -> Vec<&'a (Watch, StateRow)> {
+        let comes = |row: &StateRow| row.dot(at.rates) > TOUCH * self.speed_size(row, at);
+        at.mode.watched.iter().filter(|(_, row)| self.is_zero(row, at) && comes(row)).collect()
+    }
+
+    /// The watched functionals that are zero throughout the mode. With `begins`, those that leave zero
+    /// count as well.
+    pub fn still<'a>(&self, at: &Instant<'a>, begins: bool) -> Vec<&'a (Watch, StateRow)> {
+        let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);
+        let counts = |watch: Watch, row: &StateRow| match begins {
+            true => !self.is_smooth(watch),
+            false => stays(row),
         };
-        at.mode.watched.iter().filter(move |(_, row)| self.is_zero(row, at) && comes(row))
+        let all = at.mode.watched.iter();
+        all.filter(|(watch, row)| self.is_zero(row, at) && counts(*watch, row)).collect()
+    }
+
+    /// The sum of the sizes of the terms of a functional's time derivative.
+    fn speed_size(&self, row: &StateRow, at: &Instant) -> f64 {
+        row.iter().zip(at.rates.iter()).map(|(a, b)| (a * b).abs()).sum()
     }
 
     /// Projects a derivative onto what the contacts of the mode hold: h·δ = -dh·z of their gaps and
@@ -229,7 +243,8 @@ impl Machine {
         if contacts.is_empty() {
             return;
         }
-        let r: DMatrix<f64> = triangle(&self.system.columns(contacts));
+        // The basis is sorted: stops come first, with the leading part of the triangle.
+        let r = at.mode.triangle.view((0, 0), (contacts.len(), contacts.len()));
         let off = contacts.iter().map(|&contact| {
             let (row, by) = self.held_row(contact, rates, p);
             self.point(Varied { p, delta, scale: delta }, at).of(row, by)
@@ -244,20 +259,15 @@ impl Machine {
         }
     }
 
-    /// Whether a functional that is zero throughout the mode varies: then the changed motion has
-    /// another mode on one side. With `begins`, one that leaves zero counts as well.
-    pub fn check(&self, column: Varied, at: &Instant, begins: bool) -> Result<(), Lost> {
-        let limit = |element| Err(Lost { time: at.time, element, cause: Cause::Limit });
-        for (watch, row) in &at.mode.watched {
-            let terms: f64 = row.iter().zip(at.rates.iter()).map(|(a, b)| (a * b).abs()).sum();
-            let stays = row.dot(at.rates).abs() <= TOUCH * terms;
-            if !(self.is_zero(row, at) && (begins || stays)) || (begins && self.is_smooth(*watch)) {
-                continue;
-            }
+    /// Whether one of the functionals `still`, which are zero throughout the mode, varies: then the
+    /// changed motion has another mode on one side.
+    pub fn check(&self, column: Varied, at: &Instant, still: &[&(Watch, StateRow)]) -> Result<(), Lost> {
+        for (watch, row) in still {
             let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);
             let point = self.point(column, at);
             if point.of(row, &by).abs() > STILL * point.size(row, &by) {
-                return limit(self.assembly.name_of(*watch));
+                let element = self.assembly.name_of(*watch);
+                return Err(Lost { time: at.time, element, cause: Cause::Limit });
             }
         }
         Ok(())

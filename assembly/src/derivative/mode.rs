@@ -37,9 +37,11 @@ pub(super) struct VariedMode {
     /// Forces of the basis.
     pub lambda: Vec<StateRow>,
     pub watched: Vec<(Watch, StateRow)>,
+    /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
+    pub triangle: DMatrix<f64>,
     /// By parameter.
     pub by: Vec<InMode>,
-    /// Flights over 2^k times `length`, made on first use.
+    /// Flights over 2^k parts of `length`, made on first use.
     pub flights: Ladder<Rung>,
 }
 
@@ -67,7 +69,8 @@ impl VariedMode {
         let held = Held { directions, mobility, triangle: triangle(&system.columns(&mode.basis)) };
         let by = tangents.iter().map(|tangent| held.vary(system, tangent, mode, &acceleration, &lambda));
         let by = by.collect();
-        Self { mode: mode.clone(), a, length, lambda, watched, by, flights: Ladder::default() }
+        let triangle = held.triangle;
+        Self { mode: mode.clone(), a, length, lambda, watched, triangle, by, flights: Ladder::default() }
     }
 
     /// z' at a state.

@@ -40,6 +40,6 @@ pub(super) fn start(
         impulse.carry(system, tangent, &mut delta);
     }
     machine.keep(p, &mut delta, &scale, at)?;
-    machine.check(Varied { p, delta: &delta, scale: &scale }, at, true)?;
+    machine.check(Varied { p, delta: &delta, scale: &scale }, at, &machine.still(at, true))?;
     Ok(delta)
 }
