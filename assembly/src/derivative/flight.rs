@@ -65,14 +65,16 @@ impl Rung {
     }
 
     fn carry(&self, z: &mut DVector<f64>, deltas: &mut [Option<DVector<f64>>]) {
+        let mut change = DVector::zeros(z.len());
         for (delta, by) in deltas.iter_mut().zip(&self.by) {
             if let Some(delta) = delta {
-                let change = &self.flow * &*delta + by * &*z;
-                *delta += change;
+                change.gemv(1.0, &self.flow, &*delta, 0.0);
+                change.gemv(1.0, by, &*z, 1.0);
+                *delta += &change;
             }
         }
-        let change = &self.flow * &*z;
-        *z += change;
+        change.gemv(1.0, &self.flow, &*z, 0.0);
+        *z += &change;
     }
 }
 
