@@ -1,6 +1,8 @@
 //! Errors of a machine and its motion. Every message names the quantity, its value and what is
 //! allowed.
 
+use crate::refusal::Refusal;
+
 /// An error of a machine or its motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -103,6 +105,9 @@ pub enum Error {
         /// s.
         end: f64,
     },
+    /// A name or a number that the machine refuses.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
     /// A number outside its range.
     #[error("{name} = {value}: allowed is {allowed}")]
     OutOfRange {

@@ -10,6 +10,7 @@
 
 pub mod assembly;
 mod check;
+pub mod derivative;
 pub mod description;
 pub mod elements;
 pub mod energy;
@@ -32,6 +33,7 @@ mod slots;
 pub mod system;
 
 pub use assembly::Assembly;
+pub use derivative::Differentiated;
 pub use description::Description;
 pub use elements::Element;
 pub use error::Error;

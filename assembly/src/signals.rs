@@ -101,6 +101,16 @@ const TURN: [[f64; 2]; 8] = {
     terms
 };
 
+/// How signals become coordinates. A motion shares what it can; derivatives by a frequency or by the
+/// rate of a prescribed body need coordinates of their own.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Layout {
+    /// Whether each harmonic has a cosine and a sine of its own, even where frequencies are equal.
+    pub frequencies_apart: bool,
+    /// Whether each prescribed motion has a part that grows with time, even at the rate 0.
+    pub rates: bool,
+}
+
 /// The signals of a machine as coordinates from [`Signals::one`] on.
 #[derive(Clone, Debug)]
 pub struct Signals {
@@ -117,6 +127,8 @@ pub struct Signals {
     pub inputs: usize,
     /// The rows of the signals' coordinates in z' = A z.
     rates: Vec<Sparse>,
+    /// The parts of each signal.
+    parts: Vec<Parts>,
 }
 
 /// Builder of [`Signals`]: [`add`](Self::add) takes every signal, then [`finish`](Self::finish)
@@ -124,11 +136,11 @@ pub struct Signals {
 #[derive(Debug)]
 pub struct Builder {
     signals: Signals,
-    /// The parts of each signal.
-    parts: Vec<Parts>,
+    layout: Layout,
 }
 
-#[derive(Debug)]
+/// Where the parts of a signal are among the coordinates.
+#[derive(Clone, Debug)]
 struct Parts {
     constant: f64,
     /// Index of the frequency, amplitudes of cosine and sine.
@@ -138,7 +150,7 @@ struct Parts {
 
 impl Builder {
     /// A builder for an augmented state whose first `one` coordinates are not signals.
-    pub fn new(one: usize) -> Self {
+    pub fn new(one: usize, layout: Layout) -> Self {
         let signals = Signals {
             one,
             frequencies: Vec::new(),
@@ -147,23 +159,35 @@ impl Builder {
             size: 0,
             inputs: 0,
             rates: Vec::new(),
+            parts: Vec::new(),
         };
-        Self { signals, parts: Vec::new() }
+        Self { signals, layout }
+    }
+
+    /// Adds a signal; returns its index.
+    pub fn add(&mut self, signal: &Signal) -> usize {
+        self.add_part(signal, 0.0, false)
     }
 
     /// Adds a signal plus `rate` times the time; returns its index.
-    pub fn add(&mut self, signal: &Signal, rate: f64) -> usize {
+    pub fn add_motion(&mut self, signal: &Signal, rate: f64) -> usize {
+        self.add_part(signal, rate, self.layout.rates || rate != 0.0)
+    }
+
+    fn add_part(&mut self, signal: &Signal, rate: f64, grows: bool) -> usize {
+        let apart = self.layout.frequencies_apart;
         let mut harmonics = Vec::new();
         for h in &signal.harmonics {
             let frequencies = &mut self.signals.frequencies;
-            let place = frequencies.iter().position(|&f| f == h.frequency).unwrap_or_else(|| {
+            let known = frequencies.iter().position(|&f| f == h.frequency && !apart);
+            let place = known.unwrap_or_else(|| {
                 frequencies.push(h.frequency);
                 frequencies.len() - 1
             });
             harmonics.push((place, h.amplitude * h.phase.sin(), h.amplitude * h.phase.cos()));
         }
         let table = signal.table.as_ref();
-        let degree = match (signal.input || table.is_some_and(|t| t.cubic), table.is_some() || rate != 0.0) {
+        let degree = match (signal.input || table.is_some_and(|t| t.cubic), table.is_some() || grows) {
             (true, _) => 3,
             (_, true) => 1,
             _ => 0,
@@ -184,8 +208,8 @@ impl Builder {
             });
             self.signals.pieces.len() - 1
         });
-        self.parts.push(Parts { constant: signal.constant, harmonics, piece });
-        self.parts.len() - 1
+        self.signals.parts.push(Parts { constant: signal.constant, harmonics, piece });
+        self.signals.parts.len() - 1
     }
 
     /// The coordinates, and the row of each signal in the order of [`add`](Self::add).
@@ -205,7 +229,7 @@ impl Builder {
         let unit = |j: usize| DVector::from_fn(signals.size, |i, _| if i == j { 1.0 } else { 0.0 });
         let rates = (signals.one..signals.size).map(|j| Sparse::of(signals.derivative(&unit(j)).as_slice()));
         signals.rates = rates.collect();
-        let rows = self.parts.iter().map(|parts| {
+        let rows = signals.parts.iter().map(|parts| {
             let mut row = DVector::zeros(signals.size);
             row[signals.one] = parts.constant;
             for &(f, cosine, sine) in &parts.harmonics {
@@ -303,11 +327,20 @@ impl Signals {
         self.knots.get(self.knots.partition_point(|&t| t <= time)).copied()
     }
 
+    /// The number of knots at a time.
+    pub(crate) fn knots_at(&self, time: f64) -> usize {
+        self.knots.iter().filter(|&&t| t == time).count()
+    }
+
     /// The index after the last coordinate of constant amplitude: 1, cosines and sines.
     pub fn constant_size_until(&self) -> usize {
         self.one + 1 + 2 * self.frequencies.len()
     }
 }
+
+mod tangent;
+
+pub use tangent::{SignalTangent, StepTime};
 
 #[cfg(test)]
 mod tests;

@@ -16,7 +16,7 @@ use crate::elements::Element;
 use crate::energy::Losses;
 use crate::error::Error;
 use crate::flow::DENSE;
-use crate::signals::{Builder, Signals};
+use crate::signals::{Builder, Layout, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::sync::OnceLock;
 
@@ -139,22 +139,30 @@ impl System {
     /// [`Error::Redundant`] for a link that follows from others or moves nothing;
     /// [`Error::Inertia`] where the inertia is not positive in double precision.
     pub fn new(d: &Description) -> Result<Self, Error> {
+        Self::laid_out(d, Layout::default())
+    }
+
+    /// The matrices of a machine, with its signals laid out in a given way.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn laid_out(d: &Description, layout: Layout) -> Result<Self, Error> {
         let reduction = reduce(d)?;
         let n = reduction.kept.len();
-        let mut builder = Builder::new(2 * n);
+        let mut builder = Builder::new(2 * n, layout);
         let motions: Vec<Option<usize>> = d
             .bodies
             .iter()
             .map(|b| match &b.kind {
-                BodyKind::Prescribed { motion, rate } => Some(builder.add(motion, *rate)),
+                BodyKind::Prescribed { motion, rate } => Some(builder.add_motion(motion, *rate)),
                 BodyKind::Free(_) => None,
             })
             .collect();
-        let loads: Vec<usize> = d.loads.iter().map(|l| builder.add(&l.force, 0.0)).collect();
+        let loads: Vec<usize> = d.loads.iter().map(|l| builder.add(&l.force)).collect();
         let levels: Vec<(usize, Option<usize>)> = d
             .frictions
             .iter()
-            .map(|f| (builder.add(&f.force, 0.0), f.static_force.as_ref().map(|s| builder.add(s, 0.0))))
+            .map(|f| (builder.add(&f.force), f.static_force.as_ref().map(|s| builder.add(s))))
             .collect();
         let (signals, rows) = builder.finish();
         let bodies = bodies(d, &reduction, &signals, &motions, &rows);

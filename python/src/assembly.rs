@@ -15,9 +15,10 @@ use vibro_analysis::assembly::{Machine, Measure, SectionRule, Start, columns, me
 use vibro_analysis::bifurcation::Diagram;
 use vibro_analysis::measures::Measured;
 use vibro_analysis::plane::ParameterAxis;
+use vibro_assembly::derivative::VariedObserver;
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::Event;
-use vibro_assembly::{Assembly, Motion, file};
+use vibro_assembly::{Assembly, Differentiated, Motion, file};
 use vibro_figures::canvas;
 use vibro_pack::Kit;
 use vibro_sketch::Sketch;
@@ -109,12 +110,21 @@ impl Described {
 
 impl Described {
     fn motion(&self) -> Result<Motion, Failure> {
-        self.motion_observed(&mut |_| {})
+        Ok(Motion::new(Arc::new(Assembly::new((*self.description).clone())?))?)
     }
 
-    /// The motion from the start, with the impacts that are there.
-    fn motion_observed(&self, observer: &mut dyn FnMut(&Event)) -> Result<Motion, Failure> {
-        Ok(Motion::new_observed(Arc::new(Assembly::new((*self.description).clone())?), observer)?)
+    /// The motion from the start, with its derivatives by parameters where there are such; `observer` is
+    /// told of the impacts that are there.
+    fn follower(&self, parameters: &[String], observer: &mut VariedObserver) -> Result<Follower, Failure> {
+        let assembly = Arc::new(Assembly::new((*self.description).clone())?);
+        if parameters.is_empty() {
+            let motion = Motion::new_observed(assembly, &mut |event| observer(event, &[]))?;
+            return Ok(Follower::Alone(Box::new(motion)));
+        }
+        let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
+        let known = names.iter().try_for_each(|name| self.description.parameter(name).map(drop));
+        known?;
+        Ok(Follower::Varied(Box::new(Differentiated::new_observed(assembly, &names, observer)?)))
     }
 
     fn machine(&self, section: Option<SectionChoice>) -> Machine {
@@ -147,33 +157,93 @@ pub struct AssemblyRun<'py> {
     value: Array1<'py, f64>,
     stops: Array1<'py, i32>,
     energy: Array2<'py, f64>,
+    /// By sample, column and parameter: the derivative, and whether there is one.
+    derivatives: Varied<'py>,
+    /// By event and parameter those of its time.
+    event_derivatives: Varied<'py>,
+    /// By parameter why there is none from some time on, or an empty text.
+    lost: Vec<String>,
 }
 
-/// The motion at ascending times (s), with what happened up to the last.
+/// Numbers, and which of them there are.
+type Varied<'py> = (Array2<'py, f64>, Array2<'py, bool>);
+
+fn varied<'py>(py: Python<'py>, rows: &[Vec<Option<f64>>], columns: usize) -> PyResult<Varied<'py>> {
+    let all = rows.iter().flatten();
+    let numbers: Vec<f64> = all.clone().map(|x| x.unwrap_or(0.0)).collect();
+    let known: Vec<bool> = all.map(Option::is_some).collect();
+    Ok((plane(py, &numbers, rows.len(), columns)?, plane(py, &known, rows.len(), columns)?))
+}
+
+/// A motion alone, or with its derivatives.
+enum Follower {
+    Alone(Box<Motion>),
+    Varied(Box<Differentiated>),
+}
+
+impl Follower {
+    fn motion(&self) -> &Motion {
+        match self {
+            Self::Alone(motion) => motion,
+            Self::Varied(varied) => varied.motion(),
+        }
+    }
+
+    /// The derivatives of all columns by all of `count` parameters.
+    fn derivatives(&self, count: usize) -> Vec<Option<f64>> {
+        let Self::Varied(varied) = self else { return Vec::new() };
+        let quantities = varied.motion().assembly().description.quantities();
+        quantities.flat_map(|q| (0..count).map(move |p| varied.derivative(q, p))).collect()
+    }
+
+    fn lost(&self, count: usize) -> Vec<String> {
+        let Self::Varied(varied) = self else { return Vec::new() };
+        (0..count).map(|p| varied.lost(p).map_or(String::new(), ToString::to_string)).collect()
+    }
+
+    fn advance(&mut self, time: f64, tell: &mut VariedObserver) -> Result<(), Failure> {
+        match self {
+            Self::Alone(motion) => motion.advance_observed(time, &mut |event| tell(event, &[]))?,
+            Self::Varied(varied) => varied.advance_observed(time, tell)?,
+        }
+        Ok(())
+    }
+}
+
+/// The motion at ascending times (s), with what happened up to the last, and with its derivatives by
+/// parameters.
 #[pyfunction]
-#[pyo3(signature = (machine, t, progress = None))]
+#[pyo3(signature = (machine, t, parameters, progress = None))]
 pub fn simulate_assembly<'py>(
     py: Python<'py>,
     machine: &Described,
     t: PyReadonlyArray1<'_, f64>,
+    parameters: Vec<String>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<AssemblyRun<'py>> {
-    let (own, times) = (machine.clone(), numbers(&t)?);
-    let (samples, energies, events, told) = compute(py, progress, move |control| {
-        let mut events: Vec<Event> = Vec::new();
-        let mut motion = own.motion_observed(&mut |event| events.push(event.clone()))?;
-        let (mut samples, mut energies) = (Vec::new(), Vec::new());
+    let (own, times, count) = (machine.clone(), numbers(&t)?, parameters.len());
+    let (samples, energies, events, told, by, times_by, lost) = compute(py, progress, move |control| {
+        let (mut events, mut times_by): (Vec<Event>, Vec<Vec<Option<f64>>>) = Default::default();
+        let mut tell = |event: &Event, by: &[Option<f64>]| {
+            events.push(event.clone());
+            times_by.push(by.to_vec());
+        };
+        let mut follower = own.follower(&parameters, &mut tell)?;
+        let (mut samples, mut energies, mut by) = (Vec::new(), Vec::new(), Vec::new());
         samples.try_reserve_exact(times.len())?;
         for &time in &times {
             control.check()?;
-            motion.advance_observed(time, &mut |event| events.push(event.clone()))?;
-            samples.push(values(&motion));
+            follower.advance(time, &mut tell)?;
+            let motion = follower.motion();
+            samples.push(values(motion));
             let (kinetic, stored) = motion.kinetic_and_stored();
             energies.push([kinetic, stored, motion.energy().balance()]);
+            by.push(follower.derivatives(count));
             control.add(1);
         }
+        let motion = follower.motion();
         let told: Vec<_> = events.iter().map(|event| named(motion.assembly(), &event.kind)).collect();
-        Ok((samples, energies, events, told))
+        Ok((samples, energies, events, told, by, times_by, follower.lost(count)))
     })?;
     Ok(AssemblyRun {
         values: plane(py, &samples.concat(), samples.len(), machine.description.quantities().count())?,
@@ -183,6 +253,9 @@ pub fn simulate_assembly<'py>(
         stops: column(py, &told.iter().map(|e| e.stops.unwrap_or(0) as i32).collect::<Vec<_>>()),
         element: told.into_iter().map(|e| e.element).collect(),
         energy: table(py, &energies)?,
+        derivatives: varied(py, &by, count * machine.description.quantities().count())?,
+        event_derivatives: varied(py, &times_by, count)?,
+        lost,
     })
 }
 

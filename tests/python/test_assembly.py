@@ -31,6 +31,40 @@ OSCILLATOR = {
 }
 
 
+def test_closed_form_derivatives_of_a_ball_and_of_what_has_none():
+    text = {
+        "name": "Ball",
+        "gravity": 10.0,
+        "body": {"ball": {"mass": 1.0, "gravity": 1.0}, "sled": {"mass": 1.0}},
+        "stop": {"floor": {"between": ["ground", "ball"], "gap": 5.0, "restitution": 0.5}},
+        "friction": {"f": {"between": ["ground", "sled"], "force": 0.0}},
+    }
+    machine = vi.Assembly(text)
+    run = machine.simulate(1.5, samples=3, derivatives=["stop.floor.gap", "friction.f.force"])
+    # It meets the floor at h = 5 after sqrt(2 h/g) = 1 s with u = 10 m/s, and leaves it with u/2.
+    by_gap = run.derivative("ball.s", "stop.floor.gap")
+    assert not by_gap.mask.any() and np.abs(by_gap - [0.0, 0.0, 0.0, 0.75]).max() < ROUNDING
+    assert np.abs(run.event_derivative("stop.floor.gap") - [0.1]).max() < ROUNDING
+    assert run.derivative("ball.s", "friction.f.force").mask.all()
+    assert list(run.lost) == ["friction.f.force"] and "t = 0 s" in run.lost["friction.f.force"]
+    alone = machine.simulate(1.5, samples=3)
+    assert (alone.values == run.values).all() and (alone.energy == run.energy).all()
+    again = pickle.loads(pickle.dumps(run))
+    assert (again.derivative("ball.s", "stop.floor.gap") == by_gap).all()
+    with pytest.raises(ValueError, match="stop.floor.gap"):
+        machine.simulate(1.5, derivatives=["stop.flor.gap"])
+    with pytest.raises(ValueError, match="twice"):
+        machine.simulate(1.5, derivatives=["gravity", "gravity"])
+    with pytest.raises(TypeError, match="allowed"):
+        machine.simulate(1.5, derivatives="gravity")
+    with pytest.raises(KeyError, match="floor.impacts: has no derivative"):
+        run.derivative("floor.impacts", "stop.floor.gap")
+    with pytest.raises(KeyError, match="stop.floor.gap"):
+        run.derivative("ball.s", "gravity")
+    with pytest.raises(KeyError, match="none were asked for"):
+        alone.derivative("ball.s", "gravity")
+
+
 def test_closed_form_a_dictionary_is_an_oscillator():
     machine = vi.Assembly(OSCILLATOR)
     run = machine.simulate(2.0, samples=500)

@@ -1,9 +1,11 @@
 //! Described machines: reading a file with `--set`, the summary of `vibro check`, and a motion as
 //! tables, picture and account. Physics and the file's grammar are in `vibro-assembly`.
 
+mod derivatives;
 mod picture;
 mod summary;
 
+pub use derivatives::{DerivativeRecord, check_parameters};
 pub use picture::figure;
 pub use summary::summary;
 

@@ -316,6 +316,40 @@ fn numbers_beyond_doubles_end_the_run_by_name_and_what_was_computed_is_written()
 }
 
 #[test]
+fn derivatives_are_the_librarys_and_name_what_has_none() {
+    let out = folder("assembly-derivatives");
+    let text = "name = \"D\"\ngravity = 10.0\n[body.ball]\nmass = 1.0\ngravity = 1.0\n\
+                [stop.floor]\nbetween = [\"ground\", \"ball\"]\ngap = 5.0\nrestitution = 0.5\n\
+                [body.sled]\nmass = 1.0\n[friction.f]\nbetween = [\"ground\", \"sled\"]\nforce = 0.0\n";
+    let path = file("assembly-derivatives.toml", text).display().to_string();
+    let names = "stop.floor.gap,friction.f.force";
+    let said = drawn(&out, &["run", &path, "--until", "1.5", "--samples", "3", "--derivatives", names]);
+    assert!(
+        said.contains("by friction.f.force: no derivative from t = 0 s on: friction.f is at its"),
+        "{said}"
+    );
+    let rows = table(&out, "derivatives.csv");
+    assert_eq!(rows.len(), 4);
+    let of = |row: &std::collections::HashMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+    // At h = 5 after 1 s, t = √(2h/g), with u = 10; from there h - u/2 (1.5 - t) + g (1.5 - t)²/2.
+    let by_gap = 1.0 - 0.5 * (1.0 * 0.5 - 10.0 * 0.1) - 10.0 * 0.5 * 0.1;
+    assert!((of(&rows[3], "ball.s/stop.floor.gap") - by_gap).abs() < 1e-14, "{rows:?}");
+    assert_eq!(rows[1]["ball.s/stop.floor.gap"], "0");
+    assert!(rows.iter().all(|row| row["ball.s/friction.f.force"].is_empty()));
+    let events = table(&out, "event-derivatives.csv");
+    assert_eq!((events.len(), events[0]["row"].as_str()), (table(&out, "events.csv").len(), "1"));
+    assert!(
+        (of(&events[0], "stop.floor.gap") - 0.1).abs() < 1e-15 && events[0]["friction.f.force"].is_empty()
+    );
+    let run = ["run", &path, "--until", "1", "--derivatives"];
+    let (code, error) = refused(&[&run[..], &["stop.flor.gap"]].concat());
+    assert!(error.contains("stop.flor.gap") && error.contains("stop.floor.gap"), "{error}");
+    let (again, error_again) = refused(&[&run[..], &["gravity,gravity"]].concat());
+    assert!(error_again.contains("--derivatives gravity") && error_again.contains("once"), "{error_again}");
+    assert_eq!((code, again), (2, 2));
+}
+
+#[test]
 fn every_example_of_the_repository_moves() {
     let files = std::fs::read_dir(example("")).unwrap().map(|entry| entry.unwrap().path());
     let files: Vec<_> = files.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();

@@ -1,5 +1,7 @@
 //! Events of a motion.
 
+use crate::mode::Contact;
+
 /// An event, with its time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
@@ -7,6 +9,24 @@ pub struct Event {
     pub time: f64,
     /// Kind of the event.
     pub kind: EventKind,
+}
+
+impl Event {
+    /// The stop or friction that has the event; `None` for a knot.
+    pub fn contact(&self) -> Option<Contact> {
+        match self.kind {
+            EventKind::Impact { stop, .. }
+            | EventKind::Close { stop }
+            | EventKind::Open { stop }
+            | EventKind::Press { stop, .. }
+            | EventKind::Free { stop }
+            | EventKind::Cap { stop, .. } => Some(Contact::Stop(stop)),
+            EventKind::Stick { friction }
+            | EventKind::Slip { friction, .. }
+            | EventKind::Level { friction, .. } => Some(Contact::Friction(friction)),
+            EventKind::Knot => None,
+        }
+    }
 }
 
 /// Kind of an event, with the indices of stops and frictions.

@@ -184,13 +184,8 @@ impl Motion {
         }
         let time = DoubleDouble::new(time);
         let system = &assembly.system;
-        let mut z = DVector::zeros(system.signals.size);
-        let n = system.coordinates;
-        for (k, &body) in system.bodies_of.iter().enumerate() {
-            (z[k], z[n + k]) = assembly.starts[body];
-        }
         let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
-        system.signals.fill(time, &inputs, z.as_mut_slice());
+        let z = Self::state_at_start(&assembly, time, &inputs);
         let mut sizes = Sizes(DVector::zeros(system.signals.size));
         sizes.include(z.as_slice());
         for j in system.signals.one..system.signals.constant_size_until() {
@@ -219,6 +214,21 @@ impl Motion {
         motion.check_sizes()?;
         motion.settle(&[], &Parted::default(), observer)?;
         Ok(motion)
+    }
+
+    /// The augmented state before the law at the start.
+    pub(crate) fn state_at_start(
+        assembly: &Assembly,
+        time: DoubleDouble,
+        inputs: &[(f64, Input)],
+    ) -> DVector<f64> {
+        let (system, n) = (&assembly.system, assembly.system.coordinates);
+        let mut z = DVector::zeros(system.signals.size);
+        for (k, &body) in system.bodies_of.iter().enumerate() {
+            (z[k], z[n + k]) = assembly.starts[body];
+        }
+        system.signals.fill(time, inputs, z.as_mut_slice());
+        z
     }
 
     /// A motion with a hybrid state, before its mode is entered.
@@ -254,6 +264,11 @@ impl Motion {
     /// act.
     pub fn state(&self) -> &DVector<f64> {
         &self.hybrid.z
+    }
+
+    /// Largest sizes of the augmented state so far.
+    pub(crate) fn sizes(&self) -> &Sizes {
+        &self.hybrid.sizes
     }
 
     /// The functional of a pending event; `None` without one and at a signal's knot.

@@ -15,7 +15,7 @@ const KNOTS: [(f64, f64); 5] = [(0.5, 1.0), (0.75, -2.0), (1.5, -2.5), (2.0, 0.5
 fn signals(cubic: bool) -> (Signals, Vec<DVector<f64>>) {
     let harmonic = |amplitude, frequency, phase| Harmonic { amplitude, frequency, phase };
     let step = |time, height| Step { time, height };
-    let mut builder = Builder::new(4);
+    let mut builder = Builder::new(4, Layout::default());
     let all = Signal {
         constant: 0.7,
         harmonics: vec![harmonic(2.0, 1.5, 0.4), harmonic(0.5, 3.0, -1.0), harmonic(1.0, 1.5, 2.0)],
@@ -23,9 +23,9 @@ fn signals(cubic: bool) -> (Signals, Vec<DVector<f64>>) {
         table: Some(Record { knots: KNOTS.to_vec(), cubic }),
         input: true,
     };
-    builder.add(&all, 0.6);
-    builder.add(&Signal { steps: vec![step(0.9, 5.0)], ..Signal::default() }, 0.0);
-    builder.add(&Signal::default(), -0.25);
+    builder.add_motion(&all, 0.6);
+    builder.add(&Signal { steps: vec![step(0.9, 5.0)], ..Signal::default() });
+    builder.add_motion(&Signal::default(), -0.25);
     builder.finish()
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -24,6 +24,19 @@ if TYPE_CHECKING:
 
 _MOST_SAMPLES = 10_000_000
 _MOST_VALUES = 20_000
+
+
+def _names_of(parameters: Iterable[str]) -> list[str]:
+    """Names of parameters, each once."""
+    if isinstance(parameters, str):
+        raise TypeError(f"derivatives = {parameters!r}: allowed is a list of names of parameters")
+    names = list(parameters)
+    for i, name in enumerate(names):
+        if not isinstance(name, str):
+            raise TypeError(f"derivatives = {name!r}: allowed are names of parameters")
+        if name in names[:i]:
+            raise ValueError(f"derivatives: {name} stands there twice; allowed is each parameter once")
+    return names
 
 
 class Assembly(AssemblyDescription):
@@ -59,6 +72,7 @@ class Assembly(AssemblyDescription):
         *,
         samples: int = 1000,
         times: Optional[ArrayLike] = None,
+        derivatives: Iterable[str] = (),
         progress: bool = False,
     ) -> AssemblyRun:
         """The motion, exactly from event to event: bit-identical to ``vibro run FILE``.
@@ -69,6 +83,9 @@ class Assembly(AssemblyDescription):
             End of the motion, s, and number of equal parts; there is a sample at time 0 too.
         times
             Instants instead, shape (n,), s, ascending.
+        derivatives
+            Parameters by which the run has the exact derivatives of its columns, ``run.derivative("box.s", "stop.steel.gap")``,
+            and of its events' times, through impacts, contacts and sticking.
 
         Raises
         ------
@@ -87,9 +104,10 @@ class Assembly(AssemblyDescription):
             t = array("times", times, "an array of shape (n,) of times in s").copy()
             if len(t) == 0 or not (np.diff(t) >= 0).all() or not t[0] >= 0 or not np.isfinite(t).all():
                 raise ValueError("times: allowed are ascending finite times from 0 on")
+        parameters = _names_of(derivatives)
         with Bar(progress, len(t), "samples") as bar:
-            found = _native.simulate_assembly(self._described, t, bar.report)
-        return run_of(self, t, found)
+            found = _native.simulate_assembly(self._described, t, parameters, bar.report)
+        return run_of(self, t, found, parameters)
 
     def measure(
         self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, section: Section = None

@@ -6,7 +6,7 @@ import dataclasses
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
@@ -25,14 +25,28 @@ EVENT = np.dtype([("t", "f8"), ("kind", "U6"), ("element", "U112"), ("value", "f
 ASSEMBLY_ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
 
 
+def _place(names: list[str], name: str) -> int:
+    """The place of a name."""
+    try:
+        return names.index(name)
+    except ValueError:
+        if name.endswith((".impacts", ".class")) or name == "class":
+            raise KeyError(f"{name}: has no derivative; allowed are {', '.join(names)}") from None
+        raise KeyError(f"{name}: allowed are {', '.join(names) or 'none, since none were asked for'}") from None
+
+
 def _column(columns: list[str], values: Floats, name: str) -> Floats:
     """The column with a name."""
-    try:
-        index = columns.index(name)
-    except ValueError:
-        raise KeyError(f"{name}: allowed are {', '.join(columns)}") from None
-    found: Floats = values[:, index]
+    found: Floats = values[:, _place(columns, name)]
     return found
+
+
+def _masked(
+    varied: Optional[tuple[Floats, NDArray[np.bool_]]], place: int
+) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
+    """The derivatives in a column, masked where there are none."""
+    numbers, known = varied if varied is not None else (np.zeros((0, 1)), np.zeros((0, 1), bool))
+    return np.ma.MaskedArray(numbers[:, place], ~known[:, place])
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -51,6 +65,35 @@ class AssemblyRun(Result):
     "All events, fields t (s), kind, element, value, stops."
     energy: NDArray[np.void]
     "Energies, shape (n,), fields kinetic, stored, balance, J."
+    parameters: list[str] = dataclasses.field(default_factory=list)
+    "The parameters by which there are derivatives."
+    lost: dict[str, str] = dataclasses.field(default_factory=dict)
+    "By parameter, for those by which there is no derivative from some time on: time, element and reason."
+    _derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
+    _event_derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
+
+    def derivative(self, column: str, parameter: str) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
+        """The exact derivative of a column by a parameter that :meth:`Assembly.simulate` was asked for, shape (n,), SI.
+
+        It is masked from the time on from which there is none; :attr:`lost` says why.
+
+        Raises
+        ------
+        KeyError
+            For another column or parameter.
+        """
+        place = _place(self.columns, column) * len(self.parameters) + _place(self.parameters, parameter)
+        return _masked(self._derivatives, place)
+
+    def event_derivative(self, parameter: str) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
+        """The derivative of the time of each of :attr:`events` by a parameter, masked where there is none.
+
+        Raises
+        ------
+        KeyError
+            For another parameter.
+        """
+        return _masked(self._event_derivatives, _place(self.parameters, parameter))
 
     def __getitem__(self, name: str) -> Floats:
         return _column(self.columns, self.values, name)
@@ -162,6 +205,9 @@ class Sketch:
         return f"Sketch({self._described.name()!r})"
 
 
-def run_of(machine: AssemblyDescription, t: Floats, found: dict[str, Any]) -> AssemblyRun:
+def run_of(machine: AssemblyDescription, t: Floats, found: dict[str, Any], parameters: list[str]) -> AssemblyRun:
     energy = fields_of(ASSEMBLY_ENERGY, found["energy"])
-    return AssemblyRun(machine, t, machine.columns, found["values"], records(EVENT, found), energy)
+    lost = {name: why for name, why in zip(parameters, found["lost"]) if why}
+    varied = (found["derivatives"], found["event_derivatives"]) if parameters else (None, None)
+    values, events = found["values"], records(EVENT, found)
+    return AssemblyRun(machine, t, machine.columns, values, events, energy, parameters, lost, *varied)

@@ -10,7 +10,7 @@ use crate::run::RunArguments;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro::assembly::{self, Ended, MotionRecord};
+use vibro::assembly::{self, DerivativeRecord, Ended, MotionRecord};
 use vibro::manifest::Manifest;
 use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
@@ -75,6 +75,7 @@ fn follow(
     invocation.options.insert("times".into(), format!("{} from {:?} to {:?} s", ends.0, ends.1, ends.2));
     invocation.options.insert("knots".into(), a.knots.to_string());
     let destination = Destination::new(common, &invocation, &machine);
+    assembly::check_parameters(&machine.description, &a.derivatives)?;
     // Refused before work begins.
     let out = destination.place(&[destination.result(RESULT)])?;
     let stop = Arc::new(AtomicBool::new(false));
@@ -84,9 +85,14 @@ fn follow(
     let progress = Progress::new(0, TIME).ticking();
     let record =
         assembly::record(machine.description.clone(), &times, &stop, &mut |part| progress.part(part))?;
+    let derivatives = match a.derivatives.is_empty() {
+        true => None,
+        false => Some(DerivativeRecord::new(&record, &a.derivatives, &stop)?),
+    };
     drop(progress);
     let held = destination::hold(&out);
-    let account = write(&record, &out, &Manifest::of_result(RESULT, &invocation, &machine), a.knots)?;
+    let manifest = Manifest::of_result(RESULT, &invocation, &machine);
+    let account = write((&record, derivatives.as_ref()), &out, &manifest, a.knots)?;
     drop(held);
     let stem = out.join("motion");
     output::say(&format!(
@@ -100,18 +106,28 @@ fn follow(
     match record.ended {
         Some(Ended::Error(error)) => Err(error.into()),
         Some(Ended::Stopped) => Ok(false),
-        None => Ok(true),
+        None => Ok(!stop.load(Ordering::Relaxed)),
     }
 }
 
 /// Writes tables, picture and account; returns the account.
-fn write(record: &MotionRecord, out: &Path, manifest: &Manifest, knots: bool) -> Result<String> {
+fn write(
+    (record, derivatives): (&MotionRecord, Option<&DerivativeRecord>),
+    out: &Path,
+    manifest: &Manifest,
+    knots: bool,
+) -> Result<String> {
     std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
     destination::write_manifest(out, manifest)?;
     write_whole(&out.join("states.csv"), &record.states()?)?;
     write_whole(&out.join("events.csv"), &record.events(knots)?)?;
     write_whole(&out.join("contacts.csv"), &record.contacts()?)?;
     let mut lines = record.account(knots);
+    if let Some(derivatives) = derivatives {
+        write_whole(&out.join("derivatives.csv"), &derivatives.states(record)?)?;
+        write_whole(&out.join("event-derivatives.csv"), &derivatives.events(knots)?)?;
+        lines.extend_from_slice(derivatives.lost());
+    }
     match &record.ended {
         Some(Ended::Error(error)) => lines.push(format!("ended early: {error}")),
         Some(Ended::Stopped) => lines.push(format!("interrupted at t = {} s", record.motion.time())),

@@ -49,6 +49,10 @@ pub struct RunOfFile {
     /// List the knots of signals in events.csv too: a record has one at each of its times
     #[arg(long)]
     pub knots: bool,
+    /// Write the exact derivatives of all columns (derivatives.csv) and of the events' times
+    /// (event-derivatives.csv) by these parameters, e.g. stop.upper.gap,friction.guide.force
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub derivatives: Vec<String>,
 }
 
 /// Options of a motion of the paper's machine.

@@ -1,0 +1,25 @@
+//! Derivatives of a motion by the numbers of its machine, through impacts, contacts and sticking
+//! (docs/assembly-law.md, section 14).
+//!
+//! A machine's numbers enter through rows and matrices, which are differentiated in closed form:
+//! `tangent` has what a parameter changes in the machine, `mode` what it changes in z' = A z.
+//! `flight` carries derivatives between events, `crossing` and `impulse` over them, `start` and
+//! `rest` begin them. A [`Differentiated`] motion puts these together. It drives an ordinary
+//! [`Motion`](crate::Motion), which has the bits that it has alone.
+
+mod bodies;
+mod crossing;
+mod differentiated;
+mod flight;
+mod impulse;
+mod jump;
+mod lost;
+mod machine;
+mod mode;
+mod rest;
+mod start;
+mod tangent;
+mod values;
+
+pub use differentiated::{Differentiated, VariedObserver};
+pub use lost::{Cause, Lost};

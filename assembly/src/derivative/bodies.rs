@@ -1,0 +1,96 @@
+//! The derivative of all bodies' rows by one parameter (docs/assembly-law.md (A27)).
+
+use crate::description::{BodyKind, Description};
+use crate::signals::SignalTangent;
+use crate::system::{BodyRows, StateRow, System};
+use nalgebra::{DMatrix, DVector};
+
+/// Derivatives of a body's rows, as those of [`BodyRows`].
+#[derive(Clone, Debug)]
+pub(super) struct BodyTangent {
+    pub s: StateRow,
+    pub v: StateRow,
+    pub weights: DVector<f64>,
+    pub drift: StateRow,
+}
+
+/// The rows of all bodies. Those of prescribed bodies follow from their signals, coordinates do not
+/// vary, and bodies that links determine obey Σ arm ds = -Σ darm s, with arms of the links.
+pub(super) fn bodies(
+    system: &System,
+    d: &Description,
+    along: &Description,
+    signals: &SignalTangent,
+) -> Vec<BodyTangent> {
+    let (n, size) = (system.coordinates, system.signals.size);
+    let zero = BodyTangent {
+        s: StateRow::zeros(size),
+        v: StateRow::zeros(size),
+        weights: DVector::zeros(n),
+        drift: StateRow::zeros(size),
+    };
+    let mut all = vec![zero; d.bodies.len()];
+    let (mut next, mut dependent) = (0, Vec::new());
+    for (i, body) in d.bodies.iter().enumerate() {
+        match body.kind {
+            BodyKind::Prescribed { .. } => {
+                let (rows, own) = (&system.bodies[i], &mut all[i]);
+                own.s = signals.rows[next].clone();
+                own.v = system.signals.derivative(&own.s) + signals.turned(&rows.s);
+                own.drift = system.signals.derivative(&own.v) + signals.turned(&rows.v);
+                next += 1;
+            }
+            BodyKind::Free(_) if !system.bodies_of.contains(&i) => dependent.push(i),
+            BodyKind::Free(_) => {}
+        }
+    }
+    let moves = all.iter().any(|body| body.s.amax() > 0.0 || body.v.amax() > 0.0);
+    let levers = along.links.iter().any(|link| link.arms.terms.iter().any(|term| term.1 != 0.0));
+    if !dependent.is_empty() && (moves || levers) {
+        put_dependent(system, d, along, &dependent, &mut all);
+    }
+    all
+}
+
+/// The rows s, v, drift and weights, one behind the other.
+fn row_of(s: [&StateRow; 4]) -> impl Iterator<Item = &f64> {
+    s.into_iter().flat_map(|row| row.iter())
+}
+
+fn put_dependent(
+    system: &System,
+    d: &Description,
+    along: &Description,
+    dependent: &[usize],
+    all: &mut [BodyTangent],
+) {
+    let (m, size) = (d.links.len(), system.signals.size);
+    let mut left = DMatrix::zeros(m, dependent.len());
+    let mut right = DMatrix::zeros(m, 3 * size + system.coordinates);
+    for (k, (link, by)) in d.links.iter().zip(&along.links).enumerate() {
+        let mut subtract = |factor: f64, rows: [&StateRow; 4]| {
+            right.row_mut(k).iter_mut().zip(row_of(rows)).for_each(|(sum, x)| *sum -= factor * x);
+        };
+        for (&(body, arm), &(_, darm)) in link.arms.terms.iter().zip(&by.arms.terms) {
+            let BodyRows { s, v, weights, drift } = &system.bodies[body];
+            subtract(darm, [s, v, drift, weights]);
+            match dependent.iter().position(|&i| i == body) {
+                Some(place) => left[(k, place)] += arm,
+                None => {
+                    let BodyTangent { s, v, weights, drift } = &all[body];
+                    subtract(arm, [s, v, drift, weights]);
+                }
+            }
+        }
+    }
+    // Each link determines one of these bodies, so that the matrix is square and regular.
+    let Some(found) = left.lu().solve(&right) else { return };
+    for (place, &body) in dependent.iter().enumerate() {
+        let row = found.row(place).transpose();
+        let own = &mut all[body];
+        own.s.copy_from(&row.rows(0, size));
+        own.v.copy_from(&row.rows(size, size));
+        own.drift.copy_from(&row.rows(2 * size, size));
+        own.weights.copy_from(&row.rows(3 * size, system.coordinates));
+    }
+}

@@ -1,0 +1,283 @@
+//! Derivatives over an event (docs/assembly-law.md (A30)).
+
+use super::impulse::Impulse;
+use super::jump::share;
+use super::lost::{Cause, Lost};
+use super::machine::{Instant, Machine, STILL, Varied};
+use super::mode::VariedRow;
+use crate::mode::{Contact, StopState, Watch};
+use crate::motion::{Event, EventKind};
+use crate::signals::StepTime;
+use crate::system::StateRow;
+use nalgebra::DVector;
+
+/// An event that a motion has passed.
+pub(super) struct Crossing<'a> {
+    pub machine: &'a Machine,
+    /// The instant before the law.
+    pub before: Instant<'a>,
+    /// The instant after it.
+    pub after: Instant<'a>,
+    /// The functional that has passed zero; `None` at a knot.
+    pub due: Option<(Watch, VariedRow)>,
+    pub impulses: Vec<Impulse>,
+    pub events: &'a [Event],
+    /// Earlier events of the same instant.
+    pub earlier: &'a [Met],
+    /// Functionals that come to zero at this instant.
+    pub together: Vec<&'a (Watch, StateRow)>,
+    /// Functionals that are zero throughout the mode that follows.
+    pub still: Vec<&'a (Watch, StateRow)>,
+}
+
+/// An event at an instant, for the events that follow at the same one.
+#[derive(Clone, Debug)]
+pub(super) struct Met {
+    watch: Watch,
+    /// By parameter: by how much later the changed motion has it.
+    later: Vec<Option<f64>>,
+    /// Functionals that came to zero together with it.
+    together: Vec<Watch>,
+    /// Whether it changes forces or velocities at once.
+    jumps: bool,
+}
+
+/// By how much later the changed motion has an event, and the elements that have their own times.
+#[derive(Clone, Debug)]
+pub(super) struct Later {
+    pub event: f64,
+    own: Vec<(Contact, f64)>,
+}
+
+/// The element of a watched functional.
+fn contact_of(watch: Watch) -> Contact {
+    match watch {
+        Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
+            Contact::Stop(i)
+        }
+        Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => Contact::Friction(i),
+    }
+}
+
+fn stop_of(contact: Contact) -> Option<usize> {
+    if let Contact::Stop(i) = contact { Some(i) } else { None }
+}
+
+fn differ(a: f64, b: f64) -> bool {
+    (a - b).abs() > STILL * (a.abs() + b.abs())
+}
+
+impl Crossing<'_> {
+    /// Whether forces or velocities change at once.
+    fn jumps(&self) -> bool {
+        let (was, is) = (self.before.rates, self.after.rates);
+        !self.impulses.is_empty()
+            || was.iter().zip(is.iter()).any(|(a, b)| (a - b).abs() > STILL * (a.abs() + b.abs()))
+    }
+
+    /// The stops that were open and are hit, other than the one that is due.
+    fn hit(&self) -> impl Iterator<Item = usize> {
+        let due = match &self.due {
+            Some((Watch::Meets(i), _)) => Some(*i),
+            _ => None,
+        };
+        let was_open = |i: usize| self.before.mode.mode.stops[i] == StopState::Open;
+        let all = self.events.iter().filter_map(|event| match event.kind {
+            EventKind::Impact { stop, .. } => Some(stop),
+            _ => None,
+        });
+        let mut all: Vec<usize> = all.filter(|&i| was_open(i) && due != Some(i)).collect();
+        all.sort_unstable();
+        all.dedup();
+        all.into_iter()
+    }
+
+    /// Carries the derivative by parameter `p` over the event; returns by how much later the changed
+    /// motion has it, and its other elements their part of it.
+    pub fn carry(&self, p: usize, delta: &mut DVector<f64>, scale: &DVector<f64>) -> Result<Later, Lost> {
+        let lost = |element, cause| Lost { time: self.before.time, element, cause };
+        let tangent = &self.machine.tangents[p];
+        if let Some(stop) = self.impulses.iter().find_map(|i| i.at_limit(&self.machine.system, tangent)) {
+            return Err(lost(self.machine.name_of(Contact::Stop(stop)), Cause::Limit));
+        }
+        let later = match &self.due {
+            Some((watch, VariedRow { row, by })) => self
+                .machine
+                .later(Varied { p, delta, scale }, &self.before, (row, &by[p]))
+                .map_err(|()| lost(self.machine.assembly.name_of(*watch), Cause::Touch))?,
+            None => tangent.signals.later(self.before.time).map_or(0.0, |knot| knot.later),
+        };
+        let (own, apart) = self.others(Varied { p, delta, scale }, later)?;
+        match apart {
+            true => self.one_by_one(p, &own, delta),
+            false => self.at_once(p, later, delta)?,
+        }
+        self.machine.fill(p, self.before.time, self.after.z, delta);
+        self.machine.keep(p, delta, scale, &self.after)?;
+        self.machine.check(Varied { p, delta, scale }, &self.after, &self.still)?;
+        Ok(Later { event: later, own })
+    }
+
+    /// Compares with what else happens at the instant. Returns the elements with the times by which
+    /// they come later, and whether these are impacts that differ and do not concern one another.
+    fn others(&self, column: Varied, later: f64) -> Result<(Vec<(Contact, f64)>, bool), Lost> {
+        let lost = |element, cause| Lost { time: self.before.time, element, cause };
+        self.check_earlier(column.p, later)?;
+        let mut times = self.changed_with(column, later)?;
+        let (machine, mode) = (self.machine, self.before.mode);
+        let first = times.len();
+        for i in self.hit() {
+            let rows = (&*machine.system.stops[i].excess, &machine.tangents[column.p].stops[i].excess);
+            let own = machine.later(column, &self.before, rows);
+            let touch = |()| lost(machine.name_of(Contact::Stop(i)), Cause::Touch);
+            times.push((Contact::Stop(i), own.map_err(touch)?));
+        }
+        if times[first..].iter().all(|&(_, time)| !differ(time, later)) {
+            return Ok((times, false));
+        }
+        if let Some((Watch::Meets(i), _)) = self.due {
+            times.push((Contact::Stop(i), later));
+        }
+        let stays = self.before.mode.mode == self.after.mode.mode;
+        let e = |contact| machine.system.elongation_of(contact);
+        let hit = &times[first..];
+        let mut stops: Vec<usize> = self.impulses.iter().flat_map(|impulse| impulse.stops.clone()).collect();
+        stops.sort_unstable();
+        let mut own: Vec<usize> = hit.iter().filter_map(|hit| stop_of(hit.0)).collect();
+        own.sort_unstable();
+        let alone = stops == own;
+        let coupled = |&&(a, _): &&(Contact, f64)| {
+            hit.iter().any(|&(b, _)| a != b && machine.are_coupled(mode, e(a), e(b)))
+        };
+        match hit.iter().find(coupled) {
+            None if alone && stays && self.due.is_some() => Ok((times, true)),
+            found => Err(lost(machine.name_of(found.unwrap_or(&hit[0]).0), Cause::Together)),
+        }
+    }
+
+    /// Refuses an event that was due together with an earlier one of this instant, where they come
+    /// later by different times and their order matters.
+    fn check_earlier(&self, p: usize, later: f64) -> Result<(), Lost> {
+        let Some((watch, _)) = &self.due else { return Ok(()) };
+        let (machine, time) = (self.machine, self.before.time);
+        let e = machine.elongation(*watch, p).0;
+        for met in self.earlier.iter().filter(|met| met.together.contains(watch)) {
+            let other = machine.elongation(met.watch, p).0;
+            let same = met.later[p].is_none_or(|time| !differ(time, later));
+            if !same && (met.jumps || self.jumps()) && machine.are_coupled(self.before.mode, e, other) {
+                return Err(Lost { time, element: machine.assembly.name_of(*watch), cause: Cause::Together });
+            }
+        }
+        Ok(())
+    }
+
+    /// Other elements that come to their limits at the instant and change with this event, or stand
+    /// before a knot; refuses those that come later by another time where anything jumps.
+    fn changed_with(&self, column: Varied, later: f64) -> Result<Vec<(Contact, f64)>, Lost> {
+        let (machine, mode) = (self.machine, self.before.mode);
+        let due = self.due.as_ref().map(|due| contact_of(due.0));
+        let changes = |contact| match contact {
+            Contact::Stop(i) => self.after.mode.mode.stops[i] != mode.mode.stops[i],
+            Contact::Friction(i) => self.after.mode.mode.frictions[i] != mode.mode.frictions[i],
+        };
+        let mut times = Vec::new();
+        for (watch, row) in self.together.iter().copied() {
+            let contact = contact_of(*watch);
+            let is_hit = matches!(watch, Watch::Meets(_)) && due.is_some();
+            if Some(contact) == due || is_hit || (due.is_some() && !changes(contact)) {
+                continue;
+            }
+            let by = mode.row_by(&machine.system, &machine.tangents[column.p], column.p, *watch, row);
+            let Ok(own) = machine.later(column, &self.before, (row, &by)) else { continue };
+            if differ(own, later) && self.jumps() {
+                let element = machine.name_of(contact);
+                return Err(Lost { time: self.before.time, element, cause: Cause::Together });
+            }
+            times.push((contact, own));
+        }
+        Ok(times)
+    }
+
+    /// Impacts of stops that do not concern one another, each later by its own time.
+    fn one_by_one(&self, p: usize, times: &[(Contact, f64)], delta: &mut DVector<f64>) {
+        let system = &self.machine.system;
+        for impulse in &Impulse::one_by_one(system, self.events, &self.impulses) {
+            let own = |time: &&(Contact, f64)| impulse.stops.iter().any(|&i| time.0 == Contact::Stop(i));
+            let later = times.iter().find(own).map_or(0.0, |time| time.1);
+            let [was, is] = [0, 1].map(|k| self.before.mode.rates(&impulse.states[k]));
+            delta.axpy(later, &was, 1.0);
+            impulse.carry(&self.machine.system, &self.machine.tangents[p], delta);
+            delta.axpy(-later, &is, 1.0);
+        }
+    }
+
+    /// An event of which everything comes later by one time: δ⁺ = J (δ + f⁻ δt) + dJ z - f⁺ δt.
+    fn at_once(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<(), Lost> {
+        let (machine, tangent) = (self.machine, &self.machine.tangents[p]);
+        if self.due.is_none() {
+            let time = self.before.time;
+            let knot = tangent.signals.later(time).filter(|_| machine.system.signals.knots_at(time) > 1);
+            if let Some(knot) = knot {
+                return self.one_of_many_knots(&knot, delta);
+            }
+            let was = delta.clone();
+            machine.fill(p, time, self.after.z, delta);
+            let mut step = &*delta - was;
+            step.axpy(later, &(self.after.rates - self.before.rates), 1.0);
+            delta.axpy(later, self.before.rates, 1.0);
+            let one = machine.system.signals.one;
+            let mut signals = delta.rows_range_mut(one..);
+            signals.axpy(later, &(self.after.rates - self.before.rates).rows_range(one..), 1.0);
+            share(&machine.system, tangent, &(self.after.z - self.before.z), &step, delta);
+        } else {
+            delta.axpy(later, self.before.rates, 1.0);
+        }
+        self.impulses.iter().for_each(|impulse| impulse.carry(&machine.system, tangent, delta));
+        delta.axpy(-later, self.after.rates, 1.0);
+        Ok(())
+    }
+
+    /// A step among other knots at its time: only its own height acts later.
+    fn one_of_many_knots(&self, knot: &StepTime, delta: &mut DVector<f64>) -> Result<(), Lost> {
+        let (machine, n) = (self.machine, self.machine.system.coordinates);
+        if machine.system.has_motions || self.before.mode.mode != self.after.mode.mode {
+            let element = format!("the step at {} s", self.before.time);
+            return Err(Lost { time: self.before.time, element, cause: Cause::Together });
+        }
+        let mut step = DVector::zeros(delta.len());
+        step[knot.place] = knot.height;
+        let rates = self.after.mode.rates(&step);
+        delta.rows_mut(0, 2 * n).axpy(-knot.later, &rates.rows(0, 2 * n), 1.0);
+        Ok(())
+    }
+
+    /// The derivative of a reported event's time. A stop closes when its bounces accumulate, at
+    /// 2 ε u/(a (1 - ε)) after the impact from which on they are not followed.
+    pub fn time_of(&self, p: usize, event: &Event, later: &Later, delta: &DVector<f64>) -> Option<f64> {
+        let own = event.contact().and_then(|contact| later.own.iter().find(|own| own.0 == contact));
+        let later = own.map_or(later.event, |own| own.1);
+        let EventKind::Close { stop } = event.kind else { return Some(later) };
+        let e = self.machine.system.stops[stop].restitution()?;
+        let bounce = event.time - self.before.time;
+        if bounce <= 0.0 {
+            // Without bounces the time is that of the impact; with ε = 1 there is no sum of them.
+            return (e < 1.0).then_some(later);
+        }
+        let (rows, own) = self.machine.contact(Contact::Stop(stop), p);
+        let (speed, push) = (rows.rate.dot(self.before.z), rows.rate.dot(self.before.rates));
+        let met = delta + self.before.rates * later;
+        let dspeed = rows.rate.dot(&met) + own.rate.dot(self.before.z);
+        let bent = self.before.mode.rates_by(p, self.before.z, &met);
+        let dpush = rows.rate.dot(&bent) + own.rate.dot(self.before.rates);
+        let de = self.machine.tangents[p].stops[stop].restitution;
+        let relative = dspeed / speed - dpush / push + de / (e * (1.0 - e));
+        Some(later + bounce * relative).filter(|time| time.is_finite())
+    }
+
+    /// What later events of the same instant need to know.
+    pub fn met(&self, later: Vec<Option<f64>>) -> Option<Met> {
+        let (watch, _) = self.due.as_ref()?;
+        let together = self.together.iter().map(|(watch, _)| *watch).collect();
+        Some(Met { watch: *watch, later, together, jumps: self.jumps() })
+    }
+}

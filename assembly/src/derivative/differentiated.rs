@@ -1,0 +1,294 @@
+//! A motion with its derivatives by parameters.
+
+use super::crossing::{Crossing, Met};
+use super::impulse::Impulse;
+use super::jump::jumped;
+use super::lost::Lost;
+use super::machine::{Instant, Machine};
+use super::mode::VariedMode;
+use super::start::start;
+use crate::assembly::Assembly;
+use crate::error::Error;
+use crate::mode::Mode;
+use crate::motion::{Event, Motion, Reached};
+use crate::quantity::Quantity;
+use nalgebra::DVector;
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use vibro_impact::numerics::double_double::DoubleDouble;
+
+/// Events count as being at one instant within this part of the time, and of the time in which the
+/// mode's fastest motion changes.
+const INSTANT: f64 = 1e-13;
+
+/// A motion from the machine's start with the derivatives of its values and of its events' times by
+/// parameters of the machine, exact through impacts, contacts and sticking.
+///
+/// A parameter is any number of [`Description::parameters`](crate::Description::parameters). Where a
+/// motion has no derivative, its [`derivative`](Self::derivative) is `None` from then on, and
+/// [`lost`](Self::lost) says why.
+///
+/// A ball that falls from rest on a floor at the depth h meets it at √(2h/g):
+///
+/// ```
+/// use std::sync::Arc;
+/// use vibro_assembly::{Assembly, Differentiated, Quantity, What, file};
+///
+/// let text = r#"
+///     name = "Bouncer"
+///     gravity = 10.0
+///     [body.ball]
+///     mass = "20 g"
+///     gravity = 1.0
+///     [stop.floor]
+///     between = ["ground", "ball"]
+///     gap = "5 m"
+///     restitution = 0.5
+/// "#;
+/// let machine = file::parse(text, "ball.toml", &file::no_records)?;
+/// let assembly = Arc::new(Assembly::new(machine)?);
+/// let mut ball = Differentiated::new(assembly, &["stop.floor.gap", "gravity"])?;
+/// let mut times = Vec::new();
+/// ball.advance_observed(1.5, &mut |event, by| times.push((event.time, by[0], by[1])))?;
+/// let (time, by_gap, by_gravity) = times[0];
+/// assert!((time - 1.0).abs() < 1e-15);
+/// assert!((by_gap.unwrap() - 0.1).abs() < 1e-15 && (by_gravity.unwrap() + 0.05).abs() < 1e-15);
+/// // It has left the floor, at h, with 5 m/s; both depend on h.
+/// let place = ball.derivative(Quantity::of_body(0, What::S), 0).unwrap();
+/// let by_hand = 1.0 - 0.5 * (1.0 * 0.5 - 10.0 * 0.1) - 10.0 * 0.5 * 0.1;
+/// assert!((place - by_hand).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Differentiated {
+    machine: Arc<Machine>,
+    motion: Motion,
+    parameters: Vec<String>,
+    modes: HashMap<Mode, Arc<VariedMode>>,
+    mode: Arc<VariedMode>,
+    /// By parameter.
+    deltas: Vec<Option<DVector<f64>>>,
+    /// By parameter: their largest sizes so far.
+    scales: Vec<DVector<f64>>,
+    /// By parameter.
+    lost: Vec<Option<Lost>>,
+    /// Events of the present instant.
+    met: Vec<Met>,
+}
+
+/// Callback for events, each with the derivatives of its time by parameter.
+pub type VariedObserver<'a> = dyn FnMut(&Event, &[Option<f64>]) + 'a;
+
+impl Differentiated {
+    /// The motion from the machine's start, at time 0, with its derivatives by parameters.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] for an unknown parameter, with the nearest name; as
+    /// [`Motion::new`].
+    pub fn new(assembly: Arc<Assembly>, parameters: &[&str]) -> Result<Self, Error> {
+        Self::new_observed(assembly, parameters, &mut |_, _| ())
+    }
+
+    /// As [`new`](Self::new), with the events at the start reported to `observer`.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn new_observed(
+        assembly: Arc<Assembly>,
+        parameters: &[&str],
+        observer: &mut VariedObserver,
+    ) -> Result<Self, Error> {
+        let known = |name: &&str| Ok(assembly.description.parameter(name)?.name);
+        let parameters: Vec<String> = parameters.iter().map(known).collect::<Result<_, Error>>()?;
+        let machine = Arc::new(Machine::new(assembly.clone(), &parameters)?);
+        let inputs = vec![(0.0, [0.0; 4]); assembly.system().signals.inputs];
+        let begun = Motion::state_at_start(&assembly, DoubleDouble::default(), &inputs);
+        let begun = machine.widened(&begun);
+        let mut events = Vec::new();
+        let motion = Motion::new_observed(assembly, &mut |event| events.push(event.clone()))?;
+        let mode = Arc::new(VariedMode::new(&machine.system, &machine.tangents, motion.mode()));
+        let modes = HashMap::from([(motion.mode().clone(), mode.clone())]);
+        let z = machine.widened(motion.state());
+        let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0));
+        let at = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time: motion.time() };
+        let started = (0..parameters.len()).map(|p| start(&machine, p, &begun, &events, &at));
+        let (deltas, lost): (Vec<_>, Vec<_>) = started
+            .map(|outcome| match outcome {
+                Ok(delta) => (Some(delta), None),
+                Err(lost) => (None, Some(lost)),
+            })
+            .unzip();
+        let times: Vec<Option<f64>> = deltas.iter().map(|delta| delta.as_ref().map(|_| 0.0)).collect();
+        events.iter().for_each(|event| observer(event, &times));
+        let zero = DVector::zeros(z.len());
+        let scales =
+            deltas.iter().map(|d: &Option<DVector<f64>>| d.as_ref().unwrap_or(&zero).abs()).collect();
+        Ok(Self { machine, motion, parameters, modes, mode, deltas, scales, lost, met: Vec::new() })
+    }
+
+    /// A motion that a flag interrupts, as [`Motion::with_interruption`].
+    #[must_use]
+    pub fn with_interruption(mut self, asked: Arc<AtomicBool>) -> Self {
+        self.motion = self.motion.with_interruption(asked);
+        self
+    }
+
+    /// The motion itself.
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// The parameters' names.
+    pub fn parameters(&self) -> &[String] {
+        &self.parameters
+    }
+
+    /// The derivative of a quantity at the present time by the parameter with an index; `None` where
+    /// there is none.
+    pub fn derivative(&self, quantity: Quantity, parameter: usize) -> Option<f64> {
+        let delta = self.deltas.get(parameter)?.as_ref()?;
+        let z = self.state();
+        let point = super::values::Point {
+            system: &self.machine.system,
+            tangent: &self.machine.tangents[parameter],
+            mode: &self.mode,
+            p: parameter,
+            z: &z,
+            delta,
+            scale: delta,
+        };
+        Some(point.quantity(quantity)).filter(|value| value.is_finite())
+    }
+
+    /// Why there is no derivative by the parameter with an index any more.
+    pub fn lost(&self, parameter: usize) -> Option<&Lost> {
+        self.lost.get(parameter)?.as_ref()
+    }
+
+    /// Advances to a time.
+    ///
+    /// # Errors
+    /// As [`Motion::advance_to`].
+    pub fn advance_to(&mut self, end: f64) -> Result<(), Error> {
+        self.advance_observed(end, &mut |_, _| ())
+    }
+
+    /// Advances to a time and reports all events, each with the derivatives of its time by parameter.
+    ///
+    /// # Errors
+    /// As [`Motion::advance_to`].
+    pub fn advance_observed(&mut self, end: f64, observer: &mut VariedObserver) -> Result<(), Error> {
+        loop {
+            let (mut z, from) = (self.state(), self.motion.time());
+            let outcome = self.motion.advance_before_event(end, &mut |_| ());
+            let span = self.motion.time() - from;
+            if span > 0.0 {
+                self.fly(&mut z, span);
+            }
+            match outcome? {
+                Reached::End => return Ok(()),
+                Reached::Event => self.pass(observer)?,
+            }
+        }
+    }
+
+    /// The augmented state, with a coordinate for everything that may vary.
+    fn state(&self) -> DVector<f64> {
+        self.machine.widened(self.motion.state())
+    }
+
+    /// Carries the derivatives over a flight from the state `z`.
+    fn fly(&mut self, z: &mut DVector<f64>, span: f64) {
+        let time = self.motion.time();
+        if span > INSTANT * (time.abs() + self.mode.length) {
+            self.met.clear();
+        }
+        self.mode.carry(z, &mut self.deltas, span);
+        let (z, sizes) = (self.state(), self.sizes());
+        let rates = self.mode.rates(&z);
+        let at = Instant { mode: &self.mode, z: &z, rates: &rates, sizes: &sizes, time };
+        for (p, place) in self.deltas.iter_mut().enumerate() {
+            let Some(delta) = place else { continue };
+            if !self.motion.is_event_due() {
+                self.machine.fill(p, time, &z, delta);
+            }
+            include(&mut self.scales[p], delta);
+            if let Err(lost) = self.machine.keep(p, delta, &self.scales[p], &at) {
+                self.lost[p] = Some(lost);
+                *place = None;
+            }
+        }
+    }
+
+    fn sizes(&self) -> DVector<f64> {
+        self.machine.widened(&self.motion.sizes().0)
+    }
+
+    /// The present mode with its derivatives.
+    fn enter(&mut self) {
+        if *self.motion.mode() == self.mode.mode {
+            return;
+        }
+        let Self { machine, motion, modes, .. } = self;
+        let made = || Arc::new(VariedMode::new(&machine.system, &machine.tangents, motion.mode()));
+        self.mode = modes.entry(motion.mode().clone()).or_insert_with(made).clone();
+    }
+
+    /// Applies the law of the pending event, and carries the derivatives over it.
+    fn pass(&mut self, observer: &mut VariedObserver) -> Result<(), Error> {
+        let (machine, mode) = (self.machine.clone(), self.mode.clone());
+        let (z, time, sizes) = (self.state(), self.motion.time(), self.sizes());
+        let rates = mode.rates(&z);
+        // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
+        let due = self.motion.due().and_then(|watch| {
+            let rows = mode.varied(&machine.system, &machine.tangents, watch);
+            let row = rows.into_iter().min_by(|a, b| a.row.dot(&z).abs().total_cmp(&b.row.dot(&z).abs()));
+            row.map(|row| (watch, row))
+        });
+        let mut events = Vec::new();
+        self.motion.apply_event(&mut |event| events.push(event.clone()))?;
+        self.enter();
+        let after = self.state();
+        let outgoing = self.mode.rates(&after);
+        let begun = if due.is_some() { z.clone() } else { jumped(&machine.system, &z, &after) };
+        let before = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time };
+        let after = Instant { mode: &self.mode, z: &after, rates: &outgoing, sizes: &sizes, time };
+        let crossing = Crossing {
+            machine: &machine,
+            together: machine.approaching(&before),
+            still: machine.still(&after, false),
+            before,
+            after,
+            due,
+            impulses: Impulse::all(&machine.system, &events, &begun),
+            events: &events,
+            earlier: &self.met,
+        };
+        let before = self.deltas.clone();
+        let mut later = vec![None; before.len()];
+        for (p, place) in self.deltas.iter_mut().enumerate() {
+            let Some(delta) = place else { continue };
+            match crossing.carry(p, delta, &self.scales[p]) {
+                Ok(time) => later[p] = Some(time),
+                Err(lost) => {
+                    self.lost[p] = Some(lost);
+                    *place = None;
+                }
+            }
+        }
+        for event in &events {
+            let time_of = |p: usize| crossing.time_of(p, event, later[p].as_ref()?, before[p].as_ref()?);
+            let times: Vec<Option<f64>> = (0..before.len()).map(time_of).collect();
+            observer(event, &times);
+        }
+        let later = later.iter().map(|later| later.as_ref().map(|later| later.event)).collect();
+        self.met.extend(crossing.met(later));
+        Ok(())
+    }
+}
+
+/// Updates the largest sizes by a derivative.
+fn include(scale: &mut DVector<f64>, delta: &DVector<f64>) {
+    scale.iter_mut().zip(delta.iter()).for_each(|(most, x)| *most = most.max(x.abs()));
+}

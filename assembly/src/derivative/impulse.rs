@@ -1,0 +1,124 @@
+//! The derivative of the impacts at one instant (docs/assembly-law.md (A31)).
+
+use super::tangent::Tangent;
+use crate::motion::{Event, EventKind};
+use crate::system::{Elongation, System};
+use nalgebra::{DMatrix, DVector};
+
+/// Relative singular value under which the compliance matrix of stops hit together counts as
+/// singular.
+const SINGULAR: f64 = 1e-12;
+
+/// One impact: the stops with an impulse P, for which G P = (1 + ε) u.
+pub(super) struct Impulse {
+    pub stops: Vec<usize>,
+    /// By stop: restitution; 0 where the stop closes.
+    restitution: Vec<f64>,
+    /// By stop: whether it has no further bounce.
+    closes: Vec<bool>,
+    /// By stop: P.
+    impulses: DVector<f64>,
+    /// The inverse of G.
+    inverse: DMatrix<f64>,
+    /// State before and after it.
+    pub states: [DVector<f64>; 2],
+}
+
+impl Impulse {
+    /// The reported impacts in their order, from the state before the first of them.
+    pub fn all(system: &System, events: &[Event], z: &DVector<f64>) -> Vec<Self> {
+        let hit = events.iter().filter_map(|event| match event.kind {
+            EventKind::Impact { stop, impulse, stops, .. } => Some((stop, impulse, stops)),
+            _ => None,
+        });
+        let (mut hit, mut all, mut z) = (hit.peekable(), Vec::new(), z.clone());
+        while let Some(&(_, _, count)) = hit.peek() {
+            let group: Vec<_> = hit.by_ref().take(count.max(1)).collect();
+            let impact = Self::new(system, events, &group, &z);
+            z = impact.states[1].clone();
+            all.push(impact);
+        }
+        all
+    }
+
+    /// These impacts stop by stop, where their stops do not concern one another.
+    pub fn one_by_one(system: &System, events: &[Event], all: &[Self]) -> Vec<Self> {
+        let mut singles: Vec<Self> = Vec::new();
+        for impulse in all {
+            for (&stop, &p) in impulse.stops.iter().zip(impulse.impulses.iter()) {
+                let z = singles.last().map_or(&impulse.states[0], |last| &last.states[1]);
+                singles.push(Self::new(system, events, &[(stop, p, 1)], z));
+            }
+        }
+        singles
+    }
+
+    fn new(system: &System, events: &[Event], group: &[(usize, f64, usize)], z: &DVector<f64>) -> Self {
+        let stops: Vec<usize> = group.iter().map(|hit| hit.0).collect();
+        let closes = |stop: usize| events.iter().any(|e| e.kind == EventKind::Close { stop });
+        let closes: Vec<bool> = stops.iter().map(|&stop| closes(stop)).collect();
+        let own = |(&stop, closes): (&usize, &bool)| {
+            system.stops[stop].restitution().filter(|_| !closes).unwrap_or(0.0)
+        };
+        let restitution = stops.iter().zip(&closes).map(own).collect();
+        let rows = |i: usize| &system.stops[stops[i]].elongation;
+        let g = DMatrix::from_fn(stops.len(), stops.len(), |i, j| rows(i).w.dot(&rows(j).mobility));
+        let limit = (SINGULAR * g.amax()).max(f64::MIN_POSITIVE);
+        let zero = DMatrix::zeros(stops.len(), stops.len());
+        let inverse = match stops.len() {
+            1 if g[(0, 0)] > 0.0 => Some(DMatrix::from_element(1, 1, 1.0 / g[(0, 0)])),
+            _ => g.pseudo_inverse(limit).ok().filter(|inverse| inverse.shape() == zero.shape()),
+        };
+        let impulses = DVector::from_iterator(group.len(), group.iter().map(|hit| hit.1));
+        let mut after = z.clone();
+        for (k, p) in impulses.iter().enumerate() {
+            change_rates(system, &mut after, -p, &rows(k).mobility);
+        }
+        Self {
+            stops,
+            restitution,
+            closes,
+            impulses,
+            inverse: inverse.unwrap_or(zero),
+            states: [z.clone(), after],
+        }
+    }
+
+    /// Carries the derivative of the state over it.
+    pub fn carry(&self, system: &System, tangent: &Tangent, delta: &mut DVector<f64>) {
+        let [before, after] = &self.states;
+        let elongation = |k: usize| &system.stops[self.stops[k]].elongation;
+        // M⁻¹ w of each stop, varied, times its impulse.
+        let mut kick = DVector::zeros(system.coordinates);
+        for (k, p) in self.impulses.iter().enumerate() {
+            let own = &tangent.stops[self.stops[k]].elongation;
+            kick += *p * (&own.w - &tangent.mass * &elongation(k).mobility);
+        }
+        let kick = system.inertia.solve(&kick);
+        let demand = DVector::from_fn(self.stops.len(), |k, _| {
+            let (Elongation { rate, w, .. }, by) = (elongation(k), &tangent.stops[self.stops[k]]);
+            let e = self.restitution[k];
+            let own = if self.closes[k] { 0.0 } else { by.restitution };
+            let drate = &by.elongation.rate;
+            (1.0 + e) * rate.dot(delta) + drate.dot(after) + e * drate.dot(before) + own * rate.dot(before)
+                - w.dot(&kick)
+        });
+        let impulses = &self.inverse * demand;
+        change_rates(system, delta, -1.0, &kick);
+        for (k, p) in impulses.iter().enumerate() {
+            change_rates(system, delta, -p, &elongation(k).mobility);
+        }
+    }
+
+    /// The stop that was hit with restitution 0 although this parameter varies it: the derivative is
+    /// one-sided there.
+    pub fn at_limit(&self, system: &System, tangent: &Tangent) -> Option<usize> {
+        let at_zero = |stop: usize| system.stops[stop].restitution() == Some(0.0);
+        self.stops.iter().copied().find(|&stop| at_zero(stop) && tangent.stops[stop].restitution != 0.0)
+    }
+}
+
+/// Adds `factor` × `change` to the rates of the coordinates.
+fn change_rates(system: &System, z: &mut DVector<f64>, factor: f64, change: &DVector<f64>) {
+    z.rows_mut(system.coordinates, system.coordinates).axpy(factor, change, 1.0);
+}

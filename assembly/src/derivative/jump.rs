@@ -1,0 +1,64 @@
+//! What bodies that links tie to prescribed ones share of their jumps, and its derivative
+//! (docs/assembly-law.md, section 3, Jumps, and (A30)).
+
+use super::tangent::Tangent;
+use crate::system::{StateRow, System};
+use nalgebra::DVector;
+
+/// The signals' part of a row's value.
+fn of_signals(system: &System, row: &StateRow, z: &DVector<f64>) -> f64 {
+    row.rows_range(system.signals.one..).dot(&z.rows_range(system.signals.one..))
+}
+
+/// -Bᵀ m D Δp of a jump of the places (`first` 0) or of the rates.
+fn pull(system: &System, first: usize, jump: &DVector<f64>) -> DVector<f64> {
+    let mut pull = DVector::zeros(system.coordinates);
+    for (rows, m) in system.bodies.iter().zip(&system.inertias) {
+        let row = if first == 0 { &rows.s } else { &rows.v };
+        pull.axpy(-m * of_signals(system, row, jump), &rows.weights, 1.0);
+    }
+    pull
+}
+
+/// The state after a jump of the signals, before impacts: signals as `after`, all else as `before`
+/// but for its share.
+pub(super) fn jumped(system: &System, before: &DVector<f64>, after: &DVector<f64>) -> DVector<f64> {
+    let (n, one, mut z) = (system.coordinates, system.signals.one, after.clone());
+    z.rows_mut(0, one).copy_from(&before.rows(0, one));
+    if system.has_motions {
+        let jump = after - before;
+        for first in [0, n] {
+            let shared = system.inertia.solve(&pull(system, first, &jump));
+            z.rows_mut(first, n).axpy(1.0, &shared, 1.0);
+        }
+    }
+    z
+}
+
+/// Changes a derivative by that of the share, M Δq = -Bᵀ m D Δp and so for rates. `jump` and `step` are
+/// the change of the state and of its derivative, at the event's own time; their signals count.
+pub(super) fn share(
+    system: &System,
+    tangent: &Tangent,
+    jump: &DVector<f64>,
+    step: &DVector<f64>,
+    delta: &mut DVector<f64>,
+) {
+    if !system.has_motions {
+        return;
+    }
+    let n = system.coordinates;
+    for first in [0, n] {
+        let shared = system.inertia.solve(&pull(system, first, jump));
+        let mut change = pull(system, first, step) - &tangent.mass * shared;
+        for (i, (rows, by)) in system.bodies.iter().zip(&tangent.bodies).enumerate() {
+            let (row, own) = if first == 0 { (&rows.s, &by.s) } else { (&rows.v, &by.v) };
+            let (m, dm) = (system.inertias[i], tangent.inertias[i]);
+            let moved = of_signals(system, row, jump);
+            let varied = dm * moved + m * of_signals(system, own, jump);
+            change.axpy(-varied, &rows.weights, 1.0);
+            change.axpy(-m * moved, &by.weights, 1.0);
+        }
+        delta.rows_mut(first, n).axpy(1.0, &system.inertia.solve(&change), 1.0);
+    }
+}

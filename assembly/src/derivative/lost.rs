@@ -1,0 +1,36 @@
+//! Why a motion has no derivative from an instant on (docs/assembly-law.md, section 14).
+
+use std::fmt;
+
+/// The instant from which on a motion has no derivative by a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lost {
+    /// s.
+    pub time: f64,
+    /// The element, such as `stop.NAME`, or the parameter of a step.
+    pub element: String,
+    /// The reason.
+    pub cause: Cause,
+}
+
+/// The reason why a derivative does not exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// A limit is met without speed, so that the changed motion may not meet it.
+    Touch,
+    /// Two events at one instant, whose order the change decides and whose order matters.
+    Together,
+    /// A value at its limit, so that the changed motion follows another law on either side.
+    Limit,
+}
+
+impl fmt::Display for Lost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let reason = match self.cause {
+            Cause::Touch => "only touches its limit",
+            Cause::Together => "has an event together with another, and their order matters",
+            Cause::Limit => "is at its limit, so that derivatives differ on both sides",
+        };
+        write!(f, "no derivative from t = {} s on: {} {reason}", self.time, self.element)
+    }
+}

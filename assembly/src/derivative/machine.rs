@@ -1,0 +1,305 @@
+//! A machine with its derivatives by some parameters.
+
+use super::lost::{Cause, Lost};
+use super::mode::VariedMode;
+use super::tangent::{ElongationTangent, Tangent};
+use super::values::Point;
+use crate::assembly::Assembly;
+use crate::error::Error;
+use crate::law::ZERO;
+use crate::law::box_qp::triangle;
+use crate::mode::{Contact, StopState, Watch};
+use crate::signals::Layout;
+use crate::system::{Elongation, StateRow, System};
+use nalgebra::DVector;
+use std::sync::Arc;
+
+/// A varied value counts as zero up to this part of its terms' sizes: far above rounding, far below
+/// what a parameter that matters makes.
+pub(super) const STILL: f64 = 1e-9;
+/// Relative rate of a passage, by the sizes of its terms, under which it is a touch.
+const TOUCH: f64 = 1e-12;
+/// Multiples of what counts as zero up to which a functional is at its limit beside an event.
+const BESIDE: f64 = 4.0;
+
+/// A machine, its matrices with a coordinate for everything that may vary, and their derivatives.
+#[derive(Clone, Debug)]
+pub(super) struct Machine {
+    pub assembly: Arc<Assembly>,
+    pub system: System,
+    /// By coordinate of `system` its place in the assembly's augmented state.
+    places: Vec<Option<usize>>,
+    /// By parameter.
+    pub tangents: Vec<Tangent>,
+}
+
+/// What is known at one instant of a mode: state, its derivative by time, and sizes.
+pub(super) struct Instant<'a> {
+    pub mode: &'a VariedMode,
+    pub z: &'a DVector<f64>,
+    pub rates: &'a DVector<f64>,
+    pub sizes: &'a DVector<f64>,
+    pub time: f64,
+}
+
+/// The derivative of a state by parameter `p`.
+#[derive(Clone, Copy)]
+pub(super) struct Varied<'a> {
+    pub p: usize,
+    pub delta: &'a DVector<f64>,
+    /// Its largest sizes so far, by which rounding is told from a variation.
+    pub scale: &'a DVector<f64>,
+}
+
+impl Machine {
+    pub fn new(assembly: Arc<Assembly>, parameters: &[String]) -> Result<Self, Error> {
+        let d = &assembly.description;
+        let any = |end: &str| parameters.iter().any(|name| name.ends_with(end));
+        let layout = Layout { frequencies_apart: any(".frequency"), rates: any(".motion.rate") };
+        let system = System::laid_out(d, layout)?;
+        let places = system.signals.places_in(&assembly.system.signals);
+        let tangents = parameters.iter().map(|name| Tangent::new(&system, d, name)).collect();
+        Ok(Self { assembly, system, places, tangents })
+    }
+
+    /// A vector of the assembly's augmented state in the coordinates of `system`.
+    pub fn widened(&self, z: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.places.len(), self.places.iter().map(|j| j.map_or(0.0, |j| z[j])))
+    }
+
+    /// An element's elongation with its derivative, by a watched functional.
+    pub fn elongation(&self, watch: Watch, p: usize) -> (&Elongation, &ElongationTangent) {
+        match watch {
+            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
+                self.contact(Contact::Stop(i), p)
+            }
+            Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => self.contact(Contact::Friction(i), p),
+        }
+    }
+
+    /// A contact's elongation with its derivative by parameter `p`.
+    pub fn contact(&self, contact: Contact, p: usize) -> (&Elongation, &ElongationTangent) {
+        let by = match contact {
+            Contact::Stop(i) => &self.tangents[p].stops[i].elongation,
+            Contact::Friction(i) => &self.tangents[p].frictions[i].elongation,
+        };
+        (self.system.elongation_of(contact), by)
+    }
+
+    /// Writes the signals' derivatives just after a time.
+    pub fn fill(&self, p: usize, time: f64, z: &DVector<f64>, delta: &mut DVector<f64>) {
+        let one = self.system.signals.one;
+        self.tangents[p].signals.fill(one, time, z.as_slice(), delta.as_mut_slice());
+    }
+
+    pub fn name_of(&self, contact: Contact) -> String {
+        match contact {
+            Contact::Stop(i) => self.assembly.name_of_stop(i),
+            Contact::Friction(i) => self.assembly.name_of_friction(i),
+        }
+    }
+
+    /// What a unit impulse of an element changes in the velocities, with the reaction of the
+    /// contacts that are held.
+    fn response(&self, mode: &VariedMode, e: &Elongation) -> DVector<f64> {
+        let basis = &mode.mode.basis;
+        let mut response = e.mobility.clone();
+        if !basis.is_empty() {
+            let r = &mode.triangle;
+            let mut off = DVector::from_iterator(
+                basis.len(),
+                basis.iter().map(|&contact| self.system.elongation_of(contact).w.dot(&response)),
+            );
+            r.tr_solve_upper_triangular_mut(&mut off);
+            r.solve_upper_triangular_mut(&mut off);
+            for (&contact, off) in basis.iter().zip(off.iter()) {
+                response.axpy(-off, &self.system.elongation_of(contact).mobility, 1.0);
+            }
+        }
+        response
+    }
+
+    /// Whether what one of two elements does at an instant changes how the other comes to its limit:
+    /// an impulse of one moves the other, or the rate of one exerts a force on the other.
+    pub fn are_coupled(&self, mode: &VariedMode, a: &Elongation, b: &Elongation) -> bool {
+        let n = self.system.coordinates;
+        let couples = |a: &Elongation, b: &Elongation| {
+            let response = self.response(mode, b);
+            let size = a.w.abs().dot(&b.mobility.abs());
+            let mut kicked = DVector::zeros(self.system.signals.size);
+            kicked.rows_mut(n, n).copy_from(&response);
+            let rates = mode.rates(&kicked).rows(n, n).into_owned();
+            let force: f64 = a.w.dot(&rates).abs();
+            a.w.dot(&response).abs() > STILL * size || force > STILL * a.w.abs().dot(&rates.abs())
+        };
+        couples(a, b) || couples(b, a)
+    }
+
+    /// The time by which a functional passes zero later in the changed motion: δt = -(h·δ + dh·z) /
+    /// (h·z'). `Err` for a touch whose value varies.
+    pub fn later(&self, column: Varied, at: &Instant, (row, by): (&StateRow, &StateRow)) -> Result<f64, ()> {
+        let point = self.point(column, at);
+        let (varied, speed) = (point.of(row, by), row.dot(at.rates));
+        let terms: f64 = row.iter().zip(at.rates.iter()).map(|(a, b)| (a * b).abs()).sum();
+        if speed.abs() > TOUCH * terms {
+            return Ok(-varied / speed);
+        }
+        if varied.abs() <= STILL * point.size(row, by) { Ok(0.0) } else { Err(()) }
+    }
+
+    /// The instant with the derivative of its state.
+    pub fn point<'a>(&'a self, column: Varied<'a>, at: &Instant<'a>) -> Point<'a> {
+        let Varied { p, delta, scale } = column;
+        Point { system: &self.system, tangent: &self.tangents[p], mode: at.mode, p, z: at.z, delta, scale }
+    }
+
+    /// Whether a row's value counts as zero at an instant.
+    pub fn is_zero(&self, row: &StateRow, at: &Instant) -> bool {
+        let size: f64 = row.iter().zip(at.sizes.iter()).map(|(r, s)| r.abs() * s).sum();
+        row.dot(at.z).abs() <= BESIDE * ZERO * size
+    }
+
+    /// The watched functionals that come to zero at this instant.
+    pub fn approaching<'a>(&self, at: &Instant<'a>) -> Vec<&'a (Watch, StateRow)> {
+        let comes = |row: &StateRow| row.dot(at.rates) > TOUCH * self.speed_size(row, at);
+        at.mode.watched.iter().filter(|(_, row)| self.is_zero(row, at) && comes(row)).collect()
+    }
+
+    /// The watched functionals that are zero throughout the mode. With `begins`, those that leave zero
+    /// count as well.
+    pub fn still<'a>(&self, at: &Instant<'a>, begins: bool) -> Vec<&'a (Watch, StateRow)> {
+        let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);
+        let counts = |watch: Watch, row: &StateRow| match begins {
+            true => !self.is_smooth(watch),
+            false => stays(row),
+        };
+        let all = at.mode.watched.iter();
+        all.filter(|(watch, row)| self.is_zero(row, at) && counts(*watch, row)).collect()
+    }
+
+    /// The sum of the sizes of the terms of a functional's time derivative.
+    fn speed_size(&self, row: &StateRow, at: &Instant) -> f64 {
+        row.iter().zip(at.rates.iter()).map(|(a, b)| (a * b).abs()).sum()
+    }
+
+    /// Projects a derivative onto what the contacts of the mode hold: h·δ = -dh·z of their gaps and
+    /// rates. A contact that depends on these and does not follow has derivatives on one side only.
+    pub fn keep(
+        &self,
+        p: usize,
+        delta: &mut DVector<f64>,
+        scale: &DVector<f64>,
+        at: &Instant,
+    ) -> Result<(), Lost> {
+        let basis = &at.mode.mode.basis;
+        let stops = basis.iter().take_while(|contact| matches!(contact, Contact::Stop(_))).count();
+        self.project(p, &basis[..stops], false, delta, at);
+        self.project(p, basis, true, delta, at);
+        for contact in at.mode.mode.contacts().filter(|contact| !basis.contains(contact)) {
+            if self.turns_away(p, basis, contact) {
+                return Err(Lost { time: at.time, element: self.name_of(contact), cause: Cause::Limit });
+            }
+            let places = if let Contact::Stop(_) = contact { &[false, true][..] } else { &[true][..] };
+            for &rates in places {
+                let (row, by) = self.held_row(contact, rates, p);
+                let point = self.point(Varied { p, delta, scale }, at);
+                if point.of(row, by).abs() > STILL * point.size(row, by) {
+                    return Err(Lost { time: at.time, element: self.name_of(contact), cause: Cause::Limit });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a contact that depends on a basis is varied in its direction otherwise than these, so
+    /// that it does not depend on them in the changed machine.
+    fn turns_away(&self, p: usize, basis: &[Contact], contact: Contact) -> bool {
+        let r = triangle(&self.system.columns(basis));
+        let (own, by) = self.contact(contact, p);
+        let shares = basis.iter().map(|&c| self.contact(c, p).0.w.dot(&own.mobility));
+        let mut shares = DVector::from_iterator(basis.len(), shares);
+        r.tr_solve_upper_triangular_mut(&mut shares);
+        r.solve_upper_triangular_mut(&mut shares);
+        let (mut left, mut size) = (by.w.clone(), by.w.amax());
+        for (&other, share) in basis.iter().zip(shares.iter()) {
+            left.axpy(-share, &self.contact(other, p).1.w, 1.0);
+            size += share.abs() * self.contact(other, p).1.w.amax();
+        }
+        left.amax() > STILL * size
+    }
+
+    /// The row that a contact keeps at zero: e - gap of a stop, or e', with its derivative.
+    fn held_row(&self, contact: Contact, rates: bool, p: usize) -> (&StateRow, &StateRow) {
+        match contact {
+            Contact::Stop(i) if !rates => (&self.system.stops[i].excess, &self.tangents[p].stops[i].excess),
+            _ => {
+                let (own, by) = self.contact(contact, p);
+                (&own.rate, &by.rate)
+            }
+        }
+    }
+
+    fn project(&self, p: usize, contacts: &[Contact], rates: bool, delta: &mut DVector<f64>, at: &Instant) {
+        if contacts.is_empty() {
+            return;
+        }
+        // The basis is sorted: stops come first, with the leading part of the triangle.
+        let r = at.mode.triangle.view((0, 0), (contacts.len(), contacts.len()));
+        let off = contacts.iter().map(|&contact| {
+            let (row, by) = self.held_row(contact, rates, p);
+            self.point(Varied { p, delta, scale: delta }, at).of(row, by)
+        });
+        let mut off = DVector::from_iterator(contacts.len(), off);
+        r.tr_solve_upper_triangular_mut(&mut off);
+        r.solve_upper_triangular_mut(&mut off);
+        let n = self.system.coordinates;
+        for (&contact, off) in contacts.iter().zip(off.iter()) {
+            let mobility = &self.system.elongation_of(contact).mobility;
+            delta.rows_mut(if rates { n } else { 0 }, n).axpy(-off, mobility, 1.0);
+        }
+    }
+
+    /// Whether one of the functionals `still`, which are zero throughout the mode, varies: then the
+    /// changed motion has another mode on one side.
+    pub fn check(&self, column: Varied, at: &Instant, still: &[&(Watch, StateRow)]) -> Result<(), Lost> {
+        for (watch, row) in still {
+            let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);
+            let point = self.point(column, at);
+            if point.of(row, &by).abs() > STILL * point.size(row, &by) {
+                let element = self.assembly.name_of(*watch);
+                return Err(Lost { time: at.time, element, cause: Cause::Limit });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the force is continuous where this functional passes zero: that of a stop without
+    /// damping.
+    fn is_smooth(&self, watch: Watch) -> bool {
+        match watch {
+            Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
+                self.system.stops[i].force == self.system.stops[i].spring
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether a rigid stop that touches at the start, or a damped compliant one at its gap, has a
+    /// gap that varies: then it has an event on one side only.
+    pub fn check_touching(&self, column: Varied, at: &Instant) -> Result<(), Lost> {
+        for (i, stop) in self.system.stops.iter().enumerate() {
+            let is_held =
+                at.mode.mode.stops[i] == StopState::Closed && self.assembly.description.starts_at_rest;
+            if is_held || self.is_smooth(Watch::Presses(i)) && stop.restitution().is_none() {
+                continue;
+            }
+            let (row, by) = (&*stop.excess, &self.tangents[column.p].stops[i].excess);
+            let point = self.point(column, at);
+            if self.is_zero(row, at) && point.of(row, by).abs() > STILL * point.size(row, by) {
+                let element = self.assembly.name_of_stop(i);
+                return Err(Lost { time: at.time, element, cause: Cause::Limit });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,109 @@
+//! The derivative of a start at rest, by the implicit function on the contacts that bear force
+//! (docs/assembly-law.md (A32)).
+
+use super::lost::{Cause, Lost};
+use super::machine::{Instant, Machine, STILL, Varied};
+use crate::mode::Contact;
+use nalgebra::{DMatrix, DVector};
+
+/// Relative singular value under which nothing acts in a direction.
+const LOOSE: f64 = 1e-12;
+
+/// The derivative of the coordinates q in equilibrium by parameter `p`: with the stiffness K of the mode
+/// and the closed stops' directions W,
+///
+/// ```text
+/// K dq + W dλ = dF z + F dz - dW λ,    Wᵀ dq = -(dh z + h dz),
+/// ```
+///
+/// where dz are the signals' derivatives, which `delta` has. In directions in which nothing acts dq is zero.
+pub(super) fn equilibrium(
+    machine: &Machine,
+    p: usize,
+    delta: &mut DVector<f64>,
+    at: &Instant,
+) -> Result<(), Lost> {
+    let (system, tangent, mode) = (&machine.system, &machine.tangents[p], &at.mode.mode);
+    let n = system.coordinates;
+    let held = held(machine, p, at)?;
+    let mut forces = system.forces.clone();
+    for (i, &state) in mode.stops.iter().enumerate() {
+        if let Some(force) = system.stop_force(i, state) {
+            forces.ger(-1.0, &system.stops[i].elongation.w, &force, 1.0);
+        }
+    }
+    for (i, &state) in mode.frictions.iter().enumerate() {
+        if let Some(force) = system.friction_force(i, state) {
+            forces.ger(-1.0, &system.frictions[i].elongation.w, &force, 1.0);
+        }
+    }
+    let mut right = tangent.forces_in(system, mode) * at.z + &forces * &*delta;
+    for &(k, contact) in &held {
+        right.axpy(-at.mode.lambda[k].dot(at.z), &machine.contact(contact, p).1.w, 1.0);
+    }
+    let size = n + held.len();
+    let mut matrix = DMatrix::zeros(size, size);
+    let root = system.inertia.l();
+    let stiffness = -forces.columns(0, n).into_owned();
+    // In the inertia's metric, in which directions without force are orthogonal to all others.
+    let half = root.solve_lower_triangular(&stiffness).unwrap_or_else(|| DMatrix::zeros(n, n));
+    let whole = root.solve_lower_triangular(&half.transpose()).unwrap_or_else(|| DMatrix::zeros(n, n));
+    matrix.view_mut((0, 0), (n, n)).copy_from(&whole);
+    let scale = whole.amax().max(f64::MIN_POSITIVE);
+    let mut known = DVector::zeros(size);
+    known.rows_mut(0, n).copy_from(&root.solve_lower_triangular(&right).unwrap_or_else(|| DVector::zeros(n)));
+    for (place, &(_, contact)) in held.iter().enumerate() {
+        let (own, by) = machine.contact(contact, p);
+        let column = &own.column;
+        let norm = column.norm().max(f64::MIN_POSITIVE);
+        matrix.view_mut((0, n + place), (n, 1)).copy_from(&(column * (scale / norm)));
+        matrix.view_mut((n + place, 0), (1, n)).copy_from(&(column.transpose() * (scale / norm)));
+        let off = match contact {
+            Contact::Stop(i) => {
+                let column = Varied { p, delta, scale: delta };
+                machine.point(column, at).of(&system.stops[i].excess, &tangent.stops[i].excess)
+            }
+            Contact::Friction(_) => by.w.dot(&at.z.rows(0, n)),
+        };
+        known[n + place] = -off * scale / norm;
+    }
+    let limit = LOOSE * matrix.amax();
+    let solved = matrix.svd(true, true).solve(&known, limit).unwrap_or_else(|_| DVector::zeros(size));
+    let found = root.tr_solve_lower_triangular(&solved.rows(0, n)).unwrap_or_else(|| DVector::zeros(n));
+    delta.rows_mut(0, n).copy_from(&found);
+    Ok(())
+}
+
+/// The contacts that keep their place at rest, with their places in the basis: closed stops, which
+/// must press, and resting friction where friction is needed. It then keeps the place w·q = 0 of the
+/// machine without displacements, and must stay below its level.
+fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact)>, Lost> {
+    let (mode, n) = (&at.mode.mode, machine.system.coordinates);
+    let force = |k: usize| {
+        let row = &at.mode.lambda[k];
+        let size: f64 = row.iter().zip(at.z.iter()).map(|(a, b)| (a * b).abs()).sum();
+        (row.dot(at.z), STILL * size)
+    };
+    let bears = |k: usize| force(k).0.abs() > force(k).1;
+    let basis = mode.basis.iter().copied().enumerate();
+    let rubs = basis.clone().any(|(k, contact)| matches!(contact, Contact::Friction(_)) && bears(k));
+    let keeps = |&(_, contact): &(usize, Contact)| rubs || matches!(contact, Contact::Stop(_));
+    let stands = |(k, contact): (usize, Contact)| match contact {
+        Contact::Stop(_) => force(k).0 > force(k).1,
+        Contact::Friction(i) => {
+            let w = &machine.contact(contact, p).0.w;
+            let (way, size) = (w.dot(&at.z.rows(0, n)), w.abs().dot(&at.z.rows(0, n).abs()));
+            let level = machine.system.frictions[i].level.dot(at.z);
+            way.abs() <= STILL * size && force(k).0.abs() < (1.0 - STILL) * level
+        }
+    };
+    let contacts = mode.contacts().filter(|c| keeps(&(0, *c)));
+    let limit = |contact| Lost { time: at.time, element: machine.name_of(contact), cause: Cause::Limit };
+    for contact in contacts {
+        let place = mode.basis.iter().position(|&c| c == contact);
+        if !place.is_some_and(|k| stands((k, contact))) {
+            return Err(limit(contact));
+        }
+    }
+    Ok(basis.filter(keeps).collect())
+}

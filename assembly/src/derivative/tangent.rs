@@ -1,0 +1,258 @@
+//! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A27)).
+
+use super::bodies::{BodyTangent, bodies};
+use crate::description::{Arms, BodyKind, Description, Signal, StopLaw};
+use crate::mode::{FrictionState, Mode, StopState};
+use crate::signals::SignalTangent;
+use crate::slots::slots;
+use crate::system::{Elongation, StateRow, System};
+use nalgebra::{DMatrix, DVector};
+
+/// Derivatives of an elongation's rows, as those of [`Elongation`].
+#[derive(Clone, Debug)]
+pub(super) struct ElongationTangent {
+    pub e: StateRow,
+    pub rate: StateRow,
+    pub w: DVector<f64>,
+    pub drift: StateRow,
+}
+
+/// Derivatives of a stop's rows.
+#[derive(Clone, Debug)]
+pub(super) struct StopTangent {
+    pub elongation: ElongationTangent,
+    pub excess: StateRow,
+    pub force: StateRow,
+    pub spring: StateRow,
+    pub restitution: f64,
+}
+
+/// Derivatives of a friction's rows.
+#[derive(Clone, Debug)]
+pub(super) struct FrictionTangent {
+    pub elongation: ElongationTangent,
+    pub level: StateRow,
+    pub static_level: StateRow,
+}
+
+/// The derivative of a [`System`] by one parameter.
+#[derive(Clone, Debug)]
+pub(super) struct Tangent {
+    pub signals: SignalTangent,
+    pub bodies: Vec<BodyTangent>,
+    /// By body: inertia.
+    pub inertias: Vec<f64>,
+    pub mass: DMatrix<f64>,
+    /// Forces that act in every mode.
+    pub forces: DMatrix<f64>,
+    /// By spring: its elongation and its force.
+    pub springs: Vec<(ElongationTangent, StateRow)>,
+    pub stops: Vec<StopTangent>,
+    pub frictions: Vec<FrictionTangent>,
+    /// By load: its force.
+    pub loads: Vec<StateRow>,
+    /// By coordinate: start values of place and rate.
+    pub starts: Vec<(f64, f64)>,
+}
+
+/// The description whose numbers are the derivatives of `d`'s numbers by the parameter `name`.
+fn direction(d: &Description, name: &str) -> Description {
+    let mut along = d.clone();
+    // Signs of elements between two bodies are no parameters, nor are starts of a machine at rest.
+    let springs = along.springs.iter_mut().map(|s| &mut s.arms);
+    let dampers = along.dampers.iter_mut().map(|s| &mut s.arms);
+    let stops = along.stops.iter_mut().map(|s| &mut s.arms);
+    let frictions = along.frictions.iter_mut().map(|s| &mut s.arms);
+    let links = along.links.iter_mut().map(|s| &mut s.arms);
+    let all = springs.chain(dampers).chain(stops).chain(frictions).chain(links);
+    all.for_each(|arms| arms.terms.iter_mut().for_each(|term| term.1 = 0.0));
+    for body in &mut along.bodies {
+        if let BodyKind::Free(free) = &mut body.kind {
+            (free.s, free.v) = (0.0, 0.0);
+        }
+    }
+    for slot in slots(&mut along) {
+        *slot.value = if slot.name == name { 1.0 } else { 0.0 };
+    }
+    along
+}
+
+/// All signals in the order of the system's, with the rates of prescribed bodies.
+fn signals(d: &Description) -> Vec<(&Signal, f64)> {
+    let motions = d.bodies.iter().filter_map(|body| match &body.kind {
+        BodyKind::Prescribed { motion, rate } => Some((motion, *rate)),
+        BodyKind::Free(_) => None,
+    });
+    let loads = d.loads.iter().map(|load| (&load.force, 0.0));
+    let levels = d.frictions.iter().flat_map(|f| std::iter::once(&f.force).chain(&f.static_force));
+    motions.chain(loads).chain(levels.map(|level| (level, 0.0))).collect()
+}
+
+impl Tangent {
+    /// The derivative of the matrices `system` of `d` by the parameter `name`.
+    pub fn new(system: &System, d: &Description, name: &str) -> Self {
+        let along = direction(d, name);
+        let signals = system.signals.tangent(&signals(d), &signals(&along));
+        let start = |&body: &usize| match along.bodies[body].kind {
+            BodyKind::Free(free) => (free.s, free.v),
+            BodyKind::Prescribed { .. } => (0.0, 0.0),
+        };
+        let mut tangent = Self {
+            bodies: bodies(system, d, &along, &signals),
+            inertias: Vec::new(),
+            mass: DMatrix::zeros(system.coordinates, system.coordinates),
+            forces: DMatrix::zeros(system.coordinates, system.signals.size),
+            springs: Vec::new(),
+            stops: Vec::new(),
+            frictions: Vec::new(),
+            loads: Vec::new(),
+            starts: system.bodies_of.iter().map(start).collect(),
+            signals,
+        };
+        tangent.put_inertia(system, d, &along);
+        tangent.put_loads(system, d);
+        tangent.put_springs(system, d, &along);
+        tangent.put_stops(system, d, &along);
+        tangent.put_frictions(system, d, &along);
+        tangent
+    }
+
+    /// Inertia, weight, and the inertia forces of prescribed bodies through links.
+    fn put_inertia(&mut self, system: &System, d: &Description, along: &Description) {
+        let one = system.signals.one;
+        for (i, (rows, by)) in system.bodies.iter().zip(&self.bodies).enumerate() {
+            let (BodyKind::Free(free), BodyKind::Free(change)) = (&d.bodies[i].kind, &along.bodies[i].kind)
+            else {
+                self.inertias.push(0.0);
+                continue;
+            };
+            let (m, dm) = (free.inertia, change.inertia);
+            self.mass.ger(dm, &rows.weights, &rows.weights, 1.0);
+            self.mass.ger(m, &by.weights, &rows.weights, 1.0);
+            self.mass.ger(m, &rows.weights, &by.weights, 1.0);
+            let mut force = -m * &rows.drift;
+            force[one] += system.weights[i];
+            let mut dforce = -m * &by.drift - dm * &rows.drift;
+            dforce[one] += dm * free.gravity * d.gravity
+                + m * (change.gravity * d.gravity + free.gravity * along.gravity);
+            self.forces.ger(1.0, &by.weights, &force, 1.0);
+            self.forces.ger(1.0, &rows.weights, &dforce, 1.0);
+            self.inertias.push(dm);
+        }
+    }
+
+    fn put_loads(&mut self, system: &System, d: &Description) {
+        let first = d.bodies.iter().filter(|b| matches!(b.kind, BodyKind::Prescribed { .. })).count();
+        self.loads = self.signals.rows[first..first + d.loads.len()].to_vec();
+        for ((&body, row), by) in system.load_bodies.iter().zip(&system.loads).zip(&self.loads) {
+            self.forces.ger(1.0, &self.bodies[body].weights, row, 1.0);
+            self.forces.ger(1.0, &system.bodies[body].weights, by, 1.0);
+        }
+    }
+
+    fn put_springs(&mut self, system: &System, d: &Description, along: &Description) {
+        let springs = d.springs.iter().zip(&along.springs);
+        let springs = springs.map(|(s, by)| (&s.arms, &by.arms, by.stiffness, by.damping, by.preload));
+        let dampers = d.dampers.iter().zip(&along.dampers);
+        let dampers = dampers.map(|(s, by)| (&s.arms, &by.arms, 0.0, by.damping, 0.0));
+        for (rows, (arms, by, dk, dc, preload)) in system.springs.iter().zip(springs.chain(dampers)) {
+            let own = self.elongation(system, arms, by);
+            let e = &rows.elongation;
+            let mut force = dk * &e.e + rows.stiffness * &own.e + dc * &*e.rate + rows.damping * &own.rate;
+            force[system.signals.one] += preload;
+            self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
+            self.forces.ger(-1.0, &e.w, &force, 1.0);
+            self.springs.push((own, force));
+        }
+    }
+
+    fn put_stops(&mut self, system: &System, d: &Description, along: &Description) {
+        for (rows, (stop, by)) in system.stops.iter().zip(d.stops.iter().zip(&along.stops)) {
+            let own = self.elongation(system, &stop.arms, &by.arms);
+            let mut excess = own.e.clone();
+            excess[system.signals.one] -= by.gap;
+            let (k, c) = match stop.law {
+                StopLaw::Compliant { stiffness, damping, .. } => (stiffness, damping),
+                StopLaw::Rigid { .. } => (0.0, 0.0),
+            };
+            let (dk, dc, restitution) = match by.law {
+                StopLaw::Compliant { stiffness, damping, .. } => (stiffness, damping, 0.0),
+                StopLaw::Rigid { restitution } => (0.0, 0.0, restitution),
+            };
+            let spring = dk * &*rows.excess + k * &excess;
+            let force = &spring + dc * &*rows.elongation.rate + c * &own.rate;
+            self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution });
+        }
+    }
+
+    fn put_frictions(&mut self, system: &System, d: &Description, along: &Description) {
+        let given: usize = d.frictions.iter().map(|f| 1 + usize::from(f.static_force.is_some())).sum();
+        let first = self.signals.rows.len() - given;
+        let mut place = first;
+        for (friction, by) in d.frictions.iter().zip(&along.frictions) {
+            let level = self.signals.rows[place].clone();
+            place += usize::from(friction.static_force.is_some());
+            let static_level = self.signals.rows[place].clone();
+            place += 1;
+            let elongation = self.elongation(system, &friction.arms, &by.arms);
+            self.frictions.push(FrictionTangent { elongation, level, static_level });
+        }
+    }
+
+    fn elongation(&self, system: &System, arms: &Arms, along: &Arms) -> ElongationTangent {
+        let size = system.signals.size;
+        let (mut e, mut rate, mut drift) =
+            (StateRow::zeros(size), StateRow::zeros(size), StateRow::zeros(size));
+        let mut w = DVector::zeros(system.coordinates);
+        for (&(body, arm), &(_, by)) in arms.terms.iter().zip(&along.terms) {
+            let (rows, own) = (&system.bodies[body], &self.bodies[body]);
+            e += arm * &own.s + by * &rows.s;
+            rate += arm * &own.v + by * &rows.v;
+            drift += arm * &own.drift + by * &rows.drift;
+            w += arm * &own.weights + by * &rows.weights;
+        }
+        ElongationTangent { e, rate, w, drift }
+    }
+
+    /// The derivative of a compliant stop's force in a state in which it is not zero.
+    pub fn stop_force(&self, i: usize, state: StopState) -> Option<StateRow> {
+        match state {
+            StopState::Pressed => Some(self.stops[i].force.clone()),
+            StopState::Capped => Some(2.0 * &self.stops[i].spring),
+            _ => None,
+        }
+    }
+
+    /// The derivative of a friction's force in a state that determines it.
+    pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<StateRow> {
+        let friction = &self.frictions[i];
+        match state {
+            FrictionState::Up => Some(friction.level.clone()),
+            FrictionState::Down => Some(-&friction.level),
+            FrictionState::HeldUp => Some(friction.static_level.clone()),
+            FrictionState::HeldDown => Some(-&friction.static_level),
+            FrictionState::Off | FrictionState::Stuck => None,
+        }
+    }
+
+    /// The derivative of the forces on the coordinates in a mode, without those of held contacts.
+    pub fn forces_in(&self, system: &System, mode: &Mode) -> DMatrix<f64> {
+        let mut forces = self.forces.clone();
+        let mut put = |e: &Elongation, by: &ElongationTangent, force: StateRow, dforce: StateRow| {
+            forces.ger(-1.0, &by.w, &force, 1.0);
+            forces.ger(-1.0, &e.w, &dforce, 1.0);
+        };
+        for (i, &state) in mode.stops.iter().enumerate() {
+            if let (Some(force), Some(by)) = (system.stop_force(i, state), self.stop_force(i, state)) {
+                put(&system.stops[i].elongation, &self.stops[i].elongation, force, by);
+            }
+        }
+        for (i, &state) in mode.frictions.iter().enumerate() {
+            if let (Some(force), Some(by)) = (system.friction_force(i, state), self.friction_force(i, state))
+            {
+                put(&system.frictions[i].elongation, &self.frictions[i].elongation, force, by);
+            }
+        }
+        forces
+    }
+}
