@@ -38,6 +38,23 @@ fn follow(machine: Description, end: f64) -> Followed {
     Followed { values: quantities.iter().map(|&q| motion.value(q)).collect(), events }
 }
 
+/// Examples with links, prescribed bodies and static levels, with the times until which they are
+/// compared.
+const EXAMPLES: [(&str, f64); 5] = [
+    ("msl_coupled_clutches", 1.3),
+    ("rack_and_pinion", 0.3),
+    ("belt_friction", 0.7),
+    ("impact_on_spring", 0.2),
+    ("paper_machine", 3.0),
+];
+
+fn examples() -> impl Iterator<Item = (String, Description, f64)> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
+    EXAMPLES.into_iter().map(move |(name, end)| {
+        (name.to_owned(), file::read(&folder.join(name).with_extension("toml")).unwrap(), end)
+    })
+}
+
 /// The machines with the times until which they are compared.
 fn machines() -> impl Iterator<Item = (String, Description, f64)> {
     MACHINES.split("## machine ").skip(1).map(|block| {
@@ -99,7 +116,7 @@ fn error_of_differences(
 #[test]
 fn second_method_random_machines_against_differences() {
     let (mut kinds, mut lost): (BTreeMap<String, usize>, usize) = (BTreeMap::new(), 0);
-    for (number, (name, machine, end)) in machines().enumerate() {
+    for (number, (name, machine, end)) in machines().chain(examples()).enumerate() {
         let all = machine.parameters().into_iter().map(|parameter| parameter.name).enumerate();
         let names: Vec<String> = all.filter(|(i, _)| i % EVERY == number % EVERY).map(|(_, n)| n).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
