@@ -415,3 +415,170 @@ def test_law_25_neutral_directions() -> None:
         # dashpot does.
         kept = mp.norm(later * rates - (time * places + rates)) < ROUNDING
         assert kept == (drag == 0)
+
+
+def by_parameter(f: Callable[[mpf], matrix]) -> matrix:
+    """The derivative of a function of the parameter at 0 by central differences: of an error of 1e-50 with 80 digits."""
+    step = mpf(10) ** -25
+    return (f(step) - f(-step)) / (2 * step)
+
+
+def moving(r: random.Random, count: int, n: int) -> Tuple[Callable[[mpf], matrix], matrix]:
+    """A matrix that is a quadratic function of the parameter, and its derivative at 0."""
+    a, b, c = (rows(r, count, n) for _ in range(3))
+    return lambda p: a + p * b + p**2 * c, b
+
+
+def moving_masses(r: random.Random, n: int) -> Tuple[Callable[[mpf], matrix], matrix]:
+    """An inertia matrix that depends on the parameter, and its derivative at 0."""
+    a, b = rows(r, n, n), rows(r, n, n)
+    m = a * a.T + mp.eye(n)
+    return lambda p: m + p * (b + b.T), b + b.T
+
+
+def test_law_26_series_and_doubling_of_a_derivative() -> None:
+    mp.dps = 80
+    r = random.Random(26)
+    for _ in range(4):
+        (a, a_by), (row, row_by), z, delta, h = moving(r, 3, 3), moving(r, 1, 3), vector(r, 3), vector(r, 3), mpf("0.3")
+        exact = by_parameter(lambda p: mp.expm(a(p) * h, method="taylor") * (z + p * delta))
+        value = by_parameter(lambda p: row(p) * mp.expm(a(p) * h, method="taylor") * (z + p * delta))
+        terms, term, by = (z.copy(), delta.copy()), z, delta
+        for k in range(90):
+            term, by = a(0) * term * h / (k + 1), (a(0) * by + a_by * term) * h / (k + 1)
+            terms = (terms[0] + term, terms[1] + by)
+        assert close(terms[1], exact)
+        assert close(row(0) * terms[1] + row_by * terms[0], value)
+        change = lambda p, t: mp.expm(a(p) * t, method="taylor") - mp.eye(3)  # noqa: B023, E731
+        d, e = change(0, h), by_parameter(lambda p: change(p, h))
+        assert close(2 * d + d * d, change(0, 2 * h))
+        assert close(2 * e + d * e + e * d, by_parameter(lambda p: change(p, 2 * h)))
+
+
+def test_law_27_bodies_behind_a_link_and_their_inertia() -> None:
+    mp.dps = 80
+    r = random.Random(27)
+    for _ in range(6):
+        (arms, arms_by), (own, own_by), q = moving(r, 1, 4), moving(r, 1, 4), vector(r, 3)
+        m, m_by = masses(r, 4), masses(r, 4)
+
+        def rows_of(p: mpf) -> matrix:
+            """B: the first three bodies are kept."""
+            b = mp.zeros(4, 3)
+            for i in range(3):
+                b[i, i], b[3, i] = mpf(1), -arms(p)[i] / arms(p)[3]  # noqa: B023
+            return b
+
+        s, s_by = rows_of(mpf(0)) * q, by_parameter(lambda p: rows_of(p) * q)  # noqa: B023
+        assert close(arms(0) * s_by, -arms_by * s) and s_by[0] == s_by[1] == s_by[2] == 0
+        assert close(own(0) * s_by + own_by * s, by_parameter(lambda p: own(p) * rows_of(p) * q))  # noqa: B023
+        b, b_by, inertia = rows_of(mpf(0)), by_parameter(rows_of), mp.zeros(3, 3)
+        for i in range(4):
+            inertia += m_by[i, i] * b[i, :].T * b[i, :]
+            inertia += m[i, i] * (b_by[i, :].T * b[i, :] + b[i, :].T * b_by[i, :])
+        assert close(inertia, by_parameter(lambda p: rows_of(p).T * (m + p * m_by) * rows_of(p)))  # noqa: B023
+
+
+def test_law_28_signals_by_frequency_rate_and_height() -> None:
+    mp.dps = 80
+    t, step, begin = mpf("1.7"), mpf("0.4"), mpf("1.2")
+    for f in [mpf("0.3"), mpf(5)]:
+        omega = 2 * mp.pi * f
+        turned = by_parameter(lambda p: matrix([mp.cos(2 * mp.pi * (f + p) * t), mp.sin(2 * mp.pi * (f + p) * t)]))  # noqa: B023
+        assert close(2 * mp.pi * t * matrix([-mp.sin(omega * t), mp.cos(omega * t)]), turned)
+    moved = by_parameter(lambda p: matrix([(2 + p) * t + (step + p) * (t > begin) - (step + p) * (t > 2)]))
+    assert close(matrix([t + 1]), moved)
+
+
+def test_law_29_accelerations_and_forces_of_contacts() -> None:
+    mp.dps = 80
+    r = random.Random(29)
+    for _ in range(6):
+        (m, m_by), (w, w_by) = moving_masses(r, 4), moving(r, 4, 2)
+        (f, f_by), (drift, drift_by) = moving(r, 4, 1), moving(r, 2, 1)
+
+        def solved(left: matrix, directions: matrix, right: matrix, moved: matrix) -> matrix:
+            whole = mp.zeros(6, 6)
+            whole[:4, :4], whole[:4, 4:], whole[4:, :4] = left, directions, directions.T
+            return mp.lu_solve(whole, matrix(list(right) + list(moved)))
+
+        both = lambda p: solved(m(p), w(p), f(p), -drift(p))  # noqa: B023, E731
+        a, force = both(0)[:4, :], both(0)[4:, :]
+        found = solved(m(0), w(0), f_by - m_by * a - w_by * force, -drift_by - w_by.T * a)
+        assert close(found, by_parameter(both))
+
+
+def test_law_30_over_an_event_by_differences() -> None:
+    """A flight to h·z = 0, a linear map there, and a flight by another system to a fixed time."""
+    mp.dps = 80
+    r = random.Random(30)
+    for _ in range(6):
+        (a, a_by), (b, b_by), (jump, jump_by) = moving(r, 3, 3), moving(r, 3, 3), moving(r, 3, 3)
+        (h, h_by), z, delta, meets, end = moving(r, 1, 3), vector(r, 3), vector(r, 3), mpf("0.2"), mpf("0.5")
+        flow = lambda of, t: mp.expm(of * t, method="taylor")  # noqa: E731
+        # The row is shifted so that it passes zero at this time.
+        met = flow(a(0), meets) * z
+        level = (h(0) * met)[0]
+
+        def passes(p: mpf) -> mpf:
+            t = meets  # noqa: B023
+            for _ in range(8):  # of Newton, each of which doubles the digits
+                state = flow(a(p), t) * (z + p * delta)  # noqa: B023
+                t -= ((h(p) * state)[0] - level) / (h(p) * a(p) * state)[0]  # noqa: B023
+            return t
+
+        def after(p: mpf) -> matrix:
+            t = passes(p)
+            return flow(b(p), end - t) * jump(p) * flow(a(p), t) * (z + p * delta)  # noqa: B023
+
+        before = by_parameter(lambda p: flow(a(p), meets) * (z + p * delta))  # noqa: B023
+        incoming, outgoing = a(0) * met, b(0) * jump(0) * met
+        later = -(h(0) * before + h_by * met)[0] / (h(0) * incoming)[0]
+        assert close(matrix([later]), by_parameter(lambda p: matrix([passes(p)])))
+        left = jump(0) * (before + incoming * later) + jump_by * met - outgoing * later
+        flown = by_parameter(lambda p: flow(b(p), end - meets) * (jump(0) * met + p * left))  # noqa: B023
+        assert close(flown, by_parameter(after))
+
+
+def test_law_31_impulses_of_stops() -> None:
+    mp.dps = 80
+    r = random.Random(31)
+    for _ in range(6):
+        (m, m_by), (w, w_by), (v, v_by), (eps, eps_by) = moving_masses(r, 4), moving(r, 4, 2), moving(r, 4, 1), moving(r, 2, 1)
+
+        def of(p: mpf) -> Tuple[matrix, matrix]:
+            share = m(p) ** -1 * w(p)  # noqa: B023
+            closing = w(p).T * v(p)  # noqa: B023
+            impulse = (w(p).T * share) ** -1 * matrix([(1 + eps(p)[j]) * closing[j] for j in range(2)])  # noqa: B023
+            return impulse, v(p) - share * impulse  # noqa: B023
+
+        impulse, after = of(mpf(0))
+        inverse, closing = m(0) ** -1, w(0).T * v(0)
+        bent = inverse * (w_by - m_by * inverse * w(0)) * impulse
+        right = matrix([
+            (1 + eps(0)[j]) * (w(0).T * v_by)[j] + (w_by.T * (after + eps(0)[j] * v(0)))[j] + eps_by[j] * closing[j]
+            for j in range(2)
+        ])  # fmt: skip
+        impulse_by = (w(0).T * inverse * w(0)) ** -1 * (right - w(0).T * bent)
+        assert close(impulse_by, by_parameter(lambda p: of(p)[0]))  # noqa: B023
+        assert close(v_by - bent - inverse * w(0) * impulse_by, by_parameter(lambda p: of(p)[1]))  # noqa: B023
+
+
+def test_law_32_starts_at_rest() -> None:
+    mp.dps = 80
+    r = random.Random(32)
+    for _ in range(6):
+        (k, k_by), (w, w_by), (f, f_by) = moving_masses(r, 4), moving(r, 4, 2), moving(r, 4, 3)
+        (held, held_by), (signals, signals_by) = moving(r, 2, 3), moving(r, 3, 1)
+
+        def solved(left: matrix, directions: matrix, right: matrix, moved: matrix) -> matrix:
+            whole = mp.zeros(6, 6)
+            whole[:4, :4], whole[:4, 4:], whole[4:, :4] = left, directions, directions.T
+            return mp.lu_solve(whole, matrix(list(right) + list(moved)))
+
+        rest = lambda p: solved(k(p), w(p), f(p) * signals(p), -held(p) * signals(p))  # noqa: B023, E731
+        q, force = rest(0)[:4, :], rest(0)[4:, :]
+        # F' z has the springs' part, -K' q.
+        forces = f_by * signals(0) - k_by * q + f(0) * signals_by - w_by * force
+        moved = -(w_by.T * q + held_by * signals(0) + held(0) * signals_by)
+        assert close(solved(k(0), w(0), forces, moved), by_parameter(rest))
