@@ -61,8 +61,8 @@ pub struct ComparedRun {
     pub whole: Duration,
 }
 
-/// Runs an archive of FMI 2.0, and that of FMI 3.0 beside it, for that many drive periods from the
-/// start values, the native library beside both.
+/// Runs the FMU of FMI 2.0 in `archive`, the FMU of FMI 3.0 beside it and the native library for
+/// `periods` drive periods from the start values, and compares the three.
 ///
 /// # Errors
 /// [`Error::Differs`] when they are not equal bit for bit; [`Error::Binaries`] when the archives
@@ -123,7 +123,7 @@ pub fn run(archive: &Path, periods: u32) -> Result<ComparedRun> {
     Ok(ComparedRun { parameters, periods, samples, impacts, stepping, whole })
 }
 
-/// Whether the outputs of a packaged binary are those of the native run, bit for bit.
+/// Checks that the outputs of a packaged binary equal those of the native run, bit for bit.
 fn same_sample(version: Version, native: &Simulator, values: [f64; 6], impacts: [i32; 2]) -> Result<()> {
     let (State { x, v }, record, time) = (native.state(), native.impacts(), native.time());
     for ((name, packaged), native) in NAMES.into_iter().zip(values).zip([x, v].concat()) {
@@ -177,8 +177,8 @@ fn same(version: Version, name: &'static str, time: f64, packaged: f64, native: 
     Err(Error::Differs { version: version.name(), name, time, packaged, native })
 }
 
-/// The extreme of the cubic by the values and slopes at two times, where the slopes have opposite
-/// signs.
+/// The extreme, between two times, of the cubic with the given values and slopes at these times;
+/// `None` unless the slopes have opposite signs.
 fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64)) -> Option<f64> {
     if v0 * v1 >= 0.0 {
         return None;
@@ -221,8 +221,9 @@ impl ComparedRun {
     }
 
     /// Half the range of each displacement over the last periods, impacts included, m. Between two
-    /// samples a displacement is the cubic by their values and velocities, whose extremes are
-    /// found: with 200 samples a period it is off by less than 1e-8 of the amplitude.
+    /// samples a displacement is approximated by the cubic with their values and velocities, and
+    /// the range includes the cubic's extremes. With 200 samples a period the error is below 1e-8
+    /// of the amplitude.
     pub fn amplitudes(&self, periods: u32) -> [f64; 3] {
         let begin = self.tail(periods).first().map_or(0.0, |s| s.time);
         let pieces = self.path(begin, f64::INFINITY);

@@ -15,7 +15,7 @@ use vibro_analysis::{Name, ParameterSet};
 /// convergence and never the result.
 const DIFFERENCE: f64 = 1e-5;
 
-/// Range of a parameter over its curve unit: one unit is a fifth of the range. Phases enter in rad.
+/// Number of curve units in the range of a parameter. The curve unit of phases is 1 rad.
 const UNITS: f64 = 5.0;
 
 /// A parameter with its range.
@@ -33,7 +33,8 @@ impl Span {
     /// A range of a parameter.
     ///
     /// # Errors
-    /// [`Error::Form`] for a range that is empty or not finite; the parameter's own range.
+    /// [`Error::Form`] for a range that is empty or not finite; the error of [`Name::check`] for an
+    /// end that the parameter may not have.
     pub fn new(name: impl Into<Name>, from: f64, to: f64) -> Result<Self, Error> {
         let name = name.into();
         if !(from < to && (to - from).is_finite()) {
@@ -65,7 +66,7 @@ impl Family {
     /// The machines along one parameter.
     ///
     /// # Errors
-    /// What the machines at the ends of the range refuse.
+    /// The error of [`system`](Self::system) for the machine at either end of the range.
     pub fn new(set: &ParameterSet, span: Span) -> Result<Self, Error> {
         Self::over(set, vec![span])
     }
@@ -83,11 +84,11 @@ impl Family {
     }
 
     fn over(set: &ParameterSet, spans: Vec<Span>) -> Result<Self, Error> {
-        // The fields of a span are public, so that it may not come from `Span::new`.
+        // The fields of a span are public: a caller can make one without `Span::new`.
         spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
         let family = Self { set: set.clone(), spans };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
-        // With two parameters the other corners may be no machines.
+        // With two parameters the machines at the other two corners need not exist.
         family.system(&from)?;
         family.system(&to)?;
         Ok(family)
@@ -106,7 +107,7 @@ impl Family {
     /// The parameters of a machine of the family.
     ///
     /// # Errors
-    /// The range that a value violates.
+    /// The error for a value outside its parameter's range.
     pub fn parameter_set(&self, values: &[f64]) -> Result<ParameterSet, Error> {
         let mut set = self.set.clone();
         for (span, value) in self.spans.iter().zip(values) {
@@ -118,7 +119,7 @@ impl Family {
     /// A machine of the family.
     ///
     /// # Errors
-    /// As [`System::new`] and the range that a value violates.
+    /// As [`System::new`] and [`parameter_set`](Self::parameter_set).
     pub fn system(&self, values: &[f64]) -> Result<System, Error> {
         System::new(self.parameter_set(values)?.parameters())
     }
@@ -159,7 +160,7 @@ impl Family {
     }
 
     /// Derivatives of a quantity of the cycle with respect to the parameters, by differences
-    /// between machines anchored as this cycle's.
+    /// between machines that have the anchor of this cycle's machine.
     pub(super) fn by_parameters(
         &self,
         u: &DVector<f64>,
@@ -178,7 +179,7 @@ impl Family {
     }
 }
 
-/// The equations of contact of a word over a family: as many as impacts.
+/// The contact equations of a word over a family: one equation for each impact.
 #[derive(Clone, Copy)]
 pub(super) struct ContactEquations<'a> {
     pub family: &'a Family,

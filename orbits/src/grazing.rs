@@ -44,8 +44,8 @@ impl Touch {
     }
 }
 
-/// Touches announced by a cycle that is no orbit of the machine, at its phases: impacts that have
-/// lost their approach speed, and extrema past a stop.
+/// Touches that a cycle announces, at its phases, if it is not an orbit of the machine: impacts
+/// without a positive approach speed, and extrema of w past a stop.
 pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     let mut found = Vec::new();
     let word = cycle.word;
@@ -57,8 +57,8 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
         let span = cycle.arrival(flight) - phase;
         for side in [1i8, -1] {
             let s = f64::from(side);
-            // A block that would stay on its stop is past it at once in the flight after; that is
-            // no touch.
+            // If the block would stay on its stop, the next flight is past that stop from its
+            // beginning. That is not a touch.
             if cycle.stays(flight) && s * word.side(flight) > 0.0 {
                 continue;
             }
@@ -79,8 +79,8 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     found
 }
 
-/// Equations (109) of docs/theory.md: those of contact of a word, and approach speed zero of one of
-/// its impacts.
+/// Equations (109) of docs/theory.md: the contact equations of a word, and the condition that one
+/// of its impacts has approach speed zero.
 pub(super) struct Touching<'a> {
     pub contacts: ContactEquations<'a>,
     pub index: usize,
@@ -114,8 +114,8 @@ pub(super) fn speed_gradient(touching: &Touching, u: &DVector<f64>) -> Result<DV
     Ok(matrix.row(matrix.nrows() - 1).transpose())
 }
 
-/// The point at which the touch has speed zero, by the equations on the longer word, which are
-/// regular whichever branch led there.
+/// The point at which the touch has speed zero, by the equations of the longer word. These are
+/// regular for both branches: the one that lists the touch and the one that does not.
 pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> {
     let touching =
         Touching { contacts: ContactEquations { family, word: &touch.longer }, index: touch.index };

@@ -25,15 +25,15 @@ pub(super) struct Departure {
     pub tangent: DVector<f64>,
     /// The first step.
     pub step: f64,
-    /// The special point at which the path begins: a birth or a touch, which is not certified
+    /// The special point at which the path begins: a birth or a touch. That point is not certified
     /// itself.
     pub special: Option<Special>,
     /// The multipliers there, where the cycle does not give them: at a touch.
     pub multipliers: Option<[Complex<f64>; 6]>,
 }
 
-/// A touch within a flight of the shortest word that does not list it. All words that meet at the
-/// touch have it in common.
+/// A touch within a flight of the shortest word that does not list it. All words that meet at a
+/// touch have the same `FlightTouch`.
 #[derive(Clone, Debug)]
 pub(super) struct FlightTouch {
     /// The shortest word without the touch.
@@ -64,7 +64,7 @@ impl FlightTouch {
         let shorter = OrbitWord::of(letters, touch.longer.closing(), touch.longer.half_periods());
         let phases: Vec<f64> = kept.iter().map(|i| touch.u[*i]).collect();
         let (reduced, phases) = shorter.reduced(&phases, family.is_symmetric(), REPETITION);
-        // A touch before the first impact is one after the last, a round later.
+        // A touch before the first impact equals a touch after the last impact, a round later.
         let (flight, phase, side) = match kept.iter().filter(|i| **i < touch.index).count() {
             0 => (n - 1, phase + shorter.span(), side * shorter.closing()),
             before => (before - 1, phase, side),
@@ -80,9 +80,10 @@ impl FlightTouch {
         }
     }
 
-    /// The words that list the touch: once in a passage, and of a symmetric orbit, which touches
-    /// both stops, at one of them. With `repetitions` above 1 also up to that many passages with
-    /// the touch in one of them, which are orbits of a longer period.
+    /// The words that list the touch. The first word lists it once in each passage. A symmetric
+    /// orbit touches both stops; its unfolded word lists the touch at one of them. With
+    /// `repetitions` above 1 there are also words of up to that many passages, with the touch in
+    /// one passage. They belong to orbits of a longer period.
     pub fn longer(&self, family: &Family, repetitions: u32) -> Vec<Touch> {
         let phases = &self.u.as_slice()[..self.shorter.len()];
         let index = if phases.is_empty() { 0 } else { self.flight + 1 };
@@ -204,8 +205,9 @@ pub(super) fn both_ways(
     Ok((word.clone(), [departure(along.clone()), departure(-along)]))
 }
 
-/// A departure in the shortest word of its orbit. Where an orbit passed several times touches a
-/// stop in each round, the branch that lists all touches is passed several times too.
+/// A departure in the shortest word of its orbit. If an orbit passed several times touches a stop
+/// in each round, the branch that lists all these touches also repeats the branch of a shorter
+/// word.
 pub(super) fn reduced_departure(
     family: &Family,
     word: &OrbitWord,

@@ -8,8 +8,8 @@ use vibro_analysis::{Error, Result};
 /// Difference of phases, rad, up to which passages or halves of an orbit are equal.
 pub(super) const REPETITION: f64 = 1e-8;
 
-/// Most letters and half periods of a word that may be read: the equations need memory of the
-/// square of the number of impacts.
+/// Largest numbers of letters and half periods of a word that is read: the memory that the
+/// equations need grows with the square of the number of impacts.
 pub(super) const MOST_LETTERS: usize = 1024;
 const MOST_HALF_PERIODS: u32 = 1 << 16;
 
@@ -39,8 +39,8 @@ pub struct OrbitWord {
     half_periods: u32,
 }
 
-/// An operation between equivalent words: the first letter moved by a number of letters, then the
-/// mirror image.
+/// An operation between equivalent words: a rotation, by which the word begins at another letter,
+/// and after it the mirror image if `mirrored`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
     /// Letters by which the first one moves, counted in the unfolded word.
@@ -208,7 +208,8 @@ impl OrbitWord {
         word
     }
 
-    /// Number of different first letters.
+    /// Number of rotations: one for each letter, two for each letter of a symmetric orbit's half
+    /// word.
     fn turns(&self) -> usize {
         if self.closing == -1 { 2 * self.len() } else { self.len() }
     }
@@ -220,8 +221,8 @@ impl OrbitWord {
         Self::of(letters, self.closing, self.half_periods)
     }
 
-    /// All turns. The mirror image is one only without loads; for a symmetric orbit it is among the
-    /// other turns.
+    /// All turns. Those with the mirror image exist only without loads. For a symmetric orbit they
+    /// equal rotations and are left out.
     fn all_turns(&self, mirror: bool) -> impl Iterator<Item = Turn> {
         let mirrored = mirror && self.closing == 1;
         let both = [false, true].into_iter().filter(move |m| !m || mirrored);
@@ -240,8 +241,8 @@ impl OrbitWord {
         })
     }
 
-    /// The first of all equivalent words in the order U < L. An orbit has as many words as it has
-    /// impacts to begin with, and the mirror images of these.
+    /// The first of all equivalent words in the order U < L. A word can begin at any impact of its
+    /// orbit: an orbit has one word for each impact, and the mirror images of these words.
     #[must_use]
     pub fn canonical(&self) -> Self {
         self.canonical_turn(true).0

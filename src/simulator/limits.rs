@@ -10,14 +10,15 @@ const ON_STOP_ULPS: f64 = 4.0;
 /// Largest displacement in gaps. The relative displacement is a difference of displacements: beyond
 /// this it has fewer than 6 digits.
 const MAX_DRIFT: f64 = 1e10;
-/// Largest speed, and largest acceleration by drive and loads, in gaps and the fastest rate. Beyond
-/// this the block's flights are shorter than the resolution of the motion.
+/// Largest speed, in units of the gap times the fastest rate; largest acceleration by drive and
+/// loads, in units of the gap times the square of the fastest rate. Beyond this the block's flights
+/// are shorter than the resolution of the motion.
 const MAX_VIOLENCE: f64 = 1e12;
 
 /// Quantity named in the error for a load that is too large for the system.
 const VIOLENT_LOAD: &str = "load over its body's mass, stop.gap and the square of the fastest rate";
 
-/// Highest order of the first derivative that leads away from a stop.
+/// Highest possible order of the first derivative of w that leads away from a stop.
 const MAX_DEPARTING: u8 = 8;
 
 /// Largest time times the fastest rate. Beyond this a double does not tell two moments of the

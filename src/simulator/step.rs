@@ -1,5 +1,5 @@
-//! An advance: sub-steps one after another, each to its end or to its first event, whose law is
-//! then applied; and the limit on the work of an advance.
+//! An advance takes sub-steps one after another, each to its end or to its first event, and applies
+//! the law of that event. The work of an advance is limited.
 
 use super::general::{MAX_REACH, SHORT};
 use super::{AdvanceOutcome, Contact, DueEvent, Event, ModeTables, Pause, Simulator};
@@ -14,14 +14,16 @@ use std::ops::ControlFlow;
 /// Sub-steps (about ten drive periods) after which cos θ and sin θ are computed anew from the
 /// extended phase; the rotations in between add a few units in the last place.
 pub(super) const RENEW: u32 = 32;
-/// Sub-steps that an advance may take however little its motion progresses. Such a sub-step ends at
-/// an event or is cut short because the block is fast. It takes 0.4 µs (bounces on a stop) to
-/// 0.9 µs (a fast block under loads), so that the advance ends within about a second.
+/// Sub-steps that an advance may take however little its motion progresses. The progress is small
+/// if sub-steps end at events or are cut short because the block is fast. Such a sub-step takes
+/// 0.4 µs (bounces on a stop) to 0.9 µs (a fast block under loads), so that the advance ends within
+/// about a second.
 const WORK_BASE: u64 = 1_000_000;
 /// Further sub-steps that an advance may take for each sub-step length of progress. An ordinary
 /// motion, with an impact or two in that time, takes 1 to 3, so that it never comes near the limit.
-/// A bounce takes one sub-step alone, and in lanes two if it is longer than 0.6 intervals. 27 such
-/// bounces fit into a sub-step length, so that with 64 motions alone and in lanes end alike.
+/// A bounce takes one sub-step of a single motion. In lanes it takes two sub-steps if it is longer
+/// than 0.6 intervals. 27 such bounces fit into a sub-step length. The limit of 64 is above twice
+/// that number, so that a motion ends in the same way alone and in lanes.
 const WORK_PER_SUBSTEP: f64 = 64.0;
 
 /// Data that an advance carries from sub-step to sub-step; the state fills one cache line.
@@ -244,9 +246,10 @@ impl Simulator {
         })
     }
 
-    /// Stores the state at which an advance ends. A block past a stop by the rounding of w, just
-    /// before an impact or after passing close by, is put on the stop, so that a motion may begin
-    /// there. An impact that is imminent is then the first event of the next advance.
+    /// Stores the state at which an advance ends. Just before an impact, or just after the block
+    /// has passed close to a stop, the rounding of w can leave the block past the stop. The block
+    /// is then put on the stop, so that a motion may begin there. An impact that is imminent is the
+    /// first event of the next advance.
     #[inline(always)]
     fn keep_state(&mut self, z: &Augmented) {
         self.hybrid.y.copy_from_slice(&z[..6]);
@@ -297,7 +300,7 @@ impl Simulator {
                 if remaining > interval {
                     return self.flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end);
                 }
-                // The shortest steps need `general_substep`, which sums their changes apart.
+                // The shortest steps need `general_substep`, which sums their changes separately.
                 if remaining >= SHORT * interval
                     && self.short_flight_substep::<S, ACCOUNTS>(simd, z, bound, remaining, end)
                 {
@@ -316,9 +319,10 @@ impl Simulator {
         self.substep * (1.0 / INTERVALS as f64)
     }
 
-    /// Whether the block in flight meets no stop in the first interval if the sample at its end is
-    /// within `limit`: it starts within `limit` too, or it leaves a stop so fast that its
-    /// acceleration, at most `bound`, cannot turn it back in the interval.
+    /// Whether the block in flight meets no stop in the first interval, given that the sample at
+    /// the interval's end is within `limit`. This holds if the block also starts within `limit`. It
+    /// holds as well if the block leaves a stop so fast that its acceleration, at most `bound`,
+    /// cannot turn it back in the interval.
     #[inline(always)]
     pub(super) fn clears_first_interval(&self, z: &Augmented, bound: f64, limit: f64) -> bool {
         match self.hybrid.departing {

@@ -39,11 +39,11 @@ pub enum Event {
     },
     /// A chatter run (or κ = 0) ended in resting contact.
     Rest {
-        /// Instant at which the impacts accumulate, s. The state rests from the last reported
-        /// impact on, which is earlier by the t_c of docs/theory.md (16): at most 1.5e-8 sqrt(L/(a
-        /// (1 - κ))) with the acceleration a that presses the block to the stop. The end of the
-        /// advance, and later events, may lie in between. For κ = 0 or 1 - κ < 10⁻³ it is the time
-        /// of the last impact itself.
+        /// Instant at which the impacts accumulate, s. The state is at rest from the last reported
+        /// impact on. That impact is earlier by t_c of docs/theory.md (16), which is at most
+        /// 1.5e-8 sqrt(L/(a (1 - κ))); a is the acceleration that presses the block to the stop.
+        /// The end of the advance, and later events, may lie between these two times. For κ = 0 or
+        /// 1 - κ < 10⁻³ the instant is the time of the last impact itself.
         time: f64,
         /// +1 upper, -1 lower.
         side: i8,
@@ -180,7 +180,7 @@ impl ImpactRecord {
     /// Counts an impact at stop `side`.
     #[inline(always)]
     pub fn count(&mut self, side: f64, time: f64, speed: f64, impulse: f64) {
-        // Without a branch: in chaos the stops alternate beyond prediction.
+        // Without a branch: the processor cannot predict the stops of a chaotic motion.
         self.upper += u64::from(side > 0.0);
         self.lower += u64::from(side <= 0.0);
         (self.last_time, self.last_speed, self.last_impulse) = (time, speed, impulse);

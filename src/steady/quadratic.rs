@@ -46,7 +46,7 @@ pub(super) struct Quadratic {
     pub alpha0: Complex<f64>,
     /// f, the amplitude of the force; its sign has no effect.
     pub force: f64,
-    /// |α₀|² - f², from the caller, which may have f² more directly than as a square of f.
+    /// |α₀|² - f². The caller gives it, since the caller may know f² without squaring f.
     pub constant: f64,
 }
 

@@ -27,7 +27,7 @@ use vibro_impact::quantities::{self, Unit};
 const PARAMETER_FILE: &str =
     "is a parameter file of the paper's machine: allowed is a machine's file, or this one after --config";
 
-/// Most samples of a motion: a table of a few gigabytes.
+/// Largest number of samples of a motion. They make a table of a few gigabytes.
 const MOST: usize = 10_000_000;
 
 /// Reads a machine's file and replaces parameters, each as `NAME=VALUE`. A value without a unit is
@@ -55,8 +55,8 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
     Ok(machine.with(changes)?)
 }
 
-/// Words that say in which unit numbers without one were read, where it makes a difference; `read`
-/// is one of them.
+/// Note of the unit in which numbers without a unit were read; `None` if the unit makes no
+/// difference. `read` is one of the numbers.
 pub fn note_if_not_si(numbers: &[&str], read: &quantities::Quantity, typed: &str) -> Option<String> {
     let bare = |number: &&str| number.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
     let unit = read.unit.filter(|unit| !unit.is_si() && numbers.iter().any(bare))?;
@@ -145,9 +145,9 @@ pub enum Ended {
     Stopped,
 }
 
-/// Follows a machine to each of the instants, or until `asked` is set. `done` gets the share of the
-/// time that is over, at each instant and event. Where coordinates overflow, the record ends with
-/// the instant before.
+/// Follows a machine to each of the instants, or until `asked` is set. At each instant and event
+/// `done` gets the elapsed fraction of the time. If coordinates overflow, the record ends with the
+/// instant before.
 ///
 /// # Errors
 /// [`Error::Assembly`] for a machine without a motion from its start.

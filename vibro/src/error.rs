@@ -36,7 +36,7 @@ pub enum Error {
     Failed {
         /// The study.
         what: String,
-        /// Why, of the first that failed.
+        /// The reason of the first failure.
         problem: String,
     },
     /// Reading or writing a file failed.
@@ -92,7 +92,7 @@ impl Error {
         )
     }
 
-    /// A text of another form than the one expected.
+    /// Error for a text that does not have the expected form.
     pub fn form(text: impl Into<String>, expected: &'static str) -> Self {
         vibro_analysis::Error::Form { text: text.into(), expected }.into()
     }

@@ -1,5 +1,5 @@
-//! Manifests: what a finished result, or a folder of finished parts, was computed from. They keep
-//! results of different parameters apart.
+//! Manifests: program, command and parameters from which a finished result, or a folder of finished
+//! parts, was computed. They keep results of different parameters apart.
 
 use crate::long_study::{FORMAT, LongStudy};
 use crate::subject::Subject;
@@ -23,7 +23,7 @@ pub struct Invocation {
     pub options: BTreeMap<String, String>,
 }
 
-/// What a result was computed from.
+/// Program, command and parameters from which a result was computed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// `vibro`.
@@ -69,7 +69,7 @@ impl Manifest {
     /// Reads a manifest.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Config`] for what is no manifest of this program.
+    /// [`Error::File`]; [`Error::Config`] for a file that is not a manifest of this program.
     pub fn read(path: &Path) -> Result<Self> {
         let problem = |problem: String| Error::Config { path: path.into(), problem };
         let text = std::fs::read(path).map_err(Error::file("reading", path))?;
@@ -120,7 +120,8 @@ impl Manifest {
             if a != b {
                 let [a, b] = [a, b].map(|x| x.map_or("not given", String::as_str));
                 match a.contains('\n') || b.contains('\n') {
-                    // Numbers are listed by name.
+                    // If the texts differ in numbers alone, the differences of `si` name the
+                    // numbers.
                     true if self.si != other.si && without_numbers(a) == without_numbers(b) => {}
                     true => found.extend(lines_apart(name, a, b)),
                     false => found.push(format!("{name}: {a} there, {b} here")),
@@ -133,7 +134,7 @@ impl Manifest {
     /// [`Self::differences`] in a line.
     pub fn differences_in_words(&self, other: &Self) -> String {
         match self.differences(other).as_slice() {
-            // Captions name the parameters that were given.
+            // Only the captions differ: they name the parameters that were given.
             [] => "which parameters were given and which are defaults".into(),
             all => all.join("; "),
         }
@@ -175,7 +176,7 @@ impl Manifest {
     }
 }
 
-/// Most lines of a text that are listed.
+/// Largest number of lines of a text that are listed.
 const LINES: usize = 10;
 
 /// Text without digits, signs and exponents.

@@ -81,8 +81,9 @@ impl Selection {
     /// The chosen points of the table, with the machine's value `held` of the second parameter.
     ///
     /// # Errors
-    /// [`Error::Config`] for a file that is no such table, a row that it does not have or that
-    /// starts no curve, and a choice that no row meets, with the nearest one.
+    /// [`Error::Config`] for a file that is not such a table, for a row that the table does not
+    /// have, for a row from which no curve starts, and for a choice that no row meets. If rows have
+    /// the chosen label but not the chosen value, the error names the nearest row.
     pub fn points(&self, along: Name, held: f64) -> Result<Vec<SpecialPoint>> {
         let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
         let unread =

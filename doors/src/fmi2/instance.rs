@@ -1,6 +1,6 @@
-//! What the functions of FMI 2.0 mean for the component. Whether a function may be called in the
-//! present state is checked in one place, before any of these: [`guard`](Instance::guard), which
-//! the C interface calls.
+//! The functions of FMI 2.0 as calls of the component. Before any of them the C interface calls
+//! [`guard`](Instance::guard), which alone checks whether the function is allowed in the present
+//! state.
 
 use super::problem::{CallProblem, Outcome};
 use super::states::{self, Function, Stage};
@@ -49,7 +49,7 @@ impl<C: Component> Instance<C> {
     /// `fmi2Instantiate` (FMI 2.0, 2.1.5) for a `fmi2Type`.
     ///
     /// # Errors
-    /// When the name is blank, the type is none, or the component refuses.
+    /// If the name is blank, `kind` is not a value of `fmi2Type`, or the component refuses.
     pub fn new(
         name: &str,
         kind: i32,
@@ -150,7 +150,7 @@ impl<C: Component> Instance<C> {
     /// `fmi2GetBooleanStatus` (FMI 2.0, 4.2.3).
     ///
     /// # Errors
-    /// [`CallProblem::StatusNotAvailable`] for all but `fmi2Terminated`, which is never so.
+    /// [`CallProblem::StatusNotAvailable`] for all kinds but `fmi2Terminated`, which is false.
     pub fn boolean_status(&self, kind: i32) -> Outcome<C, bool> {
         match StatusKind::from_number(kind).map_err(common)? {
             StatusKind::Terminated => Ok(false),
@@ -158,8 +158,8 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// The answer to one who asks for a status with the wrong function, or for one of asynchronous
-    /// steps (FMI 2.0, 4.2.3).
+    /// The error for a status that is read by the wrong function, and for a status that only
+    /// asynchronous steps have (FMI 2.0, 4.2.3).
     ///
     /// # Errors
     /// Always.
@@ -210,7 +210,7 @@ impl<C: Component> Instance<C> {
     }
 }
 
-/// What is refused in the component's name.
+/// A problem as a refusal by the component.
 fn common<P: crate::problem::Refusal>(problem: crate::problem::Problem) -> CallProblem<P> {
     Refused::Component(P::from(problem)).into()
 }

@@ -38,8 +38,8 @@ pub const STAGES: [Stage; 8] = [
 ];
 
 impl Stage {
-    /// Where a phase of the component is in the standard's state machines, outside the host's
-    /// callback.
+    /// State of the standard's state machines that corresponds to a phase of the component, outside
+    /// the host's callback.
     pub fn of(phase: Phase) -> Self {
         match phase {
             Phase::Instantiated => Self::Instantiated,
@@ -83,8 +83,8 @@ macro_rules! functions {
 
 const ANY_EXCHANGE: u8 = I | N | E | C | T;
 const ANY_COSIMULATION: u8 = I | N | E | S | T;
-/// Getters: also before initialization, where the standard's table (2.3.2) has them give start
-/// values, though the list of calls below it forgets them.
+/// Getters are also allowed before initialization: by the standard's table (2.3.2) they return the
+/// start values there. The list of allowed calls below that table omits them.
 const GET_EXCHANGE: u8 = ANY_EXCHANGE;
 const GET_COSIMULATION: u8 = ANY_COSIMULATION | U;
 const SET_EXCHANGE: u8 = I | N | E | C;
@@ -190,8 +190,8 @@ impl Function {
         masks[self as usize] & (1 << stage as u8) != 0
     }
 
-    /// Whether it hands values to the model, or evaluates the model at values it was handed: what
-    /// the model cannot take is then discarded.
+    /// Whether it passes values to the model, or evaluates the model at values passed before. If
+    /// the model cannot take these values, the call returns `fmi3Discard`.
     pub fn takes_values(self) -> bool {
         let name = self.name();
         (name.starts_with("fmi3Set")

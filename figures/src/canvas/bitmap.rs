@@ -1,4 +1,4 @@
-//! Marks as pixels, and these as a PNG file.
+//! Marks as pixels, and the pixels as a PNG file.
 
 use super::{Along, CanvasPoint, Colour, Mark, PNG_SHRINK, Pen, letters};
 use crate::{Error, Result};
@@ -18,7 +18,7 @@ pub(super) fn file(marks: &[Mark], (width, height): (u32, u32)) -> Result<Vec<u8
     let fit = |pixels: u32, units: u32| pixels as f32 / units as f32;
     let scale = Transform::from_scale(fit(columns, width), fit(rows, height));
     Painter { pixels: &mut pixels }.marks(marks, scale, None);
-    // The background is opaque, so that alpha says nothing.
+    // The background is opaque, so that the alpha channel carries no information.
     let colours: Vec<u8> = pixels.data().chunks(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, columns, rows);
@@ -136,7 +136,7 @@ impl Painter<'_> {
     }
 
     fn clipped(&mut self, corners: [CanvasPoint; 2], marks: &[Mark], place: Transform, cut: Option<&Mask>) {
-        // An empty rectangle shows nothing, and neither does a mask for which memory is lacking.
+        // Nothing is drawn if the rectangle is empty, or if there is no memory for the mask.
         let Some(edges) = rectangle(corners).map(PathBuilder::from_rect) else { return };
         let mask = match cut {
             None => Mask::new(self.pixels.width(), self.pixels.height()).map(|mut mask| {

@@ -12,8 +12,8 @@ struct Rounded(f64);
 
 impl Display for Rounded {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        /// Up to here doubles tell tenths apart, and whole numbers of them are written several
-        /// times faster.
+        /// Below this a double resolves tenths. The number of tenths is then written as an integer,
+        /// which is several times faster.
         const MOST: f64 = 1e15;
         let tenths = (self.0 * 10.0).round();
         if tenths.abs() < MOST {
@@ -62,7 +62,7 @@ fn outline(piece: &[CanvasPoint], data: &mut String) {
 #[derive(Default)]
 struct Text {
     body: String,
-    /// Names of the rectangles at which parts are cut.
+    /// Names of the clip rectangles that are already in the text.
     clips: BTreeSet<String>,
 }
 

@@ -1,5 +1,5 @@
-//! What a host can set, and what follows from it without a motion: plain data that the accessors of
-//! the variable table work on.
+//! Values that a host can set, and values that follow from them without a motion. They are plain
+//! data, on which the accessors of the variable table work.
 
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Groups, Parameters};
@@ -50,7 +50,7 @@ pub struct Settings {
     pub stop_at_impact: bool,
 }
 
-/// What follows from the parameters alone. `Default` is all zero.
+/// Values that follow from the parameters alone. `Default` is all zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Derived {
     /// The dimensionless groups, every one finite.
@@ -82,8 +82,8 @@ impl Default for Derived {
 pub struct Steady {
     /// A real solution exists.
     pub exists: bool,
-    /// It keeps the block between the stops, the slow flow stays at it, and the two-impact motion
-    /// is stable.
+    /// The block stays between the stops, the steady state is a stable fixed point of the slow
+    /// flow, and the two-impact motion is stable.
     pub stable: bool,
     /// Amplitude of the secondary oscillator, in units of the gap.
     pub a3: f64,

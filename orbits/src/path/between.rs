@@ -10,13 +10,14 @@ use crate::special;
 use crate::test_functions::{DOUBLING, PAIR, SignedLog, TESTS, UNIT, test};
 use nalgebra::Complex;
 
-/// Accuracy of a special point in the arc: the rounding of points.
+/// Accuracy of the `arc` of a special point: the rounding of points.
 const LOCATION: f64 = 1e-14;
-/// Differences of the parameter, in its curve unit, that may be rounding.
+/// Largest difference of the parameter, in its curve unit, that may be due to rounding.
 const ROUNDING: f64 = 1e-12;
-/// Accuracy, in parts of a step, with which a change of sign is located first, and distance from
-/// the unit circle beyond which the pair of multipliers there cannot have crossed it.
+/// Accuracy, in parts of a step, of the first location of a change of sign.
 const ROUGHLY: f64 = 1e-4;
+/// Distance from the unit circle beyond which a pair of multipliers at that first location cannot
+/// have crossed the circle.
 const NEAR_CIRCLE: f64 = 0.1;
 /// Largest multiplier beside which those on the unit circle keep ten digits.
 const RESOLVED: f64 = 1e6;
@@ -45,10 +46,11 @@ fn changes(last: &Position, next: &Position, index: usize) -> bool {
     signs[0] * signs[1] < 0.0
 }
 
-/// Verdict on a change of the pair's test function in a step without a pair on the unit circle. It
-/// is nothing if the zero is a neutral saddle; an error, since the step is too long, if two real
-/// multipliers cross the circle at 1 or -1, which leaves the signs of the test functions for these
-/// unchanged. It counts only while no multiplier is rounding beside the largest.
+/// Result for a change of the pair's test function in a step without a pair on the unit circle:
+/// `None` if the zero is a neutral saddle, and an error if two real multipliers cross the circle at
+/// 1 or -1. Such a crossing leaves the signs of the test functions for 1 and -1 unchanged; the step
+/// is then too long. Crossings are counted only while the largest multiplier is below [`RESOLVED`]:
+/// beside a larger one the smallest multipliers are rounding.
 fn neutral<T>(last: &Position, next: &Position) -> Result<Option<T>, Obstacle> {
     let resolved = |p: &Position| p.multipliers[0].norm() < RESOLVED;
     let single = [UNIT, DOUBLING].iter().any(|index| changes(last, next, *index));
@@ -131,9 +133,10 @@ impl Follower<'_> {
         Ok(Some(LabelledPoint { arc, at, label }))
     }
 
-    /// Whether the parameter turns round at a point within a step. The tangents at the step's ends
-    /// tell; a touch and a birth have none of their own, and there the values do, which lie on one
-    /// side of the point's.
+    /// Whether the parameter has an extremum at a point within a step. It has one if the tangents
+    /// at the step's ends have parameter components of opposite sign. A touch and a birth have no
+    /// tangent of their own, so a second test compares values: the parameter also has an extremum
+    /// if its values at both ends lie on the same side of the point's value.
     fn turns(&self, last: &Position, next: &Position, at: &CurvePoint) -> bool {
         let n = self.word.len();
         let sides = [last, next].map(|p| p.u[n] - at.u[n]);
@@ -142,9 +145,9 @@ impl Follower<'_> {
     }
 
     /// Whether a pair of multipliers may cross the unit circle in a step in which the pair's test
-    /// changes its sign; `zero` locates the change to a tolerance. The test changes at neutral
-    /// saddles too, and by rounding beside very large multipliers; to locate those is much work for
-    /// nothing.
+    /// function changes its sign. `zero` locates the change to a tolerance. The sign also changes
+    /// at neutral saddles and, beside very large multipliers, by rounding. This check avoids the
+    /// cost of an accurate location of those.
     fn may_be_torus(
         &self,
         last: &Position,
@@ -167,7 +170,7 @@ impl Follower<'_> {
     fn mark(&self, last: &Position, next: &Position, mark: f64) -> Option<LabelledPoint> {
         let n = self.word.len();
         let [from, to] = [&last.u, &next.u].map(|u| self.value(u));
-        // A point that has the value is labelled itself.
+        // If an end of the step has the marked value, that end gets the label.
         if (from - mark) * (to - mark) >= 0.0 || self.is_at(from, mark) || self.is_at(to, mark) {
             return None;
         }

@@ -1,8 +1,8 @@
 //! The impact law in the units of the closed forms, for states and for their variations.
 //!
-//! `model.rs` has the law of the simulator. It is written twice on purpose: the exact orbit is the
-//! simulator's oracle, so that the two share nothing but the parameters (docs/design.md, "What
-//! stands once").
+//! `model.rs` has the law of the simulator. The law is written twice on purpose: the exact orbit is
+//! an oracle for the simulator and therefore shares only the parameters with it (docs/design.md,
+//! "What stands once").
 
 use super::flight::{Flight, Vector6};
 

@@ -46,8 +46,8 @@ impl MultipleScales {
     /// of τ1, with C on the given branch.
     ///
     /// # Errors
-    /// [`Error::Undefined`] below B_min, at B = 0 and at A3 = 0, where amplitude and phase are no
-    /// coordinates.
+    /// [`Error::Undefined`] below B_min, and at B = 0 and A3 = 0, where the coordinates amplitude
+    /// and phase are singular.
     pub fn slow_flow(&self, branch: Branch, state: &SlowState) -> Result<[f64; 4]> {
         let SharedTerms { c, chi, .. } = self.shared_terms(branch, state)?;
         let (g, rho, a) = (&self.groups, self.manifold.rho(), self.coupling);

@@ -103,8 +103,9 @@ impl Lengths {
         if self.unit.is_some() { format!("{symbol}·L") } else { symbol.into() }
     }
 
-    /// Factor of lengths in units of L where a parameter has another value than the set's: in SI it
-    /// converts units of that machine's gap to units of the set's gap.
+    /// Factor of lengths in units of L for a machine in which parameter `name` has the value
+    /// `value` and not the set's. In SI it converts units of that machine's gap to units of the
+    /// set's gap.
     pub fn ratio(&self, name: Name, value: f64) -> f64 {
         if self.unit.is_some() && name.name() == "stop.gap" { value / self.gap } else { 1.0 }
     }

@@ -252,8 +252,8 @@ struct ResponseFigure<'a> {
 }
 
 impl ResponseFigure<'_> {
-    /// The study. A family without a value is left out, and so is one whose only curve, that of the
-    /// set itself, is in another family already.
+    /// The study. A family without a value is left out. A family whose only curve is that of the
+    /// set itself is left out if an earlier family has only that curve, too.
     fn study(&self, set: &ParameterSet) -> Result<Study> {
         let (along, range) = (self.along, self.range);
         let own = |family: &(Name, &str, &[f64])| family.2 == [family.0.value(set)];

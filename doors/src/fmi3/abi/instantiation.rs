@@ -6,7 +6,7 @@ use crate::life::{EventHandling, Interface};
 use crate::log::Categories;
 use std::ptr;
 
-/// What all instantiations have in common.
+/// Arguments that all instantiation functions share.
 #[derive(Clone, Copy, Debug)]
 pub struct Request {
     /// `instanceName`.
@@ -27,8 +27,8 @@ pub struct Request {
 type Who<'a> = (&'a str, (&'a str, Option<&'a str>));
 
 impl Request {
-    /// A new instance as `make` makes it of name, token, resources and log categories; or null and
-    /// a log message.
+    /// A new instance, made by `make` from name, token, resources and log categories. On an error
+    /// the result is null, and a log message tells the reason.
     ///
     /// # Safety
     /// Name, token and resources are null or C strings.

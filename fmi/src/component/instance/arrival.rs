@@ -1,5 +1,5 @@
-//! Where a step leads: to its end, which own time may be past by rounding, with an event a little
-//! behind it; or back to its beginning.
+//! The end of a step, and the return to its beginning after an error. By rounding, the simulator's
+//! own time may be past the end of a step, and an event at the end may lie slightly past it.
 
 use super::ComponentProblem;
 use vibro_impact::State;
@@ -7,8 +7,8 @@ use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{AdvanceOutcome, Contact, EventObserver, Pause, Simulator, Snapshot};
 
-/// Advances to an end, which own time may be past by the rounding that `point` is allowed: nothing
-/// is left to do then.
+/// Advances to `end`. The simulator's own time may already be past `end` by the rounding that the
+/// `point` of a step is allowed. Then nothing is done.
 pub(super) fn advance(
     simulator: &mut Simulator,
     end: DoubleDouble,
@@ -21,10 +21,10 @@ pub(super) fn advance(
     }
 }
 
-/// Goes on to an event that lies past a step's end by rounding alone and stands before it; without
-/// one nothing happens. A host that comes to the time of an event it was told must find it there,
-/// or have it behind itself: else its next step would end where it began, and it would not
-/// progress.
+/// Whether an event lies past a step's end, but by rounding alone. If so, advances to the event
+/// and pauses before its law; if not, leaves the motion unchanged. A host can step to the time that
+/// it was told for an event. The event must then be at the end of this step or before it.
+/// Otherwise the next step would end where it began, and the host would make no progress.
 pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Error> {
     if is_clear(simulator, rounding(end)) {
         return Ok(false);
@@ -38,11 +38,12 @@ pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Err
     Ok(false)
 }
 
-/// Whether no event can come within the rounding of a time: the block in flight is so far from the
-/// stops that its acceleration moves it by far less than the margin in that, or it is pressed on by
-/// far more than the force can lose.
+/// Whether no event can occur within `late`, s, the rounding of a time. A block in flight must be
+/// farther from the stops than it moves in that time at its present speed, by a margin that is far
+/// larger than the effect of its acceleration. A block in rest must have a contact force far larger
+/// than the change of the force in that time.
 fn is_clear(simulator: &Simulator, late: f64) -> bool {
-    const MARGIN: f64 = 1e-6; // gaps, and parts of the forces that sizes and rates of the motion make
+    const MARGIN: f64 = 1e-6; // in units of the gap, and of `forces`
     let ((w, rate), parameters) = (simulator.relative_motion(), simulator.parameters());
     let gap = parameters.stop_gap;
     if simulator.contact() == Contact::Flight {
@@ -55,33 +56,35 @@ fn is_clear(simulator: &Simulator, late: f64) -> bool {
     simulator.contact_force() > (MARGIN + 8.0 * late * fastest) * forces
 }
 
-/// Units in the last place of a step's end by which a master's sum of time and step size may be
-/// off.
+/// Largest error of a master's sum of time and step size, in units in the last place of a step's
+/// end.
 pub(super) const UNITS: f64 = 4.0;
 
-/// How far off a step's end an impact still is at its end, s.
+/// Largest distance in time from a step's end at which an impact counts as at the end, s.
 pub(super) fn rounding(end: f64) -> f64 {
     UNITS * f64::EPSILON * end.abs()
 }
 
-/// How far past a step's end an event still is at its end, s. To the rounding of times comes that
-/// of w, which moves the time of an impact by as much over the speed (docs/numerics.md, section 2,
-/// *The root*): a slow block that is a few units in the last place before a stop at the time that a
-/// master was told is at it.
+/// Largest time past a step's end at which an event counts as at the end, s. It is the rounding of
+/// times plus the rounding of w divided by the speed |w'|, by which the time of an impact may be
+/// off (docs/numerics.md, section 2, *The root*). A master may step to the time that it was told
+/// for an impact. A slow block may then be a few units in the last place of w before the stop, and
+/// counts as at the stop.
 fn lateness(simulator: &Simulator, end: f64) -> f64 {
-    /// Of the last place of w, which each sub-step since the time was told may have moved by a unit
-    /// where it is another than on the way on which the time was found.
+    /// Rounding of w in units in its last place. Since the time of the event was told, each
+    /// sub-step that differs from those by which the time was found may have moved w by one unit.
     const UNITS: f64 = 256.0;
-    /// At most so long, in parts of the fastest time constant: the slower bounces are the last of a
-    /// chatter run. Also in parts of a master's time, of which it is a tenth of what own time may
-    /// be off ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).
+    /// Largest time that the rounding of w may add, in parts of the fastest time constant: bounces
+    /// so slow that they would need more are the last of a chatter run. The time is also at most
+    /// this part of max(1, |t|), a tenth of the tolerance of a master's time
+    /// ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).
     const LONGEST: f64 = 1e-10;
     let (_, rate) = simulator.relative_motion();
     let longest = LONGEST * end.abs().max(1.0).min(1.0 / simulator.fastest_rate());
     rounding(end) + (UNITS * f64::EPSILON * size(simulator) / rate.abs()).min(longest)
 }
 
-/// S of docs/numerics.md, section 1, but for what loads add: the size of the motion, m.
+/// Size S of the motion by docs/numerics.md, section 1, without its part from loads, m.
 fn size(simulator: &Simulator) -> f64 {
     let (parameters, fastest) = (simulator.parameters(), simulator.fastest_rate());
     let State { x, v } = simulator.state();

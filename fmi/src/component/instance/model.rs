@@ -15,11 +15,11 @@ use vibro_impact::simulator::{Simulator, State};
 
 /// Highest order of input derivatives.
 const INPUT_ORDER: i32 = 3;
-/// Highest order of output derivatives: the displacements' fifth is known, so accelerations have
-/// three.
+/// Highest order of output derivatives: the derivatives of displacements are known up to the fifth,
+/// so those of accelerations up to the third.
 const OUTPUT_ORDER: i32 = 3;
-/// How far beyond a stop a solver may look, in gaps from the middle, in descriptions later than the
-/// first: farther out it does not look for an impact, but has gone astray.
+/// Largest |w| that a solver may set, in gaps, in all editions but the first. A solver that looks
+/// for an impact beyond a stop stays within this limit; a larger |w| is an error of the solver.
 const REACH: f64 = 10.0;
 
 #[allow(refining_impl_trait)] // numbers of the model are arrays
@@ -140,7 +140,7 @@ impl Model for Instance {
                 self.check_set(reference, bases, value)?;
             }
         }
-        // A host's solver sees a set at once, not with the next step.
+        // A host's solver sees the new values at once, not with the next step.
         let before = match &self.engine {
             Engine::Continuous(continuous) => {
                 let set = (self.parameters_set, self.loads_set, self.given);
@@ -204,7 +204,8 @@ impl Model for Instance {
         Ok(())
     }
 
-    /// At an event those before it, or those after it where that is what is read.
+    /// At an event these are the derivatives before it, or the derivatives after it if the outputs
+    /// show the motion after the event.
     fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -248,7 +249,7 @@ impl Model for Instance {
         self.present_dependencies(reference)
     }
 
-    /// In Model Exchange events are the host's to find.
+    /// In Model Exchange the host finds the events.
     fn next_event_time(&mut self) -> Option<f64> {
         if self.life.interface == Interface::ModelExchange {
             return None;
@@ -295,7 +296,7 @@ impl Model for Instance {
         let positive = |value: f64| value.clamp(f64::MIN_POSITIVE, f64::MAX);
         let length = positive(parameters.stop_gap);
         let frequency = parameters.drive_frequency.abs();
-        // A drive that stands still leaves the system's own rates.
+        // If the drive's frequency is zero, the system's fastest rate takes its place.
         let own = || vibro_impact::model::Model::new(parameters).map_or(1.0, |model| model.rate);
         let speed = positive(length * if frequency > 0.0 { frequency } else { own() });
         [length, length, length, speed, speed, speed]
@@ -322,7 +323,7 @@ impl Model for Instance {
                 simulator.restore(snapshot)?;
             }
             (engine, EngineState::Simulation(snapshot)) => {
-                // Any valid simulator does: the snapshot brings its own parameters and state.
+                // The values of this simulator have no effect: the snapshot replaces them.
                 let standard = Settings::default();
                 let mut simulator = Simulator::new(&standard.parameters, &standard.start, 0.0)?;
                 simulator.restore(snapshot)?;

@@ -5,7 +5,7 @@ use super::words::Labelled;
 use vibro_analysis::design_sweep::{DesignRow, Summary, SweepRequest};
 use vibro_analysis::significant;
 
-/// Most designs in a picture.
+/// Largest number of designs in a picture.
 const MOST_DRAWN: usize = 100_000;
 
 /// Least and largest value of a measure over the motions of a design; `None` where it has no value.
@@ -39,7 +39,7 @@ struct Extremum {
     design: Vec<f64>,
 }
 
-/// Relative spread below which a value is exact but for rounding.
+/// Relative spread up to which a value is shown without its spread: the spread is rounding.
 const REGULAR: f64 = 1e-6;
 
 /// Summary of a sweep.
@@ -54,11 +54,13 @@ pub(super) struct Collected<M: Labelled> {
     pub records: Vec<MeasureRecord<M>>,
     draws: bool,
     count: usize,
-    /// Counts of designs that lack values, that have none, and that had not settled, and the first
-    /// reasons.
+    /// Number of designs that lack a value.
     bad: usize,
+    /// Number of designs without any value.
     empty: usize,
+    /// Number of designs that have all values but had not settled.
     unsettled: usize,
+    /// First reason why a design lacks a value, and first reason why one had not settled.
     reasons: [Option<String>; 2],
     /// Whether the class was asked for.
     has_class: bool,
@@ -174,7 +176,7 @@ impl<M: Labelled> Collected<M> {
 }
 
 impl<M: Labelled> Collected<M> {
-    /// Reason why no design has a value, where that is so.
+    /// If no design has a value, the first reason.
     pub fn nothing(&self) -> Option<String> {
         let [lacking, _] = &self.reasons;
         let all_of = |reason: &String| match self.count {
@@ -218,7 +220,7 @@ fn with_spread(value: f64, spread: f64) -> String {
     format!("{value:.decimals$} ± {spread:.decimals$}").replace('-', "−")
 }
 
-/// Reason without the empty name of a single design.
+/// Removes the `: ` in front of a reason whose design has an empty name.
 fn design_or_none(reason: &str) -> &str {
     reason.strip_prefix(": ").unwrap_or(reason)
 }

@@ -22,10 +22,10 @@ pub trait Labelled: DesignMachine + Subject {
     fn si_unit(&self, name: &Self::Name) -> String;
     /// A value of a parameter with its symbol: `L = 4 mm`.
     fn symbol_is(&self, name: &Self::Name, value: f64) -> String;
-    /// The machine's parameters in one line, without these.
+    /// The machine's parameters in one line, except `names`.
     fn caption_but(&self, names: &[Self::Name]) -> String;
-    /// Description of the machine in one line where these parameters vary; `None` where the
-    /// machine's own caption holds.
+    /// Description in one line of the machine with varying parameters `names`; `None` if the
+    /// machine's own caption is right for it.
     fn caption_of_all(&self, names: &[Self::Name]) -> Option<String>;
     /// A measure in words.
     fn words(measure: &Self::Measure) -> String;
