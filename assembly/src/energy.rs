@@ -1,6 +1,6 @@
 //! Energy accounts: work of loads and prescribed motions, and losses in dashpots, compliant stops,
-//! friction and impacts (docs/assembly-law.md (A16) to (A18)). They do not use the mechanical
-//! energy, so that the energy balance is a test.
+//! friction and impacts (docs/assembly-law.md (A16) to (A18)). They are computed independently of
+//! the mechanical energy: the energy balance therefore tests them.
 
 mod long;
 mod powers;
@@ -50,7 +50,7 @@ impl Accounts {
         }
     }
 
-    /// Switches the accounts off: they stay as they are.
+    /// Switches the accounts off: their sums no longer change.
     pub fn off(mut self) -> Self {
         self.enabled = false;
         self
@@ -104,8 +104,8 @@ impl Accounts {
     }
 }
 
-/// Kinetic and stored energy, J. Stored are ½ k e² + preload e in springs, ½ k max(0, e - gap)² in
-/// compliant stops, and the potential energy of weight.
+/// Kinetic and stored energy, J. The stored energy is ½ k e² + preload e in each spring, ½ k max(0,
+/// e - gap)² in each compliant stop, and the potential energy of weight.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {
