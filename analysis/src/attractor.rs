@@ -237,7 +237,7 @@ impl Attractor {
     }
 
     /// Whether the attractor is known to be its own mirror image. While the motion is still
-    /// [settling](MotionClass::Settling) the result has no meaning.
+    /// [settling](MotionClass::Settling) the result is uncertain.
     pub fn is_symmetric(&self) -> bool {
         if self.mirror_states.is_empty() {
             return false;
@@ -256,7 +256,7 @@ impl Attractor {
 fn by_means(a: &Statistics, b: &Statistics) -> Relation {
     match (a.likeness(b), a.likeness(&b.mirrored())) {
         (Likeness::Same, _) => Relation::Same,
-        // A motion that is its own mirror image has no other mirror image.
+        // If `a` may be its own mirror image, `b` may be equal to `a`.
         (Likeness::Undecided, Likeness::Same) if a.likeness(&a.mirrored()) != Likeness::Different => {
             Relation::Undecided
         }

@@ -104,8 +104,8 @@ impl Accounts {
     }
 }
 
-/// Kinetic and stored energy, J. The stored energy is ½ k e² + preload e in each spring, ½ k max(0,
-/// e - gap)² in each compliant stop, and the potential energy of weight.
+/// Kinetic and stored energy, J. The stored energy is the sum of ½ k e² + preload e over springs,
+/// of ½ k max(0, e - gap)² over compliant stops, and the potential energy of weight.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {

@@ -128,10 +128,10 @@ pub(super) fn runs_on_beyond(d: &Description, section: &Section, discard: u32) -
     }
 }
 
-/// Discards the transient. First the motion advances past the last change of a signal; if this
-/// comes after `returns` returns, the motion advances by `returns` returns only, and that is all.
-/// Then it advances until it has settled, by at most `returns` returns. If less than four periods
-/// of the slowest own oscillation have passed after the last change, more returns follow.
+/// Discards the transient. First the motion advances past the last change of a signal, but by at
+/// most `returns` returns: if the change comes later, the function ends there. Then the motion
+/// advances until it has settled, again by at most `returns` returns. If less than four periods of
+/// the slowest own oscillation have passed after the last change, more returns follow.
 ///
 /// # Errors
 /// As [`Section::advance`]; [`Error::Described`] if these four periods are more than a hundred

@@ -253,8 +253,8 @@ impl Crossing<'_> {
         Ok(())
     }
 
-    /// The derivative of a reported event's time. A stop closes when its bounces accumulate: 2 ε
-    /// u/(a (1 - ε)) after the last impact that is followed.
+    /// The derivative of a reported event's time. A stop closes when its bounces accumulate. The
+    /// time from the last impact that is followed is 2 ε u/(a (1 - ε)).
     pub fn time_of(&self, p: usize, event: &Event, later: &Later, delta: &DVector<f64>) -> Option<f64> {
         let own = event.contact().and_then(|contact| later.own.iter().find(|own| own.0 == contact));
         let later = own.map_or(later.event, |own| own.1);
