@@ -65,9 +65,8 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
 
 /// Change of the coordinates that keeps all elongations constant while the signals change as in
 /// `change`, a change of the augmented state. With `rates`, `change` is the state itself, and the
-/// result is the change of the velocities that makes the elongations' rates zero. A uniformly
-/// moving prescribed body carries other bodies along in this way. `None` if there is no such
-/// change.
+/// result is the velocities with which the elongations' rates are zero. A uniformly moving
+/// prescribed body carries other bodies along in this way. `None` if there is no such change.
 fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);

@@ -102,8 +102,9 @@ fn is_new(line: &[ValueSpread], x: f64) -> bool {
     from < x && x < to && line.iter().all(|p| (p.0 - x).abs() > near)
 }
 
-/// The next value to measure: the middle of the pair of values with the largest bound. `None` if
-/// this bound does not exceed the largest measure by more than its spread. `line` is ascending.
+/// The next value to measure: the middle of the pair of values with the largest bound. `None` if at
+/// least [`LEAST`] values are known and this bound does not exceed the largest measure by twice its
+/// spread and by [`PART`]. `line` is ascending.
 fn next(line: &[ValueSpread]) -> Option<f64> {
     let span = line[line.len() - 1].0 - line[0].0;
     let top = line.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
