@@ -2,8 +2,8 @@
 //! and its class.
 //!
 //! The machine without constant loads is symmetric: if x(t) is a motion, so is -x(t + T/2), where T
-//! is the drive's period. Two attractors that are each other's mirror image are therefore
-//! distinguished from two different ones. Under constant loads there are no mirror images.
+//! is the drive's period. A pair of attractors that are mirror images is therefore distinguished
+//! from a pair of different attractors. Under constant loads there are no mirror images.
 
 mod record;
 

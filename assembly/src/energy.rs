@@ -72,7 +72,8 @@ impl Accounts {
         self.motions = self.motions.plus(work);
     }
 
-    /// Adds an interval of length `dt` in a mode with these powers. `values` is scratch memory.
+    /// Adds the work and losses over an interval of length `dt` in a mode with these powers.
+    /// `values` is scratch memory.
     #[inline(always)]
     pub fn add(&mut self, powers: &Powers, dt: f64, samples: &Samples, values: &mut Vec<AtNodes>) {
         if !self.enabled || dt == 0.0 {
@@ -81,7 +82,7 @@ impl Accounts {
         powers.for_each(samples, values, |account, power| self.put(account, dt * power));
     }
 
-    /// Adds 2^`k` sub-steps from `z` in a mode with these powers.
+    /// Adds the work and losses over 2^`k` sub-steps from `z` in a mode with these powers.
     pub fn add_long(&mut self, powers: &Powers, k: usize, table: &FlowTable, z: &[f64]) {
         powers.for_each_work(k, table, z, |account, work| self.put(account, work));
     }

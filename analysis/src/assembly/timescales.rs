@@ -17,7 +17,7 @@ const SLOWEST: f64 = 4.0;
 const MOST: f64 = 100.0;
 /// Least number of events in a window.
 const EVENTS: u32 = 8;
-/// Largest factor by which the window is prolonged to contain so many events.
+/// Largest factor by which the window is prolonged to contain [`EVENTS`] events.
 const TIMES: u32 = 10;
 
 /// Period of the slowest own oscillation, s; 0 without one.

@@ -118,7 +118,7 @@ impl<M: DesignMachine> Race<'_, M> {
         motions as u64 * (u64::from(self.request.discard) + u64::from(self.periods(index)))
     }
 
-    /// Row of the sweep.
+    /// A design's row in the sweep.
     fn row(&self, index: usize) -> Result<DesignRow> {
         let size = self.request.part_size();
         let quiet = Task { shard: Shard::ALL, done: &|_| (), ..*self.task };

@@ -1,8 +1,8 @@
 //! Division of a window into parts of equal length, from which the spread of its values is found.
 //!
-//! If a motion repeats after n returns, the length of every part is a multiple of n returns, and
-//! the spread of its values is rounding. n is found from the first returns, which are stored
-//! individually.
+//! If a motion repeats after n returns, the length of every part is a multiple of n returns. The
+//! values of the parts then have no spread except rounding. n is found from the first returns,
+//! which are stored individually.
 
 use super::PARTS;
 use crate::attractor::{LONGEST, least_period};

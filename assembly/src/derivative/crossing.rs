@@ -239,7 +239,7 @@ impl Crossing<'_> {
         Ok(())
     }
 
-    /// A step at a time with several knots: δt shifts the height of this step only.
+    /// A step at a time with several knots: δt delays the height of this step only.
     fn one_of_many_knots(&self, knot: &StepTime, delta: &mut DVector<f64>) -> Result<(), Lost> {
         let (machine, n) = (self.machine, self.machine.system.coordinates);
         if machine.system.has_motions || self.before.mode.mode != self.after.mode.mode {
