@@ -2,8 +2,8 @@
 //! and its class.
 //!
 //! The machine without constant loads is symmetric: if x(t) is a motion, so is -x(t + T/2), where T
-//! is the drive's period. Two attractors that are each other's mirror image are therefore
-//! distinguished from two different ones. Under constant loads there are no mirror images.
+//! is the drive's period. A pair of attractors that are mirror images is therefore distinguished
+//! from a pair of different attractors. Under constant loads there are no mirror images.
 
 mod record;
 
@@ -22,10 +22,10 @@ use vibro_impact::simulator::Simulator;
 
 /// Drive periods over which a motion is observed.
 pub const OBSERVED: u32 = 128;
-/// Longest period that is recognized, in drive periods. Four of it fit into [`OBSERVED`].
+/// Longest period that is recognized, in drive periods. [`OBSERVED`] contains four such periods.
 pub const LONGEST: u32 = 32;
-/// Largest change of a coordinate (units of L and L ω10) in a return. The remainder of a transient
-/// after hundreds of periods is less, except next to a bifurcation.
+/// Tolerance of a return: largest change of a coordinate (units of L and L ω10) over a period.
+/// After hundreds of periods the remaining transient is smaller, except near a bifurcation.
 pub const RETURN: f64 = 1e-5;
 /// Largest distance of states of one attractor reached in different ways. States of two attractors
 /// are farther apart.
@@ -36,12 +36,12 @@ pub(crate) const SAME: f64 = 1e-3;
 pub struct Attractor {
     /// Period in drive periods, where there is one up to [`LONGEST`].
     pub period: Option<u32>,
-    /// Whether returns come nearer from each eighth of the record to the next: a transient that has
-    /// not died out.
+    /// Whether the distances between returns decrease from each eighth of the record to the next.
+    /// They do so in a transient that has not died out.
     pub approaching: bool,
     /// Impacts per drive period at the upper and at the lower stop.
     pub impacts: [f64; 2],
-    /// Whether the block rests at a stop in part of a period or throughout, as a load may hold it.
+    /// Whether the block rests at a stop for part of a period or, held by a load, always.
     pub rests: bool,
     /// States at whole drive periods over one period; a single state where there is no period.
     pub states: Vec<StroboscopicState>,
@@ -75,10 +75,11 @@ pub enum MotionClass {
     QuasiPeriodic,
     /// λ1 > 0.
     Chaotic,
-    /// Periodic by its negative exponents, but not yet on its period or with one over [`LONGEST`].
+    /// Periodic, since its exponents are negative, but the transient has not ended or the period
+    /// exceeds [`LONGEST`].
     Settling,
-    /// Undecided: no period up to [`LONGEST`] as far as it was followed, and no exponent of certain
-    /// sign.
+    /// Undecided: the followed part has no period up to [`LONGEST`], and the exponent's sign is
+    /// uncertain.
     NotSettled,
 }
 
@@ -99,26 +100,26 @@ impl MotionClass {
         matches!(self, Self::Periodic(_) | Self::Settling)
     }
 
-    /// Whether following the motion further would not change the class; false where it is settling
-    /// or not settled.
+    /// Whether the class would stay the same if the motion were followed further; false for a
+    /// motion that is settling or not settled.
     pub fn is_decided(self) -> bool {
         !matches!(self, Self::Settling | Self::NotSettled)
     }
 
-    /// Whether the class needs no second look either. A motion that seems quasi-periodic may have
-    /// been leaving a slightly unstable orbit, and have reached another while its exponent was
-    /// counted.
+    /// Whether the class is decided and needs no second observation. A quasi-periodic class needs
+    /// one: the motion may have left a slightly unstable orbit and reached another orbit while its
+    /// exponent was measured.
     pub(crate) fn is_final(self) -> bool {
         self.is_decided() && self != Self::QuasiPeriodic
     }
 
-    /// The class of an attractor. `largest` is the largest exponent besides the drive phase's zero,
-    /// where it is known.
+    /// The class of an attractor. `largest` is the largest exponent without the zero exponent of
+    /// the drive phase, if it is known.
     pub fn by_largest(attractor: &Attractor, largest: Option<&LargestExponent>, p: &Parameters) -> Self {
         let sign = largest.map(|exponent| exponent.sign(p));
         match Self::by_sign(attractor.period, sign, attractor.approaching) {
-            // Where everything is damped a motion without events has one limit, unless a stop is in
-            // its way.
+            // In a damped machine all motions without events tend to one limit, if that limit keeps
+            // clear of the stops.
             Self::NotSettled if attractor.approaching && attractor.is_free() && limit_keeps_clear(p) => {
                 Self::Settling
             }
@@ -170,10 +171,10 @@ pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
     Ok(record.attractor(&p))
 }
 
-/// Largest difference between coordinates of two states. Displacements over 10⁵, and speeds with
-/// them, are compared in parts of 10⁻⁵ of the largest: 10⁻⁷ of a unit is no more than their
-/// rounding over a period of several impacts. Speeds in units of L ω10 are so large where the box
-/// has a spring of almost no stiffness.
+/// Largest difference between coordinates of two states. If the largest displacement exceeds 10⁵,
+/// the unit of the displacements' differences is 10⁻⁵ of it; the speeds' differences are treated
+/// alike. The rounding of such values over a period of several impacts is at least 10⁻⁷ of a unit.
+/// Speeds in units of L ω10 are so large if the box's spring has almost no stiffness.
 pub fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
     const LARGE: f64 = 1e5;
     let of = |[a, b]: [&[f64]; 2]| {
@@ -195,9 +196,9 @@ impl Attractor {
     }
 
     /// Relation of another attractor to this one. Two without a period are compared by their
-    /// [means](Statistics::likeness). Two without impacts count as the same: where springs hold and
-    /// dampers reach every body the flow without impacts has one limit; elsewhere its limits form a
-    /// family with one for each start, which counts as one.
+    /// [means](Statistics::likeness). Two attractors without impacts count as the same: if springs
+    /// and dampers act on every body, the flow without impacts has one limit. Otherwise its limits
+    /// form a family with one limit for each start, and the family counts as one attractor.
     pub fn relation(&self, other: &Self) -> Relation {
         if self.is_free() && other.is_free() {
             return Relation::Same;
@@ -235,8 +236,8 @@ impl Attractor {
         self.statistics = Some(pooled);
     }
 
-    /// Whether the attractor is its own mirror image as far as it is known; undecided while the
-    /// motion is still [settling](MotionClass::Settling).
+    /// Whether the attractor is known to be its own mirror image. While the motion is still
+    /// [settling](MotionClass::Settling) the result is uncertain.
     pub fn is_symmetric(&self) -> bool {
         if self.mirror_states.is_empty() {
             return false;
@@ -250,12 +251,12 @@ impl Attractor {
     }
 }
 
-/// Relation of two motions without a period. If one is like both the other and its mirror image,
-/// the other is its own mirror image.
+/// Relation of two motions without a period. If `a` is like both `b` and the mirror image of `b`,
+/// then `b` is its own mirror image.
 fn by_means(a: &Statistics, b: &Statistics) -> Relation {
     match (a.likeness(b), a.likeness(&b.mirrored())) {
         (Likeness::Same, _) => Relation::Same,
-        // A motion that is its own mirror image has no other one.
+        // If `a` may be its own mirror image, `b` may be equal to `a`.
         (Likeness::Undecided, Likeness::Same) if a.likeness(&a.mirrored()) != Likeness::Different => {
             Relation::Undecided
         }

@@ -1,11 +1,11 @@
 //! Measures of settled motions over any number of parameters: a row for each design.
 //!
-//! A design is one combination of values of the parameters that vary: of a grid, of a list, or a
-//! point of a Sobol sequence. It is judged by one motion or by several: from several starts, and
-//! over parameters that are not the designer's choice, such as the drive's frequency in a band.
-//! Over several motions each measure has its least, mean and largest value. A design that makes no
-//! machine, or whose motion the simulator refuses, does not end the sweep: its row says why it has
-//! no values.
+//! A design is one combination of values of the parameters that vary: a point of a grid, an entry
+//! of a list, or a point of a Sobol sequence. It is measured by one motion or by several: from
+//! several starts, and at several values of parameters that the designer cannot choose, such as the
+//! drive's frequency in a band. Over several motions each measure has its least, mean and largest
+//! value. A design that makes no machine, or whose motion the simulator refuses, does not end the
+//! sweep: its row says why it has no values.
 //!
 //! ```
 //! use vibro_analysis::design_sweep::{Designs, SampledAxis, SweepRequest, row};
@@ -69,18 +69,18 @@ pub trait DesignMachine: Clone + Send + Sync {
 
     /// A parameter's name in tables.
     fn name(name: &Self::Name) -> String;
-    /// Whether two names are one quantity.
+    /// Whether two names denote the same quantity.
     fn is_same_quantity(a: &Self::Name, b: &Self::Name) -> bool;
     /// A value of a parameter with the unit in which it is shown.
     fn with_unit(&self, name: &Self::Name, value: f64) -> String;
     /// The machine with other values, SI.
     ///
     /// # Errors
-    /// Values that make no machine.
+    /// For values that do not describe a valid machine.
     fn varied(&self, values: &[(Self::Name, f64)]) -> Result<Self>;
     /// Measures of the motions of one machine from all starts of a request.
     fn outcomes(&self, request: &SweepRequest<Self>) -> Vec<MotionMeasures>;
-    /// At least `count` starts, spread evenly; fewer where the machine has no more.
+    /// Evenly spread starts: at least `count`, or all starts of a machine that has fewer.
     fn spread_starts(count: u32) -> Vec<Self::Start>;
     /// Whether a measure is read off the window of a motion, so that a longer window gives a better
     /// value; false for the class, the exponent, a closed form.
@@ -97,7 +97,7 @@ pub struct SweepRequest<M: DesignMachine = ParameterSet> {
     pub designs: Designs<M::Name>,
     /// Parameters over which each design's motions are summarized, the last one varying fastest.
     pub over: Vec<SampledAxis<M::Name>>,
-    /// Starts; each design moves from every one.
+    /// Starts of the motions of each design.
     pub starts: Vec<M::Start>,
     /// Drive periods discarded before a motion is measured.
     pub discard: u32,
@@ -105,15 +105,16 @@ pub struct SweepRequest<M: DesignMachine = ParameterSet> {
     pub periods: u32,
     /// Measures.
     pub measures: Vec<M::Measure>,
-    /// Parameters of [`over`](Self::over) that stand for an interval: designs that may be the best
-    /// are also measured between their values.
+    /// Parameters of [`over`](Self::over) whose values sample an interval. Designs that may be the
+    /// best are also measured between these values.
     pub between: Vec<M::Name>,
-    /// Periods of motion that [`choice`] may spend on measuring again designs that may be the best.
+    /// Periods of motion that [`choice`] may spend on repeated measurements of designs that may be
+    /// the best.
     pub again: u64,
 }
 
 impl<M: DesignMachine> Default for SweepRequest<M> {
-    /// One motion of a single design, the machine itself, without measures.
+    /// A request for one motion of the unchanged machine, without measures.
     fn default() -> Self {
         let starts = vec![M::Start::default()];
         let (designs, over, measures) = (Designs::Grid(Vec::new()), Vec::new(), Vec::new());
@@ -220,7 +221,7 @@ pub fn part<M: DesignMachine>(set: &M, request: &SweepRequest<M>, index: usize) 
 /// returns whether all are there. The rows depend neither on threads nor on shards.
 ///
 /// # Errors
-/// As [`SweepRequest::check`]; what the store refuses.
+/// As [`SweepRequest::check`]; errors of the store.
 pub fn fill<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task) -> Result<bool> {
     request.check()?;
     task.fill(request.count(), |index| Ok(part(set, request, index)))
@@ -229,7 +230,7 @@ pub fn fill<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task) -
 /// Calls `visit` with each row in order, from parts that [`fill`] has stored.
 ///
 /// # Errors
-/// What `visit` returns; what the store refuses.
+/// Errors of `visit` and of the store.
 pub fn each_row<M: DesignMachine, E: From<Error>>(
     set: &M,
     request: &SweepRequest<M>,
@@ -282,7 +283,7 @@ fn motions<M: DesignMachine>(set: &M, request: &SweepRequest<M>, places: &[Vec<f
     found
 }
 
-/// The measures of a motion that does not exist.
+/// Measures of a motion that could not be computed: no numbers, and the error as the objection.
 pub(crate) fn failed(error: &Error, measures: usize) -> MotionMeasures {
     let nothing =
         Measured { numbers: vec![None; measures], spreads: vec![0.0; measures], ..Measured::default() };

@@ -1,9 +1,10 @@
-//! Largest Lyapunov exponent of a motion besides the drive phase's, which is zero, from the
-//! motion's events.
+//! Largest Lyapunov exponent of a motion, computed from its events. The exponent of the drive's
+//! phase, which is zero, is left out.
 //!
 //! Between two events the variations follow a linear system (docs/theory.md, section 11). One
-//! variation is carried over the whole time between them at once, and through the jump (84).
-//! Nothing else is needed of the motion, which may be one of many side by side.
+//! variation is carried from one event to the next in a single step, and over each event by the
+//! jump (84). The computation needs the motion's events only, so that the motion may be one of a
+//! batch.
 //!
 //! The counted time is not fixed: it ends when the class is decided. Growth is summed over blocks
 //! of drive periods, whose scatter gives the standard error of their mean. docs/studies.md, "The
@@ -15,9 +16,9 @@ use vibro_impact::Parameters;
 use vibro_impact::model::{Augmented, COORDINATES, Model, SmoothMode};
 use vibro_impact::simulator::Event;
 
-/// Threshold of the sign of an exponent, per unit of the dimensionless time τ or, where the drive
-/// is slower than the box by itself, of the time in which the drive turns by 1 rad. Over 1500
-/// periods exponents that are zero stay within a few 1e-4.
+/// Threshold of the sign of an exponent, per unit of the dimensionless time τ. If the drive's
+/// frequency is less than ω10, the unit of time is that in which the drive turns by 1 rad. Over
+/// 1500 periods, estimates of a zero exponent are within a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
 
 /// Threshold of a machine's exponents, 1/s. With a drive hundreds of times slower than the box,
@@ -28,13 +29,14 @@ pub(crate) fn zero_exponent(p: &Parameters) -> f64 {
 
 /// Drive periods in a block.
 pub(crate) const BLOCK: u32 = 8;
-/// Blocks in which the variation aligns with its direction before growth counts.
+/// Number of first blocks, whose growth is not counted: the variation aligns with the most
+/// expanding direction in them.
 pub(crate) const ALIGN: u32 = 4;
 /// Distance of an exponent from the threshold, in standard errors, beyond which its sign is
 /// decided; LEAST_GROWTH must be exceeded too.
 const CONFIDENCE: f64 = 6.0;
-/// Logarithm of the growth or shrinkage of the variation that a decided sign requires. On a torus
-/// the variation stays within some powers of ten for ever.
+/// Least logarithm of the variation's growth or shrinkage for which a sign is decided. On a torus
+/// the variation's length stays within some powers of ten for ever.
 const LEAST_GROWTH: f64 = 20.0;
 /// Least number of blocks whose scatter is meaningful.
 const LEAST_BLOCKS: u32 = 8;
@@ -44,7 +46,7 @@ const SCALED: std::ops::Range<f64> = 1e-200..1e200;
 /// so that its square does not overflow.
 const LOOKED: f64 = 100.0;
 
-/// Largest exponent of a motion besides the drive phase's zero.
+/// Largest exponent of a motion, without the zero exponent of the drive's phase.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LargestExponent {
     /// Estimate, 1/s; -∞ where all variations end in rest.
@@ -145,7 +147,7 @@ impl Growth {
 #[derive(Debug)]
 pub(crate) struct Tangent {
     parameters: Parameters,
-    /// Created at the first event, and prepared for other parameters at the first event with them.
+    /// Created at the first event, and renewed at the first event after a change of the parameters.
     variation: Option<SingleVariation>,
     ready: bool,
     v: Augmented,
@@ -178,7 +180,7 @@ impl Tangent {
     /// Begins at `time`, s, with a motion in a mode. The first block begins at `from`, s, which may
     /// be earlier.
     pub(crate) fn begin(&mut self, parameters: &Parameters, mode: SmoothMode, (from, time): (f64, f64)) {
-        // In general position, as `generic_frame`.
+        // A variation in general position, as in `generic_frame`.
         const START: Augmented = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.0, 0.0];
         let block = f64::from(BLOCK) * parameters.period();
         if self.parameters != *parameters {
@@ -200,7 +202,8 @@ impl Tangent {
                 self.carry(time, None);
                 self.mode = SmoothMode::Flight;
             }
-            // Acts with the impact before it: the rest of the chatter takes no time.
+            // The event acts together with the impact before it: the rest of the chatter takes no
+            // time.
             Event::Rest { .. } => {
                 if let Some(variation) = &self.variation {
                     variation.merge(&mut self.v);
@@ -235,7 +238,7 @@ impl Tangent {
         };
         let span = (time - self.time).max(0.0);
         self.time = time;
-        // More than one part only beside a drive that is far slower than the dampers.
+        // There is more than one part only if the drive is far slower than the dampers.
         let parts = (span * variation.rate() / LOOKED).ceil().max(1.0);
         for part in 1..=parts as u64 {
             let Some(variation) = &mut self.variation else { return };

@@ -30,9 +30,9 @@ const EXPECTED: &str = "name=value,… with names of x1 x2 x3 (units of L) v1 v2
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum StartRule {
-    /// All start in one state; coordinates without a value are zero.
+    /// All motions start in one state; coordinates without a value are zero.
     State([Coordinate; 6]),
-    /// Each starts on the exact orbit where that is stable, and elsewhere with the
+    /// Each motion starts on the exact orbit if that is stable. Otherwise it starts with the
     /// [moving block](MOVING_BLOCK).
     Orbit,
 }
@@ -55,7 +55,7 @@ impl Default for StartRule {
 
 crate::text::written_as_text!(StartRule);
 
-/// A coordinate by either of its names: its index, and whether its numbers are in SI.
+/// Finds a coordinate by either of its names. Returns its index, and whether its numbers are in SI.
 pub(crate) fn coordinate(name: &str) -> Option<(usize, bool)> {
     let place = |names: [&str; 6]| names.iter().position(|own| *own == name.trim());
     place(COORDINATES).map(|index| (index, false)).or_else(|| Some((place(SI_COORDINATES)?, true)))
@@ -117,7 +117,8 @@ impl StartRule {
     /// stable.
     ///
     /// # Errors
-    /// For [`Orbit`](Self::Orbit) what the exact orbit refuses, constant loads among it.
+    /// For [`Orbit`](Self::Orbit), errors of the exact orbit, such as the refusal of constant
+    /// loads.
     pub fn state(&self, p: &Parameters) -> Result<State> {
         Ok(match self {
             Self::State(start) => state(p, start),

@@ -1,11 +1,11 @@
-//! Variations of a motion with its start: exact transition matrices between events, and the jump at
-//! each event.
+//! Variations of a motion due to variations of its start: exact transition matrices between events,
+//! and the jump at each event.
 //!
 //! A variation has the coordinates of docs/theory.md (83): centre of mass of box and block, w, x3
 //! and their rates, with lengths in L and times in 1/rate, and (δcos θ, δsin θ) = δθ (-sin θ, cos
-//! θ) for the phase of the drive (docs/theory.md (82)). In these coordinates an impact changes w,
-//! w' and, only by the damper's force, the rate of the centre, so that coming to rest is a
-//! projection without cancellation.
+//! θ) for the phase of the drive (docs/theory.md (82)). In these coordinates an impact changes w
+//! and w', and it changes the rate of the centre only through the damper's force. Coming to rest is
+//! therefore a projection without cancellation.
 
 mod single;
 
@@ -22,13 +22,14 @@ type Matrix = [Augmented; COORDINATES];
 /// Orthonormal variations, the most expanding one first.
 pub(crate) type Frame = [Augmented; DIMENSION];
 
-/// Distance of neighbouring nodes of the grid, times the model's rate. Any time is at most half of
-/// it away from a node.
+/// Distance of neighbouring nodes of the grid, times the model's rate. The distance of any time
+/// from its nearest node is at most half of it.
 const GRID_TIMES_RATE: f64 = 0.16;
 /// Number of nodes: flights of up to 10/rate need one product.
 const NODES: usize = 64;
 /// Terms of the series around a node. The remainder is under 3.4e-15 of the variation's size, in
-/// which the drive's phase counts by the acceleration that it causes (docs/numerics.md, section 1).
+/// which the drive's phase is weighted by the acceleration that it causes (docs/numerics.md,
+/// section 1).
 const TERMS: usize = 9;
 const _: () = assert!(remainder(TERMS, 0.5 * GRID_TIMES_RATE) < 3.4e-15);
 
@@ -186,8 +187,9 @@ fn saltation(model: &Model, rate: f64, after: &Augmented) -> Saltation {
     Saltation::new(model, rate, after, model.constant_loads, model.rate)
 }
 
-/// Projects the phase's variation onto the circle of (cos θ, sin θ), docs/theory.md (82). Rounding
-/// off the circle belongs to no motion, and the flow would not damp it.
+/// Projects the phase's variation onto the tangent of the circle of (cos θ, sin θ), docs/theory.md
+/// (82). A rounding error normal to the circle belongs to no motion, and the flow would not damp
+/// it.
 #[inline(always)]
 pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     for v in frame.iter_mut() {
@@ -196,9 +198,9 @@ pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     }
 }
 
-/// Gram–Schmidt: makes each column orthogonal to those before it, twice where the first time
-/// removed most of it, and returns the lengths before scaling. A column that vanishes or is past
-/// `rank` becomes zero with length zero.
+/// Gram–Schmidt: makes each column orthogonal to those before it, and repeats this if the first
+/// pass removed most of the column. Returns the lengths before scaling. A column that vanishes or
+/// is past `rank` becomes zero with length zero.
 #[inline(always)]
 pub(crate) fn orthonormalize(frame: &mut Frame, rank: usize) -> [f64; DIMENSION] {
     let mut lengths = [0.0; DIMENSION];
@@ -239,17 +241,18 @@ fn dot(a: &Augmented, b: &Augmented) -> f64 {
     (four[0] + four[2]) + (four[1] + four[3])
 }
 
-/// An orthonormal frame in general position: coming to rest makes no more directions zero than
-/// necessary, and where bodies do not act on each other, as in flight, the first columns have
-/// components in all of them.
+/// An orthonormal frame in general position. Coming to rest makes no more directions zero than
+/// necessary. Where bodies do not act on each other, as in flight, the first columns have
+/// components along every body.
 pub(crate) fn generic_frame(z: &Augmented) -> Frame {
-    // The first column is a unit variation reflected along a direction that is no coordinate's.
+    // The first column: a unit variation, reflected along a direction that is not a coordinate
+    // axis.
     const FIRST: [f64; DIMENSION] = [0.815, -0.280, 0.137, -0.244, -0.221, 0.173, -0.316];
     let unit = unit_frame(z);
     let mut frame = [[0.0; COORDINATES]; DIMENSION];
     for (j, v) in frame.iter_mut().enumerate() {
         for (i, own) in unit.iter().enumerate() {
-            // Irregular remainders in rows and columns.
+            // The remainders are irregular along rows and along columns.
             let k = DIMENSION * j + i + 1;
             let part = (k * k * k * 31 + k * k * 17) % 101;
             let part = if j == 0 { FIRST[i] } else { part as f64 / 50.0 - 1.0 };

@@ -87,8 +87,8 @@ impl Plan {
         quantities.filter_map(|quantity| Some((self.table.reference_of(quantity)?, quantity)))
     }
 
-    /// Adds to the variable of a body's quantity what concerns continuous states: whether it may be
-    /// reinitialized, the state it is the derivative of, the nominal value.
+    /// Adds the attributes of continuous states to the variable of a body's quantity: whether the
+    /// variable may be reinitialized, the state whose derivative it is, and the nominal value.
     fn in_exchange(&self, row: &VariableRow, variable: Variable) -> Variable {
         let Some((body, order)) = row.quantity.as_body() else { return variable };
         let states = self.assembly.states();

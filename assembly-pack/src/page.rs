@@ -1,5 +1,5 @@
-//! The page of documentation of a described machine: its sketch, what it is in words, and the table
-//! of its variables.
+//! The page of documentation of a described machine: its sketch, its description in words, and the
+//! table of its variables.
 
 use crate::error::Result;
 use std::fmt::Write;
@@ -13,11 +13,11 @@ const STYLE: &str = ":root{color-scheme:light dark}body{font-family:sans-serif;m
     table{border-collapse:collapse;display:block;overflow-x:auto}td,th{text-align:left;padding:.15rem .8rem .15rem 0;border-bottom:1px solid #8884}\
     figure{margin:0;overflow-x:auto}svg{max-width:100%;height:auto;background:#fff}code{white-space:nowrap}";
 
-/// Least width of the sketch, as a fraction of its own: its names then have nine pixels. On a
-/// narrower page it scrolls sideways.
+/// Least displayed width of the sketch, as a fraction of its drawn width. Its names are then nine
+/// pixels high. On a narrower page the sketch scrolls sideways.
 const LEAST: f64 = 0.7;
 
-/// Sections of the table: heading, what stands under it, roles.
+/// Sections of the table: heading, explanation, roles.
 const SECTIONS: [(&str, &str, &[Role]); 5] = [
     ("Inputs", "Added to a signal of the file; 0 until they are set.", &[Role::Input]),
     (

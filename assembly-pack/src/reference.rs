@@ -1,6 +1,6 @@
 //! Reference results in the archives of described machines, by the layered standard FMI-LS-REF
-//! 1.0.0-alpha.1 (modelica/fmi-ls-ref): the default experiment and its events by the engine, on the
-//! machine that packs.
+//! 1.0.0-alpha.1 (modelica/fmi-ls-ref): the default experiment and its events, computed by the
+//! engine on the computer that packs.
 
 use crate::archive::Content;
 use fmi_doors::description::Experiment;
@@ -23,11 +23,11 @@ const REPORTED: u32 = 4;
 const EVENTS: usize = 1000;
 /// Relative perturbation of the second motion's start: some roundings.
 const SHIFT: f64 = 1e-14;
-/// Relative agreement (of a column's largest value) of both motions up to which the result is
-/// written: other processors then agree as well.
+/// Largest difference of both motions, relative to a column's largest value, up to which the result
+/// is written. Other processors then agree as well.
 const AGREEMENT: f64 = 1e-9;
 
-/// What the files are, for a reader (`documentation/fmi-ls-ref.txt`).
+/// Explanation of the files for a reader (`documentation/fmi-ls-ref.txt`).
 pub const EXPLANATION: &str = "Reference files in extra/org.fmi-standard.fmi-ls-ref (FMI-LS-REF 1.0.0-alpha.1)\n\n\
 default.csv      the default experiment, in every fourth of its steps: coordinates and rates of all bodies, numbers of impacts\n\
                  so far. Where the motion magnifies roundings it ends where ten digits are no longer the machine's own\n\
@@ -58,7 +58,7 @@ pub fn files(plan: &Plan) -> Content {
     ])
 }
 
-/// A file that the manifest names: media type, place, role, what it is.
+/// A file that the manifest names: media type, place, role, description.
 pub type Related<'a> = (&'a str, &'a str, &'a str, &'a str);
 
 /// Files of every such folder: the explanation, and the default experiment.

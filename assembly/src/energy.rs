@@ -1,6 +1,6 @@
 //! Energy accounts: work of loads and prescribed motions, and losses in dashpots, compliant stops,
-//! friction and impacts (docs/assembly-law.md (A16) to (A18)). They do not use the mechanical
-//! energy, so that the energy balance is a test.
+//! friction and impacts (docs/assembly-law.md (A16) to (A18)). They are computed independently of
+//! the mechanical energy: the energy balance therefore tests them.
 
 mod long;
 mod powers;
@@ -50,7 +50,7 @@ impl Accounts {
         }
     }
 
-    /// Switches the accounts off: they stay as they are.
+    /// Switches the accounts off: their sums no longer change.
     pub fn off(mut self) -> Self {
         self.enabled = false;
         self
@@ -72,7 +72,8 @@ impl Accounts {
         self.motions = self.motions.plus(work);
     }
 
-    /// Adds an interval of length `dt` in a mode with these powers. `values` is scratch memory.
+    /// Adds the work and losses over an interval of length `dt` in a mode with these powers.
+    /// `values` is scratch memory.
     #[inline(always)]
     pub fn add(&mut self, powers: &Powers, dt: f64, samples: &Samples, values: &mut Vec<AtNodes>) {
         if !self.enabled || dt == 0.0 {
@@ -81,7 +82,7 @@ impl Accounts {
         powers.for_each(samples, values, |account, power| self.put(account, dt * power));
     }
 
-    /// Adds 2^`k` sub-steps from `z` in a mode with these powers.
+    /// Adds the work and losses over 2^`k` sub-steps from `z` in a mode with these powers.
     pub fn add_long(&mut self, powers: &Powers, k: usize, table: &FlowTable, z: &[f64]) {
         powers.for_each_work(k, table, z, |account, work| self.put(account, work));
     }
@@ -104,8 +105,8 @@ impl Accounts {
     }
 }
 
-/// Kinetic and stored energy, J. Stored are ½ k e² + preload e in springs, ½ k max(0, e - gap)² in
-/// compliant stops, and the potential energy of weight.
+/// Kinetic and stored energy, J. The stored energy is the sum of ½ k e² + preload e over springs,
+/// of ½ k max(0, e - gap)² over compliant stops, and the potential energy of weight.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {

@@ -20,7 +20,7 @@ const ZERO: f64 = 1e-10;
 pub struct Neutral {
     /// Number of coordinates.
     coordinates: usize,
-    /// Directions of the coordinates, as sparse as elimination leaves them.
+    /// Directions of the coordinates, a sparse basis found by elimination.
     places: Vec<DVector<f64>>,
     /// Directions of the velocities.
     rates: Vec<DVector<f64>>,

@@ -42,7 +42,7 @@ pub enum Measure {
     Impacts(Option<String>),
     /// Impacts and first touches a second: `impact.rate.steel`, `impact.rate`.
     ImpactRate(Option<String>),
-    /// Largest closing speed of a stop, or of all that are alike: `impact.speed.steel`.
+    /// Largest closing speed of a stop: `impact.speed.steel`.
     ImpactSpeed(String),
     /// Largest impulse of a rigid stop: `impact.impulse.steel`.
     ImpactImpulse(String),
@@ -57,7 +57,7 @@ pub enum Measure {
     Exponent,
 }
 
-/// A kind of measure of a quantity: its word and what makes it.
+/// A kind of measure of a quantity: its word and its constructor.
 type OfQuantity = (&'static str, fn(QuantityName) -> Measure);
 
 const OF_QUANTITIES: [OfQuantity; 4] = [
@@ -138,7 +138,7 @@ fn stop(d: &Description, name: &str) -> Option<usize> {
 }
 
 impl Measure {
-    /// The quantity that it is read off, if there is one.
+    /// The quantity from which the measure is computed, if there is one.
     pub fn quantity(&self) -> Option<&QuantityName> {
         match self {
             Self::Amplitude(q) | Self::Rms(q) | Self::PeakToPeak(q) | Self::Maximum(q) => Some(q),
@@ -241,7 +241,7 @@ impl Measure {
         }
     }
 
-    /// Whether the measure is read off the window; false for the class and the exponent.
+    /// Whether the measure is computed from the window; false for the class and the exponent.
     pub(super) fn is_of_window(&self) -> bool {
         !matches!(self, Self::Class | Self::Exponent)
     }
@@ -335,17 +335,18 @@ impl Window {
                 let impacts: f64 = self.watcher.contacts.iter().map(|c| c.lost).sum();
                 (smooth + impacts) / self.duration
             }
-            // Not measures of the window.
+            // These are not measures of the window.
             Measure::Class | Measure::Exponent => 0.0,
         };
-        // A sum of nothing is -0.
+        // An empty sum is -0; adding 0 makes it +0.
         number + 0.0
     }
 }
 
-/// Measures a motion over the next `periods` returns, or as many more as the machine's slowest own
-/// oscillation needs, and class and exponent over the returns after these. Of a motion that repeats
-/// only the returns that show this are followed. The caller has discarded the transient.
+/// Measures a motion over the next `periods` returns, or over more if the machine's slowest own
+/// oscillation needs them. Class and exponent are measured over the returns after these. A motion
+/// that repeats is followed only until the returns show this. The caller has discarded the
+/// transient.
 ///
 /// # Errors
 /// As [`Section::advance`]; [`Error::Described`] for names that the machine does not have, for

@@ -1,9 +1,10 @@
-//! Derivative of a period: the distance of a motion from the orbit that it approaches, and the
-//! growth of variations over a period.
+//! Derivative of the return map over a period. It gives the distance of a motion from the orbit
+//! that it approaches, and the growth of variations over a period.
 //!
-//! A return that moves a state by r and has the derivative M belongs to a fixed point that is
-//! (1 - M)⁻¹ r away. This reveals a slow approach, whose returns may be arbitrarily near while the
-//! orbit is far. Neutral directions are left out, and for an autonomous machine the shift in time.
+//! If the return map moves a state by r and has the derivative M, the state's distance from the
+//! fixed point is (1 - M)⁻¹ r. This reveals a slow approach, in which successive returns may be
+//! arbitrarily near each other while the orbit is far. Neutral directions are left out. For an
+//! autonomous machine the shift in time is left out, too.
 
 use super::flight::Flows;
 use super::returns::ReturnRecord;
@@ -16,23 +17,25 @@ use vibro_assembly::description::Dimension;
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::{Elongation, StateRow, System};
 
-/// Rounding of a state in units of `f64::EPSILON`, and the most of its size that counts as
-/// rounding.
+/// Rounding of a state in units of `f64::EPSILON`.
 const ROUNDINGS: f64 = 64.0;
+/// Largest part of a state's size that counts as rounding.
 const MOST_ROUNDING: f64 = 1e-7;
 /// Singular value below which there is a family of orbits.
 const SINGULAR: f64 = 1e-12;
-/// Logarithm of a multiplier below which it is zero: rounding of a defective multiplier 1.
+/// Size of a multiplier's logarithm below which it counts as zero. The rounding errors of a
+/// defective multiplier 1 are below it.
 pub const MARGINAL: f64 = 1e-6;
-/// Multiplier below which it is rounding beside the variations from which it is found.
+/// Size of a multiplier, relative to the variations from which it is found, below which it is
+/// rounding.
 const LEAST_MULTIPLIER: f64 = 1e-10;
 /// Sweeps of the Schur decomposition for each multiplier.
 const SWEEPS: usize = 200;
-/// Relative size of the rates below which a shift in time leaves the motion the same.
+/// Relative size below which a rate or a change of a signal counts as zero.
 const EXACT: f64 = 1e-9;
 
-/// Metric of changes of a motion's state: how far elongations and rates of each dimension have been
-/// apart.
+/// Metric of changes of a motion's state. Its units are the sizes of the recorded elongations and
+/// rates of each dimension.
 pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
     let assembly = motion.assembly();
     let (d, system) = (&assembly.description, assembly.system());
@@ -45,8 +48,8 @@ pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
     Metric(of(0).chain(of(2)).collect())
 }
 
-/// Change of the state (q, q') that is a shift in time: z' without the uniform motion of what
-/// prescribed bodies carry along. `None` where the machine is not autonomous.
+/// Change of the state (q, q') that is a shift in time: z' minus the uniform motion of the bodies
+/// that prescribed bodies carry along. `None` where the machine is not autonomous.
 pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     let assembly = motion.assembly();
     let (d, system, z) = (&assembly.description, assembly.system(), motion.state());
@@ -60,9 +63,10 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     Some(shift)
 }
 
-/// Change of the coordinates for which elongations stay the same while signals change as in a
-/// change of the augmented state; for their rates if the state itself is given. It is what a
-/// uniformly moving body carries along. `None` where there is no such change.
+/// Change of the coordinates that keeps all elongations constant while the signals change as in
+/// `change`, a change of the augmented state. With `rates`, `change` is the state itself, and the
+/// result is the velocities with which the elongations' rates are zero. A uniformly moving
+/// prescribed body carries other bodies along in this way. `None` if there is no such change.
 fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
@@ -78,7 +82,7 @@ fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>>
     ((rows * &along - &changes).amax() <= EXACT * changes.amax()).then_some(along)
 }
 
-/// Derivative of a period, evaluated.
+/// Distance and growth from the derivative over a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Period {
     /// Distance of the state from the orbit, relative to the motion's sizes.
@@ -114,7 +118,8 @@ impl Period {
         }
         let size = 2 * system.coordinates;
         let mut change = motion.state() - &start;
-        // Signals return up to rounding, which is not a uniform motion.
+        // Periodic signals return to their values up to rounding. This rounding is not a uniform
+        // motion.
         let terms = motion.state().abs() + start.abs();
         let signals = change.iter_mut().zip(terms.iter()).skip(size);
         signals.for_each(|(x, terms)| {
@@ -133,7 +138,7 @@ impl Period {
         for (j, column) in frame.columns.iter().enumerate() {
             m.set_column(j, &(without(metric.scaled(&column[..size])) * metric.0[j]));
         }
-        // From the right, too.
+        // The basis is removed from the right side of M, too.
         let mut m = m.transpose();
         for mut column in m.column_iter_mut() {
             let own = without(column.clone_owned());

@@ -1,6 +1,6 @@
-//! Section at which a described machine's motion is looked at: whole periods of what drives it or,
-//! where nothing does, each event of an element. The return to the section takes the place of the
-//! drive period of the 3-DOF machine.
+//! Poincaré section of a described machine: whole common periods of its harmonics or, without
+//! harmonics, the events of one element. A return to the section corresponds to a drive period of
+//! the 3-DOF machine.
 
 use super::flight::{Flows, Observer, follow};
 use crate::error::{Error, Result};
@@ -13,17 +13,18 @@ use vibro_assembly::motion::{Event, EventKind, Reached};
 const COMMENSURATE: f64 = 1e-9;
 /// Most periods of the slowest harmonic in a common period.
 const MOST_PERIODS: u32 = 1000;
-/// Time within which an event that defines the section must come again, s.
+/// Longest allowed time between two events that define the section, s.
 const WITHIN: f64 = 100.0;
 
-/// Offset of a section beside one of whole periods, in parts of the period: no simple fraction.
+/// Offset of a shifted section from whole periods, as a fraction of the period. Its value is not
+/// near a ratio of small integers.
 const BESIDE: f64 = 0.381_966_011_250_105;
 
 /// Rule by which the section is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum SectionRule {
-    /// Whole common periods of all harmonics; for a machine without harmonics the events of its
-    /// first stop, or else friction.
+    /// Whole common periods of all harmonics; without harmonics the events of the first stop;
+    /// without stops those of the first friction.
     #[default]
     Auto,
     /// Whole multiples of a time, s.
@@ -38,7 +39,7 @@ pub enum SectionRule {
 pub enum Section {
     /// Whole multiples of a time, s.
     Period(f64),
-    /// A time, s, after whole multiples of another: beside events that fall on these.
+    /// Whole multiples of a time, s, plus an offset, s, for motions with events at whole multiples.
     Shifted(f64, f64),
     /// Impacts or first touches of a stop.
     Stop(usize),
@@ -58,7 +59,7 @@ pub(super) fn is_steady(d: &Description) -> bool {
 }
 
 /// Least time that is a whole number of periods of each harmonic, s; `None` without harmonics, or
-/// where there is none up to 1000 periods of the slowest.
+/// if it exceeds 1000 periods of the slowest harmonic.
 pub fn common_period(d: &Description) -> Option<f64> {
     let frequencies: Vec<f64> = harmonics(d).map(|h| h.frequency).collect();
     let slowest = frequencies.iter().copied().reduce(f64::min)?;
@@ -71,7 +72,7 @@ impl Section {
     /// The section of a machine.
     ///
     /// # Errors
-    /// [`Error::Described`] where the rule gives none, with advice.
+    /// [`Error::Described`] if the rule gives no section; its text says what is allowed.
     pub fn of(d: &Description, rule: &SectionRule) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
         match rule {
@@ -133,7 +134,7 @@ impl Section {
         }
     }
 
-    /// End of the current period; `None` where events are the section.
+    /// End of the current period; `None` for a section of events.
     fn end(&self, time: f64) -> Option<f64> {
         let (period, shift) = match self {
             Self::Period(period) => (*period, 0.0),
@@ -152,7 +153,7 @@ impl Section {
         (turns - turns.round()).abs() <= COMMENSURATE * turns && turns.round() >= 1.0
     }
 
-    /// Section beside this one, if it is one of times.
+    /// This section of whole periods, shifted by `BESIDE` periods; `None` for other sections.
     pub(super) fn beside(&self) -> Option<Self> {
         match self {
             Self::Period(period) => Some(Self::Shifted(*period, BESIDE * period)),
@@ -184,7 +185,7 @@ impl Section {
         }
     }
 
-    /// Advances to the next return and passes the way to observers.
+    /// Advances to the next return and passes the flights and events before it to observers.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).

@@ -1,5 +1,5 @@
-//! Time for which a motion must be looked at: as the machine's slowest own oscillation requires,
-//! and after the last change of what drives it.
+//! Time over which a motion must be observed. It begins after the last change of the signals and
+//! lasts several periods of the machine's slowest own oscillation.
 
 use super::oscillations::oscillations;
 use super::section::Section;
@@ -15,8 +15,9 @@ use vibro_assembly::elements::NamedSignal;
 const SLOWEST: f64 = 4.0;
 /// Largest factor by which a window may be longer than requested.
 const MOST: f64 = 100.0;
-/// Least number of events in a window, and the factor up to which the window is prolonged for them.
+/// Least number of events in a window.
 const EVENTS: u32 = 8;
+/// Largest factor by which the window is prolonged to contain [`EVENTS`] events.
 const TIMES: u32 = 10;
 
 /// Period of the slowest own oscillation, s; 0 without one.
@@ -34,8 +35,8 @@ pub(super) fn needed(motion: &Motion, section: &Section, periods: u32) -> Result
     Ok(SLOWEST * slowest)
 }
 
-/// Refuses periods so short that the slowest own oscillation needs more than a hundred times as
-/// many.
+/// Refuses a number of periods if the slowest own oscillation needs more than a hundred times this
+/// number.
 fn is_allowed(section: &Section, periods: u32, slowest: f64, option: &str) -> Result<()> {
     match section {
         Section::Period(period) | Section::Shifted(period, _)
@@ -98,8 +99,8 @@ impl Passed {
     }
 }
 
-/// The last change of what drives a machine that does not repeat: its time, s, and what it is;
-/// `None` where all repeats or is constant.
+/// The last step or end of a record of all signals: its time, s, and its description; `None` if all
+/// signals are periodic or constant.
 fn last_change(d: &Description) -> Option<(f64, String)> {
     let of = |NamedSignal { name, signal, .. }: NamedSignal| {
         let step =
@@ -111,14 +112,15 @@ fn last_change(d: &Description) -> Option<(f64, String)> {
     d.signals().flat_map(of).flatten().reduce(|a, b| if b.0 > a.0 { b } else { a })
 }
 
-/// The signal that still changes after a time without repeating, in words; `None` where all repeat
-/// from then on or are constant.
+/// Description of the last change of a signal if it comes after `time`, s; `None` if all signals
+/// are periodic or constant from then on.
 pub fn runs_on(d: &Description, time: f64) -> Option<String> {
     last_change(d).filter(|(end, _)| *end > time).map(|(_, words)| words)
 }
 
-/// The signal that still changes without repeating after `discard` returns from the start, in
-/// words. With a section of events that time is not known beforehand, and any change counts.
+/// Description of the last change of a signal if it comes after `discard` returns from the start.
+/// With a section of events the time of these returns is not known in advance, and a change at any
+/// time counts.
 pub(super) fn runs_on_beyond(d: &Description, section: &Section, discard: u32) -> Option<String> {
     match section {
         Section::Period(period) | Section::Shifted(period, _) => runs_on(d, f64::from(discard) * period),
@@ -126,13 +128,14 @@ pub(super) fn runs_on_beyond(d: &Description, section: &Section, discard: u32) -
     }
 }
 
-/// Discards the motion before it is looked at. If a signal still changes without repeating, all
-/// `returns` pass; if its last change comes within them, as many pass after it, or until the motion
-/// has settled. Four periods of the slowest own oscillation pass in any case.
+/// Discards the transient. First the motion advances past the last change of a signal, but by at
+/// most `returns` returns: if the change comes later, the function ends there. Then the motion
+/// advances until it has settled, again by at most `returns` returns. If less than four periods of
+/// the slowest own oscillation have passed after the last change, more returns follow.
 ///
 /// # Errors
-/// As [`Section::advance`]; [`Error::Described`] where four periods are more than a hundred times
-/// the requested time.
+/// As [`Section::advance`]; [`Error::Described`] if these four periods are more than a hundred
+/// times the requested time.
 pub fn settle(motion: &mut Motion, section: &Section, returns: u32) -> Result<()> {
     let begin = motion.time();
     let end = last_change(&motion.assembly().description).map_or(begin, |(time, _)| time);

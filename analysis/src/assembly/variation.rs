@@ -12,8 +12,8 @@ use vibro_assembly::motion::{Crossing, keep};
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::System;
 
-/// Stretches of a flight between two checks of a variation's length; it changes by at most a factor
-/// of e¹⁰⁰ between them.
+/// Number of stretches of a flight between two checks of a variation's length. The length changes
+/// by at most a factor of e¹⁰⁰ between two checks.
 const STRETCHES: f64 = 50.0;
 /// Range of lengths in which a variation is not rescaled. Its squares cannot overflow before the
 /// next check, [`STRETCHES`] later.
@@ -67,7 +67,8 @@ impl Metric {
     }
 }
 
-/// Removes from a variation what contacts hold; one that they hold entirely becomes zero.
+/// Removes the components of a variation that contacts constrain. A variation without other
+/// components becomes zero.
 fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
     if basis.is_empty() {
         return;
@@ -83,7 +84,7 @@ fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
 fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<f64>], metric: &Metric) {
     let Passage { watch, flows, states, events, .. } = passage;
     let rates = [0, 1].map(|k| flows[k].derivative(states[k]));
-    // A functional may be watched twice under one name: the one that is zero here is meant.
+    // Two functionals may have the same `Watch`. The one that is zero here is taken.
     let ended = flows[0].watched.iter().filter(|ended| Some(ended.0) == watch);
     let off = |row: &[f64]| dot(row, states[0]).abs();
     let row = ended.map(|(_, row)| row.as_slice()).min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -107,7 +108,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Variations along each number of the state, without what the contacts of a mode hold.
+    /// Variations along each number of the state, without the components that a mode's contacts
+    /// constrain.
     pub fn new(system: &System, mode: &Mode, metric: &Metric) -> Self {
         let unit = |place: usize| {
             let mut v = vec![0.0; system.signals.size];
@@ -143,11 +145,11 @@ pub struct Variation {
 }
 
 impl Variation {
-    /// In general position, for a motion in a mode.
+    /// A variation in general position, for a motion in a mode.
     pub fn new(system: &System, mode: &Mode, metric: Metric, neutral: &Neutral) -> Self {
         let mut v = vec![0.0; system.signals.size];
         for (k, (x, unit)) in v.iter_mut().zip(&metric.0).enumerate() {
-            // All different, none zero.
+            // The components are all different, and none is zero.
             *x = (1.0 + 0.7 * k as f64).sin() * unit;
         }
         hold(system, &mode.basis, &mut v, &metric);
@@ -155,8 +157,8 @@ impl Variation {
     }
 
     /// Removes the components along neutral directions, and along `shift`, the shift in time of an
-    /// autonomous machine; makes the length one, and returns the logarithm of the growth since the
-    /// last call: -∞ where nothing is left of the variation.
+    /// autonomous machine. Scales the variation to length one. Returns the logarithm of the growth
+    /// since the last call, or -∞ if the variation has become zero.
     pub fn grown(&mut self, shift: Option<Vec<f64>>) -> f64 {
         let before = self.metric.length(&self.v[0]);
         let basis = self.metric.basis(self.neutral.iter().cloned().chain(shift));

@@ -1,4 +1,5 @@
-//! Units of the numbers in a machine's file, and of numbers without a unit beside it.
+//! Units in which a machine's file writes its numbers. They apply to numbers that are given
+//! elsewhere without a unit.
 
 use super::Machine;
 use crate::error::Result;
@@ -32,8 +33,9 @@ impl Machine {
         Ok(machine)
     }
 
-    /// Parses a value of a parameter, in SI, with its unit. A number without one is in the unit in
-    /// which the parameter was written, by the file or [since](Self::note_unit), or else in SI.
+    /// Parses a value of a parameter, in SI, with its unit. A number without a unit is in the
+    /// parameter's unit, which the file or a later call of [`note_unit`](Self::note_unit) has set;
+    /// without such a unit it is in SI.
     ///
     /// # Errors
     /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name, and for a value that is not
@@ -51,8 +53,7 @@ impl Machine {
         })
     }
 
-    /// Sets the unit of this value, if it has one, as the one in which the parameter is read and
-    /// shown.
+    /// If `text` contains a unit, the parameter is read and shown in this unit from now on.
     pub fn note_unit(&mut self, name: &str, text: &str) {
         let Ok(parameter) = self.description.parameter(name) else { return };
         if let Some(unit) = quantity_in(parameter.unit, text.trim()).and_then(|q| q.unit) {
@@ -75,7 +76,7 @@ fn units(text: &str, d: &Description) -> BTreeMap<String, String> {
 /// Entry of the file for a parameter.
 fn written<'t>(root: &'t Value, name: &str) -> Option<&'t Value> {
     let found = name.split('.').try_fold(root, step)?;
-    // A level whose table has only a constant.
+    // A friction's level may be a table that has only a constant.
     found.as_table().map_or(Some(found), |table| table.get("constant"))
 }
 

@@ -1,19 +1,20 @@
 //! Search for a resonance between the values over which a design's motions are summarized.
 //!
-//! Along an interval the first measure is known at some values. Between two of them it is assumed
-//! to rise at most twice as steeply as between any two known values; where it could then exceed the
-//! largest, the middle is measured next (S. A. Piyavskii, 1972). Values at which the machine
-//! resonates come first.
+//! Along an interval the first measure is known at some values. Between two of them its slope is
+//! assumed to be at most twice the largest slope between known values. If the measure could then
+//! exceed its largest known value, the middle is measured next (S. A. Piyavskii, 1972). Values at
+//! which the machine resonates come first.
 
 use super::{DesignMachine, MotionMeasures, SweepRequest, motions};
 
 /// Most further values of one design along one interval.
 pub(super) const MOST: usize = 32;
-/// Values along an interval that are measured in any case.
+/// Least number of values that are measured along an interval.
 const LEAST: usize = 9;
 /// Factor between the assumed and the observed steepness.
 const STEEPER: f64 = 2.0;
-/// Part of the largest value by which a bound must exceed it to be pursued.
+/// Least excess of a bound over the largest value, relative to that value, at which the search goes
+/// on.
 const PART: f64 = 0.01;
 /// Least distance of values in parts of the interval.
 const NEAREST: f64 = 1.0 / 256.0;
@@ -28,7 +29,7 @@ pub(super) struct BandMotions {
     pub outcomes: Vec<MotionMeasures>,
 }
 
-/// A value along an interval, with the largest of the measure there and its spread.
+/// A value along an interval, the largest measure at this value, and the measure's spread.
 type ValueSpread = (f64, f64, f64);
 
 impl BandMotions {
@@ -58,10 +59,10 @@ impl BandMotions {
     }
 }
 
-/// Searches the intervals of [`SweepRequest::over`], along each through the largest measure, until
-/// a value less twice its spread exceeds `enough`. New combinations are appended. A motion that
-/// fails ends the search, since the design then has no value. Returns whether the search is
-/// complete.
+/// Searches each interval of [`SweepRequest::over`] along the line through the combination with the
+/// largest measure. The search ends when a measure minus twice its spread exceeds `enough`. New
+/// combinations are appended. A motion that fails ends the search, since the design then has no
+/// value. Returns whether the search is complete.
 pub(super) fn search_between<M: DesignMachine>(
     own: &M,
     request: &SweepRequest<M>,
@@ -94,15 +95,16 @@ pub(super) fn search_between<M: DesignMachine>(
     true
 }
 
-/// Whether a value lies in the interval and not at a known one.
+/// Whether a value lies in the interval and is not near a known value.
 fn is_new(line: &[ValueSpread], x: f64) -> bool {
     let (from, to) = (line[0].0, line[line.len() - 1].0);
     let near = NEAREST * (to - from);
     from < x && x < to && line.iter().all(|p| (p.0 - x).abs() > near)
 }
 
-/// The value to measure next, if the measure could exceed the largest there by more than its
-/// spread. `line` is ascending.
+/// The next value to measure: the middle of the pair of values with the largest bound. `None` if at
+/// least [`LEAST`] values are known and this bound does not exceed the largest measure by twice its
+/// spread and by [`PART`]. `line` is ascending.
 fn next(line: &[ValueSpread]) -> Option<f64> {
     let span = line[line.len() - 1].0 - line[0].0;
     let top = line.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
@@ -113,7 +115,7 @@ fn next(line: &[ValueSpread]) -> Option<f64> {
         let width = p[1].0 - p[0].0;
         if line.len() < LEAST { width } else { 0.5 * (p[0].1 + p[1].1 + STEEPER * steepest * width) }
     };
-    // The first of equal bounds.
+    // Of equal bounds the first is taken.
     let (pair, bound) = wide.map(|p| (p, bound(p))).reduce(|a, b| if b.1 > a.1 { b } else { a })?;
     let passes = line.len() < LEAST || bound > top.1 + (2.0 * top.2).max(PART * top.1.abs());
     passes.then(|| 0.5 * (pair[0].0 + pair[1].0))

@@ -1,10 +1,11 @@
 //! Choice of the design with the least value of the first measure.
 //!
 //! Every number of a sweep has an error bar: its spread, which is zero where the motions repeat.
-//! All designs that may be the best within their error bars are measured again, each time four
-//! times as long, and between the values of the parameters over which they are summarized, until
-//! one is the best beyond its error bar, or no longer measurement would tell them apart, or a given
-//! number of periods is spent. The rows of the choice then replace those of the sweep everywhere.
+//! All designs that may be the best within their error bars are measured again. Each measurement is
+//! four times as long as the one before, and also covers values between those of the parameters
+//! over which the designs are summarized. The choice ends when one design is the best beyond its
+//! error bar, when none of these designs can be measured more accurately, or when a given number of
+//! periods is spent. The rows of the choice then replace those of the sweep everywhere.
 
 use super::between::{BandMotions, MOST, search_between};
 use super::{Again, DesignMachine, DesignRow, Summary, SweepRequest, design, motions, part, summary};
@@ -20,7 +21,7 @@ const LONGER: u32 = 4;
 const ROUNDS: u32 = 3;
 /// Number of designs that are measured again in parallel.
 const TOGETHER: usize = 16;
-/// Difference of distinct values in spreads.
+/// Least difference of two distinct values, in units of their spread.
 const APART: f64 = 2.0;
 /// Relative difference of values that is rounding.
 const SAME: f64 = 1e-9;
@@ -28,12 +29,12 @@ const SAME: f64 = 1e-9;
 /// Result of measuring again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Choice {
-    /// Index of the measure that is compared: the first that is a number.
+    /// Index of the measure that is compared: the first one that is taken from the window.
     pub measure: usize,
     /// Rows of designs that were measured again, by design index.
     pub rows: BTreeMap<usize, DesignRow>,
-    /// Designs that may have the least value, the least first; a single one is the best beyond its
-    /// error bar.
+    /// Designs that may have the least value, in ascending order of value. If there is only one, it
+    /// is the best beyond its error bar.
     pub possible: Vec<usize>,
     /// Number of designs that may have the least value and could be measured again, but for which
     /// no periods were left.
@@ -71,7 +72,7 @@ impl Estimate {
     }
 }
 
-/// Race between the designs of a sweep.
+/// State of the choice between the designs of a sweep.
 struct Race<'a, M: DesignMachine> {
     set: &'a M,
     request: &'a SweepRequest<M>,
@@ -94,7 +95,7 @@ impl<M: DesignMachine> Race<'_, M> {
         known.reduce(|a, b| if b.most() < a.most() { b } else { a })
     }
 
-    /// Designs that may have the least value, the least first.
+    /// Designs that may have the least value, in ascending order of value.
     fn possible(&self) -> Vec<usize> {
         let Some(surest) = self.surest() else { return Vec::new() };
         let known = |i: usize| Some((i, self.estimates[i]?));
@@ -117,7 +118,7 @@ impl<M: DesignMachine> Race<'_, M> {
         motions as u64 * (u64::from(self.request.discard) + u64::from(self.periods(index)))
     }
 
-    /// Row of the sweep.
+    /// A design's row in the sweep.
     fn row(&self, index: usize) -> Result<DesignRow> {
         let size = self.request.part_size();
         let quiet = Task { shard: Shard::ALL, done: &|_| (), ..*self.task };
@@ -126,8 +127,9 @@ impl<M: DesignMachine> Race<'_, M> {
         found.ok_or_else(|| Error::Form { text: index.to_string(), expected: "a design of the sweep" })
     }
 
-    /// Measures a design again while it may be less than `enough`; returns its row, whether the
-    /// search between values is complete, and the periods of motion spent.
+    /// Measures a design again; the search between values stops when the measure certainly exceeds
+    /// `enough`. Returns the design's row, whether the search between values is complete, and the
+    /// periods of motion spent.
     fn measured(&self, index: usize, enough: f64) -> Result<(DesignRow, bool, u64)> {
         let mut row = self.row(index)?;
         let periods = self.periods(index);
@@ -191,12 +193,12 @@ fn has_intervals<M: DesignMachine>(request: &SweepRequest<M>) -> bool {
     request.over.iter().any(|axis| axis.values.len() > 1 && request.between.contains(&axis.name))
 }
 
-/// The best design of a sweep whose parts are all in the task's store, where the choice is stored
-/// too; `None` where there is nothing to choose: a single design, or no measure of a window. The
-/// choice depends neither on threads nor on shards.
+/// Chooses the best design of a sweep and stores the choice in the task's store, which must hold
+/// all parts of the sweep. `None` if there is nothing to choose: a single design, no measure of a
+/// window, or no periods to spend. The choice depends neither on threads nor on shards.
 ///
 /// # Errors
-/// What the store refuses.
+/// Errors of the store.
 pub fn choice<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task) -> Result<Option<Choice>> {
     let Some(measure) = request.measures.iter().position(M::is_of_window) else { return Ok(None) };
     if request.designs.count() < 2 || request.again == 0 {
@@ -218,7 +220,7 @@ pub fn choice<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task)
 /// Calls `visit` with each row in order, replaced by that of the choice where there is one.
 ///
 /// # Errors
-/// What `visit` returns; what the store refuses.
+/// Errors of `visit` and of the store.
 pub fn each_final_row<M: DesignMachine, E: From<Error>>(
     set: &M,
     request: &SweepRequest<M>,

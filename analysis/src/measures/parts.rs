@@ -1,21 +1,22 @@
-//! Division of a window into parts of equal length, by which the spread of its values is found.
+//! Division of a window into parts of equal length, from which the spread of its values is found.
 //!
-//! Of a motion that repeats after n returns every part has a multiple of n returns, so that its
-//! values have no spread but rounding. n is found from the first returns, which are kept one by
-//! one.
+//! If a motion repeats after n returns, the length of every part is a multiple of n returns. The
+//! values of the parts then have no spread except rounding. n is found from the first returns,
+//! which are stored individually.
 
 use super::PARTS;
 use crate::attractor::{LONGEST, least_period};
 
-/// Returns that are kept one by one.
+/// Number of first returns that are stored individually.
 const LOOKED: usize = 4 * LONGEST as usize;
-/// Most blocks kept after them; then blocks are joined in pairs.
+/// Number of blocks at which blocks are joined in pairs.
 const BLOCKS: usize = 3 * LOOKED;
 /// Relative difference up to which the values of two returns are the same.
 const NEAR: f64 = 1e-6;
-/// Relative difference up to which the transient has ended too, so that nothing new comes.
+/// Relative difference of repeated values up to which the transient has ended too, so that further
+/// returns add nothing.
 const STEADY: f64 = 1e-9;
-/// Values up to this part of the largest of their kind are rounding.
+/// Values up to this fraction of the largest value of their kind are rounding.
 const NOTHING: f64 = 1e-12;
 
 /// Observation over some returns.
@@ -30,8 +31,9 @@ pub(crate) trait Observation: Clone {
 #[derive(Debug)]
 pub(crate) struct Parts<W> {
     blocks: Vec<W>,
-    /// Returns in a block, and the incomplete block with its number of returns.
+    /// Number of returns in a complete block.
     size: usize,
+    /// The incomplete block with its number of returns.
     begun: Option<(W, usize)>,
     /// Number of returns after which the values repeat; `None` until it is known.
     period: Option<usize>,
@@ -42,7 +44,7 @@ impl<W: Observation> Parts<W> {
         Self { blocks: Vec::new(), size: 1, begun: None, period: None }
     }
 
-    /// Adds the next return; returns whether the motion certainly repeats.
+    /// Adds the next return. The result is true if this return shows that the motion repeats.
     pub fn push(&mut self, seen: W) -> bool {
         if self.period.is_some() {
             self.put(seen);
@@ -56,7 +58,8 @@ impl<W: Observation> Parts<W> {
         }
     }
 
-    /// Finds the period and joins the returns to blocks of it, which end with the last return.
+    /// Finds the period and joins the returns to blocks of one period each. The last block ends
+    /// with the last return.
     fn divide(&mut self) {
         let period = period(&self.blocks, NEAR).unwrap_or(1);
         let all = std::mem::take(&mut self.blocks);

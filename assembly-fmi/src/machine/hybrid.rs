@@ -11,12 +11,12 @@ use fmi_doors::log::Log;
 use fmi_doors::{Bases, Handled, Hybrid, Interface, Model, Problem};
 use vibro_assembly::motion::{Event, Reached};
 
-/// What brings a motion back to where a step began.
+/// Data that restore the motion at the beginning of a step.
 #[derive(Debug)]
 pub enum Undo {
-    /// The motion itself, where another one goes on in its place.
+    /// The motion itself, if another motion has replaced it.
     Other(Box<Moving>),
-    /// The energy's origin; the rest was kept with the step's begin.
+    /// The energy's origin; `last_step` holds the other data.
     Same(f64),
 }
 
@@ -43,7 +43,7 @@ impl Hybrid for Machine {
     fn take_over(&mut self, end: StepEnd, _: &mut dyn Log) -> Result<(Undo, bool), MachineProblem> {
         let end = end.value().max(self.time());
         self.matrices = None;
-        // With changed parameters it is another motion that goes on.
+        // If parameters have changed, another motion replaces the present one.
         let changed = self.changed && self.ahead.is_none();
         let ahead = changed.then(|| self.ahead_of(self.moving.as_ref().ok_or_else(none)?)).transpose()?;
         let ahead = ahead.or_else(|| self.ahead.take());
@@ -76,8 +76,8 @@ impl Hybrid for Machine {
     fn run(&mut self, end: StepEnd, until: Until, log: &mut dyn Log) -> Result<Met, MachineProblem> {
         self.matrices = None;
         let motion = &mut self.moving.as_mut().ok_or_else(none)?.motion;
-        // Own time may be past the end by the rounding that the host's is allowed: then nothing is
-        // left to do.
+        // The motion's time may exceed the end by the rounding that the host's time may have. Then
+        // nothing is left to do.
         let (end, assembly) = (end.value().max(motion.time()), motion.assembly().clone());
         let mut events = 0;
         let mut observe = |event: &Event| {
@@ -122,7 +122,7 @@ impl Hybrid for Machine {
         (self.latched, self.matrices) = (shown, None);
     }
 
-    /// Inputs that had a course hold their present values from here on.
+    /// Inputs that were polynomials in the step hold their present values after it.
     fn end_step(&mut self, ended: Ended) {
         self.ahead = None;
         for (i, pending) in self.pending.iter_mut().enumerate().filter(|_| ended.interpolated) {
@@ -156,8 +156,8 @@ impl Hybrid for Machine {
         Ok(Handled { states: states || set, nominals: false })
     }
 
-    /// In Model Exchange what was set at an event whose states the host did not update acts from
-    /// here on; in Co-Simulation the next step takes it over.
+    /// In Model Exchange, values that were set at an event without an update of the discrete states
+    /// act from now on. In Co-Simulation the next step takes them over.
     fn go_on(&mut self, _: Option<&mut dyn Log>) -> Result<(), MachineProblem> {
         if self.life.interface == Interface::CoSimulation {
             return Ok(());

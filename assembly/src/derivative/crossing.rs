@@ -1,4 +1,5 @@
-//! Derivatives over an event (docs/assembly-law.md (A30)).
+//! Derivatives over an event (docs/assembly-law.md (A30)). δt is the derivative of an event's time
+//! by a parameter.
 
 use super::impulse::Impulse;
 use super::jump::share;
@@ -30,19 +31,19 @@ pub(super) struct Crossing<'a> {
     pub still: Vec<&'a (Watch, StateRow)>,
 }
 
-/// An event at an instant, for the events that follow at the same one.
+/// Record of an event for later events at the same instant.
 #[derive(Clone, Debug)]
 pub(super) struct Met {
     watch: Watch,
-    /// By parameter: by how much later the changed motion has it.
+    /// By parameter: the event's δt; `None` where it does not exist.
     later: Vec<Option<f64>>,
-    /// Functionals that came to zero together with it.
+    /// Functionals that came to zero together with the event's.
     together: Vec<Watch>,
-    /// Whether it changes forces or velocities at once.
+    /// Whether forces or velocities jump at the event.
     jumps: bool,
 }
 
-/// By how much later the changed motion has an event, and the elements that have their own times.
+/// δt of an event, and of other elements' events at the same instant.
 #[derive(Clone, Debug)]
 pub(super) struct Later {
     pub event: f64,
@@ -68,14 +69,14 @@ fn differ(a: f64, b: f64) -> bool {
 }
 
 impl Crossing<'_> {
-    /// Whether forces or velocities change at once.
+    /// Whether forces or velocities jump at the event.
     fn jumps(&self) -> bool {
         let (was, is) = (self.before.rates, self.after.rates);
         !self.impulses.is_empty()
             || was.iter().zip(is.iter()).any(|(a, b)| (a - b).abs() > STILL * (a.abs() + b.abs()))
     }
 
-    /// The stops that were open and are hit, other than the one that is due.
+    /// Stops that were open and are hit, except the stop whose functional is due.
     fn hit(&self) -> impl Iterator<Item = usize> {
         let due = match &self.due {
             Some((Watch::Meets(i), _)) => Some(*i),
@@ -92,8 +93,8 @@ impl Crossing<'_> {
         all.into_iter()
     }
 
-    /// Carries the derivative by parameter `p` over the event; returns by how much later the changed
-    /// motion has it, and its other elements their part of it.
+    /// Carries the derivative by parameter `p` over the event; returns the δt of the event and of
+    /// the other elements' events.
     pub fn carry(&self, p: usize, delta: &mut DVector<f64>, scale: &DVector<f64>) -> Result<Later, Lost> {
         let lost = |element, cause| Lost { time: self.before.time, element, cause };
         let tangent = &self.machine.tangents[p];
@@ -118,8 +119,8 @@ impl Crossing<'_> {
         Ok(Later { event: later, own })
     }
 
-    /// Compares with what else happens at the instant. Returns the elements with the times by which
-    /// they come later, and whether these are impacts that differ and do not concern one another.
+    /// Compares the event with the other events of the instant. Returns their elements with their
+    /// δt, and whether they are impacts with different δt on stops that are not coupled.
     fn others(&self, column: Varied, later: f64) -> Result<(Vec<(Contact, f64)>, bool), Lost> {
         let lost = |element, cause| Lost { time: self.before.time, element, cause };
         self.check_earlier(column.p, later)?;
@@ -155,8 +156,8 @@ impl Crossing<'_> {
         }
     }
 
-    /// Refuses an event that was due together with an earlier one of this instant, where they come
-    /// later by different times and their order matters.
+    /// Refuses an event that was due together with an earlier one of this instant if their δt
+    /// differ and their order matters.
     fn check_earlier(&self, p: usize, later: f64) -> Result<(), Lost> {
         let Some((watch, _)) = &self.due else { return Ok(()) };
         let (machine, time) = (self.machine, self.before.time);
@@ -171,8 +172,9 @@ impl Crossing<'_> {
         Ok(())
     }
 
-    /// Other elements that come to their limits at the instant and change with this event, or stand
-    /// before a knot; refuses those that come later by another time where anything jumps.
+    /// Other elements that come to their limits at this instant, with their δt: at a knot all of
+    /// them, else those whose state changes in this event. Refuses an element with a different δt
+    /// if forces or velocities jump.
     fn changed_with(&self, column: Varied, later: f64) -> Result<Vec<(Contact, f64)>, Lost> {
         let (machine, mode) = (self.machine, self.before.mode);
         let due = self.due.as_ref().map(|due| contact_of(due.0));
@@ -198,7 +200,7 @@ impl Crossing<'_> {
         Ok(times)
     }
 
-    /// Impacts of stops that do not concern one another, each later by its own time.
+    /// Carries the derivative over impacts of stops that are not coupled, each with its own δt.
     fn one_by_one(&self, p: usize, times: &[(Contact, f64)], delta: &mut DVector<f64>) {
         let system = &self.machine.system;
         for impulse in &Impulse::one_by_one(system, self.events, &self.impulses) {
@@ -211,7 +213,7 @@ impl Crossing<'_> {
         }
     }
 
-    /// An event of which everything comes later by one time: δ⁺ = J (δ + f⁻ δt) + dJ z - f⁺ δt.
+    /// Carries the derivative over an event with a single δt: δ⁺ = J (δ + f⁻ δt) + dJ z - f⁺ δt.
     fn at_once(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<(), Lost> {
         let (machine, tangent) = (self.machine, &self.machine.tangents[p]);
         if self.due.is_none() {
@@ -237,7 +239,7 @@ impl Crossing<'_> {
         Ok(())
     }
 
-    /// A step among other knots at its time: only its own height acts later.
+    /// A step at a time with several knots: δt delays the height of this step only.
     fn one_of_many_knots(&self, knot: &StepTime, delta: &mut DVector<f64>) -> Result<(), Lost> {
         let (machine, n) = (self.machine, self.machine.system.coordinates);
         if machine.system.has_motions || self.before.mode.mode != self.after.mode.mode {
@@ -251,8 +253,8 @@ impl Crossing<'_> {
         Ok(())
     }
 
-    /// The derivative of a reported event's time. A stop closes when its bounces accumulate, at
-    /// 2 ε u/(a (1 - ε)) after the impact from which on they are not followed.
+    /// The derivative of a reported event's time. A stop closes when its bounces accumulate. The
+    /// time from the last impact that is followed is 2 ε u/(a (1 - ε)).
     pub fn time_of(&self, p: usize, event: &Event, later: &Later, delta: &DVector<f64>) -> Option<f64> {
         let own = event.contact().and_then(|contact| later.own.iter().find(|own| own.0 == contact));
         let later = own.map_or(later.event, |own| own.1);
@@ -260,7 +262,8 @@ impl Crossing<'_> {
         let e = self.machine.system.stops[stop].restitution()?;
         let bounce = event.time - self.before.time;
         if bounce <= 0.0 {
-            // Without bounces the time is that of the impact; with ε = 1 there is no sum of them.
+            // Without bounces the stop closes at the impact. For ε = 1 the sum of the bounces'
+            // durations diverges.
             return (e < 1.0).then_some(later);
         }
         let (rows, own) = self.machine.contact(Contact::Stop(stop), p);
@@ -274,7 +277,7 @@ impl Crossing<'_> {
         Some(later + bounce * relative).filter(|time| time.is_finite())
     }
 
-    /// What later events of the same instant need to know.
+    /// Record of this event for later events at the same instant; `None` at a knot.
     pub fn met(&self, later: Vec<Option<f64>>) -> Option<Met> {
         let (watch, _) = self.due.as_ref()?;
         let together = self.together.iter().map(|(watch, _)| *watch).collect();

@@ -8,8 +8,8 @@ use crate::kernel::{Blocks, SparseColumns};
 use std::sync::Arc;
 
 /// Number of Taylor coefficients of the velocities within an interval, from order 1 on: the first
-/// omitted term is below 0.375¹⁷/17! < 2e-22 of the largest coordinate. A multiple of the vector
-/// length.
+/// omitted term is below 0.375¹⁷/17! < 2e-22 of the largest coordinate. The number is a multiple of
+/// the length of the processor's vectors.
 const WITHIN: usize = 16;
 
 /// Factors 1/(k + 1) of the integrals of powers u^k, from order 1 on.
@@ -28,13 +28,15 @@ const INTEGRAL: [f64; WITHIN] = {
 pub(super) struct Kept {
     /// z at the interval ends from z at the sub-step's start.
     transitions: Vec<Blocks>,
-    /// By velocity: its Taylor coefficients from order 1 on in units of an interval, by coordinate.
+    /// For each velocity: its Taylor coefficients from order 1 on, for time in units of an
+    /// interval. Each column belongs to one number of the state.
     velocities: Vec<SparseColumns<WITHIN>>,
-    /// ∫ (h - s) exp(A s) ds over a sub-step h, where forces are separate: z(h) = z + h z' + this
-    /// times z''.
+    /// ∫ (h - s) exp(A s) ds over a sub-step h, if elastic forces are computed separately. Then
+    /// z(h) = z + h z' + (this matrix) z''.
     integral: Option<Blocks>,
-    /// By watched functional.
+    /// Columns of each watched functional.
     watched: Vec<WatchColumns>,
+    /// Heads of the watched functionals.
     heads: Vec<Heads>,
 }
 
@@ -60,7 +62,7 @@ impl Kept {
         }
     }
 
-    /// Count of stored numbers, with so many coordinates.
+    /// Count of stored numbers for a state of `size` numbers.
     pub(super) fn numbers(&self, size: usize) -> usize {
         self.transitions.len() * size * size
             + self.velocities.iter().map(SparseColumns::numbers).sum::<usize>()
@@ -84,8 +86,8 @@ impl Kept {
         &self.watched[place]
     }
 
-    /// Writes the state at the end of a sub-step from that at its start and, where forces are
-    /// separate, its first two derivatives.
+    /// Writes the state at the end of a sub-step from that at its start and, if elastic forces are
+    /// computed separately, its first two derivatives.
     #[inline(always)]
     pub(super) fn at_end(&self, z: &[f64], [rates, second]: [&[f64]; 2], length: f64, to: &mut [f64]) {
         match &self.integral {

@@ -1,7 +1,7 @@
 //! Long steps of stiff machines. The length of a sub-step follows from the mode's fastest motion.
-//! Where that has decayed, or moves nothing that is watched, the state advances by 2, 4, 8, …
-//! sub-steps at once; the actual state determines which length is safe (docs/assembly-law.md (A22),
-//! (A23)).
+//! If that motion has decayed or does not change the watched functionals, the state advances by 2,
+//! 4, 8, … sub-steps at once; the actual state determines which length is safe
+//! (docs/assembly-law.md (A22), (A23)).
 
 use super::exact::Exact;
 use super::exponential::{exponentials, series_orders};
@@ -14,12 +14,12 @@ use std::sync::{Arc, OnceLock};
 /// Number of rungs: lengths of up to 2⁴⁷ sub-steps.
 pub const RUNGS: usize = 48;
 
-/// Most coordinates with which flows with stiff forces are doubled in double-double arithmetic,
-/// which takes ten times as long: milliseconds each.
+/// Largest number of coordinates for which flows with stiff forces are doubled in double-double
+/// arithmetic. It takes ten times as long: milliseconds for each doubling.
 const EXACT: usize = 40;
 
-/// A value for each length of 2^k sub-steps, made on first use. Most modes need none, so that the
-/// list itself is made with its first rung.
+/// A value for each length of 2^k sub-steps, made on first use. Most modes need no rung. The list
+/// itself is therefore made with the first rung.
 #[derive(Clone, Debug)]
 pub struct Ladder<T>(OnceLock<Vec<OnceLock<T>>>);
 
@@ -54,9 +54,10 @@ pub struct Rung {
     integral: DMatrix<f64>,
     /// `integral` in the form for fast products.
     blocks: Blocks,
-    /// exp(A h) - 1 at its end; without the 1 small entries keep their digits in doubling.
+    /// exp(A h) - 1 at the end. The 1 is subtracted so that small entries keep their digits in
+    /// doubling.
     change: DMatrix<f64>,
-    /// Integral and change in double-double arithmetic, where forces are separate.
+    /// Integral and change in double-double arithmetic, if elastic forces are computed separately.
     exact: Option<Exact>,
     /// Bounds of |exp(A s)| throughout the length.
     spread: DMatrix<f64>,
@@ -68,7 +69,7 @@ impl Rung {
     /// The flow over one sub-step.
     pub(super) fn first(table: &FlowTable) -> Self {
         let (a, length) = (&table.a, table.length);
-        // Transposed until the end.
+        // `term`, `integral` and `change` are transposed; the last line transposes them back.
         let mut term = DMatrix::identity(a.len(), a.len());
         let mut integral = &term * length;
         let mut change = DMatrix::zeros(a.len(), a.len());
@@ -121,8 +122,8 @@ impl Rung {
         )
     }
 
-    /// A bound of the second derivative of the watched functional at a place throughout the length,
-    /// from the state's second derivative at its start.
+    /// Bound of a watched functional's second derivative over the whole length, from the state's
+    /// second derivative at the start. `place` is the functional's index.
     pub fn bend(&self, place: usize, second: &[f64]) -> f64 {
         self.reaches[place].iter().zip(second).map(|(r, x)| r * x.abs()).sum()
     }
@@ -133,7 +134,8 @@ impl Rung {
         to.iter_mut().zip(z).for_each(|(to, z)| *to += z);
     }
 
-    /// Rows that act at the end, as rows at the start: rows × exp(A h).
+    /// The product rows × exp(A h): the rows that give, from the state at the start, the values of
+    /// `rows` at the end.
     pub fn after(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         rows + rows * &self.change
     }

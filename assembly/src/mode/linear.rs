@@ -14,8 +14,8 @@ use std::sync::Arc;
 pub struct Linear {
     /// z' = A z.
     pub a: SparseMatrix,
-    /// By entry of A: the sum of the sizes of its terms, whose rounding remains where a closed stop
-    /// cancels them; where there are contacts.
+    /// By entry of A: the sum of the sizes of its terms; `None` without contacts. If a closed stop
+    /// cancels the terms, their rounding remains.
     pub terms: Option<SparseMatrix>,
     /// Contact forces of the basis, in its order, as rows.
     pub lambda: Vec<Sparse>,
@@ -25,7 +25,8 @@ pub struct Linear {
     pub watched: Vec<(Watch, Arc<Sparse>)>,
     /// Elastic forces that may be computed separately.
     pub elastic: Option<Elastic>,
-    /// Absolute values of the projection of velocities past the contacts, where there are contacts.
+    /// Absolute values of 1 - M⁻¹ W G⁻¹ Wᵀ, the projection of velocities onto those that the
+    /// contacts allow; `None` without contacts.
     pub loose: Option<SparseMatrix>,
 }
 
@@ -37,10 +38,11 @@ pub struct Elastic {
     pub rest: SparseMatrix,
     /// By entry of `rest`: the sum of the sizes of its terms, where there are contacts.
     pub rest_terms: Option<SparseMatrix>,
-    /// The forces, each with what a unit of it takes from z'.
+    /// The forces, each with its vector `by`: a unit of the force reduces z' by this vector.
     pub forces: Vec<(Arc<Functional>, Arc<Sparse>)>,
-    /// With stored matrices: whether a force ties a group that much softer forces move. Where this
-    /// is false, the forces may still be what makes the mode fast.
+    /// Whether a force ties a group of bodies that much softer forces move; always false without
+    /// stored matrices. If it is false, the fastest motion of the mode may still come from these
+    /// forces.
     pub are_stiff: bool,
 }
 
@@ -70,7 +72,8 @@ impl System {
         }
     }
 
-    /// The forces of a mode beside base, elastic and others, of a machine that keeps no tables.
+    /// The forces of a mode that are added to the base matrix: elastic forces and others. `None`
+    /// for a machine that stores matrices.
     fn split_terms(&self, mode: &Mode) -> Option<(&Split, Vec<Term>, Vec<Term>)> {
         let split = (!self.keeps_matrices()).then(|| self.split())?;
         Some((split, split.elastic(mode), split.frictional(mode)))
@@ -153,7 +156,7 @@ impl System {
         watched
     }
 
-    /// What is watched of a stop in a state, but for the force of a closed one.
+    /// Functionals that are watched for a stop in a state, without the force of a closed stop.
     pub(crate) fn watched_of_stop(&self, i: usize, state: StopState) -> Vec<(Watch, StateRow)> {
         let stop = &self.stops[i];
         let damped = stop.force != stop.spring;
@@ -176,7 +179,8 @@ impl System {
         }
     }
 
-    /// What is watched of a friction in a state, but for the force of one that sticks.
+    /// Functionals that are watched for a friction in a state, without the force of one that
+    /// sticks.
     pub(crate) fn watched_of_friction(&self, i: usize, state: FrictionState) -> Vec<(Watch, StateRow)> {
         let friction = &self.frictions[i];
         match state {
@@ -191,7 +195,8 @@ impl System {
         }
     }
 
-    /// A of the mode in which nothing is pressed, slips or is held, but for stiff springs.
+    /// A of the mode in which no stop is pressed, no friction slips and no contact is held, without
+    /// the forces of stiff springs.
     pub(crate) fn base(&self) -> SparseMatrix {
         self.matrix(&self.accelerations(self.soft_forces(), &[], &[]))
     }

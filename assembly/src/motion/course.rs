@@ -3,8 +3,9 @@
 //! that of exact motions.
 //!
 //! A solver's states have errors. An indicator passes zero where its functional exceeds zero by
-//! [`OVERSHOOT`] of its size, so that at the event the law sees the functional beyond zero. Just
-//! after an event the indicator is positive, which hosts that look for a change of sign require.
+//! [`OVERSHOOT`] times its size. At the event the functional is therefore positive when the law is
+//! applied. Just after an event the indicator is positive, which hosts that look for a change of
+//! sign require.
 
 use super::event::Event;
 use super::jump::Parted;
@@ -22,11 +23,11 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Relative overshoot of a watched functional where its indicator passes zero. Above the rounding
-/// of the roots that solvers find; small enough that an impact at this depth is as exact as a
-/// solver's tolerance.
+/// Relative overshoot of a watched functional where its indicator passes zero. It is larger than
+/// the rounding of the roots that solvers find, and so small that an impact at this depth is as
+/// exact as a solver's tolerance.
 pub(super) const OVERSHOOT: f64 = 1e-11;
-/// Most modes in a row at one instant, per indicator.
+/// Largest number of successive modes at one instant, per indicator.
 const CHAIN: usize = 10;
 
 /// The last event and the last accepted point of a host's solver.
@@ -140,7 +141,7 @@ impl Motion {
         self.overshoot = OVERSHOOT;
     }
 
-    /// [`changed`](Self::changed) where a host's solver integrates.
+    /// As [`changed`](Self::changed), for a motion that a host's solver integrates.
     ///
     /// # Errors
     /// As [`changed`](Self::changed); the course is then unchanged.
@@ -185,7 +186,8 @@ impl Motion {
             let own = self.assembly.system.signals.one;
             course.z.as_mut_slice()[own..].copy_from_slice(&self.hybrid.z.as_slice()[own..]);
         }
-        // A functional of inputs alone has no other size and would count as zero.
+        // A functional of inputs alone gets its size from this value only. Without a size it would
+        // count as zero.
         if let Some(place) = self.assembly.system.signals.place_of_input(i) {
             self.hybrid.sizes.include_from(place, &[value]);
         }
@@ -210,8 +212,9 @@ impl Motion {
         self.is_at_knot(course) || !self.passed().is_empty()
     }
 
-    /// The event indicators: stops, then frictions. Each is 1e-11 less its functional relative to
-    /// its size, so that an event is where it becomes negative; it is 1 where nothing is watched.
+    /// The event indicators: stops, then frictions. Each is 1e-11 minus the ratio of its functional
+    /// to the functional's size. An event occurs where the indicator becomes negative. An indicator
+    /// without a watched functional is 1.
     pub fn indicators(&self) -> Vec<f64> {
         let system = &self.assembly.system;
         let mut indicators = vec![1.0; system.indicators()];
@@ -256,8 +259,8 @@ impl Motion {
         self.is_at_knot(course) || self.indicators().iter().any(|indicator| *indicator <= 0.0)
     }
 
-    /// Applies the law at an event: a signal's knot, and impacts and the next mode where watched
-    /// functionals have passed zero. Returns whether there was an event: then the solver has to
+    /// Applies the law at an event: a signal's knot acts; if watched functionals have passed zero,
+    /// impacts and the next mode follow. Returns whether there was an event: then the solver has to
     /// restart, since states or derivatives have changed.
     ///
     /// # Errors
@@ -286,9 +289,10 @@ impl Motion {
         if !self.is_event_due_on(course) {
             return Ok(false);
         }
-        // First the solver's errors at closed contacts are removed, which are neither impacts nor
-        // openings; functionals that passed zero by them alone have not passed. At a knot only
-        // rates are projected, since coordinates may jump with prescribed bodies.
+        // First the solver's errors at closed contacts are removed, since they are neither impacts
+        // nor openings. A functional that passed zero only by these errors does not count as
+        // passed. At a knot only rates are projected, since coordinates may jump with prescribed
+        // bodies.
         let (left, is_at_knot) = (self.hybrid.z.clone(), self.is_at_knot(course));
         if is_at_knot {
             self.keep_rates()
@@ -320,8 +324,8 @@ impl Motion {
         Err(self.stuck("the modes change without end"))
     }
 
-    /// Whether the state equals another within what counts as zero; a repeated projection leaves
-    /// rounding.
+    /// Whether the state equals another within the tolerance of zero. A repeated projection leaves
+    /// rounding errors.
     fn counts_as(&self, other: &DVector<f64>) -> bool {
         let Hybrid { z, sizes, .. } = &self.hybrid;
         z.iter().zip(other).zip(&sizes.0).all(|((is, was), size)| (is - was).abs() <= ZERO * size)
@@ -365,7 +369,7 @@ impl Motion {
         self.table().a.rows_times(0..self.assembly.system.signals.one, z.as_slice())
     }
 
-    /// Computes the signals' part of the state, knots after the last event left out.
+    /// Computes the signals' part of the state without knots after the last event.
     fn refill_on(&mut self, course: &Course) {
         let signals = self.signals_on(course, self.hybrid.time);
         let own = self.assembly.system.signals.one;

@@ -1,5 +1,5 @@
-//! Jumps of prescribed bodies, in coordinate and rate, where a knot or an input sets signals anew;
-//! bodies that links tie to them jump along (docs/assembly-law.md, section 3, Jumps).
+//! Jumps of prescribed bodies in coordinate and rate, at a knot of a signal or when an input is
+//! set. Bodies that links tie to them jump with them (docs/assembly-law.md, section 3, Jumps).
 
 use super::Motion;
 use crate::error::Error;
@@ -8,7 +8,7 @@ use crate::signals::Input;
 use crate::system::Elongation;
 use nalgebra::DVector;
 
-/// Values before signals are set anew, to which a jump is measured.
+/// Values before signals jump. A jump is the difference from these values.
 pub(super) struct BeforeJump {
     /// By body: coordinate and rate.
     bodies: Vec<[f64; 2]>,
@@ -101,10 +101,10 @@ impl Motion {
         self.apart(before)
     }
 
-    /// The change of the coordinates (`which` 0) or of their rates (1) at a jump Δp of the
-    /// prescribed bodies: M Δq = -Bᵀ m D Δp, the least motion of the free bodies that their links
-    /// allow, in the inertia's metric, and the limit of ever faster motions in place of the jump.
-    /// `None` where no link takes part.
+    /// The change Δq of the coordinates (`which` 0) or of their rates (1) at a jump Δp of the
+    /// prescribed bodies: M Δq = -Bᵀ m D Δp. Of all motions of the free bodies that the links
+    /// allow, this is the smallest in the inertia's metric. It is also the limit of ever faster
+    /// continuous motions of the prescribed bodies. `None` where no link takes part.
     fn share(&self, before: &BeforeJump, which: usize) -> Option<DVector<f64>> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let mut pull = DVector::zeros(system.coordinates);
@@ -120,7 +120,7 @@ impl Motion {
         any.then(|| system.inertia.solve(&pull))
     }
 
-    /// Refuses a jump after which a rigid stop has e > gap and more than before.
+    /// Refuses a jump after which a rigid stop has e > gap and a larger e - gap than before.
     pub(super) fn check_jump(&self, before: &BeforeJump) -> Result<(), Error> {
         let (stops, hybrid) = (&self.assembly.system.stops, &self.hybrid);
         for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
