@@ -45,8 +45,8 @@ use pulp::Simd;
 /// Largest number of halvings of an interval. A piece is then 2⁻⁵⁵ long, less than the spacing of
 /// the doubles about ±1.
 const MAX_DEPTH: u32 = 56;
-/// Largest number of coefficients of a polynomial that is searched. The series of described
-/// machines have this number.
+/// Largest number of coefficients of a polynomial that is searched. It is enough for the series of
+/// described machines.
 const MAX_COEFFICIENTS: usize = 40;
 /// Largest number of pieces that are examined. A polynomial of [`MAX_COEFFICIENTS`] or fewer
 /// coefficients needs fewer, nearly always less than a hundred (docs/numerics.md, "Second stage").
