@@ -82,8 +82,9 @@ pub struct Reference {
 impl Reference {
     /// Starts at `time` (s) from `state`; the drive's phase is `ω1 time + drive.phase`.
     ///
-    /// # Errors [`Error::OutOfRange`] if a parameter, the state, the time or a tolerance is out of
-    /// range; [`Error::Penetration`] if the block is outside the box.
+    /// # Errors
+    /// [`Error::OutOfRange`] if a parameter, the state, the time or a tolerance is out of range;
+    /// [`Error::Penetration`] if the block is outside the box.
     pub fn new(parameters: &Parameters, state: &State, time: f64, tolerance: Tolerance) -> Result<Self> {
         parameters.validate()?;
         tolerance.validate()?;
@@ -169,8 +170,9 @@ impl Reference {
 
     /// Advances to exactly `end` (s), reporting each event.
     ///
-    /// # Errors [`Error::Step`] if `end` is not finite or in the past; [`Error::PrecisionLost`] if
-    /// the error control needs steps under the resolution of time.
+    /// # Errors
+    /// [`Error::Step`] if `end` is not finite or in the past; [`Error::PrecisionLost`] if the error
+    /// control needs steps under the resolution of time.
     pub fn advance(&mut self, end: f64, on_event: &mut dyn FnMut(&Event)) -> Result<()> {
         if !end.is_finite() || end < self.time {
             return Err(Error::Step { time: self.time, end });

@@ -17,7 +17,8 @@ const GAP: f64 = f64::NAN;
 /// parameter's value, the amplitudes of x1, x2, x3 in units of L, and 1 if the motion is stable and
 /// admissible up to the next row, otherwise 0. A row of NaN separates two curves.
 ///
-/// # Errors An error if a name or range is not allowed, or if the theory refuses the parameters.
+/// # Errors
+/// An error if a name or range is not allowed, or if the theory refuses the parameters.
 #[wasm_bindgen]
 pub fn response(
     set: &Set,
@@ -48,7 +49,8 @@ pub fn response(
 /// passes all three tests of admissibility (otherwise 0), then the kind of the row: 0 for a point
 /// of the curve, 1 and 2 for the fixed points P₁ and P₂ under the force of the set.
 ///
-/// # Errors An error if multiple scales refuses the groups.
+/// # Errors
+/// An error if multiple scales refuses the groups.
 #[wasm_bindgen]
 pub fn manifold(set: &Set, nodes: u32) -> Result<Vec<f64>, JsError> {
     let groups = *set.0.groups();
@@ -85,7 +87,8 @@ extern "C" {
 /// local maximum of the displacement in units of L, and 1 if the orbit is stable, otherwise 0. A
 /// row of NaN separates two curves.
 ///
-/// # Errors An error if a name or range is not allowed, or if the search refuses the parameters.
+/// # Errors
+/// An error if a name or range is not allowed, or if the search refuses the parameters.
 #[wasm_bindgen]
 pub fn branches(
     set: &Set,

@@ -49,7 +49,8 @@ impl Columns {
     /// Columns over the parameter `name`. `shown` is `x1`, `x2`, `x3` or `w` (local maxima),
     /// `strobe` (x2 at whole drive periods) or `speed` (approach speeds of impacts).
     ///
-    /// # Errors An error if a name is unknown.
+    /// # Errors
+    /// An error if a name is unknown.
     #[wasm_bindgen(constructor)]
     pub fn new(set: &Set, name: &str, shown: &str) -> std::result::Result<Columns, JsError> {
         let ordinate = match shown {
@@ -65,7 +66,8 @@ impl Columns {
     /// the end, six numbers in these units, and then the shown numbers of `keep` further drive
     /// periods.
     ///
-    /// # Errors An error if the value is out of range or the simulator stops with an error.
+    /// # Errors
+    /// An error if the value is out of range or the simulator stops with an error.
     pub fn column(
         &self,
         value: f64,

@@ -38,7 +38,8 @@ pub(crate) fn state_of(numbers: &[f64]) -> State {
 impl Machine {
     /// Starts at time 0 from x1, x2, x3 (m), v1, v2, v3 (m/s).
     ///
-    /// # Errors An error if the simulator refuses the parameters or the state.
+    /// # Errors
+    /// An error if the simulator refuses the parameters or the state.
     #[wasm_bindgen(constructor)]
     pub fn new(set: &Set, start: &[f64]) -> std::result::Result<Machine, JsError> {
         let simulator = Simulator::new(set.0.parameters(), &state_of(start), 0.0)?;
@@ -47,8 +48,9 @@ impl Machine {
 
     /// Changes the parameters while the motion goes on: the drive's phase is continuous.
     ///
-    /// # Errors An error if the simulator refuses the parameters at the present state; nothing has
-    /// changed then.
+    /// # Errors
+    /// An error if the simulator refuses the parameters at the present state; nothing has changed
+    /// then.
     pub fn set_parameters(&mut self, set: &Set) -> std::result::Result<(), JsError> {
         Ok(self.simulator.set_parameters(set.0.parameters())?)
     }
@@ -79,7 +81,8 @@ impl Machine {
     /// Advances to `end` (s) and returns rows of [`ROW`] numbers: `count` instants at equal
     /// distances, the last at the end, and two for each impact, just before and just after it.
     ///
-    /// # Errors An error of the simulator; the motion then stands where the simulator stopped.
+    /// # Errors
+    /// An error of the simulator; the motion then stands where the simulator stopped.
     pub fn record(&mut self, end: f64, count: u32) -> std::result::Result<Vec<f64>, JsError> {
         let begin = self.simulator.time();
         let mut rows = Vec::with_capacity(ROW * (count as usize + 16));

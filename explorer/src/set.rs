@@ -14,7 +14,8 @@ pub struct Set(pub(crate) ParameterSet);
 impl Set {
     /// The default set (partly a reconstruction), or the strongly coupled one.
     ///
-    /// # Errors No error occurs for these two sets.
+    /// # Errors
+    /// No error occurs for these two sets.
     #[wasm_bindgen(constructor)]
     pub fn new(strong: bool) -> Result<Set, JsError> {
         Ok(Self(if strong { ParameterSet::strong()? } else { ParameterSet::basic() }))
@@ -22,8 +23,9 @@ impl Set {
 
     /// The set with one parameter changed.
     ///
-    /// # Errors An error if the name is unknown, or if the value is out of its range, which the
-    /// message names.
+    /// # Errors
+    /// An error if the name is unknown, or if the value is out of its range, which the message
+    /// names.
     pub fn with(&self, name: &str, value: f64) -> Result<Set, JsError> {
         let mut set = self.0.clone();
         set.assign(&[(Name::find(name)?, value)])?;
@@ -43,7 +45,8 @@ impl Set {
     /// a unit is in `unit`, a unit of the parameter as [`typed`](Self::typed) gives it, or in the
     /// SI unit if `unit` is empty.
     ///
-    /// # Errors An error if the name is unknown, the text is not a number, or the unit has another
+    /// # Errors
+    /// An error if the name is unknown, the text is not a number, or the unit has another
     /// dimension; the message names what is allowed.
     pub fn read(&self, name: &str, text: &str, unit: &str) -> Result<f64, JsError> {
         let name = Name::find(name)?;

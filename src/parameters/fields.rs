@@ -77,8 +77,9 @@ pub const LOADS: [Field; 3] = [
 impl Field {
     /// Checks a value against the range.
     ///
-    /// # Errors [`Error::OutOfRange`](crate::Error::OutOfRange), which names this field, if the
-    /// value is outside the range, NaN or infinite.
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange), which names this field, if the value is
+    /// outside the range, NaN or infinite.
     pub fn check(&self, value: f64) -> Result<()> {
         self.range.check(self.name, value)
     }

@@ -169,8 +169,9 @@ impl Group {
     /// Checks a value against the range; [`check_together`] checks bounds that depend on another
     /// group.
     ///
-    /// # Errors [`Error::OutOfRange`], which names this group, if the value is outside the range,
-    /// NaN or infinite.
+    /// # Errors
+    /// [`Error::OutOfRange`], which names this group, if the value is outside the range, NaN or
+    /// infinite.
     pub fn check(&self, value: f64) -> Result<()> {
         self.range.check(self.name, value)
     }
@@ -185,7 +186,8 @@ impl Group {
 /// positive and the secondary oscillator's stiffness (1 + ε σ̂30) m3 ω10² is not negative,
 /// docs/theory.md (23).
 ///
-/// # Errors [`Error::OutOfRange`], which names `sigma1` or `sigma30`, if its bound is violated.
+/// # Errors
+/// [`Error::OutOfRange`], which names `sigma1` or `sigma30`, if its bound is violated.
 pub fn check_together(g: &Groups) -> Result<()> {
     let frequency = (&SIGMA1, g.sigma1, 1.0 + g.epsilon * g.sigma1 > 0.0);
     let stiffness = (&SIGMA30, g.sigma30, 1.0 + g.epsilon * g.sigma30 >= 0.0);

@@ -48,7 +48,8 @@ impl Range {
 
     /// Checks the value of the quantity `name`.
     ///
-    /// # Errors [`Error::OutOfRange`] if [`contains`](Self::contains) is false for the value.
+    /// # Errors
+    /// [`Error::OutOfRange`] if [`contains`](Self::contains) is false for the value.
     pub fn check(&self, name: &'static str, value: f64) -> Result<()> {
         if self.contains(value) {
             return Ok(());

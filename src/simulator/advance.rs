@@ -39,10 +39,11 @@ impl Simulator {
     /// An end before the present by no more than the rounding of [`time`](Self::time) to a double
     /// counts as the present.
     ///
-    /// # Errors [`Error::Step`] if the end is before the present or not finite, and
-    /// [`Error::PrecisionLost`] if it is so late that a double no longer resolves the motion;
-    /// nothing has changed then. [`Error::WorkLimit`] if the motion hardly progresses; the state
-    /// then stands at the time that the error names.
+    /// # Errors
+    /// [`Error::Step`] if the end is before the present or not finite, and [`Error::PrecisionLost`]
+    /// if it is so late that a double no longer resolves the motion; nothing has changed then.
+    /// [`Error::WorkLimit`] if the motion hardly progresses; the state then stands at the time that
+    /// the error names.
     pub fn advance_until(
         &mut self,
         end: impl Into<DoubleDouble>,

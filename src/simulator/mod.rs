@@ -136,7 +136,8 @@ impl Simulator {
     /// Starts at `time` (s) from `state`, without loads. The drive's phase is
     /// `ω1 time + drive.phase`.
     ///
-    /// # Errors [`Error::OutOfRange`] if a parameter, the state or the time is out of range;
+    /// # Errors
+    /// [`Error::OutOfRange`] if a parameter, the state or the time is out of range;
     /// [`Error::Penetration`] if the block is outside the stops; [`Error::PrecisionLost`] if double
     /// precision does not resolve the motion.
     pub fn new(parameters: &Parameters, state: &State, time: f64) -> Result<Self> {
@@ -260,8 +261,9 @@ impl Simulator {
     /// loads of the [parameters](Parameters::constant_loads) add to them. An event that is due is
     /// treated as in [`set_parameters`](Self::set_parameters).
     ///
-    /// # Errors [`Error::OutOfRange`] if a load is not finite, and [`Error::PrecisionLost`] if it
-    /// is too large for the system in double precision; nothing has changed then.
+    /// # Errors
+    /// [`Error::OutOfRange`] if a load is not finite, and [`Error::PrecisionLost`] if it is too
+    /// large for the system in double precision; nothing has changed then.
     pub fn set_loads(&mut self, loads: &Loads) -> Result<()> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(&loads.derivatives) {

@@ -40,8 +40,9 @@ impl Simulator {
     /// Restores a snapshot, its parameters included. The motion continues bit-identical to the one
     /// from which the snapshot was taken.
     ///
-    /// # Errors As [`new`](Self::new) if parameters or state are invalid (a foreign or damaged
-    /// snapshot); nothing has changed then.
+    /// # Errors
+    /// As [`new`](Self::new) if parameters or state are invalid (a foreign or damaged snapshot);
+    /// nothing has changed then.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let hybrid = snapshot.hybrid;
         let finite = |e: &DoubleDouble| e.hi.is_finite() && e.lo.is_finite();

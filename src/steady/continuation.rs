@@ -125,7 +125,8 @@ pub trait Family: Sized {
 
     /// Steady state of a sheet; `None` if its root is not positive.
     ///
-    /// # Errors An error if the steady state cannot be computed.
+    /// # Errors
+    /// An error if the steady state cannot be computed.
     fn solution(&self, sheet: Sheet) -> Result<Option<Self::Solution>>;
 
     /// Whether the steady state is stable and admissible.
@@ -156,7 +157,8 @@ pub fn along_field(base: Parameters, field: &'static Field) -> impl Fn(f64) -> R
 /// Branch of exact orbits along a path of parameters, e.g. [`along_field`], over `range` with
 /// `nodes` per sheet and interval (200 show a curve).
 ///
-/// # Errors [`Error::Range`] if the range is empty or unbounded; the errors of the path and of
+/// # Errors
+/// [`Error::Range`] if the range is empty or unbounded; the errors of the path and of
 /// [`OrbitFamily::new`](super::exact_orbit::OrbitFamily::new).
 pub fn exact_orbit(
     path: impl Fn(f64) -> Result<Parameters>,
@@ -193,7 +195,8 @@ pub fn strong_coupling(
 
 /// Branch of any family over a range of its parameter.
 ///
-/// # Errors [`Error::Range`] if the range is empty or unbounded; the errors of `family`.
+/// # Errors
+/// [`Error::Range`] if the range is empty or unbounded; the errors of `family`.
 pub fn branch<F: Family>(
     family: impl Fn(f64) -> Result<F>,
     range: (f64, f64),

@@ -103,9 +103,10 @@ pub fn solve(groups: &Groups) -> Result<Option<Roots<StrongPoint>>> {
 impl StrongCoupling {
     /// Closed form for a set of groups.
     ///
-    /// # Errors [`Error::OutOfRange`] if a group is outside its range or NaN; [`Error::Undefined`]
-    /// if β is within 1e-7 of 1, 2, 3, … (the block resonates with a harmonic of its impacts), if β
-    /// is above 1000, or if X3 is undamped and at resonance.
+    /// # Errors
+    /// [`Error::OutOfRange`] if a group is outside its range or NaN; [`Error::Undefined`] if β is
+    /// within 1e-7 of 1, 2, 3, … (the block resonates with a harmonic of its impacts), if β is
+    /// above 1000, or if X3 is undamped and at resonance.
     pub fn new(groups: &Groups) -> Result<Self> {
         check_groups(groups)?;
         let g = *groups;

@@ -108,7 +108,8 @@ pub(super) struct HalfPeriod {
 impl Flight {
     /// Flight for a set of parameters.
     ///
-    /// # Errors As [`Parameters::validate`]; [`Error::Undefined`] if the drive frequency is zero;
+    /// # Errors
+    /// As [`Parameters::validate`]; [`Error::Undefined`] if the drive frequency is zero;
     /// [`Error::PrecisionLost`] if a mode is more than about 15,000 times faster than the drive.
     pub fn new(p: &Parameters) -> Result<Self> {
         p.validate()?;
@@ -261,7 +262,8 @@ impl Flight {
     /// H of docs/theory.md (71), amplitude and phase of the box under the force alone:
     /// x1 = Im(H e^{iθ}). The other two bodies do not move.
     ///
-    /// # Errors [`Error::Undefined`] if the box is undamped and at resonance.
+    /// # Errors
+    /// [`Error::Undefined`] if the box is undamped and at resonance.
     pub fn harmonic(&self, p: &Parameters) -> Result<Complex<f64>> {
         let impedance = Complex::new(self.k1 - 1.0, self.c1);
         let response = Complex::new(self.force, 0.0) / impedance;

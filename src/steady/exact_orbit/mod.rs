@@ -48,8 +48,9 @@ pub fn solve(parameters: &Parameters) -> Result<Roots<Option<ExactOrbit>>> {
 impl OrbitFamily {
     /// Quadratic of a parameter set. No loads act on the bodies.
     ///
-    /// # Errors [`Error::OutOfRange`] as [`Parameters::validate`]; [`Error::Undefined`] if ω1 = 0,
-    /// if the box is undamped and at resonance, or if an undamped mode is at an odd multiple of ω1;
+    /// # Errors
+    /// [`Error::OutOfRange`] as [`Parameters::validate`]; [`Error::Undefined`] if ω1 = 0, if the
+    /// box is undamped and at resonance, or if an undamped mode is at an odd multiple of ω1;
     /// [`Error::PrecisionLost`] if a mode is more than about 15,000 times faster than the drive.
     pub fn new(parameters: &Parameters) -> Result<Self> {
         parameters.check_symmetric()?;

@@ -101,8 +101,9 @@ pub fn fixed_points(groups: &Groups) -> Result<Option<Roots<FixedPoint>>> {
 impl MultipleScales {
     /// Slow flow for a set of groups.
     ///
-    /// # Errors [`Error::OutOfRange`] if a group is outside its range or NaN; [`Error::Undefined`]
-    /// if γ̂3 = 0 and σ̂30 - 2σ̂1 + α̂ = 0, where A3 is unbounded.
+    /// # Errors
+    /// [`Error::OutOfRange`] if a group is outside its range or NaN; [`Error::Undefined`] if γ̂3 =
+    /// 0 and σ̂30 - 2σ̂1 + α̂ = 0, where A3 is unbounded.
     pub fn new(groups: &Groups) -> Result<Self> {
         check_groups(groups)?;
         let g = *groups;
@@ -203,8 +204,9 @@ impl MultipleScales {
     /// Ranges of f̂10 with solutions and with an admissible solution, for fixed other groups:
     /// docs/theory.md (46) with the limits (49) and (56) of C.
     ///
-    /// # Errors [`Error::Undefined`] if α = 0 (κ = 1, γ̂1 = 0, σ̂1 = -4/π²), where the force does
-    /// not determine the amplitude.
+    /// # Errors
+    /// [`Error::Undefined`] if α = 0 (κ = 1, γ̂1 = 0, σ̂1 = -4/π²), where the force does not
+    /// determine the amplitude.
     pub fn force_range(&self) -> Result<ForceRange> {
         let size = self.quadratic.alpha.norm();
         if size == 0.0 {

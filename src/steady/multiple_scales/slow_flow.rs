@@ -45,8 +45,9 @@ impl MultipleScales {
     /// Right-hand side of the slow flow, docs/theory.md (40) and (41): (B', ψ', A3', ψ3') per unit
     /// of τ1, with C on the given branch.
     ///
-    /// # Errors [`Error::Undefined`] if B is below B_min, or if B = 0 or A3 = 0, where amplitude
-    /// and phase are singular as coordinates.
+    /// # Errors
+    /// [`Error::Undefined`] if B is below B_min, or if B = 0 or A3 = 0, where amplitude and phase
+    /// are singular as coordinates.
     pub fn slow_flow(&self, branch: Branch, state: &SlowState) -> Result<[f64; 4]> {
         let SharedTerms { c, chi, .. } = self.shared_terms(branch, state)?;
         let (g, rho, a) = (&self.groups, self.manifold.rho(), self.coupling);

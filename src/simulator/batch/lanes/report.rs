@@ -44,8 +44,9 @@ impl SubstepOrigin {
 impl Reporter {
     /// Reporter for a motion that is about to begin; switches its energy accounts off.
     ///
-    /// # Errors [`Error::OutOfRange`] if loads other than the parameters' constant loads act, if
-    /// the time between samples is not positive, or if there are more samples than can be numbered.
+    /// # Errors
+    /// [`Error::OutOfRange`] if loads other than the parameters' constant loads act, if the time
+    /// between samples is not positive, or if there are more samples than can be numbered.
     pub(super) fn new(simulator: &mut Simulator, reports: Reports, end: f64) -> Result<Self> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(simulator.hybrid.loads) {
