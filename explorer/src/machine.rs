@@ -46,7 +46,7 @@ impl Machine {
         Ok(Self { simulator, events: Vec::new() })
     }
 
-    /// Changes the parameters while the motion goes on: the drive's phase is continuous.
+    /// Changes the parameters during the motion. The drive's phase stays continuous.
     ///
     /// # Errors
     /// An error if the simulator refuses the parameters at the present state; nothing has changed

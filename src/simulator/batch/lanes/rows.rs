@@ -373,7 +373,7 @@ impl LaneStates {
         due
     }
 
-    /// Computes cos θ and sin θ of a lane anew from the extended phase.
+    /// Renews cos θ and sin θ of a lane from the extended phase.
     #[inline(never)]
     pub(super) fn renew_phase(&mut self, lane: usize, simulator: &Simulator) {
         let time = self.time(lane);

@@ -280,8 +280,8 @@ struct Arrival<S: Simd> {
     iterations: Wide<S>,
 }
 
-/// Finds the first impact in the searched interval, or proves that there is none; in that case the
-/// flight goes on up to [`REACH`].
+/// Finds the first impact in the searched interval, or proves that there is none. Without an impact
+/// the flight continues up to [`REACH`].
 #[inline(always)]
 fn arrive<S: Simd>(
     simd: S,
