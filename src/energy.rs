@@ -1,6 +1,6 @@
 //! Energy accounts: the work of drive and loads and the losses in the dampers, integrated as
 //! quadratic forms of the exact flow (docs/theory.md, section 12; docs/numerics.md, "Energy
-//! accounts"). They do not use the mechanical energy, so the balance of all is a test.
+//! accounts"). They are computed without the mechanical energy, so the energy balance tests them.
 
 use crate::flow::{CENTRED, CORE, INTERVALS, Series, SubstepTable, UnitColumn, polynomial};
 use crate::model::{
@@ -56,8 +56,8 @@ const FOUR: Rule<4> = Rule {
     ],
 };
 
-/// Number of forms of input and of damped energy: from a sub-step's start to each of the interval
-/// centres, and to its end.
+/// Number of forms for input energy, and for damped energy: one from a sub-step's start to each
+/// interval centre, and one to its end.
 const PREFIXES: usize = INTERVALS + 1;
 /// Matrix of a quadratic form of the augmented state.
 type Form = [[f64; COORDINATES]; COORDINATES];
@@ -78,7 +78,7 @@ pub struct Sums {
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub struct Pending {
-    /// Dissipated energy, in parts whose sum counts.
+    /// Dissipated energy, as parts to be summed.
     pub damped: [f64; COORDINATES],
     /// Work of the drive.
     pub input: f64,
@@ -104,7 +104,7 @@ pub struct Gramians {
     weights: Augmented,
     /// F10, N.
     drive: f64,
-    /// Drive work in closed form, in flight; none in rest and near an undamped resonance.
+    /// Drive work in closed form. `None` in rest and near an undamped resonance.
     work: Option<DriveWork>,
 }
 
@@ -136,7 +136,7 @@ impl Gramians {
         (self.drive, self.weights[BOX_RATE], self.weights[SECONDARY_RATE])
     }
 
-    /// Drive work in closed form, if it may be used.
+    /// Drive work in closed form; `None` if the closed form would lose digits.
     #[inline(always)]
     pub fn drive_work(&self) -> Option<&DriveWork> {
         self.work.as_ref()
@@ -144,8 +144,8 @@ impl Gramians {
 
     /// Integrates the Gramians of `mode` over a sub-step `h`; `core` is the table of the same mode
     /// and sub-step. The forms over the two halves of an interval are equal about every centre, and
-    /// the transition matrices carry them to the sub-step's start. The form of input is filled only
-    /// where the drive's work has no closed form.
+    /// the transition matrices carry them to the sub-step's start. The forms of input are filled
+    /// only if the drive's work has no closed form.
     pub fn fill(&mut self, core: &SubstepTable<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let columns: [Series<CENTRED>; COORDINATES] =
@@ -189,24 +189,24 @@ impl Gramians {
         [input, damped]
     }
 
-    /// Input from the start `z` to the centre of interval `index`, or to the end with
-    /// [`INTERVALS`].
+    /// Input energy from the start `z` to the centre of interval `index`, or to the sub-step's end
+    /// if `index` is [`INTERVALS`].
     #[inline(always)]
     pub fn input_up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> f64 {
         form(simd, &self.input[index], z)
     }
 
-    /// Damped energy from the start `z` to the centre of interval `index`, or to the end with
-    /// [`INTERVALS`].
+    /// Damped energy from the start `z` to the centre of interval `index`, or to the sub-step's end
+    /// if `index` is [`INTERVALS`].
     #[inline(always)]
     pub fn damped_up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> f64 {
         form(simd, &self.damped[index], z)
     }
 
-    /// Adds to `total`, in parts whose sum counts, the energy damped from the start `z` of a free
-    /// flight to the centre of interval `index`, if there is one, and on along the series `rows`
-    /// from 0 to u, where the state is `end`; `radius` in s. The error of the rule is under 7e-11
-    /// of the largest power times the length (docs/numerics.md, section 4).
+    /// Adds the energy damped in a free flight to `total`, as parts to be summed: from the start
+    /// `z` to the centre of interval `index`, if given, and then along the series `rows` from 0 to
+    /// u. `end` is the state at u, and `radius` is in s. The error of the rule is under 7e-11 of
+    /// the largest power times the length (docs/numerics.md, section 4).
     #[inline(always)]
     pub fn damped_along<S: Simd>(
         &self,
@@ -221,7 +221,7 @@ impl Gramians {
         form_and_squares(simd, before, rows, (u, end), u * radius, &self.weights, total);
     }
 
-    /// Input in a free flight along the series `rows` from 0 to u; `radius` in s.
+    /// Input energy in a free flight along the series `rows` from 0 to u; `radius` is in s.
     #[inline(always)]
     pub fn input_along<S: Simd>(
         &self,
@@ -237,8 +237,8 @@ impl Gramians {
         self.drive * u * radius * input
     }
 
-    /// (input, damped) along a series from u0 to u1; `radius` in s. Input includes the work of
-    /// `forces`, if given, which hold at u = 0.
+    /// (input, damped) energy along a series from u0 to u1; `radius` is in s. Input includes the
+    /// work of `forces`, if given; they are the values and derivatives at u = 0.
     #[inline(always)]
     pub fn along<const N: usize>(
         &self,
@@ -302,36 +302,37 @@ fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; COORDINATES]) 
     }
 }
 
-/// Drive work in flight in closed form. In flight only its spring, its damper and the drive act on
-/// the box. With c = cos θ, s = sin θ and `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`, A the box's own matrix,
+/// Drive work in flight in closed form. In flight the only forces on the box are those of its
+/// spring, its damper and the drive. With c = cos θ, s = sin θ, the system matrix A of the box
+/// alone and `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`,
 ///
 /// ```text
 /// F10 s x1' = mean + d/dt [c (p0 x1 + p1 x1') + s (q0 x1 + q1 x1')
 ///                          + (q1 s c - p1 s²) F10/(2 m1 ω1)]
 /// ```
 ///
-/// So the work between two impacts is a difference of two values and the mean power times the time.
-/// At an impact the value jumps with x1'.
+/// So the work between two impacts is the difference of two values plus the mean power times the
+/// time. At an impact the value jumps because x1' jumps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveWork {
     p: [f64; 2],
     q: [f64; 2],
     /// F10/(2 m1 ω1).
     swing: f64,
-    /// Mean power of the box's own steady state, W.
+    /// Mean power of the drive in the forced vibration of the box alone, W.
     mean: f64,
 }
 
 impl DriveWork {
-    /// Coefficients of the closed form. `None` if the steady state is so large that the differences
-    /// would lose more than three digits: near resonance with hardly any damping, or under a drive
-    /// so strong and slow that a flight is a small part of the forced vibration (docs/theory.md
-    /// (96)).
+    /// Coefficients of the closed form. `None` if the forced vibration of the box is so large that
+    /// the differences would lose more than three digits. This happens near resonance with hardly
+    /// any damping, and under a drive so strong and slow that a flight is a small part of the
+    /// forced vibration (docs/theory.md (96)).
     fn new(amplitude: f64, model: &Model) -> Option<Self> {
-        /// Least impedance, in units of the sum of its parts.
+        /// Smallest impedance, relative to the sum of the sizes of its parts.
         const LEAST: f64 = 1e-3;
-        /// Largest steady state, in gaps: the values are of the size of F10 times the steady state,
-        /// the work in a flight of F10 times the gap.
+        /// Largest amplitude of the forced vibration, in gaps. The values have the size of F10
+        /// times this amplitude, the work in a flight has the size of F10 times the gap.
         const LARGEST: f64 = 100.0;
         let Model { k1, c1, omega, gap, drive, .. } = *model;
         let (stiff, inert) = (k1 / omega, omega);
@@ -354,7 +355,8 @@ impl DriveWork {
         })
     }
 
-    /// The function whose difference, with `mean` times the time between, is the work, J.
+    /// Value, J, of the function whose difference between two instants, plus `mean` times the time
+    /// between them, is the work.
     #[inline(always)]
     pub fn value(&self, z: &Augmented) -> f64 {
         let (x, v, c, s) = (z[BOX], z[BOX_RATE], z[DRIVE_COS], z[DRIVE_SIN]);

@@ -14,7 +14,7 @@ pub enum Error {
         /// The allowed range, in words.
         allowed: &'static str,
     },
-    /// The block is outside the box at a start.
+    /// The block is outside the box at the start of a motion.
     #[error("block.s - box.s = {value} m: allowed is -stop.gap <= block.s - box.s <= stop.gap = {gap} m")]
     Penetration {
         /// Relative displacement `w = x2 - x1` in m.
@@ -32,8 +32,8 @@ pub enum Error {
         /// Largest allowed value.
         limit: f64,
     },
-    /// An advance has reached its limit of work. The state stands at `time` and is valid: another
-    /// advance goes on from there, with a limit of its own.
+    /// An advance has reached its limit of work. The state stands at `time` and is valid. Another
+    /// advance continues from there and has a new limit.
     #[error(
         "the advance ended at t = {time} s, where it reached the limit of work in one call: the last {span} s took {events} events. \
          Cause: stop.restitution = {restitution} lets a pressed block bounce too long, or the block is too fast (its path in \
@@ -49,7 +49,7 @@ pub enum Error {
         events: u64,
         /// Restitution coefficient κ.
         restitution: f64,
-        /// Present relative speed of the block times the length of a sub-step over the gap.
+        /// Present relative speed of the block times the length of a sub-step, divided by the gap.
         path: f64,
     },
     /// The end of a step lies before its beginning or is not a finite number.
@@ -72,7 +72,7 @@ pub enum Error {
         /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// An iteration did not end.
+    /// An iteration did not converge.
     #[error("{what}: no convergence; the matrix may hold values too large for double precision")]
     NoConvergence {
         /// Unknown of the iteration, in words.

@@ -1,17 +1,17 @@
-//! Guaranteed event location on a polynomial: the first passage from ≤ 0 to > 0, or the proof that
-//! there is none.
+//! Guaranteed event location on a polynomial: the first passage from ≤ 0 to > 0, or a proof that
+//! none exists.
 //!
 //! # Why it is so
 //!
-//! An event that is missed changes all of the later motion, and a simulator that samples can always
-//! miss one between two samples. Here a polynomial is given, not samples: the Taylor coefficients
-//! of the event functional on |u| ≤ 1, cut off where the remainder is under round-off
-//! (`docs/numerics.md`, "Events"). So the sizes of the coefficients alone bound the polynomial, its
-//! slope and its curvature everywhere. Three methods use this in turn:
+//! A missed event changes all of the later motion, and a simulator that samples can always miss an
+//! event between two samples. This module searches a polynomial instead: the Taylor coefficients of
+//! the event functional on |u| ≤ 1, truncated where the remainder is under round-off
+//! (`docs/numerics.md`, "Events"). The sizes of the coefficients bound the polynomial, its slope
+//! and its curvature on the whole interval. Three methods use these bounds in turn:
 //!
-//! - **Dominance.** Where the constant term of p' or p'' outweighs the sum of the other
-//!   coefficients' sizes, p is monotone, convex or concave on all of |u| ≤ 1, and its values and
-//!   slopes at the ends tell whether it passes zero. This is exact for all u at once; nothing is
+//! - **Dominance.** If the size of the constant term of p' or p'' exceeds the sum of the other
+//!   coefficients' sizes, p is monotone, convex or concave on all of |u| ≤ 1. Its values and slopes
+//!   at the ends then tell whether it passes zero. This holds for all u at once; nothing is
 //!   sampled.
 //! - **Bisection** of the interval, with the coefficients about each half's centre, until dominance
 //!   holds on every piece or the coefficients' sizes bound p below zero there.
@@ -29,9 +29,9 @@
 //!
 //! # Changes
 //!
-//! - A faster path for a special shape, as [`flight_crossing`]: it may answer only where its answer
-//!   is proved, and otherwise calls [`first_crossing`]. Its test is a second method that compares
-//!   both on random polynomials (`second_method_nearly_straight_passages`).
+//! - A faster path for a special shape, such as [`flight_crossing`]: it may return only an answer
+//!   that it has proved, and otherwise calls [`first_crossing`]. Its test is a second method that
+//!   compares both on random polynomials (`second_method_nearly_straight_passages`).
 //! - More coefficients: raise `MAX_COEFFICIENTS` and prove the number of pieces again.
 
 mod newton;
@@ -42,13 +42,14 @@ use newton::{
 };
 use pulp::Simd;
 
-/// Most times that an interval is halved. A piece is then 2⁻⁵⁵ long, under the spacing of the
-/// doubles about ±1.
+/// Largest number of halvings of an interval. A piece is then 2⁻⁵⁵ long, less than the spacing of
+/// the doubles about ±1.
 const MAX_DEPTH: u32 = 56;
-/// Most coefficients of a polynomial that is searched: those of a described machine's series.
+/// Largest number of coefficients of a polynomial that is searched. It is enough for the series of
+/// described machines.
 const MAX_COEFFICIENTS: usize = 40;
-/// Most pieces that are examined. No polynomial of [`MAX_COEFFICIENTS`] or fewer needs as many, and
-/// hardly any needs a hundred (docs/numerics.md, "Second stage").
+/// Largest number of pieces that are examined. A polynomial of [`MAX_COEFFICIENTS`] or fewer
+/// coefficients needs fewer, nearly always less than a hundred (docs/numerics.md, "Second stage").
 const MAX_PIECES: u32 = 250_000;
 /// Largest bound K on |p''|/(2p') with which a short Newton step proves the accuracy of the next
 /// iterate; see [`refine`]. The proof holds for any K far below 1/ε.
@@ -75,7 +76,7 @@ const fn orders<const N: usize>(less: usize) -> [f64; N] {
     k
 }
 
-/// Shape of p on |u| ≤ 1, by the sign of p' or of p'', where it is certain.
+/// Shape of p on |u| ≤ 1, from the sign of p' or of p''. `Unknown` if neither sign is certain.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Shape {
     Rising,
@@ -85,13 +86,13 @@ enum Shape {
     Unknown,
 }
 
-/// Shape of p by dominance, and for a rising p a bound K on |p''|/(2p') over |u| ≤ 1: a Newton step
-/// from an error e leaves at most K e² (Taylor's formula with p'' in the remainder). K is infinite
-/// for other shapes and above [`MAX_NEWTON_FACTOR`].
+/// Shape of p by dominance and, for a rising p, a bound K on |p''|/(2p') over |u| ≤ 1. A Newton
+/// step from an error e leaves an error of at most K e² (Taylor's formula with p'' in the
+/// remainder). K is infinite for other shapes and if it would exceed [`MAX_NEWTON_FACTOR`].
 #[inline(always)]
 fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
-    // Sums of the sizes of the coefficients of p' and p'', in four chains each. The dominating
-    // coefficient enters with minus its size, so that it cancels.
+    // Sums of the sizes of the coefficients of p' and p'', in four chains each. The constant term
+    // starts the sum with the opposite sign, so that it cancels.
     let d = slope_of(c, 1.0);
     let (mut slopes, mut curvatures) = ([-d[0].abs(), 0.0, 0.0, 0.0], [0.0, -d[1].abs(), 0.0, 0.0]);
     for (four, orders) in d.chunks(4).zip(PLACES.as_chunks::<4>().0) {
@@ -161,10 +162,10 @@ fn crossing_of_shape<const N: usize>(
 }
 
 /// [`first_crossing`] for the relative displacement in free flight, whose coefficients from order
-/// ten on are zero. Nearly always it rises and is nearly straight: its curvature is under half its
-/// least slope, so that K = |p''|/(2p') < 1/4. Then Newton's method, started from the third-order
-/// reversion of the series, takes one or two steps whose accuracy is proved, and a root found
-/// inside is the only one.
+/// ten on are zero. Nearly always the polynomial rises and is nearly straight: its curvature is
+/// under half its smallest slope, so that K = |p''|/(2p') < 1/4. Newton's method, started from the
+/// third-order reversion of the series, then takes one or two steps whose accuracy is proved. A
+/// root found inside is the only one.
 ///
 /// Finds every passage that [`first_crossing`] finds. It may also find a root within rounding of
 /// `hi` where `first_crossing`, which goes by the sign of the computed p(hi), finds none.
@@ -176,7 +177,7 @@ pub fn flight_crossing<S: Simd>(
     hi: f64,
     iterations: &mut u64,
 ) -> Option<f64> {
-    // k c_k are the slope's coefficients, k (k-1) c_k the curvature's.
+    // The coefficients of the slope are k c_k, those of the curvature k (k-1) c_k.
     let (slope, sum, curvature) = weighted(simd, c, &ORDERS, &LOWER);
     let spare = c[1] - (sum - c[1].abs());
     if !(spare > 0.0 && curvature < 0.5 * spare) {
@@ -228,8 +229,9 @@ fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
     r
 }
 
-/// First u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0. A touch from below is no
-/// passage, nor is a zero exactly at `hi`: the search that begins there finds it.
+/// First u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0. A touch from below does not
+/// count as a passage. A zero exactly at `hi` does not count either: the search that begins at `hi`
+/// finds it.
 ///
 /// Requires p(lo) ≤ 0 up to rounding. A positive p(lo), which rounding may leave, counts as zero:
 /// the answer is `lo` where p rises or is constant there, and the next passage where p falls. (So
@@ -246,13 +248,13 @@ pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations
     }
 }
 
-/// Visits the turning points in [lo, hi] ⊂ [-1, 1] of a quantity whose rate is p, in order: where p
-/// passes zero by more than the rounding of its sign. On entry `rising` says whether the quantity
-/// rises at `lo`, on return whether it rises at `hi`. `visit` gets u and whether the quantity rose
-/// before it, so that u is a maximum.
+/// Visits in order the turning points in [lo, hi] ⊂ [-1, 1] of a quantity whose rate is p. A
+/// turning point is a place at which p passes zero by more than the rounding of its sign. On entry
+/// `rising` says whether the quantity rises at `lo`, on return whether it rises at `hi`. `visit`
+/// gets u and a flag that is true if the quantity rose before u, so that u is a maximum.
 ///
-/// The search for the next turn begins where p is certainly beyond zero: from a zero that is
-/// rounding it would find the next one at the same place, without end.
+/// The search for the next turning point begins where p is certainly beyond zero. From a computed
+/// zero it could find a zero at this place again and again.
 #[inline(always)]
 pub fn turns<const N: usize>(
     p: &[f64; N],
@@ -269,8 +271,9 @@ pub fn turns<const N: usize>(
     }
 }
 
-/// First passage of p from below zero to above by more than the rounding of its sign,
-/// `4 N² ε Σ|c_k|` as for [`first_crossing`]: the zero, and the place where p is that much above.
+/// First passage of p from below zero to more than the rounding of its sign above zero; this
+/// rounding is `4 N² ε Σ|c_k|`, as for [`first_crossing`]. Returns the zero and the place at which
+/// p exceeds the rounding.
 #[inline(always)]
 fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f64, f64)> {
     let sizes: f64 = c.iter().map(|x| x.abs()).sum();
@@ -281,7 +284,7 @@ fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f
 }
 
 /// Change of sign of the computed p from ≤ 0 to > 0 in [lo, hi], by bisection, for a piece on which
-/// p is nothing but rounding. `None` unless p(hi) > 0, and `lo` where p(lo) > 0 too.
+/// |p| is within its rounding. `None` unless p(hi) > 0; `lo` if p(lo) > 0, too.
 fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Option<f64> {
     if value(c, hi) <= 0.0 {
         return None;
@@ -299,7 +302,7 @@ fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Opt
 /// [`first_crossing`] by bisection until the shape of p is certain on every piece; needed about
 /// once in thousands of sub-steps.
 ///
-/// On a piece where p is nothing but rounding, which no halving would settle, the signs of the
+/// On a piece where |p| is within its rounding, halving does not help. There the signs of the
 /// computed p decide (docs/numerics.md, "Second stage").
 #[cold]
 #[inline(never)]

@@ -9,8 +9,8 @@
 //!
 //! A sub-step of length H is divided into 16 intervals. A [`SubstepTable`] holds the event
 //! functional (w in flight, the free relative acceleration in rest) at the 16 interval ends, the
-//! transition matrices to the 16 interval centres and to the end, and a bound on the functional's
-//! second derivative, all as columns that act on the augmented state.
+//! transition matrices to the 16 interval centres and to the sub-step's end, and a bound on the
+//! functional's second derivative. All are stored as columns that act on the augmented state.
 //!
 //! # What must not change without proof
 //!
@@ -18,14 +18,14 @@
 //!   bound the remainders at compile time; the derivation is docs/numerics.md,
 //!   section 1, and `tests/bounds.rs` compares it with machines chosen to break it.
 //! - The order of operations: states are compared bit by bit (`tests/state_bits.rs`). Tables are
-//!   bit-identical for all instruction sets, as no operation that fills them is fused.
-//! - The bound on the second derivative, on which the proof that no event is missed stands:
+//!   bit-identical for all instruction sets, because they are filled without fused operations.
+//! - The bound on the second derivative. The proof that no event is missed depends on it:
 //!   `invariant_the_bound_holds_between_the_samples` in `tests/bounds.rs`.
 //!
 //! # Changes
 //!
-//! - Another entry of the table: a field of [`SubstepTable`], filled in `propagate`, with its bound
-//!   through `bound_between_centres` if the entry is searched.
+//! - Another entry of the table: a field of [`SubstepTable`], filled in `propagate`. If events are
+//!   searched on the entry, `bound_between_centres` gives its bound.
 //! - Another time-dependent force: `Forces` and [`LOAD`] for its coefficients, `UnitColumn::rate`
 //!   and [`Series::expand`] for its derivatives.
 
@@ -57,8 +57,8 @@ const _: () = {
 pub const CORE: usize = COORDINATES;
 /// Number of columns of the loads: 3 forces, each with its value and 3 derivatives.
 pub const LOAD: usize = 12;
-/// Factor that covers the rounding of the bound itself. The rounding of the samples needs none:
-/// docs/numerics.md, "Events".
+/// Factor that covers the rounding of the bound itself. The rounding of the samples needs no
+/// factor: docs/numerics.md, "Events".
 const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 
 /// Interval centres as fractions of the sub-step, in groups that are evaluated side by side.
@@ -155,7 +155,7 @@ impl Local {
 }
 
 /// Table of the rate of a displacement q = a x1 + b w + c x3 over a sub-step of free flight: its
-/// samples and the bound between them, as [`SubstepTable`] has for the event functional.
+/// samples and the bound between them, as in [`SubstepTable`] for the event functional.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct RateTable {
@@ -276,8 +276,8 @@ impl<const C: usize> SubstepTable<C> {
         }
     }
 
-    /// Fills all fields but the bound, for the columns from `first` on: 0 for the augmented state,
-    /// [`CORE`] for the loads.
+    /// Fills all fields except the bound, for the columns from `first` on. `first` is 0 for the
+    /// augmented state and [`CORE`] for the loads.
     #[inline(always)]
     fn propagate<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];

@@ -31,7 +31,7 @@
 //! ```
 //!
 //! The modules `model`, `flow`, `events`, `energy` and `numerics` are for the other packages of the
-//! workspace and are not shown here; what the simulator's signatures need of them is in
+//! workspace and are not shown here. Their types that occur in the simulator's signatures are in
 //! [`simulator`].
 //!
 //! `steady` never calls the simulator and the simulator never calls `steady`: each is the other's
@@ -42,8 +42,8 @@
 //! `numerical_method`.
 #![forbid(unsafe_code)]
 
-// The insides that the other packages of the workspace stand on: not for users, and free to change
-// from version to version.
+// Internal modules that the other packages of the workspace use. They are not for users and may
+// change from version to version.
 #[doc(hidden)]
 pub mod energy;
 pub mod error;
@@ -63,8 +63,8 @@ pub mod simulator;
 mod state;
 pub mod steady;
 
-// The pages are text, not code: their brackets are no links, and nothing of them is in the compiled
-// library.
+// The pages are text. Their brackets are not links, and the compiled library contains nothing of
+// them.
 #[cfg(doc)]
 #[allow(rustdoc::all)]
 #[doc = include_str!("../docs/theory.md")]

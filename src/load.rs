@@ -52,8 +52,8 @@ pub enum Interpolation {
     #[default]
     Linear,
     /// A cubic with the slopes of Fritsch and Butland at the samples (the scheme known as PCHIP):
-    /// smooth, and monotone wherever the samples are. It never leaves the range of its two samples,
-    /// unlike a spline, which overshoots at a step; and a sample changes the force only in the two
+    /// smooth, and monotone wherever the samples are. It stays within the range of its two samples,
+    /// unlike a spline, which overshoots at a step. A sample changes the force only in the two
     /// intervals on either side of it.
     Cubic,
 }
@@ -64,7 +64,7 @@ pub enum Interpolation {
 pub struct Load {
     body: Body,
     times: Vec<f64>,
-    /// Value and derivatives 1…3 just after each sample but the last.
+    /// Value and derivatives 1…3 just after each sample except the last.
     pieces: Vec<[f64; 4]>,
 }
 
@@ -163,10 +163,10 @@ pub fn next_sample(loads: &[Load], time: f64) -> Option<f64> {
 }
 
 impl Simulator {
-    /// Advances under loads, as [`advance_until`](Self::advance_until), with the loads set anew at
-    /// each of their samples. Several loads may act on one body. At the end the loads just after
-    /// that time are in force: another call with these loads goes on from there, and
-    /// [`advance_to`](Self::advance_to) goes on under the last polynomials.
+    /// Advances under loads, as [`advance_until`](Self::advance_until), and sets the loads again at
+    /// each of their samples. Several loads may act on one body. At the end, the loads just after
+    /// that time are in force. A further call with these loads continues the motion under them;
+    /// [`advance_to`](Self::advance_to) continues it under the last polynomials.
     ///
     /// # Errors
     /// As [`advance_until`](Self::advance_until) and [`set_loads`](Self::set_loads); the state then
@@ -178,7 +178,7 @@ impl Simulator {
         pause: Pause,
         mut observer: EventObserver<'_, '_>,
     ) -> Result<AdvanceOutcome> {
-        // An end that is refused, or that is the present up to rounding, sets no loads.
+        // No loads are set if the end is refused or differs from the present time only by rounding.
         if !(end.is_finite() && end >= self.time()) {
             return self.advance_until(end, pause, observer);
         }

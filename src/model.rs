@@ -1,8 +1,8 @@
 //! The smooth modes and the impact law (docs/theory.md (5) to (17)).
 //!
-//! The coordinates are `x1, w = x2 - x1, x3`. The relative displacement w is a coordinate of its
-//! own, so that it is exact to the last bit at a stop however far the box has drifted, and resting
-//! contact is `w = ±L, w' = 0` without projection.
+//! The coordinates are `x1, w = x2 - x1, x3`. The relative displacement w is itself a coordinate.
+//! So it is exact to the last bit at a stop, however far the box has drifted, and resting contact
+//! is `w = ±L, w' = 0` without projection.
 
 use crate::error::{Error, Result};
 use crate::parameters::Parameters;
@@ -62,8 +62,8 @@ pub struct Model {
     pub k32: f64,
     /// 1/m1, 1/m2, 1/m3, 1/kg.
     pub inverse_mass: [f64; 3],
-    /// m1/(m1+m2): the box's share of the mass of box and block. It is stored, as
-    /// `1 - block_share` has few digits for a heavy block.
+    /// m1/(m1+m2): the box's share of the mass of box and block. It is stored because `1 -
+    /// block_share` has few correct digits for a heavy block.
     pub box_share: f64,
     /// m2/(m1+m2) = m_r/m1: the block's share of the mass of box and block.
     pub block_share: f64,
@@ -107,23 +107,24 @@ pub struct Acceleration {
 /// Factors of the impact law, docs/theory.md (10) to (12).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactFactors {
-    /// Change of the box's velocity towards the stop over the approach speed.
+    /// Change of the box's velocity in the direction of the stop, divided by the approach speed.
     pub kick: f64,
-    /// Impulse over the approach speed, kg.
+    /// Impulse divided by the approach speed, kg.
     pub impulse: f64,
-    /// Energy lost over the square of the approach speed, kg.
+    /// Energy lost divided by the square of the approach speed, kg.
     pub loss: f64,
 }
 
-/// Largest fastest rate over drive frequency. With more sub-steps in a drive period their roundings
-/// would cost digits, and a period would take minutes.
+/// Largest ratio of the system's rate to the drive frequency. At a larger ratio a drive period has
+/// so many sub-steps that their roundings would cost digits, and a period would take minutes.
 const MAX_RATE_RATIO: f64 = 1e7;
-/// Least rate, 1/s, which keeps the sub-step finite. A slower system does not move in minutes.
+/// Smallest rate, 1/s, which keeps the sub-step finite. A slower system does not move noticeably
+/// within minutes.
 const MIN_RATE: f64 = 1e-3;
-/// Largest number in squares and products of the theory, beyond which these overflow, and the
-/// reciprocal of the least, below which they underflow.
+/// Largest number in squares and products of the theory; larger numbers make them overflow. Its
+/// reciprocal is the smallest number; smaller ones make them underflow.
 const MAX_PRODUCT: f64 = 1e100;
-/// Largest rate (1/s) and mass (kg). Beyond it the energies of the largest speeds and the fifth
+/// Largest rate (1/s) and mass (kg). Above it the energies of the largest speeds and the fifth
 /// derivatives of the largest displacements overflow.
 const MAX_RATE: f64 = 1e40;
 
@@ -189,9 +190,10 @@ impl Model {
         Ok(model)
     }
 
-    /// Bound on the norm of both modes' matrices, 1/s: the maximum norm with w weighted by 1/α and
-    /// the velocities by the reciprocal of the rate itself, the smallest for a few α. The rows of
-    /// rest are weighted means of those of flight for box and block.
+    /// Bound on the norm of both modes' matrices, 1/s. The norm is the maximum norm with w weighted
+    /// by 1/α and the velocities weighted by the reciprocal of the rate itself. The result is the
+    /// smallest bound for several α. The rows of rest are weighted means of the rows of flight for
+    /// box and block.
     fn norm(&self) -> f64 {
         let norm = |alpha: f64| {
             let block = (self.k1 + 2.0 * self.k2) / alpha + self.k2;
@@ -219,8 +221,8 @@ impl Model {
         let free = a2 - a1;
         let coordinates = match mode {
             SmoothMode::Flight => [a1, free, a3],
-            // Mean by masses, as the heavier body's acceleration and a correction: from the lighter
-            // body's, both terms would be large and nearly cancel.
+            // Mass-weighted mean, computed as the heavier body's acceleration and a correction.
+            // With the lighter body's acceleration, both terms would be large and nearly cancel.
             SmoothMode::Rest if self.block_share > 0.5 => [a2 - self.box_share * free, 0.0, a3],
             SmoothMode::Rest => [a1 + self.block_share * free, 0.0, a3],
         };

@@ -6,9 +6,9 @@
 
 use std::f64::consts::PI;
 
-/// Unit of a dimension: a number of this unit, times `times`, divided by `over`, is the value in
-/// the SI unit. There are two factors, because a double cannot hold a thousandth, while a division
-/// by 1000 rounds once.
+/// Unit of a dimension. A number in this unit, times `times` and divided by `over`, is the value in
+/// the SI unit. There are two factors because a double cannot represent a thousandth exactly, while
+/// a division by 1000 rounds only once.
 #[derive(Debug, PartialEq)]
 pub struct Unit {
     /// SI unit of the dimension.
@@ -24,17 +24,17 @@ const fn unit(si: &'static str, symbol: &'static str, times: f64, over: f64) -> 
 }
 
 impl Unit {
-    /// Value in the SI unit of a number of this unit.
+    /// Value in the SI unit of a number in this unit.
     pub fn si(&self, number: f64) -> f64 {
         number * self.times / self.over
     }
 
-    /// Whether numbers are the same in this unit and in the SI unit.
+    /// Whether a quantity has equal numbers in this unit and in the SI unit.
     pub fn is_si(&self) -> bool {
         self.times == self.over
     }
 
-    /// Number of this unit of a value in the SI unit.
+    /// Number in this unit of a value in the SI unit.
     ///
     /// ```
     /// use vibro_impact::quantities::quantity_in;
@@ -125,7 +125,8 @@ pub fn split(text: &str) -> Option<(f64, &str)> {
     if let Ok(value) = text.parse() {
         return Some((value, ""));
     }
-    // A word such as `nanometre` would be read as a number, NaN.
+    // Without this check the beginning of a word such as `nanometre` would be read as the number
+    // NaN.
     if !text.starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c)) {
         return None;
     }
@@ -134,8 +135,8 @@ pub fn split(text: &str) -> Option<(f64, &str)> {
     parts.find_map(|(number, rest)| Some((number.trim_end().parse().ok()?, rest.trim())))
 }
 
-/// Quantity of a number and the symbol of a unit, which may be empty; `None` unless it is a unit of
-/// the dimension of `si`.
+/// Quantity from a number and the symbol of a unit. The symbol may be empty. `None` if it is not a
+/// unit of the dimension of `si`.
 pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     if symbol.is_empty() {
         return Some(Quantity { value: number, unit: None });
@@ -161,7 +162,8 @@ pub fn quantity_in(si: &str, text: &str) -> Option<Quantity> {
     in_si(si, number, symbol)
 }
 
-/// Symbols, in files and on the command line, of the units of the dimension of `si`, itself first.
+/// Symbols, in files and on the command line, of the units of the dimension of `si`. The symbol of
+/// `si` itself comes first.
 ///
 /// ```
 /// let mut masses = vibro_impact::quantities::symbols("kg");

@@ -1,14 +1,14 @@
-//! The paper's numerics as an independent second method: RKF45 with error control in flight; when a
-//! step violates the constraint, classical RK4 from the step's beginning, with bisection of the
-//! step until the stop is met within tolerance.
+//! The paper's numerics as an independent second method. In flight it uses RKF45 with error
+//! control. When a step violates the constraint, it uses classical RK4 from the step's beginning
+//! and bisects the step until the stop is met within tolerance.
 //!
-//! It shares nothing with `model`, `flow`, `events` and `simulator` but plain data types, so that
-//! it can be their oracle in tests and the baseline in benches. For this purpose the impact law and
-//! the forces are written here a second time. The method goes past the paper in three points,
-//! without which it would not end or would miss impacts:
+//! It shares only plain data types with `model`, `flow`, `events` and `simulator`, so that it can
+//! be their oracle in tests and the baseline in benches. For this purpose the impact law and the
+//! forces are written here a second time. The method differs from the paper in three points.
+//! Without them it would not end or would miss impacts:
 //! - a step inside which the block could reach the stop and return is searched too, by a heuristic
 //!   without proof;
-//! - resting contact is a mode of its own, docs/theory.md (13) to (15);
+//! - resting contact is a separate mode, docs/theory.md (13) to (15);
 //! - chatter is closed once a rebound stays below [`Tolerance::rebound`].
 //!
 //! Sources: E. Fehlberg, NASA TR R-315 (1969), table III (fourth order with a fifth-order estimate;
@@ -23,11 +23,11 @@ use crate::parameters::{Parameters, Range};
 use crate::simulator::{Contact, Event, ImpactRecord, Loads, State};
 use law::{Law, Vector};
 
-/// Most halvings of a step, after which its length is under the resolution of time.
+/// Largest number of halvings of a step. The step's length is then under the resolution of time.
 const HALVINGS: u32 = 60;
 
-/// Range of tolerances: below it, round-off prevails; above it, the motion is no longer that of the
-/// system.
+/// Range of tolerances. Below it, round-off dominates. Above it, the computed motion no longer
+/// resembles that of the system.
 const TOLERANCES: Range =
     Range { min: 1e-15, max: 1e-2, open_min: false, allowed: "1e-15 <= tolerance <= 0.01" };
 
@@ -40,8 +40,8 @@ pub struct Tolerance {
     /// Distance from the stop, in units of L, at which it counts as met.
     pub gap: f64,
     /// Height of a rebound, in units of L, at or below which a pressed block is put to rest. The
-    /// rebounds left out would shift coordinates by about that height only, since they last a time
-    /// v/a with a mean force equal to the contact force.
+    /// omitted rebounds would shift the coordinates only by about that height, since they last a
+    /// time v/a and their mean force equals the contact force.
     pub rebound: f64,
 }
 
@@ -58,7 +58,7 @@ impl Tolerance {
     }
 }
 
-/// RKF45 and bisection integrator of one system, SI units. It allocates nothing.
+/// RKF45 and bisection integrator of one system, in SI units. It does not allocate.
 #[derive(Clone, Debug)]
 pub struct Reference {
     law: Law,
@@ -68,7 +68,7 @@ pub struct Reference {
     carry: f64,
     /// x1, x2, x3 (m) and their rates (m/s).
     y: Vector,
-    /// Side of the stop the block rests on: ±1, or 0 in flight.
+    /// Side of the stop on which the block rests: ±1, or 0 in flight.
     side: f64,
     /// Acceleration of the box by the drive at `time`, computed in the last step.
     drive: f64,
@@ -83,8 +83,8 @@ impl Reference {
     /// Starts at `time` (s) from `state`; the drive's phase is `ω1 time + drive.phase`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for parameters, state, time or tolerance; [`Error::Penetration`]
-    /// outside the box.
+    /// [`Error::OutOfRange`] if a parameter, the state, the time or a tolerance is out of range;
+    /// [`Error::Penetration`] if the block is outside the box.
     pub fn new(parameters: &Parameters, state: &State, time: f64, tolerance: Tolerance) -> Result<Self> {
         parameters.validate()?;
         tolerance.validate()?;
@@ -171,8 +171,8 @@ impl Reference {
     /// Advances to exactly `end` (s), reporting each event.
     ///
     /// # Errors
-    /// [`Error::Step`] when `end` is not finite or in the past; [`Error::PrecisionLost`] when the
-    /// error control asks for steps under the resolution of time.
+    /// [`Error::Step`] if `end` is not finite or in the past; [`Error::PrecisionLost`] if the error
+    /// control needs steps under the resolution of time.
     pub fn advance(&mut self, end: f64, on_event: &mut dyn FnMut(&Event)) -> Result<()> {
         if !end.is_finite() || end < self.time {
             return Err(Error::Step { time: self.time, end });
@@ -228,8 +228,8 @@ impl Reference {
         let reach = gap + self.law.slack(next);
         let violated = w.abs() > reach;
         if !violated {
-            // side·w may have a maximum inside the step. It can reach the stop only where the
-            // tangents of both ends do.
+            // side·w may have a maximum inside the step. It can reach the stop only if the tangents
+            // at both ends do.
             let (w0, rate0) = (self.y[1] - self.y[0], self.y[4] - self.y[3]);
             side = rate0.signum();
             let peak = side * rate < 0.0 && side * (w0 + rate0 * h) > reach && side * (w - rate * h) > reach;
@@ -250,8 +250,8 @@ impl Reference {
     }
 
     /// Classical RK4 from the step's beginning up to the stop, with a step that is halved each
-    /// time: the state there and the time elapsed. `None` if the block turns before the stop, which
-    /// is possible only if the constraint was not `violated` at the step's end.
+    /// time. Returns the state at the stop and the time elapsed. `None` if the block turns before
+    /// the stop, which is possible only if the constraint was not `violated` at the step's end.
     fn bisect(&self, side: f64, h: f64, violated: bool) -> Option<(Vector, f64)> {
         let (mut y, mut elapsed, mut step) = (self.y, 0.0, h);
         for _ in 0..HALVINGS {
@@ -271,7 +271,8 @@ impl Reference {
                 (y, elapsed) = (trial, elapsed + step);
             }
         }
-        // RKF45 went past the stop by less than the methods differ: the stop is met here.
+        // RKF45 passed the stop by less than the difference of the two methods. The block is
+        // therefore at the stop.
         (violated && side * (y[4] - y[3]) > 0.0).then_some((y, elapsed))
     }
 

@@ -18,7 +18,7 @@ impl State {
         [x[0], x[1] - x[0], x[2], v[0], v[1] - v[0], v[2]]
     }
 
-    /// State from x1, w, x3 and their rates.
+    /// State from x1, w, x3 and their rates, as [`to_relative`](Self::to_relative) returns them.
     pub fn from_relative(y: &[f64; 6]) -> Self {
         Self { x: [y[0], y[0] + y[1], y[2]], v: [y[3], y[3] + y[4], y[5]] }
     }

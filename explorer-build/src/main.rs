@@ -6,8 +6,8 @@
 //! explorer/page/ (JavaScript) ──────────────────────▶ esbuild (node) ─────────┴─▶ explorer.html
 //! ```
 //!
-//! It needs the Rust target wasm32-unknown-unknown, node and npm. The npm packages are those of
-//! `explorer/page/package-lock.json`, put under the target folder.
+//! The program needs the Rust target wasm32-unknown-unknown, node and npm. It installs the npm
+//! packages of `explorer/page/package-lock.json` under the target folder.
 
 use clap::Parser;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: std::io::Error,
     },
     /// wasm-bindgen failed.
@@ -143,18 +143,19 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
         "explorer",
         "--locked",
     ]);
-    // A target folder of its own, so that it never waits for the lock of a cargo that runs us.
+    // A separate target folder, so that this cargo never waits for the lock of a cargo that runs
+    // this program.
     let folder = folder.join(if arguments.scalar { "cargo-scalar" } else { "cargo" });
     cargo.args(["--target", TARGET, "--target-dir"]).arg(&folder);
-    // No path of this machine in the page.
+    // The page contains no path of the machine that builds it.
     let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
     let mut flags = vec![remap(workspace(), "/vibro-impact")];
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     flags.extend(
         home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")),
     );
-    // Every browser with DecompressionStream, which unpacks the page, has these vectors (since
-    // 2023).
+    // The page is unpacked by DecompressionStream. Every browser that has it (since 2023) also has
+    // these vectors.
     flags.extend((!arguments.scalar).then(|| "-Ctarget-feature=+simd128".to_owned()));
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     if arguments.quick {

@@ -10,15 +10,15 @@ use vibro_impact::steady::multiple_scales::MultipleScales;
 use vibro_orbits::{Family, Span, TreeOptions, tree};
 use wasm_bindgen::prelude::*;
 
-/// Between two curves.
+/// Value that separates two curves in the rows.
 const GAP: f64 = f64::NAN;
 
-/// The response of a theory (`exact`, `scales` or `strong`) along a parameter: rows of value,
-/// amplitudes of x1, x2, x3 in units of L, and 1 where the motion is stable and admissible from
-/// here to the next row. A row of NaN lies between two curves.
+/// The response of a theory (`exact`, `scales` or `strong`) along a parameter. A row holds the
+/// parameter's value, the amplitudes of x1, x2, x3 in units of L, and 1 if the motion is stable and
+/// admissible up to the next row, otherwise 0. A row of NaN separates two curves.
 ///
 /// # Errors
-/// Names and ranges that are not allowed, and what the theory refuses.
+/// An error if a name or range is not allowed, or if the theory refuses the parameters.
 #[wasm_bindgen]
 pub fn response(
     set: &Set,
@@ -45,24 +45,24 @@ pub fn response(
 }
 
 /// The slow invariant manifold of multiple scales, docs/theory.md (35), with the fixed points of
-/// the slow flow on it: rows of C and B in units of L, 1 where a fixed point there passes all three
-/// tests of admissibility, and what the row is: 0 a point of the curve, 1 and 2 the fixed points P₁
-/// and P₂ of the force that is set.
+/// the slow flow on it. A row holds C and B in units of L, then 1 if a fixed point at this place
+/// passes all three tests of admissibility (otherwise 0), then the kind of the row: 0 for a point
+/// of the curve, 1 and 2 for the fixed points P₁ and P₂ under the force of the set.
 ///
 /// # Errors
-/// What multiple scales refuses.
+/// An error if multiple scales refuses the groups.
 #[wasm_bindgen]
 pub fn manifold(set: &Set, nodes: u32) -> Result<Vec<f64>, JsError> {
     let groups = *set.0.groups();
     let system = MultipleScales::new(&groups)?;
     let points = system.fixed_points().map_or_else(Vec::new, |roots| vec![roots.lower, roots.upper]);
-    // The range of all motions that are stable, and the fixed points.
+    // The range of C covers all stable motions and the fixed points.
     let to = points.iter().map(|p| p.c).fold(1.2 * system.manifold().c_smax(), f64::max).max(2.2) + 0.2;
     let from = points.iter().map(|p| p.c).fold(-0.8, f64::min) - 0.2;
     let mut rows = Vec::new();
     for i in 0..=nodes {
         let c = from + (to - from) * f64::from(i) / f64::from(nodes);
-        // A force of which C is a fixed point.
+        // The force under which C is a fixed point.
         let at = MultipleScales::new(&Groups { f10: system.force(c), ..groups })?.fixed_points();
         let nearest =
             at.map(|r| if (r.lower.c - c).abs() < (r.upper.c - c).abs() { r.lower } else { r.upper });
@@ -77,18 +77,18 @@ pub fn manifold(set: &Set, nodes: u32) -> Result<Vec<f64>, JsError> {
 
 #[wasm_bindgen]
 extern "C" {
-    /// Hears of the branches that were traced and of those that are known, which may become more.
-    /// The page's worker defines it.
+    /// Receives the number of branches traced so far and the number of branches known so far, which
+    /// may grow. The page's worker defines this function.
     #[wasm_bindgen(js_name = orbitsProgress)]
     fn orbits_progress(traced: usize, known: usize);
 }
 
-/// The branches of exact periodic orbits along a parameter: rows of value, a local maximum of the
-/// displacement in units of L, and 1 where the orbit is stable. A row of NaN lies between two
-/// curves.
+/// The branches of exact periodic orbits along a parameter. A row holds the parameter's value, a
+/// local maximum of the displacement in units of L, and 1 if the orbit is stable, otherwise 0. A
+/// row of NaN separates two curves.
 ///
 /// # Errors
-/// Names and ranges that are not allowed, and what the search refuses.
+/// An error if a name or range is not allowed, or if the search refuses the parameters.
 #[wasm_bindgen]
 pub fn branches(
     set: &Set,
@@ -100,7 +100,7 @@ pub fn branches(
 ) -> Result<Vec<f64>, JsError> {
     let of: Displacement = of.parse()?;
     let family = Family::new(&set.0, Span::new(Name::find(along)?, from, to)?)?;
-    // What a picture of some hundred points shows; `vibro orbits` finds more.
+    // Enough branches for a picture of some hundred points; `vibro orbits` finds more.
     let options = TreeOptions {
         seeds: seeds as usize,
         settle: 300,

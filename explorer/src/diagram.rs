@@ -1,4 +1,4 @@
-//! Columns of the bifurcation diagram: what a motion settles on at one value of a parameter.
+//! Columns of the bifurcation diagram: the settled motion at one value of a parameter.
 
 use crate::machine::state_of;
 use crate::set::Set;
@@ -9,18 +9,18 @@ use vibro_impact::simulator::{Event, Simulator};
 use vibro_impact::{Parameters, Result, State};
 use wasm_bindgen::prelude::*;
 
-/// What a column shows.
+/// Quantity that a column shows.
 #[derive(Clone, Copy, Debug)]
 enum Ordinate {
     /// Local maxima of a displacement, units of L.
     Maxima(Displacement),
     /// The displacement of the block at whole drive periods, units of L.
     Stroboscopic,
-    /// Approach speeds of the impacts with the side's sign, units of L ω1.
+    /// Approach speeds of the impacts, negative at the lower stop, units of L ω1.
     Speeds,
 }
 
-/// A parameter that varies, and what is shown over it.
+/// A parameter that varies, and the quantity shown over it.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Columns {
@@ -29,13 +29,14 @@ pub struct Columns {
     ordinate: Ordinate,
 }
 
-/// A state in units of L and L/s, in which it stays between the stops when the gap changes.
+/// A state in units of L and L/s. In these units it stays between the stops when the gap changes.
 fn scaled(state: &State, length: f64) -> [f64; 6] {
     let (x, v) = (state.x.map(|x| x / length), state.v.map(|v| v / length));
     [x[0], x[1], x[2], v[0], v[1], v[2]]
 }
 
-/// Such a state in SI. Rounding may have put the block past a stop by some digits of its place.
+/// State in SI units from one in units of L and L/s, with the block not past a stop. Rounding may
+/// have moved the block past a stop by some units in the last place.
 fn within(numbers: &[f64], length: f64) -> State {
     let mut state = state_of(&numbers.iter().map(|x| x * length).collect::<Vec<_>>());
     let room = length * (1.0 - 1e-12);
@@ -45,11 +46,11 @@ fn within(numbers: &[f64], length: f64) -> State {
 
 #[wasm_bindgen]
 impl Columns {
-    /// Over the parameter `name`. `shown` is `x1`, `x2`, `x3` or `w` (local maxima), `strobe` (x2
-    /// at whole drive periods) or `speed` (approach speeds of impacts).
+    /// Columns over the parameter `name`. `shown` is `x1`, `x2`, `x3` or `w` (local maxima),
+    /// `strobe` (x2 at whole drive periods) or `speed` (approach speeds of impacts).
     ///
     /// # Errors
-    /// Names that are not known.
+    /// An error if a name is unknown.
     #[wasm_bindgen(constructor)]
     pub fn new(set: &Set, name: &str, shown: &str) -> std::result::Result<Columns, JsError> {
         let ordinate = match shown {
@@ -60,12 +61,13 @@ impl Columns {
         Ok(Self { set: set.0.clone(), name: Name::find(name)?, ordinate })
     }
 
-    /// The settled motion at a value, `settle` drive periods after the start (a state in units of L
-    /// and L/s): its state at the end, six numbers in the same units, and after them what is shown
-    /// of `keep` drive periods.
+    /// The settled motion at a value of the parameter. The motion begins at `start`, a state in
+    /// units of L and L/s, and settles for `settle` drive periods. The result holds the state at
+    /// the end, six numbers in these units, and then the shown numbers of `keep` further drive
+    /// periods.
     ///
     /// # Errors
-    /// A value out of range, and what stops the simulator.
+    /// An error if the value is out of range or the simulator stops with an error.
     pub fn column(
         &self,
         value: f64,
@@ -81,9 +83,9 @@ impl Columns {
         Ok(shown)
     }
 
-    /// The two largest Lyapunov exponents of the settled motion that goes on from a state, over
-    /// `periods` drive periods, per unit of the dimensionless time. The largest is 0 for the
-    /// drive's phase where the motion is periodic.
+    /// The two largest Lyapunov exponents of the settled motion that continues from the state
+    /// `start`, over `periods` drive periods, per unit of the dimensionless time. If the motion is
+    /// periodic, the largest is 0, that of the drive's phase.
     ///
     /// # Errors
     /// As [`column`](Self::column).
@@ -109,7 +111,7 @@ impl Columns {
         Ok(simulator)
     }
 
-    /// Appends what is shown of the next `keep` drive periods.
+    /// Appends the shown numbers of the next `keep` drive periods.
     fn collect(&self, simulator: &mut Simulator, keep: u32, shown: &mut Vec<f64>) -> Result<()> {
         let (length, period) = (simulator.parameters().stop_gap, simulator.parameters().period());
         let (speed, begin) = (length * simulator.parameters().drive_frequency, simulator.time());

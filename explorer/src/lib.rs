@@ -1,9 +1,9 @@
 //! The library's functions for the live page: numbers in, arrays of numbers out.
 //!
-//! Nothing is computed here that the library does not compute; this crate turns names, numbers and
-//! states into calls of `vibro-impact` and `vibro-analysis`, and results into rows of numbers.
-//! Arrays are copied into JavaScript: at most some hundred kilobytes a picture, which takes less
-//! than a tenth of a millisecond.
+//! The library does all computations. This crate turns names, numbers and states into calls of
+//! `vibro-impact` and `vibro-analysis`, and results into rows of numbers. Arrays are copied into
+//! JavaScript: at most some hundred kilobytes for a picture, which takes less than a tenth of a
+//! millisecond.
 //!
 //! | module | what the page does with it |
 //! |---|---|
@@ -12,8 +12,8 @@
 //! | `diagram` | columns of the bifurcation diagram, Lyapunov exponents |
 //! | `curves` | response curves of the closed forms, the slow invariant manifold, branches of exact orbits |
 //!
-//! A refused value is thrown as a JavaScript `Error` with the library's own message, and nothing
-//! has changed then.
+//! If a value is refused, a JavaScript `Error` with the library's message is thrown, and nothing
+//! has changed.
 #![allow(unsafe_code)] // written by the macro `wasm_bindgen` around each function; none is written by hand
 
 pub mod curves;

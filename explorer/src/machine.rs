@@ -1,4 +1,4 @@
-//! A motion under way, and what is drawn of it.
+//! A motion under way, and the numbers from which it is drawn.
 
 use crate::set::Set;
 use vibro_analysis::attractor::MotionClass;
@@ -8,11 +8,12 @@ use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator};
 use vibro_impact::{Parameters, Result, State};
 use wasm_bindgen::prelude::*;
 
-/// Numbers of a row of [`Machine::record`]: time, x1, x2, x3, v1, v2, v3, w, w', drive phase, and
-/// what the instant is.
+/// Length of a row of [`Machine::record`]: time, x1, x2, x3, v1, v2, v3, w, w', drive phase, and
+/// the kind of the instant.
 pub const ROW: usize = 11;
 
-/// A row's last number: an instant like any other, the last before an impact, the first after it.
+/// Kinds of an instant, the last number of a row: an ordinary instant (`PLAIN`), the last before an
+/// impact (`BEFORE`), the first after it (`AFTER`).
 const PLAIN: f64 = 0.0;
 const BEFORE: f64 = 1.0;
 const AFTER: f64 = 2.0;
@@ -27,7 +28,7 @@ pub struct Machine {
     events: Vec<f64>,
 }
 
-/// Six numbers x1, x2, x3, v1, v2, v3 in SI as a state.
+/// State from the six numbers x1, x2, x3, v1, v2, v3 in SI units.
 pub(crate) fn state_of(numbers: &[f64]) -> State {
     let at = |i: usize| numbers.get(i).copied().unwrap_or(0.0);
     State { x: [at(0), at(1), at(2)], v: [at(3), at(4), at(5)] }
@@ -38,26 +39,26 @@ impl Machine {
     /// Starts at time 0 from x1, x2, x3 (m), v1, v2, v3 (m/s).
     ///
     /// # Errors
-    /// Parameters or a state that the simulator refuses.
+    /// An error if the simulator refuses the parameters or the state.
     #[wasm_bindgen(constructor)]
     pub fn new(set: &Set, start: &[f64]) -> std::result::Result<Machine, JsError> {
         let simulator = Simulator::new(set.0.parameters(), &state_of(start), 0.0)?;
         Ok(Self { simulator, events: Vec::new() })
     }
 
-    /// Changes the parameters while the motion goes on: the drive's phase is continuous.
+    /// Changes the parameters during the motion. The drive's phase stays continuous.
     ///
     /// # Errors
-    /// Parameters that the simulator refuses at the present state; nothing has changed then.
+    /// An error if the simulator refuses the parameters at the present state; nothing has changed
+    /// then.
     pub fn set_parameters(&mut self, set: &Set) -> std::result::Result<(), JsError> {
         Ok(self.simulator.set_parameters(set.0.parameters())?)
     }
 
-    /// A copy that goes on by itself from here, `periods` drive periods later, without energy
-    /// accounts.
+    /// A copy of this motion, advanced by `periods` drive periods, without energy accounts.
     ///
     /// # Errors
-    /// What stops the simulator.
+    /// An error of the simulator.
     pub fn settled(&self, periods: f64) -> std::result::Result<Machine, JsError> {
         let mut simulator = self.simulator.clone().without_energy_accounts();
         simulator.advance_to(simulator.time() + periods * simulator.parameters().period())?;
@@ -81,7 +82,7 @@ impl Machine {
     /// distances, the last at the end, and two for each impact, just before and just after it.
     ///
     /// # Errors
-    /// What stops the simulator; the motion then stands where it was stopped.
+    /// An error of the simulator; the motion then stands where the simulator stopped.
     pub fn record(&mut self, end: f64, count: u32) -> std::result::Result<Vec<f64>, JsError> {
         let begin = self.simulator.time();
         let mut rows = Vec::with_capacity(ROW * (count as usize + 16));
@@ -98,7 +99,7 @@ impl Machine {
     /// rows of the impact.
     ///
     /// # Errors
-    /// What stops the simulator.
+    /// An error of the simulator.
     pub fn to_impact(&mut self, end: f64) -> std::result::Result<Vec<f64>, JsError> {
         let mut rows = Vec::new();
         self.piece(end, &mut rows)?;
@@ -111,16 +112,16 @@ impl Machine {
         std::mem::take(&mut self.events)
     }
 
-    /// Points of the Poincaré section, four numbers each. Stroboscopic, `count` points at the phase
-    /// 0 of the drive: w, w', x1, v1.
+    /// `count` points of the stroboscopic Poincaré section, at the drive phase 0. Each has four
+    /// numbers: w, w', x1, v1.
     ///
     /// # Errors
-    /// What stops the simulator.
+    /// An error of the simulator.
     pub fn strobe(&mut self, count: u32) -> std::result::Result<Vec<f64>, JsError> {
         let (omega, length) =
             (self.simulator.parameters().drive_frequency, self.simulator.parameters().period());
         let mut points = Vec::with_capacity(4 * count as usize);
-        // The next instant with phase 0; a phase that is 0 but for rounding is there.
+        // The next instant with phase 0. A phase that differs from 0 only by rounding counts as 0.
         let ahead = (-self.simulator.drive_phase()).rem_euclid(std::f64::consts::TAU);
         let first = if ahead > std::f64::consts::TAU - 1e-9 { 0.0 } else { ahead / omega };
         let begin = self.simulator.time() + first;
@@ -132,11 +133,11 @@ impl Machine {
         Ok(points)
     }
 
-    /// Points of the section at impacts over `periods` drive periods: drive phase, side times
-    /// approach speed, x1, v1 after it.
+    /// Points of the Poincaré section at impacts, over `periods` drive periods. Each has four
+    /// numbers: drive phase, side times approach speed, and x1, v1 after the impact.
     ///
     /// # Errors
-    /// What stops the simulator.
+    /// An error of the simulator.
     pub fn impacts(&mut self, periods: u32) -> std::result::Result<Vec<f64>, JsError> {
         let end = self.simulator.time() + f64::from(periods) * self.simulator.parameters().period();
         let mut points = Vec::new();
@@ -157,17 +158,17 @@ impl Machine {
         }
     }
 
-    /// What this motion is, once settled: its period in drive periods (0 where it has none up to
-    /// 32), impacts a period at the upper and lower stop, 1 where it is its own mirror image, 1
-    /// where the block rests, 1 where it is still settling, 1 where it is chaotic, the largest
-    /// Lyapunov exponent per unit of the dimensionless time (NaN where it has a period), and 1
-    /// where nothing is decided. The motion itself stays where it is.
+    /// The class of the settled motion, nine numbers: its period in drive periods (0 if it has none
+    /// up to 32); the impacts per period at the upper and at the lower stop; 1 if it is its own
+    /// mirror image; 1 if the block rests; 1 if it is still settling; 1 if it is chaotic; the
+    /// largest Lyapunov exponent per unit of the dimensionless time (NaN if it has a period); 1 if
+    /// its class is undecided. The motion of this object does not move.
     ///
     /// # Errors
-    /// What stops the simulator.
+    /// An error of the simulator.
     pub fn class(&self) -> std::result::Result<Vec<f64>, JsError> {
         let p = self.simulator.parameters();
-        // At time 0 the drive has the phase that it has now.
+        // The motion to be classified starts at time 0 with the present phase of the drive.
         let parameters = Parameters { drive_phase: self.simulator.drive_phase(), ..*p };
         let verdict = verdict(&Start { parameters, state: self.simulator.state() }, 0)?;
         let (found, class) = (&verdict.attractor, verdict.class);
@@ -216,8 +217,8 @@ impl Machine {
     }
 }
 
-/// Appends a row: the present, or the left limit at an impact at stop `side` with its impulse,
-/// docs/theory.md (11).
+/// Appends a row: the present state or, if `impact` gives the stop's side and the impulse, the left
+/// limit at that impact, docs/theory.md (11).
 fn push(rows: &mut Vec<f64>, simulator: &Simulator, what: f64, impact: Option<(f64, f64)>) {
     let (parameters, mut state) = (simulator.parameters(), simulator.state());
     let (w, mut rate) = simulator.relative_motion();

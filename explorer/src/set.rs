@@ -1,4 +1,4 @@
-//! Parameters by name, with what a page needs to show them.
+//! Parameters by name, with the texts and ranges that a page shows.
 
 use std::fmt::Write;
 use vibro_analysis::{Error, Name, ParameterSet, number, typed_unit};
@@ -15,7 +15,7 @@ impl Set {
     /// The default set (partly a reconstruction), or the strongly coupled one.
     ///
     /// # Errors
-    /// None for these two.
+    /// No error occurs for these two sets.
     #[wasm_bindgen(constructor)]
     pub fn new(strong: bool) -> Result<Set, JsError> {
         Ok(Self(if strong { ParameterSet::strong()? } else { ParameterSet::basic() }))
@@ -24,7 +24,8 @@ impl Set {
     /// The set with one parameter changed.
     ///
     /// # Errors
-    /// An unknown name, or the range that the value violates.
+    /// An error if the name is unknown, or if the value is out of its range, which the message
+    /// names.
     pub fn with(&self, name: &str, value: f64) -> Result<Set, JsError> {
         let mut set = self.0.clone();
         set.assign(&[(Name::find(name)?, value)])?;
@@ -34,18 +35,19 @@ impl Set {
     /// The value of a parameter: SI unit or 1.
     ///
     /// # Errors
-    /// An unknown name.
+    /// An error if the name is unknown.
     pub fn value(&self, name: &str) -> Result<f64, JsError> {
         Ok(Name::find(name)?.value(&self.0))
     }
 
-    /// The value that a text means for a parameter, in its SI unit: a number, with or without a
-    /// unit as on the command line (`50 mm`, `10.65Hz`). Without one it is in `unit`, a unit of the
-    /// parameter as [`typed`](Self::typed) gives it, or in the SI unit where that is empty.
+    /// Reads a value of a parameter from a text and returns it in the SI unit. The text is a
+    /// number, with or without a unit as on the command line (`50 mm`, `10.65Hz`). A number without
+    /// a unit is in `unit`, a unit of the parameter as [`typed`](Self::typed) gives it, or in the
+    /// SI unit if `unit` is empty.
     ///
     /// # Errors
-    /// An unknown name, a text that is no number, a unit of another dimension; each names what is
-    /// allowed.
+    /// An error if the name is unknown, the text is not a number, or the unit has another
+    /// dimension; the message names what is allowed.
     pub fn read(&self, name: &str, text: &str, unit: &str) -> Result<f64, JsError> {
         let name = Name::find(name)?;
         let value = number(name, text)?;
@@ -58,8 +60,8 @@ impl Set {
         Err(Error::NotANumber { name: name.name(), text: text.trim().into(), allowed }.into())
     }
 
-    /// The unit that stands beside a number of a parameter, as files write it; empty where there is
-    /// none, and where the text is no number of the parameter.
+    /// The unit in a text that gives a value of a parameter, as files write it. Empty if the text
+    /// has no unit or is not a value of the parameter.
     pub fn typed(&self, name: &str, text: &str) -> String {
         let unit = Name::find(name).ok().and_then(|name| typed_unit(name, text));
         unit.map_or_else(String::new, |unit| unit.symbol().replace('·', ".").replace('µ', "u"))
@@ -77,9 +79,10 @@ impl Set {
     }
 }
 
-/// All parameters, a line each: name, symbol, unit, what is allowed, the range that sliders show,
-/// meaning; separated by tabs. The sliders of physical parameters run from nothing to three times
-/// the default.
+/// All parameters, one line each, with fields separated by tabs: name, symbol, unit, allowed
+/// values, lower and upper end of the slider, meaning. The slider of a phase runs from 0 to 2π,
+/// that of another physical parameter over its range or, without an upper bound, from zero to three
+/// times the default.
 #[wasm_bindgen]
 pub fn catalogue() -> String {
     let basic = ParameterSet::basic();

@@ -1,5 +1,5 @@
-//! Canvas of all pictures: palette, embedded font, and a list of marks that is written as SVG and
-//! rasterized as PNG, so that both show one picture on any machine.
+//! Canvas of all pictures: palette, embedded font, and a list of marks. The list is written as SVG
+//! and rasterized as PNG, so that both files show one picture on any machine.
 
 mod bitmap;
 mod letters;
@@ -27,8 +27,8 @@ impl Colour {
         Self(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
     }
 
-    /// The relative luminance of WCAG 2.2, from 0, black, to 1, white: how light the colour is to
-    /// the eye, and in grey.
+    /// The relative luminance of WCAG 2.2, from 0 (black) to 1 (white): the perceived lightness of
+    /// the colour, also in a grey print.
     ///
     /// ```
     /// use vibro_figures::canvas::Colour;
@@ -112,7 +112,7 @@ enum Mark {
     Polygon { corners: Vec<CanvasPoint>, colour: Colour, opacity: f64 },
     /// Filled rectangles, each an upper left corner and a size, with edges that are not smoothed.
     Rectangles { rectangles: Vec<[CanvasPoint; 2]>, colour: Colour },
-    /// Discs, or circles of a pen's width on white.
+    /// Discs of a colour, or, with the line width `edge`, circles of that colour filled with white.
     Circles { centres: Vec<CanvasPoint>, radius: f64, colour: Colour, edge: Option<f64> },
     /// A line of text; its point is on the baseline.
     Text { place: CanvasPoint, words: String, size: f64, colour: Colour, along: Along, upwards: bool },
@@ -131,7 +131,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// Returns the number; one that is not finite makes [`svg()`] and [`png()`] fail.
+    /// Returns the number. A number that is not finite makes [`svg()`] and [`png()`] fail.
     fn number(&mut self, value: f64) -> f64 {
         self.broken |= !value.is_finite();
         value
@@ -145,7 +145,7 @@ impl Canvas {
         places.iter().map(|&place| self.place(place)).collect()
     }
 
-    /// Upper left corner and size of a rectangle of two opposite corners.
+    /// Upper left corner and size of the rectangle with two given opposite corners.
     fn rectangle(&mut self, [a, b]: [CanvasPoint; 2]) -> [CanvasPoint; 2] {
         [self.place((a.0.min(b.0), a.1.min(b.1))), self.place(((b.0 - a.0).abs(), (b.1 - a.1).abs()))]
     }
@@ -167,8 +167,8 @@ impl Canvas {
         self.marks.push(Mark::Polygon { corners, colour, opacity });
     }
 
-    /// Filled rectangles of one colour, given by two opposite corners. Their edges are not
-    /// smoothed: neighbours would show seams where they share a pixel.
+    /// Filled rectangles of one colour, each given by two opposite corners. Their edges are not
+    /// smoothed, since smoothed neighbours that share a pixel would show a seam.
     pub fn rectangles(&mut self, corners: &[[CanvasPoint; 2]], colour: Colour) {
         let rectangles: Vec<_> = corners.iter().map(|&corners| self.rectangle(corners)).collect();
         if !rectangles.is_empty() {
@@ -176,7 +176,8 @@ impl Canvas {
         }
     }
 
-    /// Discs of one colour, or circles of that pen on white.
+    /// Discs of one colour, or, with the line width `edge`, circles of that colour filled with
+    /// white.
     pub fn circles(&mut self, centres: &[CanvasPoint], radius: f64, colour: Colour, edge: Option<f64>) {
         let radius = self.number(radius - 0.5 * edge.unwrap_or(0.0));
         let centres = self.places(centres);
@@ -195,20 +196,20 @@ impl Canvas {
         self.marks.push(Mark::Text { place, words: words.into(), size, colour, along, upwards });
     }
 
-    /// What `draw` draws, as marks of their own.
+    /// The marks that `draw` draws, in a separate list.
     fn apart(&mut self, draw: impl FnOnce(&mut Self)) -> Vec<Mark> {
         let before = std::mem::take(&mut self.marks);
         draw(self);
         std::mem::replace(&mut self.marks, before)
     }
 
-    /// What `draw` draws, moved by `by`.
+    /// The marks that `draw` draws, moved by `by`.
     pub fn moved(&mut self, by: CanvasPoint, draw: impl FnOnce(&mut Self)) {
         let (by, marks) = (self.place(by), self.apart(draw));
         self.marks.push(Mark::Moved { by, marks });
     }
 
-    /// What `draw` draws, cut at the edges of a rectangle, which has two opposite corners.
+    /// The marks that `draw` draws, cut at the edges of the rectangle with two opposite `corners`.
     pub fn clipped(&mut self, corners: [CanvasPoint; 2], draw: impl FnOnce(&mut Self)) {
         let (rectangle, marks) = (self.rectangle(corners), self.apart(draw));
         self.marks.push(Mark::Clipped { rectangle, marks });

@@ -23,13 +23,13 @@ pub struct Figure {
 /// One diagram.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
-    /// What it shows, with its letter.
+    /// Title of the panel, with its letter.
     pub title: String,
     /// Horizontal axis.
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// What is drawn, first at the bottom.
+    /// Layers; the first is drawn at the bottom.
     pub layers: Vec<Layer>,
 }
 
@@ -38,11 +38,12 @@ pub struct Panel {
 pub struct Axis {
     /// Symbol and unit.
     pub label: String,
-    /// Its range; where `None`, the range of the data with some room around it.
+    /// Its range; if `None`, the range of the data with some room around it.
     pub range: Option<(f64, f64)>,
     /// Whether it is logarithmic.
     pub log: bool,
-    /// Factor from the data's unit to the label's, in which the ticks' numbers are; 1 where `None`.
+    /// Factor from the data's unit to the label's unit, which the numbers at the ticks have; 1 if
+    /// `None`.
     pub factor: Option<f64>,
     /// Names at 1, 2, … in place of numbers.
     pub names: Vec<String>,
@@ -51,10 +52,10 @@ pub struct Axis {
 /// One curve, set of marks or area.
 #[derive(Clone, Debug)]
 pub struct Layer {
-    /// Its name in the legend; `None` where it has no entry there.
+    /// Its name in the legend; `None` if it has no entry there.
     pub name: Option<String>,
-    /// A short name to be written beside the curve in its colour; where there is no room for it, it
-    /// is an entry of the legend.
+    /// A short name to be written beside the curve in its colour. If there is no room for it, it
+    /// becomes an entry of the legend.
     pub label: Option<String>,
     /// Its colour.
     pub colour: Colour,
@@ -68,7 +69,7 @@ pub struct Layer {
 /// A polyline.
 pub type Path = Vec<(f64, f64)>;
 
-/// What a layer draws.
+/// Shape of a layer.
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// Curves.
@@ -93,7 +94,7 @@ pub enum Shape {
     Band {
         /// x, lower and upper y.
         points: Vec<(f64, f64, f64)>,
-        /// From 0, invisible, to 1.
+        /// From 0 (invisible) to 1 (opaque).
         opacity: f64,
     },
     /// Cells of equal size in their own colours, rows from below.
@@ -152,7 +153,7 @@ pub enum Mark {
 pub const LINE: u32 = 6;
 /// Stroke of auxiliary curves.
 pub const THIN: u32 = 4;
-/// The part of white in a pale tint.
+/// Fraction of white in a pale tint.
 const PALE: f64 = 0.55;
 /// Size of marks.
 pub const MARK: u32 = 13;
@@ -168,7 +169,7 @@ impl Axis {
         Self { label: label.into(), range: Some((from, to)), ..Self::default() }
     }
 
-    /// The axis with numbers in the label's unit, `factor` times those of the data.
+    /// The axis with numbers in the label's unit, which are the data's numbers times `factor`.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { factor: Some(factor), ..self }
@@ -223,7 +224,7 @@ impl Layer {
         Self { pale: true, ..self }
     }
 
-    /// The colour that it is drawn in.
+    /// The colour in which the layer is drawn.
     pub fn tint(&self) -> Colour {
         if self.pale { self.colour.towards(WHITE, PALE) } else { self.colour }
     }
@@ -233,7 +234,7 @@ impl Layer {
         self.label.as_deref().or(self.name.as_deref())
     }
 
-    /// The layer with another stroke of its curves or size of its marks.
+    /// The layer with another stroke width of its curves or another size of its marks.
     #[must_use]
     pub fn stroke(mut self, stroke: u32) -> Self {
         match &mut self.shape {

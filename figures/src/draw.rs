@@ -19,7 +19,7 @@ const CAPTION_COLOUR: Colour = Colour(70, 70, 70);
 /// A figure laid out.
 struct Page<'f> {
     panels: Vec<Layout<'f>>,
-    /// Lines of the legend under each panel, where they have their own.
+    /// Lines of the legend under each panel; empty if all panels share one legend.
     own: Vec<Vec<Vec<&'f Layer>>>,
     /// Lines of the legend under all panels.
     shared: Vec<Vec<&'f Layer>>,
@@ -33,7 +33,7 @@ impl<'f> Page<'f> {
         }
         let (mut own, mut shared) = (Vec::new(), Vec::new());
         if figure.shared_legend {
-            // A curve whose name stands beside it in one panel is known in the others by its
+            // A curve whose name stands beside it in one panel is identified in the others by its
             // colour.
             let named = |layer: &Layer| panels.iter().any(|p: &Layout| p.names_like(layer));
             let entries = panels.iter().flat_map(|p| p.entries.iter().copied());
@@ -45,14 +45,14 @@ impl<'f> Page<'f> {
         Self { panels, own, shared }
     }
 
-    /// Height of the legends under the panels of one row: the same for all, so that panels are of
-    /// one size.
+    /// Height of the legends under the panels of one row. It is equal for all panels, so that they
+    /// have one size.
     fn under(&self) -> u32 {
         self.own.iter().map(|l| l.len() as u32 * ENTRY as u32).max().unwrap_or(0)
     }
 }
 
-/// Lines of a legend no wider than `width`, where entries are: each name once.
+/// Lines of a legend no wider than `width`, with one entry for each name.
 fn legend<'f>(layers: impl Iterator<Item = &'f Layer>, width: f64) -> Vec<Vec<&'f Layer>> {
     let mut lines: Vec<Vec<&Layer>> = Vec::new();
     let mut used = f64::INFINITY;
@@ -135,7 +135,7 @@ impl Drawing for Figure {
         let panels = (self.panel.1 + page.under()) * self.rows();
         let legend = page.shared.len() as u32 * ENTRY as u32;
         let caption = self.caption_lines().len() as u32 * CAPTION_LINE;
-        // Whole pixels of either file.
+        // The size is a whole number of pixels in both files.
         let whole = |size: u32| size.next_multiple_of(SVG_SHRINK * PNG_SHRINK);
         (whole(self.width()), whole(self.head() + panels + legend + caption + 3 * GAP))
     }

@@ -1,5 +1,4 @@
-//! Pictures: what they consist of, and how they are drawn as SVG and PNG. Knows nothing of
-//! machines.
+//! Pictures as data, and their drawing as SVG and PNG. This crate does not depend on any machine.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -20,9 +19,9 @@ mod symbols;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("making {what}: {problem}")]
 pub struct Error {
-    /// What was being made.
+    /// The picture or file that was being made.
     what: &'static str,
-    /// Why it cannot be.
+    /// The cause.
     problem: String,
 }
 
@@ -30,7 +29,7 @@ pub struct Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// For `map_err` on the libraries that make pictures.
+    /// Conversion of an error of a drawing library, for `map_err`.
     fn making<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> Self {
         move |e| Self { what, problem: e.to_string() }
     }

@@ -30,7 +30,7 @@ pub(super) struct Layout<'p> {
 }
 
 impl<'p> Layout<'p> {
-    /// Lays out a panel of a size, from its upper left corner.
+    /// Lays out a panel of a given size, with the origin at its upper left corner.
     pub fn new(panel: &'p Panel, size: (u32, u32)) -> Self {
         let [left, top, right, bottom] = ROOM.map(f64::from);
         let (width, height) = (f64::from(size.0), f64::from(size.1));
@@ -43,8 +43,8 @@ impl<'p> Layout<'p> {
         layout
     }
 
-    /// Moves all names to the legend if one is there: a legend of some curves looks as if it were
-    /// of all.
+    /// Moves all names to the legend if one of them is there already, since a legend of some curves
+    /// would look like a legend of all.
     pub fn name_all_or_none(&mut self) {
         if self.entries.iter().any(|layer| layer.label.is_some()) {
             self.names.clear();
@@ -52,7 +52,7 @@ impl<'p> Layout<'p> {
         }
     }
 
-    /// Whether a layer drawn alike has its name beside its curve.
+    /// Whether a layer with equal label, colour and dashes has its name beside its curve.
     pub fn names_like(&self, layer: &Layer) -> bool {
         let pen = |layer: &Layer| match layer.shape {
             Shape::Lines { dash, .. } => Some((layer.tint(), dash)),
@@ -191,7 +191,7 @@ impl<'p> Layout<'p> {
     /// following rows that are equal.
     fn cells(&self, canvas: &mut Canvas, layer: &Layer) {
         let Shape::Cells { x, y, columns, cells, colours } = &layer.shape else { return };
-        // No more cells than the bitmap has pixels.
+        // There are at most as many cells as the bitmap has pixels.
         let f = &self.frame;
         let most = |from: f64, to: f64| ((to - from) / f64::from(PNG_SHRINK)).max(1.0) as usize;
         let (columns, cells) = merged(cells, *columns, (most(f.left, f.right), most(f.top, f.bottom)));
@@ -223,8 +223,8 @@ impl<'p> Layout<'p> {
     }
 }
 
-/// Cells reduced to at most `most` in a row and in a column, and the new number of columns: of
-/// merged cells the commonest is kept, the first of equally common ones.
+/// Cells reduced to at most `most` in a row and in a column, and the new number of columns. Merged
+/// cells take their most frequent value, the first if several are equally frequent.
 fn merged(cells: &[u8], columns: usize, most: (usize, usize)) -> (usize, Cow<'_, [u8]>) {
     let rows = cells.len() / columns;
     let (across, up) = (columns.min(most.0), rows.min(most.1));

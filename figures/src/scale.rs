@@ -4,14 +4,16 @@ use crate::chart::Axis;
 
 /// Approximate number of ticks of an axis.
 const TICKS: f64 = 6.0;
-/// Room around data without a given range, in parts of its span.
+/// Room around data without a given range, as a fraction of its span.
 const AIR: f64 = 0.05;
 
-/// Fewest ticks of a logarithmic axis that its decades and their parts may give.
+/// Smallest number of ticks at decades and their parts; with fewer, a logarithmic axis has ticks at
+/// round numbers.
 const FEWEST: usize = 3;
-/// About the most decades that are labelled.
+/// Approximate largest number of labelled decades.
 const MOST: usize = 10;
-/// Numbers from here on, and steps below its reciprocal, are written with a power of ten.
+/// Numbers of at least this size, and steps smaller than its reciprocal, are written with a power
+/// of ten.
 const LARGE: f64 = 1e6;
 
 /// The map of one axis.
@@ -27,7 +29,7 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// The map of an axis that shows `values` between the places `from` and `to`.
+    /// The map of an axis with `values` between the places `from` and `to`.
     pub fn new(axis: &Axis, values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let fits = |v: &f64| v.is_finite() && (!axis.log || *v > 0.0);
         let given = axis.range.filter(|(low, high)| low < high && fits(low) && fits(high));
@@ -57,7 +59,7 @@ impl Scale {
     }
 }
 
-/// The range of an axis over some values; of a logarithmic one they are above zero.
+/// The range of an axis over some values, which are positive for a logarithmic axis.
 fn around(values: impl Iterator<Item = f64>, log: bool) -> (f64, f64) {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     match (low < high, low.is_finite()) {
@@ -87,8 +89,8 @@ fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     (first..=last).map(|i| i as f64 * step).map(|v| (v, label(v).replace('-', "−"))).collect()
 }
 
-/// Decades from `low` to `high`, with their parts where there is room for them; round numbers where
-/// those are few.
+/// Decades from `low` to `high`, with their parts if there is room for them. If these are fewer
+/// than [`FEWEST`], round numbers instead.
 fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let decade = |e: i32, factors: &'static [f64]| {

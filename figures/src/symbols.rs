@@ -16,8 +16,8 @@ const TOLERANCE: f64 = 0.6;
 /// Stroke of crosses, rings and the samples of areas.
 const FINE: f64 = 4.0;
 
-/// Simplifies a path by the method of Ramer, Douglas and Peucker: places that cannot be told from
-/// a straight line are left out of the file.
+/// Simplifies a path by the method of Ramer, Douglas and Peucker: places within [`TOLERANCE`] of a
+/// straight line are left out of the file.
 fn simplified(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut kept = vec![false; path.len()];
     let mut open = vec![(0, path.len().saturating_sub(1))];

@@ -3,8 +3,8 @@
 use crate::numerics::simd::{PADDED, multiply_add, value};
 use pulp::Simd;
 
-/// Most steps of Newton's method in a bracket. They are never reached, as a step that leaves the
-/// bracket is replaced by a bisection.
+/// Largest number of steps of Newton's method in a bracket. It is never reached, since a step that
+/// leaves the bracket is replaced by a bisection.
 const MAX_ITERATIONS: u32 = 200;
 
 /// p(u) and p'(u).
@@ -25,9 +25,10 @@ pub(super) fn value_and_slope<const N: usize>(c: &[f64; N], u: f64) -> (f64, f64
 /// Root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u, by Newton's method in
 /// a bracket.
 ///
-/// Ends when a step is at round-off, or when the error of the iterate just reached is proved to be:
-/// after a step of length m = `moved` with K m ≤ 1, K = `newton_factor`, the error is at most
-/// 4 K m². A step with K m > 1 never passes this test (docs/numerics.md, "The root").
+/// Ends when a step is at round-off, or when the error of the last iterate is proved to be at
+/// round-off. After a step of length m = `moved` with K m ≤ 1, where K = `newton_factor`, this
+/// error is at most 4 K m². A step with K m > 1 never passes this test (docs/numerics.md, "The
+/// root").
 #[inline(always)]
 pub(super) fn refine<const N: usize>(
     c: &[f64; N],
@@ -78,9 +79,9 @@ pub(super) fn slope_of<const N: usize>(c: &[f64; N], sign: f64) -> [f64; N] {
     d
 }
 
-/// Root of a rising p in (lo, hi) by at most `STEPS` steps of Newton's method from `start` and one
-/// more with the slope of the last; `None` where their accuracy is not proved. `newton_factor` is
-/// K = |p''|/(2p') < 1/4, so that few steps are enough nearly always.
+/// Root of a rising p in (lo, hi) by at most `STEPS` steps of Newton's method from `start`, and one
+/// further step that uses the slope of the last step again. `None` if the accuracy is not proved.
+/// `newton_factor` is K = |p''|/(2p') < 1/4, so that few steps nearly always suffice.
 #[inline(always)]
 pub(super) fn root_of_nearly_straight<const STEPS: usize>(
     (value, slope): (impl Fn(f64) -> f64, impl Fn(f64) -> f64),
@@ -104,9 +105,9 @@ pub(super) fn root_of_nearly_straight<const STEPS: usize>(
         if error <= resolution {
             return (u > lo && u < hi).then_some(u);
         }
-        // One more step, with the slope already at hand. It was taken at most `moved + error` from
-        // the root, so it is off by at most max |p''| times that distance, relative to p' by 2K
-        // times it.
+        // One further step with the slope of the last step. This slope was evaluated at most `moved
+        // + error` away from the root. Its error is at most max |p''| times that distance, and
+        // relative to p' at most 2K times that distance.
         if 2.0 * error * newton_factor * (moved.abs() + error) <= resolution {
             *iterations += 1;
             u -= value(u) * inverse;
@@ -116,7 +117,7 @@ pub(super) fn root_of_nearly_straight<const STEPS: usize>(
     None
 }
 
-/// p(u) in four sums side by side, each of every fourth order.
+/// p(u) as four sums side by side, each over every fourth order.
 #[inline(always)]
 pub(super) fn by_fours<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     let square = u * u;
@@ -151,7 +152,7 @@ pub(super) fn pairwise<S: Simd>(c: &[f64; PADDED], first: usize, u: f64) -> f64 
     multiply_add::<S>(pair(8), fourth * fourth, multiply_add::<S>(middle, fourth, low))
 }
 
-/// Passage of a p that rises on [lo, hi], where `low` is p(lo): none when p(hi) ≤ 0, `lo` when
+/// Passage of a p that rises on [lo, hi], where `low` is p(lo): `None` if p(hi) ≤ 0, and `lo` if
 /// p(lo) ≥ 0.
 #[inline(always)]
 pub(super) fn rising<const N: usize>(

@@ -22,7 +22,8 @@ pub fn polynomial<const N: usize, const W: usize>(coefficients: &[[f64; W]; N], 
 }
 
 /// Values of a scalar polynomial at the ends of equal intervals of [0, 1], computed in vectors.
-/// Bit-identical to [`polynomial`], as no operation is fused and the number N of orders is even.
+/// Bit-identical to [`polynomial`], because no operation is fused and the number N of orders is
+/// even.
 #[inline(always)]
 pub(super) fn at_interval_ends<S: Simd, const N: usize, const INTERVALS: usize>(
     simd: S,

@@ -1,6 +1,6 @@
 //! Taylor series of the augmented state about a point, by the recurrence docs/theory.md (8). The
-//! number of coefficients follows from the radius: the sub-step of 2.4/rate, which [`super`]
-//! divides into 16 intervals, or a part of it.
+//! number of coefficients follows from the radius, which is the sub-step of 2.4/rate or a part of
+//! it; [`super`] divides the sub-step into 16 intervals.
 
 use super::polynomial;
 use crate::model::{
@@ -9,9 +9,9 @@ use crate::model::{
 };
 
 /// Bound on the remainder of a series of seven coefficients or more, up to a time of `reach`/rate
-/// from its point, relative to the motion's size S (docs/numerics.md, section 1). It is
-/// reach^n/(n-1)! and not reach^n/n!, as the rate bounds the bodies alone and a drive at resonance
-/// adds up from order to order.
+/// from its point, relative to the motion's size S (docs/numerics.md, section 1). The bound is
+/// reach^n/(n-1)! and not reach^n/n!, because the rate bounds the motion of the bodies alone, and
+/// the contributions of a drive at resonance add up from order to order.
 pub const fn remainder(coefficients: usize, reach: f64) -> f64 {
     assert!(coefficients >= 7, "the bound on a coefficient holds from order seven on");
     assert!(reach < coefficients as f64, "the terms left out fall from the first on");
@@ -108,8 +108,9 @@ impl<const N: usize> Series<N> {
     }
 
     /// Augmented state at u, for the shortest steps: the change is summed first and added to the
-    /// constant term once. [`at`](Self::at) adds the even orders to the constant term one by one,
-    /// where the shortest steps lose them or round them in one direction at every step.
+    /// constant term once. [`at`](Self::at) adds the even orders to the constant term one by one.
+    /// For the shortest steps these additions lose the small terms, or round them in one direction
+    /// at every step.
     #[inline(always)]
     pub fn after_way(&self, u: f64) -> Augmented {
         let mut terms = self.states;
@@ -157,7 +158,8 @@ impl<const N: usize> Series<N> {
 }
 
 /// Flow from `start` over `span` s under constant forces, as consecutive series. `visit` gets each
-/// series, with its variable over [0, 1], and its length in s. Returns the state at the end.
+/// series, whose variable runs over [0, 1], and the series' length in s. Returns the state at the
+/// end.
 #[inline(always)]
 pub fn expand_along(
     model: &Model,

@@ -26,8 +26,8 @@ pub struct Saltation {
     restitution: f64,
     /// δw' after the impact per δw before it.
     kick: f64,
-    /// Change of the rate of the centre of mass per change of δw, since the damper's force on the
-    /// box jumps, too.
+    /// Change of the variation of the centre of mass's rate per change of δw; the damper's force on
+    /// the box also jumps at the impact.
     push: f64,
 }
 
@@ -43,7 +43,8 @@ impl Saltation {
         }
         // a_w⁺ + κ a_w⁻. With the centre of mass fixed, docs/theory.md (83), the free acceleration
         // (6) is affine in w', and the parts in w' cancel. The result is 1 + κ times the free
-        // acceleration with box and block moving as their centre of mass, also after a merge.
+        // acceleration for the state in which box and block both move with the velocity of their
+        // centre of mass. This also holds after a merge.
         let mut together = *after;
         together[BOX_RATE] += model.block_share * after[RELATIVE_RATE];
         together[RELATIVE_RATE] = 0.0;
@@ -61,9 +62,9 @@ impl Saltation {
         v[BOX_RATE] += self.push * (v[RELATIVE] - w);
     }
 
-    /// Applies the merge into rest to a variation: its relative motion ends. In the bounces that
-    /// the merge stands for, the damper changes the rate of the centre of mass in proportion to the
-    /// change of w.
+    /// Applies the merge into rest to a variation: its relative motion ends. The merge replaces a
+    /// run of bounces, during which the damper changes the rate of the centre of mass in proportion
+    /// to the change of w.
     #[inline(always)]
     pub fn merge(model: &Model, v: &mut Augmented, unit: f64) {
         v[BOX_RATE] -= push(model, unit) * v[RELATIVE];
@@ -85,8 +86,8 @@ mod tests {
     use crate::model::BOX;
     use crate::parameters::Parameters;
 
-    /// Variation in the coordinates of the model from one in the coordinates (83), with `share` the
-    /// block's share; back, with its negative.
+    /// Variation in the coordinates of the model from one in the coordinates (83), where `share` is
+    /// the block's share of the mass. The negative share gives the inverse.
     fn turned(v: &Augmented, share: f64) -> Augmented {
         let mut z = *v;
         z[BOX] -= share * z[RELATIVE];
@@ -98,8 +99,8 @@ mod tests {
     /// place. The damper acts on the centre of mass meanwhile.
     #[test]
     fn second_method_a_merge_is_what_the_bounces_come_to() {
-        /// Relative accuracy. The run takes 4e-5 of the unit of time, and all else changes by no
-        /// more than that part.
+        /// Relative accuracy. The run takes 4e-5 of the unit of time, and all other quantities
+        /// change by at most this fraction.
         const SHORT: f64 = 1e-3;
         let p = Parameters {
             box_stiffness: 0.0,
@@ -125,7 +126,7 @@ mod tests {
                 jump.apply(&mut merged);
                 Saltation::merge(&model, &mut merged, 1.0);
             }
-            // Back to the stop: the acceleration is constant but for the damper.
+            // Flight back to the stop: the acceleration is constant except for the damper.
             let free = model.acceleration(SmoothMode::Flight, &z, Some(pressing)).free;
             let mut span = -2.0 * z[RELATIVE_RATE] / free;
             let state_after = |z: &Augmented, forces, span| {

@@ -17,22 +17,24 @@ pub const RATE_STEP: f64 = 0.75;
 /// A polynomial in t ∈ [0, 1] by its monomial coefficients, lowest power first.
 pub type Polynomial = [f64; DEGREE + 1];
 
-/// Most halvings of an interval. After these a bound is as narrow as round-off, as its distance
-/// from the polynomial shrinks by four with each halving.
+/// Largest number of halvings of an interval. The distance of a bound from the polynomial shrinks
+/// by a factor of four with each halving, so that it is then at round-off.
 const DEPTH: u32 = 30;
 
-/// Most subdivisions of one proof. A tangency needs some 50: two intervals for each of about 25
-/// halvings.
+/// Largest number of subdivisions in one proof. A tangency needs some 50: two intervals for each of
+/// about 25 halvings.
 const SUBDIVISIONS: u32 = 512;
 
-/// Relative excess of a bound over the best value that counts as round-off.
+/// Relative excess of a bound over the largest value found so far, up to which it counts as
+/// round-off.
 const BOUND_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Most Newton steps; each is safeguarded by bisection, which alone would need 52.
+/// Largest number of Newton steps. Each is safeguarded by bisection, which alone would need 52
+/// steps.
 const NEWTON_STEPS: usize = 80;
 
-/// Accuracy of the argument at a turning point. Half the digits suffice, since the value depends on
-/// the argument only in second order there.
+/// Accuracy of the argument at a turning point. Half the digits suffice, since the value there
+/// depends on the argument only to second order.
 const TURNING_POINT: f64 = 1e-9;
 
 /// `C(i, k) / C(DEGREE, k)`: Bernstein coefficient i is the sum over k ≤ i of this times monomial
@@ -93,9 +95,9 @@ fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
     (left, right)
 }
 
-/// Whether it is proved that the polynomial stays within `low`..=`high` on [0, 1]. False if it
-/// leaves that range, if a coefficient is NaN, and if the polynomial runs so closely along a limit
-/// that the proof would need more than 512 subdivisions.
+/// Whether it is proved that the polynomial stays within `low`..=`high` on [0, 1]. False if the
+/// polynomial leaves that range, if a coefficient is NaN, or if the polynomial is so close to a
+/// limit that the proof would need more than 512 subdivisions.
 ///
 /// ```
 /// use vibro_impact::numerics::bernstein::{DEGREE, stays_within};
@@ -121,7 +123,7 @@ pub fn stays_within(polynomial: &Polynomial, low: f64, high: f64) -> bool {
     proved(&to_bernstein(polynomial), low, high, &mut { SUBDIVISIONS })
 }
 
-/// Raises `best` to the maximum of |polynomial| on [0, 1] where that is larger.
+/// Raises `best` to the maximum of |polynomial| on [0, 1] if the maximum is larger.
 pub fn raise_to_maximum(polynomial: &Polynomial, best: &mut f64) {
     let b = to_bernstein(polynomial);
     raise(polynomial, &b, 0.0, 1.0, best, DEPTH);
@@ -132,7 +134,8 @@ pub fn raise_to_maximum(polynomial: &Polynomial, best: &mut f64) {
 fn raise(polynomial: &Polynomial, b: &Polynomial, from: f64, to: f64, best: &mut f64, depth: u32) {
     *best = best.max(b[0].abs()).max(b[DEGREE].abs());
     let bound = b.iter().fold(0.0_f64, |bound, x| bound.max(x.abs()));
-    // No comparison would notice a coefficient that is NaN; those of a flight have been checked.
+    // The comparisons do not detect a coefficient that is NaN. The coefficients of a flight have
+    // been checked.
     if bound <= *best * (1.0 + BOUND_ROUNDING) || depth == 0 {
         return;
     }
@@ -155,7 +158,7 @@ fn raise(polynomial: &Polynomial, b: &Polynomial, from: f64, to: f64, best: &mut
     }
 }
 
-/// Only zero of the derivative in [from, to], by Newton's method safeguarded by bisection.
+/// The only zero of the derivative in [from, to], by Newton's method safeguarded by bisection.
 fn turning_point(polynomial: &Polynomial, from: f64, to: f64) -> f64 {
     let derivatives = |t: f64| {
         let (mut first, mut second) = (0.0, 0.0);

@@ -1,6 +1,6 @@
-//! The digest FNV-1a, which does not depend on machine and version, unlike the hashes of the
-//! standard library. It tells texts and saved bytes apart and notices accidental change; it is no
-//! signature.
+//! The digest FNV-1a. Unlike the hashes of the standard library, it does not depend on machine and
+//! version. It distinguishes texts and saved bytes and detects accidental changes; it does not
+//! protect against deliberate ones.
 
 /// Digest of no bytes.
 pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;

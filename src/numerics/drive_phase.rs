@@ -1,4 +1,4 @@
-//! Phase of the drive in extended precision, which does not drift however long the motion is.
+//! Phase of the drive in extended precision, which does not drift even in a long motion.
 
 use super::double_double::DoubleDouble;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ const TAU: DoubleDouble = DoubleDouble { hi: std::f64::consts::TAU, lo: 2.449_29
 const INVERSE_TAU: DoubleDouble =
     DoubleDouble { hi: 0.159_154_943_091_895_35, lo: -9.839_338_440_020_25e-18 };
 
-/// Bound on the times of motions, s: 1e15 time constants of a slow one.
+/// Bound on the times of motions, s: 1e15 time constants of a slow motion.
 const LATEST: f64 = 1e30;
 
 /// Phase of the drive in turns, `turns(t) = base + ω (t - from)/2π`, re-based when ω changes so
@@ -20,8 +20,8 @@ pub struct DrivePhase {
     from: DoubleDouble,
 }
 
-/// Turns of a phase in rad. 32 digits of π are too few for the largest doubles, which are reduced
-/// by the standard library's sine and cosine.
+/// Turns of a phase in rad. For the largest doubles 32 digits of π are too few; these doubles are
+/// reduced by the standard library's sine and cosine.
 fn turns_of(phase: f64) -> DoubleDouble {
     const PLAIN: f64 = 1e9;
     let phase = if phase.abs() <= PLAIN { phase } else { phase.sin().atan2(phase.cos()) };
@@ -46,15 +46,15 @@ impl DrivePhase {
         self.turns(omega, time).times(TAU).value()
     }
 
-    /// Whether base and time are in their ranges, as they are for any undamaged phase: at most one
-    /// turn, and a time that a motion can reach.
+    /// Whether base and time are in their ranges: a base of at most one turn, and a time that a
+    /// motion can reach. Every undamaged phase is sound.
     pub fn is_sound(&self) -> bool {
         let within = |e: &DoubleDouble, most: f64| e.hi.abs() <= most && e.lo.abs() <= e.hi.abs();
         within(&self.base, 1.0) && within(&self.from, LATEST)
     }
 
-    /// Re-bases the phase at `time`, from which the caller uses another frequency than `omega`, and
-    /// adds the difference of two drive phases, rad.
+    /// Re-bases the phase at `time`, up to which the frequency was `omega`; afterwards the caller
+    /// uses another frequency. Adds the change from the drive phase `from` to `to`, rad.
     pub fn rebase(&mut self, omega: f64, time: DoubleDouble, (from, to): (f64, f64)) {
         let shift = turns_of(to).minus(turns_of(from));
         self.base = (self.turns(omega, time) + shift).fraction();

@@ -1,8 +1,8 @@
 //! Numerical tools without mechanics: extended precision, polynomials, roots, digests, vectors
 //! chosen at run time.
 //!
-//! Polynomials are evaluated in several ways, each where it is fastest. Their last digits differ,
-//! and so would the bits of states, so that one must not replace another:
+//! Polynomials are evaluated in several ways, each where it is fastest. Their last digits differ.
+//! One must not replace another, because the bits of states would change:
 //!
 //! | function | of | why it is apart |
 //! |---|---|---|

@@ -1,8 +1,8 @@
 //! Roots of functions of one variable, by Brent's method (R. P. Brent, Algorithms for Minimization
 //! without Derivatives, 1973, chapter 4).
 
-/// Most steps of Brent's method. Bisection needs about 60 if root and interval are of similar size,
-/// and Brent's method at most a few times as many.
+/// Largest number of steps of Brent's method. Bisection needs about 60 steps if root and interval
+/// are of similar size, and Brent's method at most a few times as many.
 const BRENT_STEPS: usize = 200;
 
 /// Root of `f` between `a` and `b`, where `f` must have opposite signs, to `tolerance` (plus the

@@ -30,7 +30,7 @@ pub fn multiply_add<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
 }
 
 /// `Σ_j columns[j] x_j` in V vectors, of which only the first `W/F64_LANES` are used. Even and odd
-/// columns are summed apart, which halves the chain of dependent operations.
+/// columns are summed separately, which halves the chain of dependent operations.
 #[inline(always)]
 fn combine<S: Simd, const W: usize, const V: usize>(
     simd: S,
@@ -41,8 +41,8 @@ fn combine<S: Simd, const W: usize, const V: usize>(
     let zero = simd.splat_f64s(0.0);
     let (mut first, mut second) = ([zero; V], [zero; V]);
     if cfg!(target_family = "wasm") {
-        // WebAssembly has vectors of two numbers and few registers: the two sums of one vector at a
-        // time stay in registers, those of all vectors do not.
+        // WebAssembly has vectors of two numbers and few registers. The two sums of one vector fit
+        // into registers, the sums of all vectors do not.
         let x = x.map(|x| simd.splat_f64s(x));
         for (v, sum) in first.iter_mut().enumerate().take(vectors) {
             let at = |j: usize| S::as_simd_f64s(&columns[j]).0[v];
@@ -140,10 +140,10 @@ pub fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f64 {
     simd.reduce_sum_f64s(sum)
 }
 
-/// Adds to `total`, lane by lane, the parts of two sums: of the quadratic form, if there is one,
-/// and of the integral of `Σ_lane weights · p²` over an interval of length `length`, in which the
-/// argument of the polynomials p in `rows` goes from 0 to u; `end` is p(u). The integral is by the
-/// Lobatto rule of four nodes.
+/// Adds to `total`, lane by lane, the parts of two sums: of the quadratic form, if given, and of
+/// the integral of `Σ_lane weights · p²` over an interval of length `length`. Over the interval the
+/// argument of the polynomials p in `rows` goes from 0 to u; `end` is p(u). The Lobatto rule of
+/// four nodes gives the integral.
 #[inline(always)]
 pub fn form_and_squares<S: Simd, const N: usize>(
     simd: S,
@@ -160,7 +160,7 @@ pub fn form_and_squares<S: Simd, const N: usize>(
     const ENDS: f64 = 1.0 / 12.0;
     /// Weight at the inner nodes.
     const INSIDE: f64 = 5.0 / 12.0;
-    // The form first, as it depends on nothing that is still being computed.
+    // The form comes first, as it depends on no pending result.
     let mut before = [simd.splat_f64s(0.0); 8];
     if let Some((columns, x)) = form {
         let sums = combine::<S, 8, 8>(simd, columns, x);

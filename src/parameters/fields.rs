@@ -3,7 +3,8 @@
 use super::{Parameters, Range, entry};
 use crate::error::Result;
 
-/// A physical parameter, from which the FMU's variables and the command line are made.
+/// A physical parameter. The FMU's variables and the options of the command line are made from
+/// these entries.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
     /// Structured name, e.g. `box.m`.
@@ -65,7 +66,7 @@ macro_rules! load {
     };
 }
 
-/// Constant loads on the three bodies. They are no variables of the FMU, which has the inputs
+/// Constant loads on the three bodies. The FMU does not have them as variables; it has the inputs
 /// `box.f`, `block.f`, `secondary.f` instead.
 pub const LOADS: [Field; 3] = [
     load!("load.box", 0, "Constant force on the box"),
@@ -77,8 +78,8 @@ impl Field {
     /// Checks a value against the range.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) naming this field, for NaN and infinities
-    /// too.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange), which names this field, if the value is
+    /// outside the range, NaN or infinite.
     pub fn check(&self, value: f64) -> Result<()> {
         self.range.check(self.name, value)
     }

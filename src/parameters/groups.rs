@@ -1,4 +1,5 @@
-//! Dimensionless groups: their values, and by name their symbols, meanings, ranges and accessors.
+//! Dimensionless groups: their values, and a list of them by name with symbols, meanings, ranges
+//! and accessors.
 
 use super::{Parameters, Range, Scales, entry};
 use crate::error::{Error, Result};
@@ -85,7 +86,7 @@ impl Groups {
     }
 }
 
-/// A dimensionless group, as [`Field`](super::Field) is a physical parameter.
+/// A dimensionless group, the counterpart of the physical parameter [`Field`](super::Field).
 #[derive(Clone, Copy, Debug)]
 pub struct Group {
     /// Name of the field of [`Groups`], e.g. `sigma1`.
@@ -96,7 +97,7 @@ pub struct Group {
     pub description: &'static str,
     /// Allowed values of this group; [`check_together`] checks bounds that depend on another group.
     pub range: Range,
-    /// Default range of pictures.
+    /// Range that pictures show by default.
     pub shown: (f64, f64),
     /// Reads the group.
     pub get: fn(&Groups) -> f64,
@@ -169,7 +170,8 @@ impl Group {
     /// group.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming this group, for NaN and infinities too.
+    /// [`Error::OutOfRange`], which names this group, if the value is outside the range, NaN or
+    /// infinite.
     pub fn check(&self, value: f64) -> Result<()> {
         self.range.check(self.name, value)
     }
@@ -185,7 +187,7 @@ impl Group {
 /// docs/theory.md (23).
 ///
 /// # Errors
-/// [`Error::OutOfRange`] naming `sigma1` or `sigma30`.
+/// [`Error::OutOfRange`], which names `sigma1` or `sigma30`, if its bound is violated.
 pub fn check_together(g: &Groups) -> Result<()> {
     let frequency = (&SIGMA1, g.sigma1, 1.0 + g.epsilon * g.sigma1 > 0.0);
     let stiffness = (&SIGMA30, g.sigma30, 1.0 + g.epsilon * g.sigma30 >= 0.0);

@@ -3,7 +3,7 @@
 //!
 //! [`FIELDS`] and [`GROUPS`] list both sets by name, with ranges and accessors; input, tables and
 //! documentation are made from these lists. [`LOADS`] lists the constant loads, which are zero
-//! unless set; the FMU has inputs instead.
+//! unless set; the FMU has inputs in their place.
 
 mod fields;
 mod groups;
@@ -17,8 +17,8 @@ pub use range::Range;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// Entry of [`FIELDS`] or [`GROUPS`]: name, range and description of a struct's field, its
-/// accessors, and the other fields of the entry's type.
+/// Entry of [`FIELDS`] or [`GROUPS`] for a field of a struct: its name, range, description and
+/// accessors, and the further fields of the entry's type.
 macro_rules! entry {
     ($type:ident, $name:expr, $field:ident, $range:expr, $text:literal, $($other:ident: $value:expr),+) => {
         $type {
@@ -35,8 +35,8 @@ use entry;
 
 /// Physical parameters, SI units. `Default` is the default data set (docs/theory.md, end of section
 /// 4: partly a reconstruction) in unit scales: m1 = 1 kg, k1 = 1 N/m, L = 1 m, so that SI and
-/// dimensionless numbers coincide. A real machine needs all parameters:
-/// [`left_at_default`](Self::left_at_default) names those that may have been forgotten.
+/// dimensionless numbers coincide. For a real machine all parameters must be set:
+/// [`left_at_default`](Self::left_at_default) lists those that may have been forgotten.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
@@ -66,9 +66,10 @@ pub struct Parameters {
     pub drive_frequency: f64,
     /// Phase of the harmonic force at time 0, rad: F10 sin(ω1 t + phase).
     pub drive_phase: f64,
-    /// Constant forces on box, block and secondary oscillator, N: gravity, the tilt of the machine,
-    /// a gap off its centre (docs/theory.md (97)). Other loads add to them. They break the symmetry
-    /// of the machine, so that closed forms of symmetric motions refuse them.
+    /// Constant forces on box, block and secondary oscillator, N. They describe gravity, a tilt of
+    /// the machine, or a gap that is not centred (docs/theory.md (97)). Other loads add to them.
+    /// They break the symmetry of the machine, so the closed forms of symmetric motions refuse
+    /// them.
     pub constant_loads: [f64; 3],
 }
 
@@ -102,11 +103,11 @@ impl Parameters {
         FIELDS.iter().chain(&LOADS).try_for_each(|field| field.check((field.get)(self)))
     }
 
-    /// Parameters that have the value of the default machine although others have not. They may
-    /// have been forgotten in `Parameters { box_mass: 12.0, ..Parameters::default() }`, and belong
-    /// to a machine of 1 kg, 1 N/m and a gap of 1 m; or they are meant, such as a restitution of
-    /// 0.75. The drive's phase and the constant loads, whose default is zero, are not among them.
-    /// Empty for the default machine itself.
+    /// Parameters that have the value of the default machine while others differ from it. They may
+    /// have been forgotten in `Parameters { box_mass: 12.0, ..Parameters::default() }`; their
+    /// values then belong to a machine of 1 kg, 1 N/m and a gap of 1 m. They may also be intended,
+    /// such as a restitution of 0.75. The drive's phase and the constant loads, whose default is
+    /// zero, are not listed. The list is empty for the default machine itself.
     ///
     /// ```
     /// use vibro_impact::Parameters;
@@ -124,8 +125,8 @@ impl Parameters {
         if of_machine().all(|field| same(&field)) { Vec::new() } else { of_machine().filter(same).collect() }
     }
 
-    /// Whether the machine is symmetric, that is without constant loads: the mirror image of a
-    /// motion, half a drive period later, is then a motion too.
+    /// Whether the machine is symmetric, that is, has no constant loads. The mirror image of a
+    /// motion, shifted by half a drive period, is then also a motion.
     pub fn is_symmetric(&self) -> bool {
         self.constant_loads == [0.0; 3]
     }

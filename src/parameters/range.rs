@@ -40,7 +40,7 @@ impl Range {
         Self { min: f64::NEG_INFINITY, max: f64::INFINITY, open_min: false, allowed }
     }
 
-    /// Whether `value` lies in the range. NaN and the infinities never do.
+    /// Whether `value` lies in the range. False for NaN and the infinities.
     pub fn contains(&self, value: f64) -> bool {
         let above = if self.open_min { value > self.min } else { value >= self.min };
         value.is_finite() && above && value <= self.max
@@ -49,7 +49,7 @@ impl Range {
     /// Checks the value of the quantity `name`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if [`contains`](Self::contains) is false.
+    /// [`Error::OutOfRange`] if [`contains`](Self::contains) is false for the value.
     pub fn check(&self, name: &'static str, value: f64) -> Result<()> {
         if self.contains(value) {
             return Ok(());

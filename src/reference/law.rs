@@ -1,8 +1,8 @@
 //! The equations of motion as the reference method integrates them (paper, section 2;
 //! docs/theory.md (3), (13) and (14)).
 //!
-//! `model.rs` has them too, in other coordinates. They are written twice on purpose: a mistake in
-//! one of the two makes the tests that compare the methods fail.
+//! `model.rs` also has these equations, in other coordinates. They are written twice on purpose: a
+//! mistake in one of the two makes the tests that compare the methods fail.
 
 use crate::parameters::Parameters;
 use crate::simulator::Loads;
@@ -10,8 +10,8 @@ use crate::simulator::Loads;
 /// x1, x2, x3 (m) and x1', x2', x3' (m/s).
 pub(super) type Vector = [f64; 6];
 
-/// Slack of the constraint relative to the coordinates, so that rounding does not put a block on
-/// the stop outside it.
+/// Slack of the constraint relative to the coordinates, so that a block on the stop does not count
+/// as outside because of rounding.
 const SLACK: f64 = 8.0 * f64::EPSILON;
 
 /// The equations of motion, docs/theory.md (3), divided by the masses.
@@ -41,8 +41,8 @@ pub(super) struct Law {
     frequency: f64,
     /// Phase of the drive at time 0.
     phase: f64,
-    /// Polynomial coefficients of the loads over the masses, m/s² per s^order, in the time from
-    /// `since`.
+    /// Polynomial coefficients of the loads divided by the masses, m/s² per s^order, in the time
+    /// since `since`.
     loads: Option<[[f64; 4]; 3]>,
     /// Constant loads of the parameters, N.
     constant: [f64; 3],
@@ -78,7 +78,7 @@ impl Law {
         law
     }
 
-    /// Sets the loads as polynomials in the time from `time`, to which the constant ones add.
+    /// Sets the loads as polynomials in the time from `time` on. The constant loads add to them.
     pub(super) fn set_loads(&mut self, loads: &Loads, time: f64) {
         self.since = time;
         let none = *loads == Loads::default() && self.constant == [0.0; 3];
@@ -141,8 +141,8 @@ impl Law {
         [y[3], y[4], y[5], a[0], a[1], a[2]]
     }
 
-    /// Contact force of rest on stop `side`, docs/theory.md (14), N; negative where the block would
-    /// leave.
+    /// Contact force of rest on stop `side`, docs/theory.md (14), N. It is negative if the block
+    /// would leave the stop.
     pub(super) fn force(&self, y: &Vector, drive: f64, time: f64, side: f64) -> f64 {
         let a = self.accelerations(y, drive, time);
         self.reduced * side * (a[1] - a[0])

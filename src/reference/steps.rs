@@ -4,8 +4,8 @@ use super::Reference;
 use super::law::Vector;
 
 impl Reference {
-    /// One RKF45 step: the state after it, the box's acceleration by the drive there, and the local
-    /// error in units of the tolerance.
+    /// One RKF45 step: the state after the step, the box's acceleration by the drive at that state,
+    /// and the local error in units of the tolerance.
     #[inline]
     #[rustfmt::skip]
     pub(super) fn fehlberg(&self, h: f64) -> (Vector, f64, f64) {

@@ -10,8 +10,9 @@ use pulp::Simd;
 use std::sync::Arc;
 
 impl Simulator {
-    /// Begins the drive's work in a flight without loads, which is the difference of a function's
-    /// values at both ends: subtracts the value here.
+    /// Begins the account of the drive's work in a flight without loads. This work is the
+    /// difference of a function's values at both ends; the value at the present state is subtracted
+    /// here.
     #[inline(always)]
     pub(super) fn open_account(&mut self, advance: &mut AdvanceState) {
         if self.hybrid.contact == Contact::Flight
@@ -22,8 +23,9 @@ impl Simulator {
         }
     }
 
-    /// Ends the drive's work in a flight without loads: adds the function's value here and the mean
-    /// power times the time since [`open_account`](Self::open_account).
+    /// Ends the account of the drive's work in a flight without loads: adds the function's value at
+    /// the present state and the mean power times the time since
+    /// [`open_account`](Self::open_account).
     #[inline(always)]
     pub(super) fn close_account(&mut self, advance: &AdvanceState) {
         if let Some(work) = self.flight.energy.drive_work() {
@@ -49,7 +51,7 @@ impl Simulator {
     }
 
     /// Accounts for the last piece of a flight: from the sub-step's start to the centre of interval
-    /// `index`, if there is one, and on along the series `rows` to u, where the state is `end`.
+    /// `index`, if given, and then along the series `rows` to u. `end` is the state at u.
     #[inline(always)]
     pub(super) fn account_flight<S: Simd>(
         &mut self,
@@ -93,7 +95,8 @@ impl Simulator {
         self.add::<LOADS>(input, damped);
     }
 
-    /// Adds to the accounts; input only where the drive's work is not found as a difference.
+    /// Adds to the accounts. Input is added only if the drive's work is not computed as a
+    /// difference.
     #[inline(always)]
     fn add<const LOADS: usize>(&mut self, input: f64, damped: f64) {
         if LOADS > 0 || self.tables().energy.drive_work().is_none() {
@@ -112,8 +115,8 @@ impl Simulator {
         }
     }
 
-    /// Accounts for the way from a sub-step's start to the centre of interval `index`, or to the
-    /// end for [`INTERVALS`], without loads.
+    /// Accounts for the motion without loads from a sub-step's start to the centre of interval
+    /// `index`, or to the sub-step's end if `index` is [`INTERVALS`].
     #[inline(always)]
     pub(super) fn account_up_to<S: Simd>(&mut self, simd: S, z: &Augmented, index: usize) {
         self.prepare_gramians();

@@ -1,5 +1,5 @@
-//! Ways to advance: to a time, to an impact, with an observer, to an event and through it; and the
-//! next event found on a copy.
+//! Ways to advance: to a time, to an impact, with an observer, to an event and through it. The next
+//! event can also be found on a copy.
 
 use super::step::EventObserver;
 use super::{AdvanceOutcome, DueEvent, Event, Pause, Simulator, check_time};
@@ -40,10 +40,10 @@ impl Simulator {
     /// counts as the present.
     ///
     /// # Errors
-    /// [`Error::Step`] for an end before the present or not finite, [`Error::PrecisionLost`] for
-    /// one so late that a double no longer resolves the motion: nothing has changed then.
-    /// [`Error::WorkLimit`] for a motion that hardly progresses: the state then stands at the time
-    /// that the error names.
+    /// [`Error::Step`] if the end is before the present or not finite, and [`Error::PrecisionLost`]
+    /// if it is so late that a double no longer resolves the motion; nothing has changed then.
+    /// [`Error::WorkLimit`] if the motion hardly progresses; the state then stands at the time that
+    /// the error names.
     pub fn advance_until(
         &mut self,
         end: impl Into<DoubleDouble>,
@@ -62,8 +62,8 @@ impl Simulator {
         self.run(end, pause, observer)
     }
 
-    /// Checks the end of an advance; true if it lies before the present by rounding alone, so that
-    /// the motion does not move.
+    /// Checks the end of an advance. True if it is before the present only by rounding, so that the
+    /// state does not change.
     pub(super) fn check_end(&self, end: DoubleDouble) -> Result<bool> {
         let span = end.minus(self.hybrid.time).value();
         let rounded = span < 0.0 && span >= -f64::EPSILON * self.time().abs();
@@ -74,14 +74,14 @@ impl Simulator {
         Ok(rounded)
     }
 
-    /// Event at which an advance with [`Pause::BeforeEvent`] has stopped, its law not yet applied.
-    /// State, accelerations and contact are those before it.
+    /// Event at which an advance with [`Pause::BeforeEvent`] has stopped. Its law is not yet
+    /// applied. State, accelerations and contact are those before it.
     pub fn due_event(&self) -> Option<DueEvent> {
         self.hybrid.due
     }
 
-    /// Applies the law of the event that is due, if there is one, and returns the event. The next
-    /// advance would do it by itself. The motion continues bit-identical to one after
+    /// Applies the law of the event that is due, if any, and returns the event. Without this call
+    /// the next advance applies the law. The motion continues bit-identical to one after
     /// [`Pause::AfterImpact`], except for the account of input energy, which is summed in another
     /// order.
     pub fn apply_due_event(&mut self, mut observer: EventObserver<'_, '_>) -> Option<DueEvent> {

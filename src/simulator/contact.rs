@@ -12,11 +12,12 @@ const CHATTER: f64 = 0.5 * f64::EPSILON;
 /// (docs/numerics.md, "Chatter").
 const LEAST_LOSS: f64 = 1e-3;
 /// e_h of docs/theory.md (18): height of a bounce, in gaps, below which a nearly elastic run is
-/// closed. It is under what any host resolves, and leaves 10⁵ bounces a second to compute, where
-/// round-off would leave 10⁹.
+/// closed. No host resolves this height. Down to it, 10⁵ bounces per second must be computed; down
+/// to round-off there would be 10⁹.
 const LEAST_BOUNCE: f64 = 1e-12;
-/// Largest relative change of the merged motion's free acceleration within t_c, at a rate bounded
-/// over 2 t_c, with which a run is closed (docs/theory.md (19); docs/numerics.md, "Chatter").
+/// Largest relative change of the merged motion's free acceleration within t_c at which a run is
+/// closed. The rate of change is bounded over 2 t_c (docs/theory.md (19); docs/numerics.md,
+/// "Chatter").
 const STEADY: f64 = 0.125;
 
 #[inline(always)]
@@ -40,15 +41,15 @@ impl Simulator {
         if self.hybrid.contact != Contact::Flight {
             z[RELATIVE_RATE] = 0.0;
             self.hybrid.contact = Contact::Flight;
-            // w' and w'' are zero. The jerk leads away, or the first higher derivative beyond
-            // rounding.
+            // w' and w'' are zero. The block leaves by the jerk, or by the first higher derivative
+            // that is larger than rounding.
             let (_, certain) = self.flight_from_stop(z);
             self.hybrid.departing = certain.map_or(3, |order| order.max(3)) as u8;
             self.hybrid.doubtful = certain.is_none();
             report(observer, Event::Release { time, side: stop });
             return false;
         }
-        // An approach speed that round-off has made negative is zero: a touch.
+        // An approach speed that is negative by round-off is set to zero: a touch.
         z[RELATIVE_RATE] = side * (side * z[RELATIVE_RATE]).max(0.0);
         let Impact { speed, impulse, lost } = self.model.impact(z, side);
         self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
@@ -66,8 +67,8 @@ impl Simulator {
             let lost = self.model.merge(z);
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
             (self.hybrid.contact, self.hybrid.departing) = (Contact::at(side), 0);
-            // The impacts accumulate `left` s later. The state rests from now on; the difference is
-            // round-off.
+            // The impacts accumulate `left` s later. The state rests from the present time on; the
+            // difference is round-off.
             report(observer, Event::Rest { time: time + left, side: stop });
         }
         true
@@ -93,17 +94,20 @@ impl Simulator {
         if longest > 0.5 * self.interval() {
             return None; // beyond the radius of the series below
         }
-        // Box and block moving as one body: the run deviates from this by less than its bounces.
+        // State with box and block moving as one body. The run deviates from this motion by less
+        // than the height of its bounces.
         let mut merged = *z;
         self.model.merge(&mut merged);
         let series =
             Series::<CENTRED>::expand(&self.model, SmoothMode::Rest, &merged, forces.first(), longest);
-        // Bound on the acceleration's rate of change over `longest`, with that as unit of time.
+        // Bound on the acceleration's rate of change over `longest`, with `longest` as unit of
+        // time.
         let rate: f64 = series.free.iter().enumerate().map(|(k, c)| k as f64 * c.abs()).sum();
         (rate * (span / longest) <= STEADY * a).then_some(if elastic { 0.0 } else { span })
     }
 
-    /// Largest u²/a, rebound speed squared over acceleration, with which a run is closed, m.
+    /// Largest u²/a, the squared rebound speed divided by the acceleration, at which a run is
+    /// closed, m.
     #[inline(always)]
     pub(super) fn chatter_closing_limit(&self) -> f64 {
         let loss = 1.0 - self.model.restitution;
@@ -146,7 +150,7 @@ impl Simulator {
                 self.hybrid.contact = Contact::Flight;
                 (self.hybrid.departing, self.hybrid.doubtful) = (order as u8, certain.is_none());
             }
-            // Pressed to the stop, or not moved at all relative to the box.
+            // The block is pressed to the stop, or has no motion at all relative to the box.
             _ => {
                 (self.hybrid.contact, self.hybrid.departing) = (Contact::at(side), 0);
             }

@@ -1,8 +1,8 @@
-//! The first moments of a departure from a stop, in which w still rounds to the stop.
+//! The first moments of a departure from a stop, while w still rounds to the stop.
 //!
-//! The state at such a moment hardly tells, or not at all, that the block is leaving: its motion is
-//! lost in rounding. So a sub-step from there begins at the departure itself, where w and the
-//! vanishing derivatives are exact (docs/numerics.md, section 2).
+//! The state at such a moment shows the block's motion only inaccurately or not at all, since the
+//! motion is lost in rounding. So a sub-step from there begins at the departure itself, where w and
+//! the vanishing derivatives are exact (docs/numerics.md, section 2).
 
 use super::{HybridState, Simulator};
 use crate::energy::{Pending, Sums};
@@ -14,11 +14,12 @@ use crate::numerics::double_double::DoubleDouble;
 use serde::{Deserialize, Serialize};
 
 /// Size above which a derivative of w of order k is more than rounding, in units of k² ε rᵏ S with
-/// the size S of docs/numerics.md, section 1. It is twice the rounding of w'', which is a sum of
+/// the size S of docs/numerics.md, section 1. This is twice the rounding of w'', which is a sum of
 /// some eight products of rounded coordinates.
 const CERTAIN: f64 = 4.0;
 
-/// Moment, less than a sub-step ago, at which the block left the stop that w still rounds to.
+/// Moment, less than a sub-step ago, at which the block left a stop, while w still rounds to that
+/// stop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Departure {
     pub(super) time: DoubleDouble,
@@ -47,7 +48,7 @@ struct Present {
 
 impl Simulator {
     /// Whether the next sub-step, of at most `remaining` s, begins at a departure that must be
-    /// remembered, since w may still round to the stop at its end.
+    /// stored, because w may still round to the stop at the sub-step's end.
     #[inline(always)]
     pub(super) fn is_departing(&self, remaining: f64) -> bool {
         match self.hybrid.departing {
@@ -57,14 +58,14 @@ impl Simulator {
         }
     }
 
-    /// Whether nothing but rounding moves the block, at a stop without speed.
+    /// Whether the block leaves a stop without speed and all its derivatives are within rounding.
     #[inline(always)]
     pub(super) fn is_doubtful(&self) -> bool {
         self.hybrid.departing > 1 && self.hybrid.doubtful
     }
 
-    /// Returns to the departure, or begins one here if none is remembered; `z` becomes the state at
-    /// the departure.
+    /// Returns to the departure, or begins one at the present state if none is stored; `z` becomes
+    /// the state at the departure.
     #[cold]
     #[inline(never)]
     pub(super) fn return_to_departure(&mut self, z: &mut Augmented) -> Departing {
@@ -73,12 +74,13 @@ impl Simulator {
         let here = Departure { time, z: *z, gained: [0.0; 2] };
         let from = self.hybrid.departure.take().unwrap_or(here);
         (self.hybrid.time, *z) = (from.time, from.z);
-        // Without accounts, as while a batch reports, the gain would not be added again.
+        // Without accounts (also while a batch reports) the gain is not subtracted, because it
+        // would not be added again.
         if self.keeps_energy_accounts {
             let sums = &mut self.hybrid.sums;
             (sums.input, sums.damped) = (sums.input.plus(-from.gained[0]), sums.damped.plus(-from.gained[1]));
         }
-        // A doubtful departure may have become certain, with another order.
+        // A doubtful departure may now be certain and have another order.
         if self.is_doubtful()
             && let (_, Some(order)) = self.flight_from_stop(z)
         {
@@ -87,8 +89,9 @@ impl Simulator {
         Departing { from, order: self.hybrid.departing, accounts: self.accounts(), present }
     }
 
-    /// Ends a sub-step that began at a departure. If it reached `end` with w still rounding to the
-    /// stop, and the departure is less than a sub-step ago, the next sub-step begins there again.
+    /// Ends a sub-step that began at a departure. If the sub-step reached `end`, w still rounds to
+    /// the stop and the departure is less than a sub-step ago, the next sub-step begins at the
+    /// departure again.
     #[cold]
     #[inline(never)]
     pub(super) fn keep_departure(
@@ -100,8 +103,8 @@ impl Simulator {
     ) {
         let Departing { from, order, accounts, present } = begun;
         if passage.is_some() {
-            // Other roundings may find an event before the present, where none was found before.
-            // It takes place at the present.
+            // With other roundings an event may be found before the present, although none was
+            // found there earlier. The event then takes place at the present.
             if self.hybrid.time.minus(present.time).value() < 0.0 {
                 *z = present.z;
                 (self.hybrid.time, self.hybrid.sums, self.pending) =
@@ -135,7 +138,8 @@ impl Simulator {
         (series, certain)
     }
 
-    /// Size r² S of the terms of an acceleration (docs/numerics.md, section 1), which may cancel.
+    /// Size r² S of the terms of an acceleration (docs/numerics.md, section 1). The terms may
+    /// cancel.
     fn largest_acceleration(&self, z: &Augmented, forces: &Forces) -> f64 {
         let model = &self.model;
         let place = model.gap + z[BOX].abs().max(z[SECONDARY].abs());
@@ -144,8 +148,9 @@ impl Simulator {
         if !self.loaded() {
             return own;
         }
-        // Loads count by the larger of their value and the terms of their polynomials since they
-        // were set, derivatives of order j over rʲ.
+        // The size of a load is a sum over its orders j, divided by rʲ. Each summand is the larger
+        // of two numbers: the present derivative of order j, and the sum of the sizes of its
+        // polynomial's terms since the load was set.
         let since = self.hybrid.time.minus(self.hybrid.loads_from).value().abs();
         let terms = shifted(&self.hybrid.loads.map(|f| f.map(f64::abs)), since);
         let load = |now: &[f64; 4], terms: &[f64; 4]| {

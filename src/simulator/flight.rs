@@ -13,7 +13,7 @@ use pulp::Simd;
 pub(super) struct DisplacementSamples {
     /// w at the interval ends.
     w: [f64; INTERVALS],
-    /// Size of w, m; between two samples under it no stop is reached.
+    /// Limit on |w|, m. Between two samples below it no stop is reached.
     limit: f64,
     /// Whether the first interval must be searched.
     pub(super) first: bool,
@@ -74,10 +74,10 @@ impl Simulator {
         None
     }
 
-    /// A step within one interval, if at both ends the block is farther from the stops than its
-    /// acceleration, at most `bound`, can bend its path in between. Otherwise returns false and
-    /// changes nothing: the interval must be searched. Not inlined, because the long sub-steps use
-    /// all registers.
+    /// A step within one interval. It is taken if the block is farther from the stops at both ends
+    /// than its acceleration, at most `bound`, can bend its path between them. Otherwise returns
+    /// false and changes nothing, and the interval must be searched. Not inlined, because the long
+    /// sub-steps use all registers.
     #[inline(never)]
     pub(super) fn short_flight_substep<S: Simd, const ACCOUNTS: bool>(
         &mut self,
@@ -120,8 +120,8 @@ impl Simulator {
             return false;
         }
         self.work.expansions += 1;
-        // A series about the start, where it reaches to the end, has the least rounding for the
-        // shortest steps.
+        // If the series about the start reaches to the end, it is used, because it has the smallest
+        // rounding for the shortest steps.
         let radius = 0.5 * self.interval();
         let centred = remaining > radius;
         let centre = if centred { product(simd, &self.flight.core.centre[0], z) } else { *z };
@@ -150,7 +150,8 @@ impl Simulator {
     ) -> DisplacementSamples {
         let interval = self.interval();
         let w = product(simd, &self.flight.core.sample, z);
-        // Between the ends of an interval of length h, w lies within bound h²/8 of its chord.
+        // Between the ends of an interval of length h, w deviates from its chord by at most bound
+        // h²/8.
         let limit = self.model.gap - bound * interval * interval * 0.125;
         let near = at_least(simd, &w, limit);
         let clear = self.clears_first_interval(z, bound, limit);
@@ -179,7 +180,8 @@ impl Simulator {
         }
         let ends = [samples.w[index - 1], samples.w[index]];
         let (most, least) = (ends[0].max(ends[1]), ends[0].min(ends[1]));
-        // Without a branch on the stop: in chaotic motion the processor cannot predict it.
+        // The stop is selected without a branch, which the processor could not predict in chaotic
+        // motion.
         let mut side = if most >= -least { 1.0 } else { -1.0 };
         let mut found = None;
         loop {
@@ -231,8 +233,8 @@ impl Simulator {
         arrived
     }
 
-    /// First event in the first interval, in which the block may just be leaving a stop: the state
-    /// there and the stop.
+    /// First event in the first interval, at whose start the block may be leaving a stop. Returns
+    /// the state at the event and the stop.
     #[cold]
     fn first_interval(&mut self, mut z: Augmented, bound: f64, span: f64) -> Option<(Augmented, f64)> {
         self.work.expansions += 1;

@@ -1,22 +1,22 @@
-//! Sub-steps of any kind (short ones, rest, motion under loads): proof that no event falls in one,
-//! or the way to the first event. The sub-step of flight without loads has a faster way in
-//! `flight.rs`, which leaves here whatever it cannot prove.
+//! Sub-steps of any kind (short sub-steps, rest, motion under loads). Each either has a proof that
+//! it contains no event, or ends at its first event. The code in `flight.rs` is faster for flight
+//! without loads; the sub-steps for which it finds no proof are computed here.
 //!
 //! # Why it is so
 //!
-//! An interval is passed over unsearched only where the samples at its ends stay farther from the
-//! event's limit than the functional can bend in between: |g''| h²/8. All other intervals are
-//! searched on a series by [`first_crossing`], which finds the first passage or proves that there
-//! is none. So each way out of a sub-step is an event found or a proof (docs/numerics.md,
-//! "Events").
+//! An interval is not searched only if the samples at its ends are farther from the event's limit
+//! than the functional can bend between them: |g''| h²/8. All other intervals are searched on a
+//! series by [`first_crossing`], which finds the first passage or proves that none exists. So each
+//! sub-step ends with an event or with a proof (docs/numerics.md, "Events").
 //!
 //! Three starts need more than this:
 //! - A departure from a stop: the functional is zero at the start. The known power of u is divided
 //!   out, so that a return is found however soon it comes (`first_event_from_start`).
-//! - A contact force that is rounding at the start, but pressed by its first certain derivative:
-//!   divided likewise (`divide_where_pressed`).
-//! - A departure of which not even the direction is certain: the step is cut to a quarter of an
-//!   interval, and a return found in it means that the block stays (`substep_within_interval`).
+//! - A contact force that is within rounding at the start, while its first certain derivative
+//!   presses the block to the stop. The known power of u is divided out here, too
+//!   (`divide_where_pressed`).
+//! - A departure whose direction is uncertain. The step is shortened to a quarter of an interval,
+//!   and a return found in it means that the block stays (`substep_within_interval`).
 //!
 //! # What must not change without proof
 //!
@@ -24,7 +24,8 @@
 //!   instruction sets (`tests/state_bits.rs`). Both stops are searched over the whole way, so that
 //!   a motion and its mirror image have the same bits.
 //! - [`MAX_REACH`] and [`SHORT`]: docs/numerics.md, sections 1 and 2.
-//! - Where the time becomes `end` exactly. A step that reaches its end sets it; a sum would drift.
+//! - The places at which the time is set to exactly `end`. A step that reaches `end` sets the time;
+//!   a sum would drift.
 //!
 //! # Changes
 //!
@@ -46,12 +47,12 @@ use std::sync::Arc;
 /// rounding; checked in debug builds only.
 const START_ROUNDING: f64 = 1e-9;
 
-/// Part of an interval below which a step is short: its change of state is summed apart, so that
-/// the roundings of many short steps do not add up (docs/numerics.md, section 1).
+/// Fraction of an interval below which a step is short. Its change of state is summed separately,
+/// so that the roundings of many short steps do not add up (docs/numerics.md, section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
 /// Longest path of the block in an interval, in gaps, with which the interval is searched as a
-/// whole. Beyond it steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
+/// whole. For longer paths steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
 
 impl Simulator {
@@ -80,8 +81,8 @@ impl Simulator {
         let wild = self.hybrid.contact == Contact::Flight && self.exceeds_reach(&z, start.bound);
         let doubtful = self.is_doubtful();
         let side = if remaining <= interval || wild || doubtful {
-            // A doubtful departure has rounding up to the eighth derivative. In a quarter of an
-            // interval the higher ones do next to nothing.
+            // In a doubtful departure all derivatives up to the eighth are within rounding. In a
+            // quarter of an interval the higher derivatives have a negligible effect.
             let longest = if doubtful { 0.25 * interval } else { interval };
             self.substep_within_interval(&mut z, &start, remaining.min(longest), remaining, end)
         } else {
@@ -105,8 +106,8 @@ impl Simulator {
         self.work.expansions += 1;
         let mut series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
         if self.hybrid.contact == Contact::Flight {
-            // The coefficients bound the block's path. The step is halved until it is at most
-            // MAX_REACH gaps.
+            // The coefficients bound the block's path. The step is halved until this path is at
+            // most MAX_REACH gaps.
             let reach =
                 |u: f64| series.states[1..].iter().rev().fold(0.0, |sum, c| (sum + c[RELATIVE].abs()) * u);
             let mut part = 1.0;
@@ -121,14 +122,14 @@ impl Simulator {
                 series = Series::<ANCHORED>::expand(&self.model, self.mode(), z, start.forces(), span);
             }
         }
-        // At a departure the derivatives below the order of departure are zero; their rounding
-        // would move the block in either direction.
+        // At a departure the derivatives below the order of departure are zero. Their rounding
+        // could move the block in either direction.
         let order = self.hybrid.departing;
         let zero = usize::from(order);
         series.states.iter_mut().take(zero).skip(1).for_each(|state| state[RELATIVE] = 0.0);
         series.states.iter_mut().take(zero.saturating_sub(1)).for_each(|state| state[RELATIVE_RATE] = 0.0);
         let passage = self.first_event_from_start(&series, start, near, span);
-        // A block that nothing but rounding moves, and that comes back, stays.
+        // A block whose departure is doubtful, and which returns, stays at the stop.
         let stays = self.is_doubtful() && passage.is_some();
         let (u, side) = passage.filter(|_| !stays).map_or((1.0, None), |(u, side)| (u, Some(side)));
         let arrival = SeriesPoint { series: &series, base: 0.0, radius: span, u, interval: None };
@@ -163,8 +164,8 @@ impl Simulator {
         }
         let margin = start.bound * interval * interval * 0.125;
         let whole = remaining >= self.substep;
-        // A functional at least `margin` away from its limit at both ends of an interval does not
-        // reach it in between.
+        // A functional that is at least `margin` away from its limit at both ends of an interval
+        // does not reach the limit in the interval.
         let (first, clear) = if flight {
             let limit = gap - margin;
             let most = g.iter().fold(0.0f64, |most, x| most.max(x.abs()));
@@ -194,8 +195,8 @@ impl Simulator {
         None
     }
 
-    /// Searches the intervals that the samples `g` do not clear, and moves to the first event: its
-    /// stop, or `None` and `z` unchanged.
+    /// Searches the intervals that the samples `g` do not clear, and moves to the first event.
+    /// Returns its stop. `None` if there is no event; `z` is then unchanged.
     #[inline(always)]
     fn search_intervals<const LOADS: usize>(
         &mut self,
@@ -208,7 +209,7 @@ impl Simulator {
     ) -> Option<f64> {
         let interval = self.interval();
         let side = self.hybrid.contact.side();
-        // A sample is near, that is within the margin of a limit or past it, where this is ≥ 0.
+        // A sample is near, that is, within the margin of a limit or past it, if this value is ≥ 0.
         let limit = self.model.gap - margin;
         let excess = |x: f64| if side == 0.0 { x.abs() - limit } else { margin - side * x };
         if !first_clear || excess(g[0]) >= 0.0 {
@@ -221,7 +222,8 @@ impl Simulator {
                 return Some(side);
             }
         }
-        // Intervals that the step reaches into, searched where a sample at an end is near.
+        // Number of intervals that the step reaches. An interval is searched if a sample at one of
+        // its ends is near.
         let count = ((remaining / interval).ceil() as usize).min(INTERVALS);
         let nearest = g.iter().position(|&x| excess(x) >= 0.0)?;
         for i in nearest.max(1)..count {
@@ -285,14 +287,15 @@ impl Simulator {
             if near {
                 let mut p = functional.map(|w| side * w);
                 p[0] -= self.model.gap;
-                // Rest has no such check: forces may cancel, and their difference has no scale.
+                // Rest has no such check, because forces may cancel and their difference has no
+                // scale.
                 debug_assert!(
                     value(&p, lo)
                         <= START_ROUNDING * (self.model.gap + p.iter().map(|x| x.abs()).sum::<f64>()),
                     "the block is beyond a stop where a search begins: {p:?}"
                 );
-                // Up to `hi` even behind a passage of the other stop, so that a motion and its
-                // mirror image have the same bits.
+                // The search goes up to `hi` even beyond a passage of the other stop, so that a
+                // motion and its mirror image have the same bits.
                 if let Some(u) = first_crossing(&p, lo, hi, iterations)
                     && found.is_none_or(|(first, _)| u < first)
                 {
@@ -303,8 +306,8 @@ impl Simulator {
         found
     }
 
-    /// First event on a series about the sub-step's start, with its stop. Where the block is just
-    /// leaving a stop, the roots at the start are divided out, so that a return is found however
+    /// First event on a series about the sub-step's start, with its stop. If the block is leaving a
+    /// stop at the start, the roots at the start are divided out, so that a return is found however
     /// soon it comes.
     #[inline(never)]
     pub(super) fn first_event_from_start<const LOADS: usize>(
@@ -340,9 +343,10 @@ impl Simulator {
         found
     }
 
-    /// Divides a contact force that is rounding at the start by uᵏ, where k is the order of its
-    /// first derivative beyond rounding, if that derivative presses: the force does not fall there,
-    /// whatever round-off says. The order is the one that decides a departure, so that both agree.
+    /// Divides a contact force that is within rounding at the start by uᵏ, where k is the order of
+    /// its first derivative beyond rounding. This is done if that derivative presses the block to
+    /// the stop, since the force then does not fall through zero at the start. This order also
+    /// decides on a departure, so that both decisions agree.
     fn divide_where_pressed(&self, functional: &mut [f64; ANCHORED], z: &Augmented) {
         let side = self.hybrid.contact.side();
         if side * functional[0] > functional[1..].iter().map(|a| a.abs()).sum() {

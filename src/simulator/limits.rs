@@ -5,13 +5,14 @@ use crate::error::{Error, Result};
 use crate::model::{Forces, Model};
 use crate::parameters::Parameters;
 
-/// Distance from a stop, in roundings of the displacements, within which a start is on the stop.
+/// Distance from a stop, in roundings of the displacements, within which a start counts as on the
+/// stop.
 const ON_STOP_ULPS: f64 = 4.0;
-/// Largest displacement in gaps. The relative displacement is a difference of displacements: beyond
-/// this it has fewer than 6 digits.
+/// Largest displacement in gaps. The relative displacement is a difference of displacements; for
+/// larger ones it has fewer than 6 digits.
 const MAX_DRIFT: f64 = 1e10;
-/// Largest speed, in units of the gap times the fastest rate; largest acceleration by drive and
-/// loads, in units of the gap times the square of the fastest rate. Beyond this the block's flights
+/// Largest speed, in units of the gap times the fastest rate, and largest acceleration by drive and
+/// loads, in units of the gap times the square of the fastest rate. Above it the block's flights
 /// are shorter than the resolution of the motion.
 const MAX_VIOLENCE: f64 = 1e12;
 
@@ -21,8 +22,8 @@ const VIOLENT_LOAD: &str = "load over its body's mass, stop.gap and the square o
 /// Highest possible order of the first derivative of w that leads away from a stop.
 const MAX_DEPARTING: u8 = 8;
 
-/// Largest time times the fastest rate. Beyond this a double does not tell two moments of the
-/// motion apart.
+/// Largest product of time and fastest rate. Above it a double does not distinguish two moments of
+/// the motion.
 const MAX_TIME: f64 = 1e15;
 
 /// Checks that a double resolves the motion at `time`, s, with the fastest `rate`, 1/s.

@@ -1,12 +1,12 @@
-//! The event-driven simulator: exact flow between events, events found with proof, the event's law
-//! at each.
+//! The event-driven simulator: exact flow between events, event location with proof, and the
+//! event's law at each event.
 //!
 //! A communication step is a reporting interval, not an integration step: ten steps of h and one of
-//! 10 h agree to round-off. Advancing allocates nothing, except for the first filling of a table
-//! that is shared with another simulator, which is then copied.
+//! 10 h agree to round-off. Advancing does not allocate, with one exception: a table that is shared
+//! with another simulator is copied when it is first filled.
 //!
-//! Four kernels advance a motion by a sub-step. For each: its use, its proof that no event is
-//! missed, and its bits.
+//! Four kernels advance a motion by a sub-step. For each kernel the list gives its use, its proof
+//! that no event is missed, and what its bits depend on.
 //!
 //! - `flight_substep` (`flight.rs`), for flight without loads with more than an interval to go.
 //!   Proof: samples of w and a bound on w''; dominance in the intervals that these do not clear.
@@ -14,9 +14,9 @@
 //! - `short_flight_substep` (`flight.rs`), for flight without loads with at most an interval to go
 //!   and both ends clear of the stops. Proof: the bound on w'' over the interval. Bits: depend on
 //!   the instruction set.
-//! - `general_substep` (`general.rs`), for rest, loads, fast blocks, and whatever the first two
-//!   leave. Proof: samples of w or the contact force, and a bound; dominance on series. Bits: equal
-//!   on all instruction sets.
+//! - `general_substep` (`general.rs`), for rest, loads, fast blocks, and all sub-steps that the
+//!   first two kernels do not take. Proof: samples of w or the contact force, and a bound;
+//!   dominance on series. Bits: equal on all instruction sets.
 //! - `batch/`, for many flights side by side without loads and energy accounts. Proof: samples of w
 //!   and a bound on w''; dominance in vectors. Bits: independent of the other motions, but not
 //!   those of the kernels above.
@@ -76,11 +76,11 @@ struct HybridState {
     /// Order of the first derivative of w that leads away from the stop, in flight from a stop;
     /// otherwise 0.
     departing: u8,
-    /// Whether the order of departure may be rounding: no derivative was beyond rounding.
+    /// Whether the order of departure is uncertain, because all derivatives were within rounding.
     doubtful: bool,
     /// Start of the flight from a stop, while w still rounds to that stop.
     departure: Option<Departure>,
-    /// Event at which the motion stands, its law not yet applied.
+    /// Event at which the motion stands. Its law is not yet applied.
     due: Option<DueEvent>,
     phase: DrivePhase,
     loads: Forces,
@@ -122,9 +122,9 @@ pub struct Simulator {
     parameters: Parameters,
     model: Model,
     substep: f64,
-    /// Tables of flight, shared by the simulators that were made from one another.
+    /// Tables of flight, shared by simulators that were made from one another.
     flight: Arc<ModeTables>,
-    /// Tables of rest, shared likewise.
+    /// Tables of rest, shared in the same way.
     rest: Arc<ModeTables>,
     hybrid: HybridState,
     pending: Pending,
@@ -137,8 +137,9 @@ impl Simulator {
     /// `ω1 time + drive.phase`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for parameters, state or time; [`Error::Penetration`] outside the
-    /// stops; [`Error::PrecisionLost`] where double precision cannot carry the motion.
+    /// [`Error::OutOfRange`] if a parameter, the state or the time is out of range;
+    /// [`Error::Penetration`] if the block is outside the stops; [`Error::PrecisionLost`] if double
+    /// precision does not resolve the motion.
     pub fn new(parameters: &Parameters, state: &State, time: f64) -> Result<Self> {
         let model = Model::new(parameters)?;
         let hybrid = HybridState::new(parameters, &model, state, time)?;
@@ -159,7 +160,7 @@ impl Simulator {
     }
 
     /// Another simulator of this system from `time` (s) and `state` on, without loads. It shares
-    /// this one's tables, so that it costs next to nothing.
+    /// this simulator's tables, so that its cost is small.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -170,7 +171,7 @@ impl Simulator {
         Ok(simulator)
     }
 
-    /// Starts anew in the memory of this simulator, bit-identical to [`new`](Self::new). Nothing is
+    /// Restarts this simulator in its memory, bit-identical to [`new`](Self::new). Nothing is
     /// allocated unless another simulator shares the tables, and with unchanged parameters the
     /// tables are kept. Whether energy accounts are kept does not change.
     ///
@@ -220,8 +221,8 @@ impl Simulator {
     /// would refuse them for the new machine.
     ///
     /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop,
-    /// and its law takes the new values. Contact, and with it a release that is due, is decided
-    /// anew after every change.
+    /// and its law uses the new values. After every change the contact is determined again, and so
+    /// is a release that is due.
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing has changed then.
@@ -261,7 +262,7 @@ impl Simulator {
     /// treated as in [`set_parameters`](Self::set_parameters).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a load that is not finite, [`Error::PrecisionLost`] for one too
+    /// [`Error::OutOfRange`] if a load is not finite, and [`Error::PrecisionLost`] if it is too
     /// large for the system in double precision; nothing has changed then.
     pub fn set_loads(&mut self, loads: &Loads) -> Result<()> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
@@ -325,8 +326,8 @@ impl Simulator {
 
     /// Contact force λ in N (docs/theory.md (14)): positive in resting contact at either stop,
     /// where it pushes block and box apart, and exactly 0 in flight. On the box it acts in the
-    /// direction of the stop, `contact().side() * λ`, on the block against it. Impulses of impacts
-    /// are not part of it.
+    /// direction of the stop, `contact().side() * λ`, and on the block in the opposite direction.
+    /// Impulses of impacts are not part of it.
     pub fn contact_force(&self) -> f64 {
         let side = self.hybrid.contact.side();
         let force = self.model.reduced_mass * side * self.accelerations().free;
@@ -339,7 +340,8 @@ impl Simulator {
         self.hybrid.phase.angle(self.model.omega, self.hybrid.time)
     }
 
-    /// Loads at present, with their derivatives: those that were set and the constant ones.
+    /// Present loads with their derivatives: the sum of the loads that were set and the constant
+    /// loads.
     pub fn loads(&self) -> Loads {
         Loads { derivatives: self.forces_now() }
     }

@@ -3,7 +3,7 @@
 use crate::flow::{LOAD, Series, shifted};
 use crate::model::{Augmented, Forces};
 
-/// Point on a series at which an event or the step's end lies.
+/// Point on a series: an event or the step's end.
 pub(super) struct SeriesPoint<'a, const N: usize> {
     pub(super) series: &'a Series<N>,
     /// Time from the sub-step's start to the series' centre, s.

@@ -1,4 +1,4 @@
-//! Snapshots: the state of a simulator as plain data, to be restored.
+//! Snapshots: the state of a simulator as plain data, from which it can be restored.
 
 use super::departure::Departure;
 use super::limits::{check_constant_forces, check_contact, check_time};
@@ -18,8 +18,8 @@ pub struct Snapshot {
     hybrid: HybridState,
 }
 
-/// Largest number in a state: above it the squares in energies overflow. No allowed start leads to
-/// such displacements and speeds, unless loads drive the motion for 1e8 of its time constants or
+/// Largest number in a state; above it the squares in energies overflow. An allowed start leads to
+/// such displacements and speeds only if loads drive the motion for 1e8 of its time constants, or
 /// stay in force for a machine for which they would be refused.
 const MAX_NUMBER: f64 = 1e150;
 
@@ -41,7 +41,7 @@ impl Simulator {
     /// from which the snapshot was taken.
     ///
     /// # Errors
-    /// As [`new`](Self::new) for invalid parameters or state (a foreign or damaged snapshot);
+    /// As [`new`](Self::new) if parameters or state are invalid (a foreign or damaged snapshot);
     /// nothing has changed then.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let hybrid = snapshot.hybrid;

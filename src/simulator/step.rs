@@ -11,28 +11,29 @@ use crate::numerics::simd;
 use pulp::Simd;
 use std::ops::ControlFlow;
 
-/// Sub-steps (about ten drive periods) after which cos θ and sin θ are computed anew from the
-/// extended phase; the rotations in between add a few units in the last place.
+/// Number of sub-steps (about ten drive periods) after which cos θ and sin θ are computed again
+/// from the extended phase. The rotations in between add a few units in the last place.
 pub(super) const RENEW: u32 = 32;
-/// Sub-steps that an advance may take however little its motion progresses. The progress is small
-/// if sub-steps end at events or are cut short because the block is fast. Such a sub-step takes
-/// 0.4 µs (bounces on a stop) to 0.9 µs (a fast block under loads), so that the advance ends within
-/// about a second.
+/// Number of sub-steps that an advance may take even if its motion hardly progresses. The progress
+/// is small if sub-steps end at events or are cut short because the block is fast. Such a sub-step
+/// takes 0.4 µs (bounces on a stop) to 0.9 µs (a fast block under loads), so that the advance ends
+/// within about a second.
 const WORK_BASE: u64 = 1_000_000;
-/// Further sub-steps that an advance may take for each sub-step length of progress. An ordinary
-/// motion, with an impact or two in that time, takes 1 to 3, so that it never comes near the limit.
-/// A bounce takes one sub-step of a single motion. In lanes it takes two sub-steps if it is longer
-/// than 0.6 intervals. 27 such bounces fit into a sub-step length. The limit of 64 is above twice
-/// that number, so that a motion ends in the same way alone and in lanes.
+/// Number of further sub-steps that an advance may take for each sub-step length of progress. An
+/// ordinary motion, with an impact or two in that time, takes 1 to 3 sub-steps, far below the
+/// limit. A bounce takes one sub-step of a single motion. In lanes it takes two sub-steps if it is
+/// longer than 0.6 intervals. 27 such bounces fit into a sub-step length. The limit of 64 is above
+/// twice that number, so that a motion ends in the same way alone and in lanes.
 const WORK_PER_SUBSTEP: f64 = 64.0;
 
 /// Data that an advance carries from sub-step to sub-step; the state fills one cache line.
 #[repr(C, align(64))]
 pub(super) struct AdvanceState {
     pub(super) z: Augmented,
-    /// Sub-steps since cos θ and sin θ were computed anew.
+    /// Sub-steps since cos θ and sin θ were last computed from the phase.
     pub(super) since_renewal: u32,
-    /// Start of the flight whose drive work is kept as a difference ([`Simulator::open_account`]).
+    /// Start of the flight whose drive work is computed as a difference
+    /// ([`Simulator::open_account`]).
     pub(super) flown_from: DoubleDouble,
     /// Time at the beginning of the advance.
     begin: DoubleDouble,
@@ -44,7 +45,7 @@ pub(super) struct AdvanceState {
     pub(super) allowed: u64,
 }
 
-/// Arguments of an advance that is compiled once for each instruction set.
+/// Arguments of the code of an advance, which is compiled once for each instruction set.
 struct DispatchedAdvance<'a, 'b, const ACCOUNTS: bool> {
     simulator: &'a mut Simulator,
     end: DoubleDouble,
@@ -148,7 +149,8 @@ impl Simulator {
         pause: Pause,
         observer: &mut EventObserver<'_, '_>,
     ) -> ControlFlow<Result<AdvanceOutcome>> {
-        // Far from the end the leading parts are accurate enough; near it every digit counts.
+        // Far from the end the leading parts are accurate enough; near the end all digits are
+        // needed.
         let mut remaining = end.hi - self.hybrid.time.hi;
         if remaining <= 2.0 * self.substep {
             remaining = end.minus(self.hybrid.time).value();
@@ -258,7 +260,7 @@ impl Simulator {
     }
 
     /// Ends an advance at an event whose law is not yet applied: w and w' become the exact left
-    /// limits that the law takes.
+    /// limits, on which the law acts.
     #[cold]
     fn pause_before_event(&mut self, advance: &mut AdvanceState, side: f64) -> AdvanceOutcome {
         let z = &mut advance.z;

@@ -13,7 +13,7 @@ pub(super) struct ModeTables {
     pub(super) core: SubstepTable<CORE>,
     pub(super) load: SubstepTable<LOAD>,
     pub(super) energy: Gramians,
-    /// Series about interval centres, of flight only.
+    /// Series about interval centres, for flight only.
     pub(super) local: Local,
     pub(super) core_ready: bool,
     pub(super) load_ready: bool,

@@ -48,7 +48,7 @@ pub enum Event {
         /// +1 upper, -1 lower.
         side: i8,
     },
-    /// The contact force fell through zero: the block lets go.
+    /// The contact force fell through zero: the block leaves the stop.
     Release {
         /// Time in s.
         time: f64,
@@ -73,7 +73,7 @@ pub struct ImpactRecord {
     /// Sum of the absolute impulses, N·s.
     pub total_impulse: f64,
     /// Signed impulse of the stops on the box, N·s, from all impacts and merges into rest, without
-    /// the contact force in rest (docs/theory.md (114)). The block has the opposite.
+    /// the contact force in rest (docs/theory.md (114)). The impulse on the block is the opposite.
     pub box_impulse: f64,
 }
 
@@ -113,8 +113,8 @@ pub enum AdvanceOutcome {
     EventDue,
 }
 
-/// Event at which a motion stands, its law not yet applied. Capture into rest is no event of its
-/// own: the impact law decides on it.
+/// Event at which a motion stands. Its law is not yet applied. Capture into rest is not a separate
+/// event: the impact law decides on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DueEvent {
     /// The block touches stop `side` from inside.
@@ -138,7 +138,7 @@ impl DueEvent {
     }
 }
 
-/// Counters of work done, by which tests notice lost efficiency.
+/// Counters of work done, with which tests detect a loss of efficiency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WorkCounters {
     /// Sub-steps begun.
@@ -152,7 +152,7 @@ pub struct WorkCounters {
 }
 
 impl Contact {
-    /// The smooth mode that holds: flight, or rest at either stop.
+    /// The smooth mode: flight, or rest at either stop.
     #[inline(always)]
     pub fn mode(self) -> SmoothMode {
         match self {
@@ -180,7 +180,8 @@ impl ImpactRecord {
     /// Counts an impact at stop `side`.
     #[inline(always)]
     pub fn count(&mut self, side: f64, time: f64, speed: f64, impulse: f64) {
-        // Without a branch: the processor cannot predict the stops of a chaotic motion.
+        // Computed without a branch, because the processor cannot predict the stops of a chaotic
+        // motion.
         self.upper += u64::from(side > 0.0);
         self.lower += u64::from(side <= 0.0);
         (self.last_time, self.last_speed, self.last_impulse) = (time, speed, impulse);

@@ -5,8 +5,8 @@
 //! zero. Each interval with real roots is sampled at nodes spaced as a cosine, in which both sheets
 //! pass smoothly through their folds. Between neighbouring nodes every change of a test function's
 //! sign (docs/theory.md (81)) is located to [`LOCATION`]. Two changes of sign between two
-//! neighbouring nodes are noticed in the discriminant but not in the other tests; more nodes
-//! resolve them.
+//! neighbouring nodes are found for the discriminant but not for the other test functions; more
+//! nodes resolve them.
 //!
 //! ```
 //! use vibro_impact::steady::{Bifurcation, continuation::{self, Special}};
@@ -32,7 +32,7 @@ use scan::Scan;
 /// Accuracy of the parameter at special points: absolute for values below 1, relative above.
 pub const LOCATION: f64 = 1e-11;
 
-/// Fewest nodes of a scan.
+/// Smallest number of nodes of a scan.
 const FEWEST_NODES: usize = 3;
 
 /// Kind of a point that ends, joins or divides a branch.
@@ -41,9 +41,9 @@ const FEWEST_NODES: usize = 3;
 pub enum Special {
     /// The discriminant is zero: the two sheets join (a saddle-node of orbits).
     Fold,
-    /// A multiplier crosses the unit circle, or a pair of eigenvalues of the slow flow the
-    /// imaginary axis. The latter counts as [`Bifurcation::NeimarkSacker`], which it is for the
-    /// motion.
+    /// A multiplier crosses the unit circle, or a pair of eigenvalues of the slow flow crosses the
+    /// imaginary axis. The latter is called [`Bifurcation::NeimarkSacker`], the corresponding
+    /// bifurcation of the motion.
     Bifurcation(Bifurcation),
     /// The block touches a stop between its impacts. Beyond this point the motion is not of this
     /// kind.
@@ -79,8 +79,8 @@ pub struct BranchPoint<P> {
     pub sheet: Sheet,
     /// Steady state.
     pub solution: P,
-    /// Whether the piece of the branch from here to the next point is stable and admissible; at the
-    /// last point of a curve, the piece before it.
+    /// Whether the piece of the branch from this point to the next is stable and admissible. At the
+    /// last point of a curve, whether the piece before it is.
     pub stable: bool,
     /// Kind of a special point.
     pub special: Option<Special>,
@@ -110,22 +110,23 @@ impl<P> Branch<P> {
     }
 }
 
-/// Family of steady states at one value of the parameter, on both sheets, as [`branch`] needs it.
+/// Family of steady states at one value of the parameter, on both sheets; [`branch`] follows it
+/// over a range.
 pub trait Family: Sized {
     /// Steady state.
     type Solution: Copy;
 
-    /// Discriminant of the quadratic: negative without solutions, zero at a fold.
+    /// Discriminant of the quadratic: negative if there is no solution, zero at a fold.
     fn discriminant(&self) -> f64;
 
-    /// Root of a sheet, signed so that a steady state exists where it is positive. `None` without a
-    /// real root.
+    /// Root of a sheet, with the sign chosen so that a steady state exists if the root is positive.
+    /// `None` if there is no real root.
     fn root(&self, sheet: Sheet) -> Option<f64>;
 
     /// Steady state of a sheet; `None` if its root is not positive.
     ///
     /// # Errors
-    /// If it cannot be computed.
+    /// An error if the steady state cannot be computed.
     fn solution(&self, sheet: Sheet) -> Result<Option<Self::Solution>>;
 
     /// Whether the steady state is stable and admissible.
@@ -138,8 +139,8 @@ pub trait Family: Sized {
     /// (81).
     fn tests(solution: &Self::Solution) -> [f64; 3];
 
-    /// Bifurcation at a zero of test `index`; `None` if the sign changes without one, as at a pole
-    /// or where two real multipliers have the product 1.
+    /// Bifurcation at a change of sign of test `index`. `None` if the sign changes without a
+    /// bifurcation, as at a pole or if two real multipliers have the product 1.
     fn confirm(solution: &Self::Solution, index: usize) -> Option<Bifurcation>;
 }
 
@@ -157,7 +158,7 @@ pub fn along_field(base: Parameters, field: &'static Field) -> impl Fn(f64) -> R
 /// `nodes` per sheet and interval (200 show a curve).
 ///
 /// # Errors
-/// [`Error::Range`] for an empty or unbounded range; errors of the path and of
+/// [`Error::Range`] if the range is empty or unbounded; the errors of the path and of
 /// [`OrbitFamily::new`](super::exact_orbit::OrbitFamily::new).
 pub fn exact_orbit(
     path: impl Fn(f64) -> Result<Parameters>,
@@ -195,7 +196,7 @@ pub fn strong_coupling(
 /// Branch of any family over a range of its parameter.
 ///
 /// # Errors
-/// [`Error::Range`] for an empty or unbounded range; errors of `family`.
+/// [`Error::Range`] if the range is empty or unbounded; the errors of `family`.
 pub fn branch<F: Family>(
     family: impl Fn(f64) -> Result<F>,
     range: (f64, f64),

@@ -7,8 +7,8 @@
 //! | [`exact_orbit`] | the exact orbit of the full system; docs/theory.md, sections 9 and 10 | any parameters |
 //! | [`continuation`] | branches of any of these in one parameter | – |
 //!
-//! Nothing here calls the simulator and the simulator calls nothing here, so that each tests the
-//! other.
+//! This module never calls the simulator and the simulator never calls this module, so that each
+//! tests the other.
 //!
 //! ```
 //! use vibro_impact::{Groups, Parameters, steady};
@@ -38,18 +38,19 @@ use crate::parameters::{GROUPS, Groups, Range};
 use nalgebra::Complex;
 use quadratic::Quadratic;
 
-/// Half-width of the angle about ±π/2 within which a complex pair on the unit circle is called a
-/// period doubling, rad. It is narrow, as such a crossing has codimension two.
+/// Half-width of the angle about ±π/2 within which a crossing of the unit circle by a complex pair
+/// is called a period doubling, rad. It is narrow because such a crossing has codimension two.
 pub const QUARTER_TURN_TOLERANCE: f64 = 1e-6;
 
-/// Penetration of a stop, in units of L, that counts as round-off: a flight is known to a few 1e-15
-/// per Taylor piece.
+/// Penetration of a stop, in units of L, up to which it counts as round-off. The error of a flight
+/// is a few 1e-15 per Taylor piece.
 pub const PENETRATION_ROUNDING: f64 = 1e-12;
 
-/// Impedance relative to the sum of its terms at or below which it is zero but for rounding.
+/// Ratio of an impedance to the sum of its terms at or below which the impedance counts as zero.
 const IMPEDANCE_ROUNDING: f64 = 1e-14;
 
-/// Most QR sweeps for the eigenvalues of a matrix; a handful suffice, and NaN would never end.
+/// Largest number of QR sweeps for the eigenvalues of a matrix. A few suffice; with NaN the sweeps
+/// would not end.
 const EIGENVALUE_SWEEPS: usize = 300;
 
 /// Results of the three independent tests of an approximate steady state (paper, section 3.2;
@@ -92,7 +93,8 @@ pub enum Bifurcation {
 }
 
 impl Bifurcation {
-    /// Bifurcation that a multiplier of the half-cycle map announces, by its argument.
+    /// Bifurcation that a multiplier of the half-cycle map indicates, from the multiplier's
+    /// argument.
     pub fn of(multiplier: Complex<f64>) -> Self {
         let angle = multiplier.im.abs().atan2(multiplier.re);
         if multiplier.im == 0.0 {
@@ -106,7 +108,8 @@ impl Bifurcation {
 }
 
 /// Approximate steady motion at one phase: dimensionless displacements (unit L) and their
-/// derivatives with respect to the phase. Times Ω1 a derivative is d/dτ, times ω1 L it is in m/s.
+/// derivatives with respect to the phase. A derivative times Ω1 is d/dτ; a derivative times ω1 L is
+/// in m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyMotion {
     /// U = X1 + ε X2.
@@ -143,7 +146,7 @@ fn inverse_mass_factors(epsilon: f64) -> (f64, f64) {
     (1.0 - epsilon + epsilon * epsilon, epsilon - epsilon * epsilon)
 }
 
-/// Checks that groups are in the ranges in which the approximations have a meaning. These are the
+/// Checks that groups are in the ranges in which the approximations are meaningful. These are the
 /// ranges of [`GROUPS`] with two exceptions: ε may be zero, the limit of the approximations, and
 /// `alpha23` is not read, since `beta2` describes the same quantity.
 fn check_groups(groups: &Groups) -> Result<()> {

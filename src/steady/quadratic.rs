@@ -44,9 +44,9 @@ pub(super) struct Quadratic {
     pub alpha: Complex<f64>,
     /// α₀, the force at amplitude zero.
     pub alpha0: Complex<f64>,
-    /// f, the amplitude of the force; its sign has no effect.
+    /// f, the amplitude of the force. Its sign has no effect.
     pub force: f64,
-    /// |α₀|² - f². The caller gives it, since the caller may know f² without squaring f.
+    /// |α₀|² - f². The caller supplies this value, since it may know f² without squaring f.
     pub constant: f64,
 }
 

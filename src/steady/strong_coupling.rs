@@ -24,19 +24,20 @@ use crate::parameters::Groups;
 use nalgebra::{Complex, Matrix2, Matrix4};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Distance of β from a positive integer below which groups are refused, as C would lose more than
-/// half its digits.
+/// Distance of β from a positive integer below which groups are refused, because C would lose more
+/// than half of its digits.
 const INTEGER_DISTANCE: f64 = 1e-7;
 
-/// Largest β at which the sawtooth Z replaces the modified one Z*: they differ by order β², which
-/// is under round-off.
+/// Largest β at which the sawtooth Z replaces the modified sawtooth Z*. They differ by terms of
+/// order β², which are under round-off.
 const SAWTOOTH_BETA: f64 = 1e-8;
 
 /// Largest β; the approximation assumes that it is of order one.
 const LARGEST_BETA: f64 = 1e3;
 
 /// Modified sawtooth Z*(s) = sin(β (π/2) Z(s))/sin(β π/2) of period 2π, docs/theory.md (59), and
-/// its derivative, at a kink the value after it; the sawtooth Z for β = 0. Singular at even β > 0.
+/// its derivative. At a kink the derivative is the value just after it. For β = 0 it is the
+/// sawtooth Z. It is singular at even β > 0.
 pub fn modified_sawtooth(beta: f64, s: f64) -> (f64, f64) {
     let (z, slope) = (sawtooth(s), sawtooth_slope(s));
     if beta < SAWTOOTH_BETA {
@@ -47,7 +48,7 @@ pub fn modified_sawtooth(beta: f64, s: f64) -> (f64, f64) {
     (sin / size, beta * FRAC_PI_2 * slope * cos / size)
 }
 
-/// Closed form of one parameter set, with all that does not depend on the root computed.
+/// Closed form of one parameter set, with all quantities that do not depend on the root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrongCoupling {
     groups: Groups,
@@ -70,7 +71,7 @@ pub struct StrongCoupling {
 /// unit of the slow time τ1 = ετ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrongPoint {
-    /// C, the factor of Z*; negative where ν is.
+    /// C, the factor of Z*. In an admissible state it has the sign of ν.
     pub c: f64,
     /// B, the amplitude of U.
     pub b: f64,
@@ -103,9 +104,9 @@ impl StrongCoupling {
     /// Closed form for a set of groups.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] within
-    /// 1e-7 of β = 1, 2, 3, … (the block resonates with a harmonic of its impacts), above β = 1000,
-    /// and for an undamped X3 at resonance.
+    /// [`Error::OutOfRange`] if a group is outside its range or NaN; [`Error::Undefined`] if β is
+    /// within 1e-7 of 1, 2, 3, … (the block resonates with a harmonic of its impacts), if β is
+    /// above 1000, or if X3 is undamped and at resonance.
     pub fn new(groups: &Groups) -> Result<Self> {
         check_groups(groups)?;
         let g = *groups;
@@ -169,7 +170,7 @@ impl StrongCoupling {
         self.quadratic.coefficients()
     }
 
-    /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative without solutions.
+    /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative if there is no solution.
     pub fn discriminant(&self) -> f64 {
         self.quadratic.discriminant()
     }
@@ -237,8 +238,8 @@ impl StrongCoupling {
         if jacobian.iter().any(|x| !x.is_finite()) {
             return Err(lost);
         }
-        // The sweeps compare entries with the diagonal and do not end where it is zero, without
-        // dampers and losses. A shift of the diagonal helps.
+        // The sweeps compare entries with the diagonal. They do not end if the diagonal is zero, as
+        // it is without dampers and losses. A shift of the diagonal then makes them end.
         let found = [0.0, jacobian.norm()].into_iter().find_map(|by| {
             let moved = jacobian + Matrix4::identity() * by;
             let values = moved.try_schur(f64::EPSILON, EIGENVALUE_SWEEPS)?.complex_eigenvalues();
@@ -346,7 +347,7 @@ impl StrongPoint {
         spectral_radius(self.multipliers)
     }
 
-    /// Bifurcation that the largest multiplier announces.
+    /// Bifurcation that the largest multiplier indicates.
     pub fn bifurcation(&self) -> Bifurcation {
         Bifurcation::of(largest(self.multipliers))
     }

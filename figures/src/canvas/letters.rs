@@ -1,4 +1,5 @@
-//! The embedded font: how wide a text is, where its line lies, and the outlines of its letters.
+//! The embedded font: the width of a text, the place of its baseline, and the outlines of its
+//! letters.
 
 use super::Across;
 use std::sync::OnceLock;
@@ -16,9 +17,10 @@ const CAPITAL: f64 = 0.729;
 const DESCENDER: f64 = 0.236;
 const ASCENDER: f64 = 0.928;
 
-/// The circumflex that stands over the letter before it and takes no room of its own.
+/// The combining circumflex, which stands over the letter before it and has no advance width.
 const CIRCUMFLEX: char = '\u{302}';
-/// Up to this height of a letter, in ems, the font's circumflex stands free above it.
+/// Largest height of a letter, in ems, above which the font's circumflex stands without touching
+/// it.
 const LOW_LETTER: f64 = 0.56;
 
 /// Distance of the baseline below a text's point, in ems.
@@ -35,14 +37,14 @@ fn face() -> Option<&'static Face<'static>> {
     FACE.get_or_init(|| Face::parse(FONT_DATA, 0).ok()).as_ref()
 }
 
-/// Glyph and advance width of a letter, in units of the font. A letter that the font lacks is an
-/// empty box.
+/// Glyph and advance width of a letter, in units of the font. A letter that the font lacks is drawn
+/// as an empty box.
 fn glyph(face: &Face<'_>, letter: char) -> (GlyphId, f64) {
     let glyph = face.glyph_index(letter).unwrap_or(GlyphId(0));
     (glyph, f64::from(face.glyph_hor_advance(glyph).unwrap_or(0)))
 }
 
-/// Width of a text of a size in units of the drawing.
+/// Width of a text with font size `size`, in units of the drawing.
 pub fn text_width(words: &str, size: f64) -> f64 {
     let Some(face) = face() else { return 0.0 };
     let sum: f64 = words.chars().filter(|c| *c != CIRCUMFLEX).map(|c| glyph(face, c).1).sum();
@@ -53,7 +55,7 @@ pub fn text_width(words: &str, size: f64) -> f64 {
 struct Outlines {
     path: PathBuilder,
     scale: f64,
-    /// Where the glyph's origin lies.
+    /// Place of the glyph's origin.
     origin: (f64, f64),
 }
 
@@ -86,8 +88,8 @@ impl OutlineBuilder for Outlines {
     }
 }
 
-/// Outlines of a text of a size that begins at `start` on its baseline. `None` where nothing is to
-/// be seen.
+/// Outlines of a text with font size `size` that begins at `start` on its baseline. `None` if it
+/// has no visible letter.
 pub(super) fn outlines(words: &str, size: f64, start: f64) -> Option<Path> {
     let face = face()?;
     let scale = size / f64::from(face.units_per_em());

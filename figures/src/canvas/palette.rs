@@ -1,5 +1,5 @@
-//! The colours. Those of the bodies and of a family differ in lightness from one to the next, so
-//! that eyes of any kind tell them apart, and prints in grey show it.
+//! The colours. Neighbouring colours of the bodies and of a family differ in lightness, so that
+//! they can be told apart with any colour vision and in a grey print.
 
 use super::Colour;
 /// The box, x1, in all pictures.
@@ -12,7 +12,8 @@ pub const SECONDARY: Colour = Colour(20, 160, 115);
 pub const RELATIVE: Colour = Colour(165, 40, 130);
 /// The centre of mass of box and block, U, in all pictures.
 pub const CENTRE: Colour = Colour(70, 45, 0);
-/// The colours of the bodies and of what is made of their motions: of no other line or mark.
+/// The colours of the bodies and of quantities computed from their motions. No other line or mark
+/// has one of these colours.
 pub const BODIES: [Colour; 5] = [CENTRE, BOX, RELATIVE, BLOCK, SECONDARY];
 
 /// Colours of a family of curves, in order from dark to light.
@@ -23,7 +24,7 @@ pub const FAMILY: [Colour; 5] = [
     Colour(135, 105, 20),
     Colour(110, 145, 60),
 ];
-/// The parameters of the set itself, in a picture over parameters.
+/// The place of the parameter set itself, in a picture over parameters.
 pub const HERE: Colour = Colour(200, 0, 90);
 /// Frames, stops, impacts, exact values.
 pub const BLACK: Colour = Colour(0, 0, 0);

@@ -12,8 +12,8 @@ struct Rounded(f64);
 
 impl Display for Rounded {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        /// Below this a double resolves tenths. The number of tenths is then written as an integer,
-        /// which is several times faster.
+        /// Limit below which a double resolves tenths. The number of tenths is then written as an
+        /// integer, which is several times faster.
         const MOST: f64 = 1e15;
         let tenths = (self.0 * 10.0).round();
         if tenths.abs() < MOST {

@@ -1,10 +1,11 @@
 //! Many independent motions at a time on one thread, each in a lane of the machine's vectors.
 //!
 //! Nearly all sub-steps of a motion are free flight over a whole sub-step, to its end or to an
-//! impact that is easily proved to be the first. These are computed for all lanes at once. Whatever
-//! the lanes cannot prove, and all that is not free flight, is computed for each motion alone with
-//! the code of [`step`](super::super::step). The motion's own state decides which of the two
-//! computes a sub-step, so its result does not depend on its neighbours.
+//! impact that is easily proved to be the first. These are computed for all lanes at once. All
+//! other sub-steps (those that are not free flight, and those for which the lanes find no proof)
+//! are computed for each motion alone with the code of [`step`](super::super::step). Only the
+//! motion's state decides which of the two computes a sub-step, so the result does not depend on
+//! neighbouring motions.
 
 mod centres;
 mod maxima;
@@ -28,12 +29,12 @@ use rows::{LaneStates, LaneSystems, SubstepStarts};
 use std::ops::ControlFlow;
 use substep::{Progress, SearchedIntervals};
 
-/// Sub-steps in a lane after which cos θ and sin θ are computed anew from the extended phase. In so
-/// many sub-steps they collect no more round-off than the other coordinates, which are never
+/// Number of sub-steps in a lane after which cos θ and sin θ are computed again from the extended
+/// phase. Until then they collect no more round-off than the other coordinates, which are never
 /// renewed.
 const RENEWAL: u32 = 64;
-/// Fewest lanes of a vector with which lanes are faster; on other machines all motions are advanced
-/// alone.
+/// Smallest number of lanes of a vector with which lanes are faster. On machines with fewer lanes
+/// all motions are advanced alone.
 const FEWEST_LANES: usize = 4;
 
 /// Work of one thread, compiled once for each instruction set.
@@ -106,8 +107,8 @@ struct Rounds<'a> {
 }
 
 impl Rounds<'_> {
-    /// A sub-step of all lanes; each motion that the lanes cannot move is advanced alone, by one
-    /// sub-step or more.
+    /// Advances all lanes by a sub-step. Each motion that the lanes cannot move is advanced alone,
+    /// by one sub-step or more.
     #[inline(always)]
     fn round<S: Simd>(&mut self, simd: S) {
         for lane in lanes_of(self.states.due_for_renewal(simd, f64::from(RENEWAL)) & self.active) {
@@ -135,7 +136,7 @@ impl Rounds<'_> {
         }
     }
 
-    /// Lanes in whose next sub-step samples or maxima may lie.
+    /// Lanes whose next sub-step may contain samples or maxima.
     #[inline(always)]
     fn reading<S: Simd>(&self, simd: S) -> LaneSet {
         let mut sampled = 0;
@@ -283,7 +284,8 @@ fn advance_loaded(
     motion.advance_alone::<_, 1>(pulp::Scalar, simulator, report_to, None)
 }
 
-/// Observer that keeps the events of one law: an impact or a release, and the rest that may follow.
+/// Observer that stores the events of one law: an impact or a release, and the capture into rest
+/// that may follow.
 #[inline(always)]
 fn keep_in(events: &mut [Option<Event>; 2]) -> impl FnMut(&Event) {
     |event| {
@@ -293,8 +295,9 @@ fn keep_in(events: &mut [Option<Event>; 2]) -> impl FnMut(&Event) {
 }
 
 impl LaneMotion {
-    /// Begins a motion, applying the law of an event that is due. A motion that can neither be
-    /// advanced in lanes nor has reports is advanced to its end: `None`.
+    /// Begins a motion and applies the law of an event that is due. `None` if the motion is over: a
+    /// motion whose end is the present, and one that lanes cannot advance and that needs no reports
+    /// on the way, is advanced to its end at once.
     fn begin(
         simulator: &mut Simulator,
         plan: &Plan,
@@ -311,7 +314,7 @@ impl LaneMotion {
             let mut events = [None; 2];
             simulator.apply_due_event(Some(&mut keep_in(&mut events)));
             let after = simulator.augmented();
-            // Only a sample could end the motion, and none is due yet.
+            // Only a sample could end the motion, and no sample is due yet.
             let _ = reporter.report_alone(simulator, &from, &after, events, report_to);
         }
         let alone = simulator.keeps_energy_accounts || (simulator.loaded() && reporter.is_none());
@@ -323,7 +326,7 @@ impl LaneMotion {
     }
 
     /// Advances this motion by the code for a single motion until its next sub-step suits the
-    /// lanes; returns how the motion has ended if it is over. If the lanes have brought the block
+    /// lanes. Returns the result of the motion if it has ended. If the lanes have brought the block
     /// to the stop `touched`, the law of that impact is applied first.
     #[inline(always)]
     fn advance_alone<S: Simd, const LOADS: usize>(
@@ -373,9 +376,9 @@ impl LaneMotion {
 }
 
 impl Simulator {
-    /// Whether lanes can probably compute the next sub-step: free flight without loads from inside
-    /// or just off a stop, with a whole sub-step and an interval to go before `end`. This decides
-    /// only which code tries first: the lanes prove what they need.
+    /// Whether lanes can probably compute the next sub-step: free flight without loads that starts
+    /// inside or has just left a stop, with at least a sub-step and an interval left before `end`.
+    /// This decides only which code tries first. The lanes prove all that they use.
     #[inline(always)]
     fn suits_lanes(&self, z: &Augmented, end: DoubleDouble) -> bool {
         self.hybrid.contact == Contact::Flight

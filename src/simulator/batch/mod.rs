@@ -59,8 +59,8 @@ pub enum Way {
     OneByOneAvx2,
 }
 
-/// [`advance_queue`] in a given way. On a machine without AVX2 the ways with AVX2 use what there
-/// is.
+/// [`advance_queue`] in a given way. On a machine without AVX2 the ways with AVX2 use the vectors
+/// that the machine has.
 ///
 /// # Panics
 /// As [`advance_queue`].
@@ -77,15 +77,16 @@ pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn 
 /// Advances each simulator to its `end` (s), as [`Simulator::advance_to`] does. The results are in
 /// the simulators' order; an error of one motion does not touch the others.
 ///
-/// On machines with AVX2 or AVX-512 the motions lie side by side in the vectors. One or two motions
-/// take longer than by `advance_to`, about three or more take less time than one after another, and
-/// eight or more less than half, unless the motions rest for much of their time. Motions that keep
-/// their energy accounts or are under loads are advanced one by one.
+/// On machines with AVX2 or AVX-512 the motions lie side by side in the vectors. Compared with
+/// `advance_to` for one motion after another, one or two motions take longer, about three or more
+/// take less time, and eight or more take less than half the time, unless the motions rest for much
+/// of their time. Motions that keep their energy accounts or are under loads are advanced one by
+/// one.
 ///
-/// A motion ends as accurately as by `advance_to`, with its impacts proved likewise, but not
-/// bit-identically: the arithmetic has another order, and differences in the last digits grow as
-/// any difference does in a motion with impacts. The result depends neither on the other motions
-/// nor on their order or number.
+/// The results are as accurate as those of `advance_to`, and the impacts are proved in an
+/// equivalent way. The results are not bit-identical with those of `advance_to`: the operations
+/// have another order, and differences in the last digits grow like any difference in a motion with
+/// impacts. The result depends neither on the other motions nor on their order or number.
 ///
 /// ```
 /// use vibro_impact::simulator::advance_together;
@@ -102,7 +103,7 @@ pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn 
 /// # Ok::<(), vibro_impact::Error>(())
 /// ```
 pub fn advance_together(simulators: &mut [Simulator], end: impl Fn(&Simulator) -> f64) -> Vec<Result<()>> {
-    /// Queue of each simulator once, in order.
+    /// Queue that supplies each simulator once, in order.
     struct Each<F> {
         end: F,
         next: usize,

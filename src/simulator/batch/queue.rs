@@ -24,16 +24,18 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reports {
     /// Origin of the samples: sample k, counted from 1, is taken at `origin + k step`, s, if that
-    /// is after the motion's start and not after its end. An infinite `origin` asks for none.
+    /// is after the motion's start and not after its end. With an infinite `origin` no samples are
+    /// taken.
     pub origin: f64,
     /// Time between two samples, s; greater than zero.
     pub step: f64,
-    /// Number of the first sample. [`u32::MAX`] leaves all out until an
-    /// [event](MotionQueue::event) asks for one.
+    /// Number of the first sample. With [`u32::MAX`] no sample is taken until an
+    /// [event](MotionQueue::event) sets the number of the next one.
     pub first: u32,
-    /// Weights of x1, x2 and x3 in the displacement whose maxima are reported, if any are. The
-    /// motion before the start is not known: one that starts while the block rests at the upper
-    /// stop, or within rounding of its departure, may have one maximum of w more or less there.
+    /// Weights of x1, x2 and x3 in the displacement whose maxima are reported; `None` for no
+    /// maxima. The motion before the start is unknown. If the block rests at the upper stop at the
+    /// start, or is within rounding of its departure, the reports may contain one maximum of w more
+    /// or less at the start.
     pub maxima_of: Option<[f64; 3]>,
 }
 
@@ -54,23 +56,24 @@ pub struct Maximum {
 /// The reports of a motion come in the order of its sub-steps. Within a sub-step the maxima come
 /// first, then the samples, then the event, whatever their times.
 pub trait MotionQueue {
-    /// Receives how the last motion in a lane has `ended`, if there was one, and sets up the next
-    /// motion for this lane in a simulator that no other lane uses. `None` leaves the lane empty
-    /// for good.
+    /// Receives the result `ended` of the last motion in a lane, if there was one, and sets up the
+    /// next motion for this lane in a simulator that no other lane uses. `None` leaves the lane
+    /// empty for good.
     fn next(&mut self, lane: usize, simulators: &mut [Simulator], ended: Option<Result<()>>) -> Option<Plan>;
 
-    /// Receives the state at sample `number`, counted from 1, before an impact at that very time.
-    /// Returns the number of the next sample, a larger one, or a break, which ends the motion well.
-    /// The simulator does not then stand at that time: it must be [restarted](Simulator::restart)
-    /// or given another state before it is used.
+    /// Receives the state at sample `number`, counted from 1. If an impact occurs at exactly that
+    /// time, the state is that before the impact. Returns the number of the next sample, which must
+    /// be larger, or a break, which ends the motion without an error. After a break the simulator
+    /// does not stand at the sample's time: it must be [restarted](Simulator::restart) or given
+    /// another state before it is used.
     fn sample(&mut self, lane: usize, number: u32, state: &State) -> ControlFlow<(), u32> {
         let _ = (lane, state);
         ControlFlow::Continue(number + 1)
     }
 
     /// Receives an event and the augmented state after its law: x1, w, x3, their rates, cos θ and
-    /// sin θ. Returns the number of the next sample if it is to change; one that is already past
-    /// stands for the first that is not.
+    /// sin θ. Returns the number of the next sample if it is to change. If that sample is already
+    /// past, the next one is the first sample that is not.
     fn event(&mut self, lane: usize, event: &Event, after: &Augmented) -> Option<u32> {
         let _ = (lane, event, after);
         None
@@ -101,8 +104,8 @@ impl LaneUse {
         self.occupied as f64 / (self.rounds.max(1) * super::TOGETHER as u64) as f64
     }
 
-    /// Fraction of all lanes in all rounds that moved a motion. The others were empty or handed
-    /// over.
+    /// Fraction of all lanes in all rounds that moved a motion. The other lanes were empty or their
+    /// motions were handed over.
     pub fn utilisation(&self) -> f64 {
         self.substeps as f64 / (self.rounds.max(1) * super::TOGETHER as u64) as f64
     }

@@ -9,8 +9,8 @@ use crate::error::Result;
 use nalgebra::Complex;
 
 /// Distance from the unit circle, or relative distance from the imaginary axis, within which a
-/// located pair counts as on it. A location is accurate to 1e-12, and multipliers near a double one
-/// move with the square root of the parameter, so by 1e-6.
+/// located pair counts as on it. A location is accurate to 1e-12. Near a double multiplier,
+/// multipliers move with the square root of the parameter, that is, by 1e-6.
 const ON_CIRCLE: f64 = 1e-5;
 
 /// t_SB of docs/theory.md (81), Π(1+μ) over the half-cycle multipliers: zero where the symmetry
@@ -71,7 +71,7 @@ impl Family for OrbitFamily {
         solution.is_clear()
     }
 
-    /// A multiplier 1 occurs only at the fold and needs no test.
+    /// There is no test for a multiplier 1, which occurs only at the fold.
     fn tests(solution: &ExactOrbit) -> [f64; 3] {
         let m = solution.multipliers();
         [symmetry_breaking_test(&m), product_over_pairs(&m, |a, b| 1.0 - a * b), 1.0]
@@ -140,9 +140,9 @@ impl Family for MultipleScales {
 }
 
 impl StrongCoupling {
-    /// Solution of a sheet, and its C with the sign by which it is positive if the block moves into
-    /// the stop it meets (νC > 0). The sheets are ordered by that signed C, so that they are not
-    /// exchanged where ν changes its sign.
+    /// Solution of a sheet, and its C with a sign: positive if the block moves into the stop that
+    /// it meets (νC > 0). The sheets are ordered by this signed C, so that they are not exchanged
+    /// where ν changes its sign.
     fn inward(&self, sheet: Sheet) -> Result<Option<(f64, StrongPoint)>> {
         let sign = if self.nu() < 0.0 { -1.0 } else { 1.0 };
         let order = |r: Roots<StrongPoint>| {

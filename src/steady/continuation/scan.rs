@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::numerics::roots::brent;
 use std::cell::Cell;
 
-/// Most golden-section steps to a hidden extremum of the discriminant between three nodes.
+/// Largest number of golden-section steps to a hidden extremum of the discriminant between three
+/// nodes.
 const GOLDEN_STEPS: usize = 40;
 
 /// Interval of the parameter with real roots; each end is a fold or an end of the range.
@@ -38,8 +39,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Self { family, nodes }
     }
 
-    /// Last value, by bisection, at which a condition holds on the way from `inside`, where it
-    /// holds, to `outside`, where it does not.
+    /// Last value between `inside` and `outside` at which a condition holds, by bisection. The
+    /// condition holds at `inside` and not at `outside`.
     fn last_value_inside(
         &self,
         mut inside: f64,
@@ -65,7 +66,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
             let v = if i == n { to } else { from + (to - from) * i as f64 / n as f64 };
             nodes.push((v, discriminant(v)?));
         }
-        // A pair of zeros between two nodes shows as a minimum of |discriminant| at a node.
+        // A pair of zeros between two nodes is indicated by a minimum of |discriminant| at a node.
         let mut hidden = Vec::new();
         for w in nodes.windows(3) {
             let sign = if w[1].1 < 0.0 { -1.0 } else { 1.0 };
@@ -141,8 +142,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         }))
     }
 
-    /// Runs of steady states on one sheet over an interval, by increasing parameter; they are
-    /// broken where the root is not positive.
+    /// Runs of steady states on one sheet over an interval, by increasing parameter. A run ends
+    /// where the root is no longer positive.
     pub fn sheet(&self, interval: &Interval, sheet: Sheet) -> Result<Vec<SheetRun<F::Solution>>> {
         let root = |f: &F| f.root(sheet).unwrap_or(f64::NAN) > 0.0;
         let (half, n) = (0.5 * (interval.to - interval.from), self.nodes);
@@ -258,8 +259,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         self.point(edge, next.sheet, Some(Special::Grazing))
     }
 
-    /// Joins runs end to end at their folds. Runs of the upper sheet are given by increasing, those
-    /// of the lower by decreasing parameter.
+    /// Joins runs end to end at their folds. The runs of the upper sheet must have increasing
+    /// parameter, those of the lower sheet decreasing parameter.
     pub fn join(&self, mut runs: Vec<SheetRun<F::Solution>>) -> Result<Vec<Curve<F::Solution>>> {
         let fold = |point: Option<&BranchPoint<F::Solution>>| {
             point.filter(|p| p.special == Some(Special::Fold)).map(|p| p.value)
@@ -287,15 +288,15 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(runs.into_iter().map(curve).collect())
     }
 
-    /// Sets the stability of each special point to that of the piece that follows; for the last
-    /// point, of the piece before.
+    /// Sets the stability of each special point to that of the piece that follows, and for the last
+    /// point to that of the piece before it.
     fn mark_stability(&self, run: &mut SheetRun<F::Solution>) -> Result<()> {
         for i in 0..run.len() {
             if run[i].special.is_none() {
                 continue;
             }
             let Some(other) = run.get(i + 1).or(i.checked_sub(1).and_then(|j| run.get(j))) else { continue };
-            // A fold belongs to both sheets; its neighbour tells on which one the piece lies.
+            // A fold belongs to both sheets. Its neighbour determines the sheet of the piece.
             let sheet = if run[i].special == Some(Special::Fold) { other.sheet } else { run[i].sheet };
             let middle = 0.5 * (run[i].value + other.value);
             let stable = self.point(middle, sheet, None)?.is_some_and(|p| p.stable);

@@ -4,9 +4,9 @@ use super::super::PENETRATION_ROUNDING;
 use crate::numerics::bernstein::{Polynomial, stays_within};
 
 /// Proof that the block keeps within the stops along the Taylor pieces of an orbit, to 1e-12 L and
-/// the orbit's rounding. The rounding grows from piece to piece; and it is large next to the
-/// resonance of a box without damper, where the parts of the motion by the force and by the impacts
-/// are many gaps and cancel.
+/// the orbit's rounding. The rounding grows from piece to piece. It is large near the resonance of
+/// a box without damper, because the part of the motion due to the force and the part due to the
+/// impacts are then many gaps in size and cancel.
 pub struct Clearance {
     limit: f64,
     of_pieces: f64,
@@ -14,8 +14,9 @@ pub struct Clearance {
 }
 
 impl Clearance {
-    /// Proof for flights of at most `pieces` Taylor pieces, which start at a distance `contact` off
-    /// their stop, in gaps; `forced` is the box's amplitude under the force alone, in gaps.
+    /// Proof for flights of at most `pieces` Taylor pieces. `contact` is the distance between the
+    /// flight's start and its stop, in gaps; `forced` is the box's amplitude under the force alone,
+    /// in gaps.
     pub fn new(contact: f64, pieces: u32, forced: f64) -> Self {
         let limit = 1.0 + PENETRATION_ROUNDING + contact + 16.0 * f64::EPSILON * forced;
         Self { limit, of_pieces: f64::EPSILON * f64::from(pieces), size: 0.0 }

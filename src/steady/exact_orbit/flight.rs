@@ -10,12 +10,12 @@ use std::f64::consts::PI;
 /// A state (x1, x2, x3, v1, v2, v3) in units of L and ω1 L.
 pub type Vector6 = nalgebra::Vector6<f64>;
 
-/// Most Taylor pieces in half a period. A mode so much faster than the drive that it needs more
-/// would cost too much work and make the orbit too sensitive.
+/// Largest number of Taylor pieces in half a period. If a mode is so much faster than the drive
+/// that it needs more, the work would be too large and the orbit too sensitive.
 const MOST_PIECES: u32 = 1 << 16;
 
-/// Largest response without resonance, in units of L per unit of impulse or force: beyond it the
-/// amplitudes cancel to under four digits.
+/// Largest response that does not count as resonance, in units of L per unit of impulse or force.
+/// Above it cancellation leaves the amplitudes fewer than four digits.
 const LARGEST_RESPONSE: f64 = 1e12;
 
 /// 1/((k+1)(k+2)).
@@ -65,8 +65,8 @@ pub struct Flight {
     pub(super) kick: [f64; 2],
 }
 
-/// Transition matrix exp(A Δ) of free flight over a span Δ of the phase, as two blocks: in flight
-/// the box and the other two bodies do not act on each other.
+/// Transition matrix exp(A Δ) of free flight over a span Δ of the phase, as two blocks, since in
+/// flight the box and the other two bodies do not act on each other.
 ///
 /// ```
 /// use vibro_impact::{Parameters, steady::exact_orbit::{Flight, Vector6}};
@@ -109,8 +109,8 @@ impl Flight {
     /// Flight for a set of parameters.
     ///
     /// # Errors
-    /// As [`Parameters::validate`]; [`Error::Undefined`] without drive frequency;
-    /// [`Error::PrecisionLost`] for a mode more than about 15,000 times faster than the drive.
+    /// As [`Parameters::validate`]; [`Error::Undefined`] if the drive frequency is zero;
+    /// [`Error::PrecisionLost`] if a mode is more than about 15,000 times faster than the drive.
     pub fn new(p: &Parameters) -> Result<Self> {
         p.validate()?;
         let w = p.drive_frequency;
@@ -176,7 +176,8 @@ impl Flight {
     /// repeatedly.
     pub fn transition(&self, span: f64) -> Transition {
         if span == 0.0 {
-            // A piece without length has no rates: they are derivatives over the length.
+            // A piece of length zero has no rates, because these are derivatives divided by the
+            // length.
             return Transition { one: Matrix2::identity(), pair: Matrix4::identity() };
         }
         let pieces = self.doubled_pieces(span);
@@ -262,7 +263,7 @@ impl Flight {
     /// x1 = Im(H e^{iθ}). The other two bodies do not move.
     ///
     /// # Errors
-    /// [`Error::Undefined`] for the undamped box at resonance.
+    /// [`Error::Undefined`] if the box is undamped and at resonance.
     pub fn harmonic(&self, p: &Parameters) -> Result<Complex<f64>> {
         let impedance = Complex::new(self.k1 - 1.0, self.c1);
         let response = Complex::new(self.force, 0.0) / impedance;

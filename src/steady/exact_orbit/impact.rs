@@ -16,8 +16,9 @@ impl Flight {
         after
     }
 
-    /// State after the impact law J of docs/theory.md (27). The rate w' before the impact is that
-    /// of `z` plus `forced`. Its sign is that of the stop, so that one law holds for both stops.
+    /// State after the impact law J of docs/theory.md (27). The rate w' before the impact is the
+    /// rate of `z` plus `forced`. The sign of w' is that of the stop, so that one law holds for
+    /// both stops.
     pub fn strike(&self, z: &Vector6, forced: f64) -> Vector6 {
         self.kicked(*z, z[4] - z[3] + forced)
     }

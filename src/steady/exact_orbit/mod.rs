@@ -5,7 +5,7 @@
 //! Its impulsive part starts from p G⁺, where G⁺ is the periodic response to alternating unit
 //! impulses, docs/theory.md (72); the force adds the harmonic response H, (71). The impact law then
 //! gives a quadratic in the impulse p, (74), and the phase δ of the force at the impact, (75).
-//! There is no small parameter and no truncation but that of double precision.
+//! There is no small parameter, and double precision is the only truncation.
 
 mod clearance;
 mod flight;
@@ -22,7 +22,7 @@ use crate::parameters::Parameters;
 use flight::HalfPeriod;
 use nalgebra::Complex;
 
-/// The two orbits of one parameter set, with all that does not depend on the root computed.
+/// The two orbits of one parameter set, with all quantities that do not depend on the root.
 #[derive(Clone, Copy, Debug)]
 pub struct OrbitFamily {
     parameters: Parameters,
@@ -36,8 +36,8 @@ pub struct OrbitFamily {
     rate_answer: f64,
 }
 
-/// Both orbits of a parameter set, by their impulse p; `None` for a root with p ≤ 0, which is no
-/// orbit.
+/// Both orbits of a parameter set, ordered by their impulse p. `None` for a root with p ≤ 0, which
+/// does not belong to an orbit.
 ///
 /// # Errors
 /// As [`OrbitFamily::new`] and [`OrbitFamily::orbit`].
@@ -46,12 +46,12 @@ pub fn solve(parameters: &Parameters) -> Result<Roots<Option<ExactOrbit>>> {
 }
 
 impl OrbitFamily {
-    /// Quadratic of a parameter set, without loads on the bodies.
+    /// Quadratic of a parameter set. No loads act on the bodies.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] as [`Parameters::validate`]; [`Error::Undefined`] for ω1 = 0, for the
-    /// undamped box at resonance and for an undamped mode at an odd multiple of ω1;
-    /// [`Error::PrecisionLost`] for a mode more than about 15,000 times faster than the drive.
+    /// [`Error::OutOfRange`] as [`Parameters::validate`]; [`Error::Undefined`] if ω1 = 0, if the
+    /// box is undamped and at resonance, or if an undamped mode is at an odd multiple of ω1;
+    /// [`Error::PrecisionLost`] if a mode is more than about 15,000 times faster than the drive.
     pub fn new(parameters: &Parameters) -> Result<Self> {
         parameters.check_symmetric()?;
         let flight = Flight::new(parameters)?;
@@ -72,8 +72,8 @@ impl OrbitFamily {
         self.circle().coefficients()
     }
 
-    /// Discriminant b² - 4ac of the quadratic, docs/theory.md (76): zero at the fold, negative
-    /// without solutions.
+    /// Discriminant b² - 4ac of the quadratic, docs/theory.md (76): zero at the fold, negative if
+    /// there is no solution.
     pub fn discriminant(&self) -> f64 {
         self.circle().discriminant()
     }
@@ -99,7 +99,7 @@ impl OrbitFamily {
         p.block_mass * p.drive_frequency * p.stop_gap
     }
 
-    /// Both orbits; `None` for a root with p ≤ 0, which is no orbit.
+    /// Both orbits; `None` for a root with p ≤ 0, which does not belong to an orbit.
     ///
     /// # Errors
     /// As [`Self::orbit`].

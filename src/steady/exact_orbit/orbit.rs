@@ -42,8 +42,8 @@ impl Iterator for OrbitPieces {
 }
 
 /// States of an orbit at one phase after another, bit-identical to [`ExactOrbit::state`]. Each
-/// Taylor piece starts where the one before ends, so a state costs all pieces up to its own. For
-/// rising phases a walk computes each piece once; a phase that lies behind restarts it.
+/// Taylor piece starts where the piece before it ends, so a state needs all pieces up to its own.
+/// For increasing phases a walk computes each piece once. A smaller phase restarts the walk.
 #[derive(Clone, Debug)]
 pub struct OrbitWalk<'a> {
     orbit: &'a ExactOrbit,
@@ -63,7 +63,7 @@ impl OrbitWalk<'_> {
             (self.pieces, self.next) = (self.orbit.pieces(), 0);
         }
         while self.next <= index as u32 {
-            // There is a next piece, as the index is less than their number.
+            // There is a next piece, because the index is less than the number of pieces.
             self.piece = self.pieces.next().unwrap_or_default();
             self.next += 1;
         }
@@ -195,10 +195,10 @@ impl ExactOrbit {
     }
 
     /// Whether |w| ≤ L between the impacts, proved by Bernstein bounds of the Taylor pieces over
-    /// half a period, of which the other half is the mirror image. The proof holds to 1e-12 L and
-    /// the rounding of the orbit, which is larger if a mode is thousands of times faster than the
-    /// drive or a box without damper is near resonance. A root that fails is no orbit of the
-    /// system, which meets a stop earlier.
+    /// half a period, of which the other half is the mirror image. The proof holds up to 1e-12 L
+    /// and the rounding of the orbit. The rounding is larger if a mode is thousands of times faster
+    /// than the drive or a box without damper is near resonance. If the proof fails for a root, the
+    /// root does not belong to an orbit of the system, whose block meets a stop earlier.
     pub fn is_clear(&self) -> bool {
         self.clear
     }
@@ -239,8 +239,8 @@ impl ExactOrbit {
         self.clear && self.spectral_radius() < 1.0
     }
 
-    /// Bifurcation that the largest multiplier announces, or that has occurred if it is outside the
-    /// unit circle.
+    /// Bifurcation that the largest multiplier indicates. It has already occurred if the multiplier
+    /// is outside the unit circle.
     pub fn bifurcation(&self) -> Bifurcation {
         Bifurcation::of(self.multipliers[0])
     }
@@ -248,8 +248,8 @@ impl ExactOrbit {
 
 /// Eigenvalues by decreasing modulus; `None` if numbers are not finite or the sweeps do not end.
 ///
-/// For some matrices the QR sweeps cycle without end. The coordinates are then taken in another
-/// order, which has equal eigenvalues but other sweeps.
+/// For some matrices the QR sweeps cycle without end. The coordinates are then reordered, which
+/// leaves the eigenvalues unchanged but changes the sweeps.
 pub fn eigenvalues(map: SMatrix<f64, 6, 6>) -> Option<[Complex<f64>; 6]> {
     if map.iter().any(|x| !x.is_finite()) {
         return None;

@@ -6,7 +6,7 @@ use crate::numerics::roots::brent;
 use crate::parameters::RESTITUTION;
 use std::f64::consts::{PI, TAU};
 
-/// Upper end C of the search for C_Gmax: at κ = 1, where it is largest, C_Gmax ≈ 8.235.
+/// Upper end of the search for C_Gmax. C_Gmax is largest at κ = 1, where it is about 8.235.
 const C_GMAX_BRACKET: f64 = 10.0;
 
 /// Accuracy of C_Gmax, which the geometric test itself does not use.
@@ -19,7 +19,7 @@ pub fn sawtooth(s: f64) -> f64 {
     if s <= PI { 1.0 - 2.0 * s / PI } else { 2.0 * s / PI - 3.0 }
 }
 
-/// dZ/ds; at a kink the value after it.
+/// dZ/ds; at a kink, the value just after it.
 pub fn sawtooth_slope(s: f64) -> f64 {
     if s.rem_euclid(TAU) < PI { -2.0 / PI } else { 2.0 / PI }
 }
@@ -110,8 +110,8 @@ impl Manifold {
 
     /// Largest |W| over the cycle, for C > 0: docs/theory.md (48).
     ///
-    /// Since W(s) + W(π-s) = 2ρC sin s ≥ 0, no minimum is larger in size than the maximum. For C ≤
-    /// 1, or B ≤ 2C/π, W falls monotonically from 1 to -1.
+    /// Since W(s) + W(π-s) = 2ρC sin s ≥ 0, the maximum is at least as large in size as any
+    /// minimum. For C ≤ 1, or B ≤ 2C/π, W falls monotonically from 1 to -1.
     pub fn w_max(&self, c: f64) -> f64 {
         let b = self.b(c);
         let q = 2.0 * c / (PI * b);
@@ -132,8 +132,8 @@ impl Manifold {
     /// Largest C that the geometric test allows, by Brent's method. It is 1 at κ = 0, about 6.07 at
     /// κ = 0.75.
     ///
-    /// The largest W rises with C where it is 1, so there is only one such C; the search starts at
-    /// docs/theory.md (49).
+    /// Where the largest W equals 1, it rises with C, so there is only one such C. The search
+    /// starts at the C of docs/theory.md (49).
     pub fn c_gmax(&self) -> f64 {
         let excess = |c: f64| {
             let b = self.b(c);

@@ -29,9 +29,9 @@ use std::f64::consts::PI;
 /// First Fourier coefficient of the sawtooth, 8/π²: docs/theory.md (31).
 const SAWTOOTH_HARMONIC: f64 = 8.0 / (PI * PI);
 
-/// Slow flow of one parameter set, with all that does not depend on the root computed. The weak
-/// coupling is α̂ = μ13 β², docs/theory.md (26), which equals [`Groups::alpha23`] for the paper's
-/// m3 = m2 and is right for other m3, too.
+/// Slow flow of one parameter set, with all quantities that do not depend on the root. The weak
+/// coupling is α̂ = μ13 β², docs/theory.md (26). It equals [`Groups::alpha23`] for the paper's m3 =
+/// m2 and is also correct for other m3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultipleScales {
     groups: Groups,
@@ -74,18 +74,19 @@ pub struct FixedPoint {
     epsilon: f64,
 }
 
-/// Amplitudes f̂10 ≥ 0 of the force with which the quadratic has solutions, for fixed other groups.
-/// Unit 1.
+/// Amplitudes f̂10 ≥ 0 of the force at which the quadratic has solutions; the other groups are
+/// fixed. Unit 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceRange {
     /// Least amplitude with real roots: the fold.
     pub real_from: f64,
-    /// Least amplitude with a root C > 0; there is no largest.
+    /// Least amplitude with a root C > 0. There is no largest amplitude.
     pub positive_from: f64,
     /// Largest amplitude with two roots C > 0; equal to `positive_from` if there is never more than
     /// one.
     pub two_until: f64,
-    /// Interval in which a root passes all three tests, if there is one, without its lower end.
+    /// Interval of amplitudes at which a root passes all three tests, if there is one. Its lower
+    /// end is excluded.
     pub admissible: Option<(f64, f64)>,
 }
 
@@ -101,8 +102,8 @@ impl MultipleScales {
     /// Slow flow for a set of groups.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a group outside its range (NaN too); [`Error::Undefined`] for
-    /// γ̂3 = 0 with σ̂30 - 2σ̂1 + α̂ = 0, where A3 has no bound.
+    /// [`Error::OutOfRange`] if a group is outside its range or NaN; [`Error::Undefined`] if γ̂3 =
+    /// 0 and σ̂30 - 2σ̂1 + α̂ = 0, where A3 is unbounded.
     pub fn new(groups: &Groups) -> Result<Self> {
         check_groups(groups)?;
         let g = *groups;
@@ -151,7 +152,7 @@ impl MultipleScales {
         self.quadratic.coefficients()
     }
 
-    /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative without solutions.
+    /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative if there is no solution.
     pub fn discriminant(&self) -> f64 {
         self.quadratic.discriminant()
     }
@@ -200,11 +201,11 @@ impl MultipleScales {
         self.quadratic.balance(c).norm()
     }
 
-    /// Ranges of f̂10 with solutions and with an admissible one, for fixed other groups:
+    /// Ranges of f̂10 with solutions and with an admissible solution, for fixed other groups:
     /// docs/theory.md (46) with the limits (49) and (56) of C.
     ///
     /// # Errors
-    /// [`Error::Undefined`] for α = 0 (κ = 1, γ̂1 = 0, σ̂1 = -4/π²), where the force does not
+    /// [`Error::Undefined`] if α = 0 (κ = 1, γ̂1 = 0, σ̂1 = -4/π²), where the force does not
     /// determine the amplitude.
     pub fn force_range(&self) -> Result<ForceRange> {
         let size = self.quadratic.alpha.norm();
@@ -263,7 +264,7 @@ impl FixedPoint {
         spectral_radius(self.multipliers)
     }
 
-    /// Bifurcation that the largest multiplier announces.
+    /// Bifurcation that the largest multiplier indicates.
     pub fn bifurcation(&self) -> Bifurcation {
         Bifurcation::of(largest(self.multipliers))
     }

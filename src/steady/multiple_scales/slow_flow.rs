@@ -46,8 +46,8 @@ impl MultipleScales {
     /// of τ1, with C on the given branch.
     ///
     /// # Errors
-    /// [`Error::Undefined`] below B_min, and at B = 0 and A3 = 0, where the coordinates amplitude
-    /// and phase are singular.
+    /// [`Error::Undefined`] if B is below B_min, or if B = 0 or A3 = 0, where amplitude and phase
+    /// are singular as coordinates.
     pub fn slow_flow(&self, branch: Branch, state: &SlowState) -> Result<[f64; 4]> {
         let SharedTerms { c, chi, .. } = self.shared_terms(branch, state)?;
         let (g, rho, a) = (&self.groups, self.manifold.rho(), self.coupling);

@@ -10,8 +10,8 @@ use pulp::Simd;
 const GROUP: usize = 4;
 
 /// States of some lanes at the centres of intervals. The interval, and so the transition matrix,
-/// differs from lane to lane: each state is a product of its own, written motion by motion, and
-/// transposed into vectors when it is read.
+/// differs from lane to lane. So each state is computed by a separate product, written motion by
+/// motion, and transposed into vectors when it is read.
 #[repr(align(64))]
 pub(super) struct Centres {
     /// Halves of the states: `[half][place][coordinate]`.

@@ -1,12 +1,12 @@
 //! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples.
 //!
-//! q is continuous, while its rate jumps at impacts. A maximum lies where the rate passes from
-//! above to below zero: at a root within a sub-step, which [`turns`] finds with the proof that
-//! finds the simulator's events, or at an impact that reverses the rate. A maximum that lasts (w
-//! while the block rests at the upper stop) counts once, at its end.
+//! q is continuous, while its rate jumps at impacts. The rate passes from above to below zero at a
+//! maximum. Either it has a root within a sub-step, which [`turns`] finds with the proof used for
+//! the simulator's events, or an impact reverses it. A maximum of some duration (w while the block
+//! rests at the upper stop) counts once, at its end.
 //!
-//! Over a sub-step of flight 16 samples of the rate and a bound on its second derivative leave few
-//! intervals to be searched, as in the search for impacts.
+//! Over a sub-step of flight, 16 samples of the rate and a bound on its second derivative exclude
+//! most intervals. Only the others are searched, as in the search for impacts.
 
 use crate::events::turns;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, expand_along, weighted_sum};
@@ -74,7 +74,7 @@ impl MaximumFinder {
             return; // only the law of an impact
         }
         let h = simulator.interval();
-        // Between the ends of an interval the rate lies within this of its chord.
+        // Between the ends of an interval the rate deviates from its chord by at most this margin.
         let margin = 0.125 * h * h * weigh::<S>(z, &self.table.bound);
         let start = weighted_sum(&self.weights, z, BOX_RATE);
         let rates = LaneRow(product(simd, &self.table.sample, z));
@@ -93,8 +93,9 @@ impl MaximumFinder {
                 break;
             }
             let (before, after) = (if i == 0 { start } else { rates.0[i - 1] }, rates.0[i]);
-            // A rate that grows by more than four margins grows throughout, so that it passes zero
-            // once. In a whole interval, that minimum of q need not be located.
+            // A rate that grows by more than four margins grows on the whole interval, so that it
+            // passes zero once. This is a minimum of q, which need not be located if the interval
+            // is a whole one.
             if !self.rising && i != last && before < 0.0 && after > 0.0 && after - before > 4.0 * margin {
                 self.rising = true;
             } else {
@@ -117,8 +118,8 @@ impl MaximumFinder {
     ) {
         let model = &simulator.model;
         if index == 0 {
-            // A series about the start: a block that leaves a stop has its maximum of w exactly
-            // there.
+            // The series is about the start: if the block leaves a stop, the maximum of w is
+            // exactly at the start.
             let series = Series::<ANCHORED>::expand(model, SmoothMode::Flight, z, None, end);
             return self.search_series(&series, (0.0, 1.0), (time, end), found);
         }

@@ -1,5 +1,5 @@
 //! Free flights about the centre of an interval, one in each lane: their series, the first passage
-//! of a stop with its proof, and the state there.
+//! of a stop with its proof, and the state at the passage.
 
 use super::rows::LaneSystems;
 use crate::flow::{CENTRED, remainder};
@@ -17,14 +17,14 @@ const FACTORIALS: [f64; CENTRED] = {
     }
     r
 };
-/// Radius about its centre in which a series is used, in half intervals: a tenth of an interval
-/// beyond the end. The remainder there, 0.09¹⁰/9!, is still under the rounding of a double
-/// (docs/numerics.md, section 1), and a block only just short of the stop at the end can be
-/// followed into the next interval.
+/// Radius about its centre within which a series is used, in half intervals. It reaches a tenth of
+/// an interval beyond the interval's end. The remainder there, 0.09¹⁰/9!, is still under the
+/// rounding of a double (docs/numerics.md, section 1). A block that is just short of the stop at
+/// the interval's end can thus be followed into the next interval.
 pub(super) const REACH: f64 = 6.0 / 5.0;
 const _: () = assert!(remainder(CENTRED, 0.075 * REACH) < 9.8e-17);
-/// Largest first iterate of a search, in half intervals: up to here the bounds that hold within
-/// [`REACH`] are still strong enough (docs/numerics.md, section 7).
+/// Largest first iterate of a search, in half intervals. Up to this size the bounds that hold
+/// within [`REACH`] are still strong enough (docs/numerics.md, section 7).
 const BEYOND: f64 = 5.0 / 4.0;
 /// REACH^k.
 const POWERS: [f64; CENTRED] = {
@@ -36,8 +36,8 @@ const POWERS: [f64; CENTRED] = {
     }
     r
 };
-/// Bound on the error of a root, in half intervals, with which it counts as found: the rounding of
-/// 1.
+/// Bound on the error of a root, in half intervals, up to which the root counts as found: the
+/// rounding of 1.
 const RESOLUTION: f64 = 0.5 * f64::EPSILON;
 
 /// Derivatives of the motions at their centres, with half an interval as unit of time.
@@ -156,7 +156,8 @@ pub(super) struct Crossing<S: Simd> {
 }
 
 impl<S: Simd> Excess<S> {
-    /// Divides the polynomials `chosen` by u: they start at a stop, and that zero is no return.
+    /// Divides the polynomials `chosen` by u. They start at a stop, and the zero at the start is
+    /// not a return.
     #[inline(always)]
     pub(super) fn divide_by_u(&mut self, chosen: Mask<S>) {
         let zero = self.c[0].uniform(0.0);
@@ -174,9 +175,9 @@ impl<S: Simd> Excess<S> {
     /// to [`REACH`], so that the block meets neither stop.
     ///
     /// Two proofs are tried. First, the parabola of the first three orders is largest at an end or
-    /// at its vertex, and the sizes of the other terms bound their sum. Second, for `from` = 0, the
-    /// polynomial is at most itself without its negative terms of order two and more; that bound is
-    /// convex, so it suffices that it is negative at both ends.
+    /// at its vertex, and the sizes of the other terms bound their sum. Second, for `from` = 0,
+    /// omitting the negative terms of order two and more gives an upper bound of the polynomial.
+    /// This bound is convex, so it suffices that it is negative at both ends.
     #[inline(always)]
     pub(super) fn stays_negative(&self, from: Wide<S>, gap: Wide<S>) -> Mask<S> {
         let c = &self.c;
@@ -233,12 +234,12 @@ impl<S: Simd> Excess<S> {
         let inverse = one / polynomial(d, once);
         let twice = once - polynomial(c, once) * inverse;
         let rest = squares * error * error;
-        // The third step uses the slope of the second, taken at most error + rest from the zero: it
-        // is off by at most max |p''| times that distance.
+        // The third step uses the slope of the second, which was evaluated at most error + rest
+        // away from the zero. The slope's error is at most max |p''| times that distance.
         let thrice = twice - polynomial(c, twice) * inverse;
         let last = (squares + squares) * (error + rest) * rest;
-        // From a start the resolution is relative to u, so that the last bounces of a chatter run
-        // are found with as many digits as the first.
+        // In a search from a start (`from` = 0) the resolution is relative to u, so that the last
+        // bounces of a chatter run are found with as many digits as the first.
         let centred = from.at_most(-one);
         let resolution = splat(RESOLUTION) * centred.select(one, once.abs());
         let (enough, soon) = (rest.at_most(resolution), error.at_most(resolution));
@@ -246,9 +247,9 @@ impl<S: Simd> Excess<S> {
         let reach = splat(REACH);
         let near = start.abs().less_than(reach) & once.abs().less_than(splat(BEYOND));
         let inside = near & from.less_than(u) & u.less_than(reach);
-        // A path that rises from c[0] to zero stays in between. Where a zero at the start was
-        // divided out, the block stays within REACH |c[0]| of its stop until it returns. In both
-        // cases it does not reach the other stop.
+        // A path that rises from c[0] to zero stays between these values. If a zero at the start
+        // was divided out, the block stays within REACH |c[0]| of its stop until it returns. In
+        // both cases the block does not reach the other stop.
         let alone = centred | (-c[0]).less_than(gap);
         Crossing {
             u,

@@ -1,4 +1,4 @@
-//! Reports of motions on the way: samples, events and maxima, for sub-steps in lanes and alone.
+//! Reports during motions: samples, events and maxima, for sub-steps in lanes and alone.
 
 use super::maxima::MaximumFinder;
 use super::passage::CentredFlights;
@@ -45,8 +45,8 @@ impl Reporter {
     /// Reporter for a motion that is about to begin; switches its energy accounts off.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] under loads other than the constant ones of the parameters, for a time
-    /// between samples that is not positive, and for more samples than can be numbered.
+    /// [`Error::OutOfRange`] if loads other than the parameters' constant loads act, if the time
+    /// between samples is not positive, or if there are more samples than can be numbered.
     pub(super) fn new(simulator: &mut Simulator, reports: Reports, end: f64) -> Result<Self> {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(simulator.hybrid.loads) {
@@ -70,7 +70,7 @@ impl Reporter {
         Ok(reporter)
     }
 
-    /// Sets the number of the next sample to the first from `number` on whose time is after `now`.
+    /// Sets the next sample: the first with at least the number `number` whose time is after `now`.
     fn set_next(&mut self, number: u32, now: f64) {
         // The loop below begins at `number` or just before `now`, whichever is later.
         let passed = ((now - self.reports.origin) / self.reports.step).floor() - 1.0;
@@ -89,7 +89,7 @@ impl Reporter {
         self.reports.origin + f64::from(self.next) * self.reports.step
     }
 
-    /// Reports the next sample, with the state `z`; breaks if the queue ends the motion.
+    /// Reports the next sample, with the state `z`. Returns a break if the queue ends the motion.
     #[inline(always)]
     fn take(
         &mut self,
@@ -118,7 +118,7 @@ impl Reporter {
     }
 
     /// Reports a sub-step from `from` with its `events`; `after` is the state after their law.
-    /// Breaks if the queue ends the motion.
+    /// Returns a break if the queue ends the motion.
     #[inline(always)]
     pub(super) fn report_alone(
         &mut self,

@@ -14,13 +14,14 @@ use crate::simulator::{Contact, Simulator};
 use pulp::Simd;
 use std::sync::Arc;
 
-/// `departing` of a motion that lanes cannot advance: in rest, or within rounding of a departure.
-/// It is larger than any order of departure.
+/// Value of `departing` for a motion that lanes cannot advance: a motion in rest, or within
+/// rounding of a departure. It is larger than any order of departure.
 const GROUNDED: f64 = f64::INFINITY;
 
 /// Numbers that are constant while a motion is under way.
 pub(super) struct LaneSystems {
-    /// Parameters for which each lane is filled, so that a motion with equal ones need not fill it.
+    /// Parameters for which each lane is filled. A motion with equal parameters need not fill it
+    /// again.
     parameters: [Option<Parameters>; ROW],
     /// Tables of the motion in each lane.
     tables: [Option<Arc<ModeTables>>; ROW],
@@ -38,19 +39,19 @@ pub(super) struct LaneSystems {
     pub(super) interval: LaneRow,
     /// Gap L, m.
     pub(super) gap: LaneRow,
-    /// Longest path in an interval that is searched as a whole, m, as in
-    /// `Simulator::exceeds_reach`.
+    /// Longest path of the block in an interval with which the interval is searched as a whole, m,
+    /// as in `Simulator::exceeds_reach`.
     pub(super) reach: LaneRow,
-    /// Largest rebound speed squared over acceleration with which a chatter run is closed, m:
-    /// `Simulator::chatter_closing_limit`.
+    /// Largest ratio of the squared rebound speed to the acceleration at which a chatter run is
+    /// closed, m: `Simulator::chatter_closing_limit`.
     pub(super) closing: LaneRow,
     /// Coefficient of restitution κ.
     pub(super) restitution: LaneRow,
-    /// Change of the box's velocity over approach speed, as in `Model::impact_factors`.
+    /// Change of the box's velocity divided by the approach speed, as in `Model::impact_factors`.
     pub(super) kick: LaneRow,
-    /// Impulse over approach speed, kg, as in `Model::impact_factors`.
+    /// Impulse divided by the approach speed, kg, as in `Model::impact_factors`.
     pub(super) impulse: LaneRow,
-    /// Energy lost over approach speed squared, kg, as in `Model::impact_factors`.
+    /// Energy lost divided by the squared approach speed, kg, as in `Model::impact_factors`.
     pub(super) loss: LaneRow,
     /// Half an interval, s: the unit of time of the coefficients below, which are those of
     /// docs/theory.md (6) and the drive's frequency.
@@ -161,7 +162,7 @@ pub(super) struct LaneStates {
     pub(super) time: [LaneRow; 2],
     /// Order of departure, as `HybridState::departing`, or [`GROUNDED`].
     pub(super) departing: LaneRow,
-    /// Sub-steps since cos θ and sin θ were computed anew.
+    /// Sub-steps since cos θ and sin θ were last computed from the phase.
     pub(super) since_renewal: LaneRow,
     /// Energy lost at impacts, leading and trailing part, J.
     pub(super) lost: [LaneRow; 2],
@@ -335,7 +336,8 @@ impl LaneStates {
         due
     }
 
-    /// Lanes whose next sample is at most two sub-steps away. One sub-step never goes that far.
+    /// Lanes whose next sample is at most two sub-steps away, which is farther than one sub-step
+    /// reaches.
     #[inline(always)]
     pub(super) fn near_sample<S: Simd>(&self, simd: S, systems: &LaneSystems) -> LaneSet {
         let mut near = 0;
@@ -371,7 +373,7 @@ impl LaneStates {
         due
     }
 
-    /// Computes cos θ and sin θ of a lane anew from the extended phase.
+    /// Renews cos θ and sin θ of a lane from the extended phase.
     #[inline(never)]
     pub(super) fn renew_phase(&mut self, lane: usize, simulator: &Simulator) {
         let time = self.time(lane);

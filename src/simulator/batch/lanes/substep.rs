@@ -15,7 +15,7 @@ use pulp::Simd;
 pub(super) struct Progress {
     /// Lanes that have moved.
     pub(super) moved: LaneSet,
-    /// Lanes that have moved through an impact.
+    /// Lanes that have moved up to an impact and had its law applied.
     pub(super) through: LaneSet,
     /// Lanes that have not moved, as the proof of the common case failed.
     pub(super) unproved: LaneSet,
@@ -74,7 +74,7 @@ pub(super) fn flight_substep<S: Simd>(
     Progress { moved: passing | arrived, through, unproved, at_stop }
 }
 
-/// Interval to be searched of each motion: the first in which it comes near a stop.
+/// Interval to be searched, for each motion: the first in which its block comes near a stop.
 pub(super) struct SearchedIntervals {
     /// Index of the interval; [`INTERVALS`] if there is none.
     index: LaneRow,
@@ -92,7 +92,8 @@ impl SearchedIntervals {
 
 /// Findings from the samples of w over a sub-step.
 struct DisplacementSamples<S: Simd> {
-    /// Flight from inside or just off a stop, with a whole sub-step and an interval to go.
+    /// Flight that starts inside or has just left a stop, with at least a sub-step and an interval
+    /// left.
     ready: Mask<S>,
     /// An interval is to be searched, since w at one of its ends is near a stop.
     near: Mask<S>,
@@ -100,9 +101,9 @@ struct DisplacementSamples<S: Simd> {
     near_start: Mask<S>,
 }
 
-/// Samples w at the ends of the intervals, as `Simulator::sample_displacement` does. A block that
-/// at both ends of an interval is farther from the stops than its path can bend does not reach
-/// them in between.
+/// Samples w at the ends of the intervals, as `Simulator::sample_displacement` does. If a block is
+/// farther from the stops at both ends of an interval than its path can bend, it does not reach
+/// them in the interval.
 #[inline(always)]
 fn sample_displacement<S: Simd>(
     simd: S,
@@ -127,7 +128,8 @@ fn sample_displacement<S: Simd>(
     let within_reach = (speed * interval + change * interval).at_most(load(&systems.reach));
     let remaining =
         (load(&systems.end[0]) - load(&states.time[0])) + (load(&systems.end[1]) - load(&states.time[1]));
-    // An interval more than the sub-step, since a search may carry the motion past its end.
+    // One interval more than the sub-step, since a search may carry the motion past the sub-step's
+    // end.
     let whole = (load(&systems.substep) + interval).at_most(remaining);
 
     let mut index = splat(INTERVALS as f64);
@@ -139,8 +141,8 @@ fn sample_displacement<S: Simd>(
         gap = near.select(g, gap);
     }
     index.store(&mut searched.index, v);
-    // A block that leaves a stop may be so slow that it may return in the first interval, or that
-    // it is still near the stop at its end.
+    // The search begins at the start if the block leaves a stop so slowly that it may return in the
+    // first interval or is still near the stop at the interval's end.
     let near_start = (leaving & (speed.at_most(change) | index.at_most(zero)))
         | (inside & limit.at_most(z[RELATIVE].abs()));
     let nearest = near_start.select(z[RELATIVE], gap);
@@ -278,8 +280,8 @@ struct Arrival<S: Simd> {
     iterations: Wide<S>,
 }
 
-/// Finds the first impact in the searched interval, or proves that there is none; in that case the
-/// flight goes on up to [`REACH`].
+/// Finds the first impact in the searched interval, or proves that there is none. Without an impact
+/// the flight continues up to [`REACH`].
 #[inline(always)]
 fn arrive<S: Simd>(
     simd: S,
@@ -292,7 +294,7 @@ fn arrive<S: Simd>(
 ) -> Arrival<S> {
     let splat = |x| Wide::splat(simd, x);
     let zero = splat(0.0);
-    // From a start near a stop the flight is expanded about the start. For a block that leaves the
+    // If the flight starts near a stop, it is expanded about the start. If the block leaves the
     // stop, the zero at the start is divided out.
     let about_start = Mask::from_bits(simd, near_start);
     let mut centre = searched.centres.load(simd, v);
@@ -334,7 +336,7 @@ struct Rebound<S: Simd> {
 fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: &[Wide<S>; 8]) -> Rebound<S> {
     let load = |row: &LaneRow| Wide::load(simd, row, v);
     let mut z = *z;
-    // An approach speed that round-off has made negative is zero: a touch.
+    // An approach speed that is negative by round-off is set to zero: a touch.
     let approach = (side * z[RELATIVE_RATE]).max(Wide::splat(simd, 0.0));
     let speed = load(&systems.restitution) * approach;
     z[BOX_RATE] = (side * load(&systems.kick)).mul_add(approach, z[BOX_RATE]);

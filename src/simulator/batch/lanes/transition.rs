@@ -7,8 +7,9 @@ use crate::model::{
 use crate::simulator::batch::vectors::LaneRow;
 
 /// Nonzero entries of the matrix that gives the state after a whole sub-step; for each body one row
-/// for its displacement and one for its rate. In free flight, docs/theory.md (6), the box is moved
-/// by the drive alone, w = x2 - x1 by everything, the secondary body by the bodies alone.
+/// for its displacement and one for its rate. In free flight, docs/theory.md (6), the box depends
+/// only on itself and the drive, w = x2 - x1 depends on all coordinates, and the secondary
+/// oscillator does not depend on the drive.
 pub(super) struct LaneTransitions {
     /// x1 and v1, from x1, v1, cos θ and sin θ.
     pub(super) driven: [[LaneRow; 4]; 2],
