@@ -103,7 +103,7 @@ pub enum Dependencies {
 /// are the knowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Initially {
-    /// The same dependencies as after initialization.
+    /// The dependencies after initialization.
     AsLater,
     /// In addition to those, the variables named here and all variables that determine a closed
     /// form, [`START`](super::START), since the start may be taken from a closed form.
