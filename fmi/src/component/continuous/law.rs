@@ -57,7 +57,7 @@ impl Continuous {
             self.data.lost += lost;
             report(&Event::Impact { time, side: stop, speed, impulse });
         } else if way <= 0.5 * self.shift() {
-            return; // it is where it was put, but for rounding
+            return; // up to rounding, the block is where the last call placed it
         }
         let rebound = -side * z[RELATIVE_RATE];
         let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).free;

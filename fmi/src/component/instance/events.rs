@@ -69,7 +69,7 @@ pub(super) fn report_contact(before: Contact, simulator: &Simulator, report: &mu
     }
 }
 
-/// Tells events where that is wanted.
+/// Logs events if the category of events is enabled.
 pub(super) fn teller<'a>(log: &'a mut dyn Log) -> impl FnMut(&Event) + 'a {
     let wanted = log.wants(Category::Events);
     move |event| {

@@ -195,7 +195,7 @@ impl Hybrid for Instance {
     fn end_step(&mut self, ended: Ended) {
         self.events.pending = ended.event;
         if ended.due || !self.life.handling.event_mode {
-            self.events.side = 0; // one that is due comes last; of others no host is told
+            self.events.side = 0; // a due event is the last one; without Event Mode it is unused
         }
         let Engine::Simulation(simulator) = &self.engine else { return };
         for (body, load) in self.settings.loads.derivatives.iter_mut().enumerate() {
