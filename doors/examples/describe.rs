@@ -1,6 +1,6 @@
-//! Writes what hosts need beside the library of the bouncing ball: `modelDescription.xml` of both
-//! versions, in folders laid out as the archives are. With the library in `binaries/` each folder,
-//! zipped, is an FMU.
+//! Writes the files that hosts need in addition to the library of the bouncing ball:
+//! `modelDescription.xml` of both versions, in folders with the layout of the archives. With the
+//! library in `binaries/`, each zipped folder is an FMU.
 //!
 //! `cargo run --example describe FOLDER`
 

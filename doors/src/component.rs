@@ -1,4 +1,4 @@
-//! How a component lives and steps, as the doors ask for it: the same for every [`Hybrid`].
+//! Life cycle and steps of a component, as the doors call them: the same for every [`Hybrid`].
 
 use crate::events::{Advance, Handled, StepOutcome, StepReason};
 use crate::hybrid::{AtEvent, Hybrid, steps};
@@ -6,12 +6,12 @@ use crate::life::{Experiment, Interface, Phase};
 use crate::log::Log;
 use crate::problem::Problem;
 
-/// The life and the steps of a component: what an FMU is an instance of. Which call is allowed in
-/// which state of which version is the doors' to say.
+/// Life cycle and steps of a component, the type of which an FMU is an instance. The doors decide
+/// which call is allowed in which state of which version.
 ///
 /// No type implements it: every [`Hybrid`] is a component.
 pub trait Component: Hybrid {
-    /// `fmi2SetupExperiment`, and what `fmi3EnterInitializationMode` says of it.
+    /// `fmi2SetupExperiment`, and the experiment arguments of `fmi3EnterInitializationMode`.
     ///
     /// # Errors
     /// As [`Experiment::new`].
@@ -26,7 +26,7 @@ pub trait Component: Hybrid {
     }
 
     /// `fmi2EnterInitializationMode`, `fmi3EnterInitializationMode`: from now on outputs show the
-    /// start.
+    /// values at the start.
     fn enter_initialization(&mut self) {
         self.life_mut().phase = Phase::Initialization;
         self.forget();
@@ -35,7 +35,7 @@ pub trait Component: Hybrid {
     /// `fmi2ExitInitializationMode`, `fmi3ExitInitializationMode`: the motion begins.
     ///
     /// # Errors
-    /// When start values or parameters are not possible; it stays in initialization.
+    /// If start values or parameters are not possible; the component stays in initialization.
     fn exit_initialization(&mut self, log: &mut dyn Log) -> Result<(), Self::Problem> {
         self.start(log)?;
         self.life_mut().begin();
@@ -51,15 +51,15 @@ pub trait Component: Hybrid {
         self.life_mut().phase = Phase::Terminated;
     }
 
-    /// An error has ended it (FMI 3.0.2, 2.3.1). Nothing else has changed, so that what was shown
-    /// of an event that was not carried out is not shown any more.
+    /// An error has ended the simulation (FMI 3.0.2, 2.3.1). Nothing else changes. If an event had
+    /// been shown but not carried out, its values are no longer shown.
     fn fail(&mut self) {
         self.end(true);
         self.life_mut().phase = Phase::Terminated;
     }
 
-    /// `fmi2EnterEventMode`, `fmi3EnterEventMode`: the host comes to handle an event; there need
-    /// not be one.
+    /// `fmi2EnterEventMode`, `fmi3EnterEventMode`: the host starts to handle events; possibly no
+    /// event is due.
     ///
     /// # Errors
     /// As [`Hybrid::accept`].
@@ -72,11 +72,11 @@ pub trait Component: Hybrid {
         Ok(())
     }
 
-    /// `fmi2NewDiscreteStates`, `fmi3UpdateDiscreteStates`: carries out what is due at the present
-    /// instant, all in one call, and tells what has changed.
+    /// `fmi2NewDiscreteStates`, `fmi3UpdateDiscreteStates`: carries out everything that is due at
+    /// the present time in one call, and returns what has changed.
     ///
     /// # Errors
-    /// When what was set is not possible; nothing has changed then.
+    /// If a value that was set is not possible; nothing has changed then.
     fn handle_events(&mut self, log: &mut dyn Log) -> Result<Handled, Self::Problem> {
         self.carry_out(log)
     }
@@ -91,20 +91,22 @@ pub trait Component: Hybrid {
         Ok(())
     }
 
-    /// `fmi3DoStep`: from the present time towards `point + size`. Own time is the truth; `point`
-    /// may be off by rounding ([`Life::check_step`](crate::Life::check_step)). What happens at an
-    /// event inside is agreed by [`EventHandling`](crate::EventHandling).
+    /// `fmi3DoStep`: from the present time towards `point + size`. The step begins at the
+    /// component's time; `point` may differ from it by rounding
+    /// ([`Life::check_step`](crate::Life::check_step)). [`EventHandling`](crate::EventHandling)
+    /// decides what the step does at an event inside it.
     ///
     /// # Errors
-    /// When the step was not carried out at all; it stands where it stood.
+    /// If the step was not carried out; the component then stays where it was.
     #[inline]
     fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, Self::Problem> {
         let at_event = AtEvent::of(self.life().handling, self.ends_at_events());
         steps::advance(self, (point, size), at_event, log)
     }
 
-    /// `fmi2DoStep`: [`advance`](Self::advance) for a host that knows nothing of events. Where it
-    /// ends early, the phase is then [`Phase::StoppedEarly`], and the next step may begin there.
+    /// `fmi2DoStep`: [`advance`](Self::advance) for a host that does not handle events. After a
+    /// step that ends early the phase is [`Phase::StoppedEarly`], and the next step may begin
+    /// there.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
@@ -137,10 +139,11 @@ pub trait Component: Hybrid {
         self.accept()
     }
 
-    /// `fmi2SetTime`, `fmi3SetTime`: at an event only to the present time, as some hosts do.
+    /// `fmi2SetTime`, `fmi3SetTime`: at an event only the present time is accepted; some hosts set
+    /// it there.
     ///
     /// # Errors
-    /// A time that is not possible.
+    /// If the time is not possible.
     fn set_time(&mut self, time: f64) -> Result<(), Self::Problem> {
         let refuse = |allowed| Err(Problem::value("time", time, allowed).into());
         if !time.is_finite() {

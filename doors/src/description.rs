@@ -1,8 +1,8 @@
-//! What `modelDescription.xml` says of a component, as plain data, and the text of it for both
-//! versions (FMI 2.0, 2.2; FMI 3.0.2, 2.4).
+//! The contents of `modelDescription.xml` as plain data, and its text for both versions (FMI 2.0,
+//! 2.2; FMI 3.0.2, 2.4).
 //!
 //! A component fills in a [`Description`]; [`xml`](Description::xml) writes it for a [`Version`].
-//! Names and texts may be known at run time only.
+//! Names and texts may be made at run time.
 
 mod element;
 mod fmi2;
@@ -18,30 +18,30 @@ use std::borrow::Cow;
 /// A text of a description.
 pub type Text = Cow<'static, str>;
 
-/// Everything that a model description says. What one version alone knows is left out of the text
-/// of the other.
+/// The complete model description. The text of one version leaves out what only the other version
+/// defines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
     /// `modelName`.
     pub model_name: Text,
-    /// `modelIdentifier`: the name of the library's file, and of nothing else.
+    /// `modelIdentifier`: the name of the library's file. It has no other use.
     pub model_identifier: Text,
     /// `guid`, `instantiationToken`: what
     /// [`Instantiation::check_token`](crate::Instantiation::check_token) compares.
     pub token: Text,
     /// What the model is.
     pub description: Text,
-    /// Who made it.
+    /// Author of the model.
     pub author: Text,
     /// Version of the model.
     pub version: Text,
-    /// Whose it is.
+    /// Copyright of the model.
     pub copyright: Text,
     /// Licence.
     pub license: Text,
-    /// What wrote the description.
+    /// Program that has written the description.
     pub generation_tool: Text,
-    /// `generationDateAndTime`, where it is to be said.
+    /// `generationDateAndTime`, if it is to be written.
     pub generation_date_and_time: Option<Text>,
     /// Whether the names of the variables have dots between their levels
     /// (`variableNamingConvention`).
@@ -58,7 +58,7 @@ pub struct Description {
     pub types: Vec<Type>,
     /// Log categories: [`log_categories`](crate::messages::log_categories).
     pub log_categories: Vec<Category>,
-    /// What a host takes where nobody says otherwise.
+    /// Default experiment of a host.
     pub experiment: Experiment,
     /// The variables, in their order.
     pub variables: Vec<Variable>,
@@ -66,7 +66,7 @@ pub struct Description {
     pub outputs: Vec<Unknown>,
     /// The derivatives of the states, in the order of the states.
     pub derivatives: Vec<Unknown>,
-    /// What is unknown in initialization.
+    /// The unknowns of initialization.
     pub initial_unknowns: Vec<Unknown>,
     /// The event indicators that are variables, in their order.
     pub event_indicators: Vec<Unknown>,
@@ -83,8 +83,8 @@ impl Description {
     }
 }
 
-/// What both interface types can do (FMI 2.0, 3.3.1 and 4.3.1; FMI 3.0.2, 2.4.2). `Default` is what
-/// the defaults of [`Model`](crate::Model) do: nothing.
+/// Capabilities of both interface types (FMI 2.0, 3.3.1 and 4.3.1; FMI 3.0.2, 2.4.2). `Default` has
+/// none, as the default methods of [`Model`](crate::Model) provide none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
     /// States can be saved and restored.
@@ -97,14 +97,14 @@ pub struct Capabilities {
     pub provides_adjoint_derivatives: bool,
     /// FMI 3.0: dependencies at run time.
     pub provides_per_element_dependencies: bool,
-    /// One instance a process.
+    /// At most one instance per process.
     pub can_be_instantiated_only_once_per_process: bool,
 }
 
 /// The interface type Model Exchange (FMI 2.0, 3.3.1; FMI 3.0.2, 3.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModelExchange {
-    /// Accepted steps must be told.
+    /// The host must report accepted steps.
     pub needs_completed_integrator_step: bool,
     /// Number of event indicators.
     pub number_of_event_indicators: usize,

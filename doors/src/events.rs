@@ -1,4 +1,4 @@
-//! How steps and events end.
+//! Results of steps and events.
 
 /// What an event has changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub struct Handled {
     pub nominals: bool,
 }
 
-/// How an advance ended, for a host that may handle events itself or take steps that end early.
+/// Result of an advance, for a host that may handle events itself or accept steps that end early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Advance {
     /// The time reached, s.
@@ -20,7 +20,7 @@ pub struct Advance {
     pub early: bool,
 }
 
-/// How a step ended, for a host that knows nothing of events.
+/// Result of a step, for a host that does not handle events.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepOutcome {
     /// The time reached, s.
@@ -34,7 +34,7 @@ pub struct StepOutcome {
 pub enum StepReason {
     /// It reached its end.
     EndReached,
-    /// It stands at an event before its end, as was asked for; the event has been carried out.
+    /// It ended early at an event, as requested; the event has been carried out.
     Stopped,
 }
 
@@ -47,11 +47,11 @@ pub enum Piece {
     End,
 }
 
-/// What messages say of a step of FMI 2.0 that ends early.
+/// Words of the messages about an FMI 2.0 step that ends early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EarlyEnd {
-    /// What it ends at.
+    /// The event at which the step ends.
     pub event: &'static str,
-    /// Why it does.
+    /// The reason.
     pub because: &'static str,
 }

@@ -8,15 +8,17 @@
 //!   Model     variables, continuous states, saved states
 //! ```
 //!
-//! A simulation alternates between a smooth motion and events, at each of which a law changes it at
-//! once. A host sees that in one of four ways, by what it has agreed to ([`AtEvent`]): the step
-//! goes over the event, ends after it, ends before its law, or goes over it while the host is shown
-//! what changes at events only from the event's handling on. How a step begins, is taken back, is
-//! cut into pieces and ends is the same for every simulation; what differs is [`Hybrid`].
+//! A simulation alternates between smooth motion and events. At an event a law changes the motion
+//! at once. The event handling agreed with the host decides what a step does at an event
+//! ([`AtEvent`]): it passes over the event, ends after it, ends before its law, or passes over it
+//! but shows the new values of the discrete outputs only when the host handles the event. The
+//! start, the undoing, the pieces and the end of a step are the same for every simulation and stand
+//! here. The parts that differ are [`Hybrid`].
 //!
-//! Two orders must stay. A step keeps where it began before it takes over what was set. In a whole
-//! step what was set counts as taken over after the run, which may fail; in a step in pieces at
-//! once, since the host may read what follows from it, and the state saved before takes it back.
+//! Two orders of calls are required. First, a step saves its beginning before it takes over the
+//! values that were set. Second, a whole step calls [`taken_over`](Hybrid::taken_over) after the
+//! run, since the run may fail. A step in pieces calls it at once, since the host may read values
+//! that follow; the state saved before the step undoes it.
 //!
 //! To change what a step does at an event: [`AtEvent`], the function `whole` of `steps.rs` and
 //! [`Pieces`]; every component follows. A new function of [`Hybrid`] gets a default that leaves the
@@ -36,28 +38,27 @@ use std::fmt::Debug;
 
 /// A simulation with events, from which the layer makes a [`Component`](crate::Component).
 ///
-/// Required are the motion's start, its run to a time or before an event, the law of an event, and
-/// what was set: [`start`](Self::start), [`take_over`](Self::take_over), [`run`](Self::run),
+/// Required methods: [`start`](Self::start), [`take_over`](Self::take_over), [`run`](Self::run),
 /// [`undo`](Self::undo), [`apply_law`](Self::apply_law), [`carry_out`](Self::carry_out). The rest
 /// has defaults.
 #[allow(unused_variables)] // of the defaults
 pub trait Hybrid: Model {
-    /// What changes at events only, as a host sees it; `()` where nothing does.
+    /// The values that change at events only, as a host sees them; `()` if there are none.
     type Shown: Clone + Debug;
-    /// What brings it back to where a step began.
+    /// Data by which a step is undone.
     type Undo: Debug;
 
-    /// By how many units in the last place of a step's end an event may come before it and still be
-    /// at it.
+    /// Largest distance of an event before a step's end at which the event counts as at the end, in
+    /// units in the last place of the end.
     const ROUNDING: f64 = 0.0;
 
-    /// What was computed of the start no longer holds: the experiment has been given.
+    /// Discards values computed for the start, since the experiment has been set.
     fn forget(&mut self) {}
 
     /// The motion begins from the start values.
     ///
     /// # Errors
-    /// Where these are not possible; nothing has changed then.
+    /// If the start values are not possible; nothing has changed then.
     fn start(&mut self, log: &mut dyn Log) -> Result<(), Self::Problem>;
 
     /// Whether a step from `point` (s) over `size` (s) can be made at all.
@@ -68,83 +69,85 @@ pub trait Hybrid: Model {
         Ok(self.life().check_step(point, size, self.time())?)
     }
 
-    /// Whether a step that may end early does so at an event; by default where the host handles
+    /// Whether a step that may end early ends at an event. By default it does if the host handles
     /// events.
     fn ends_at_events(&self) -> bool {
         self.life().handling.event_mode
     }
 
-    /// At the begin of a step: keeps where it begins, and takes over what was set. True where that
-    /// has been an event of its own.
+    /// At the beginning of a step: saves the beginning and takes over the values that were set. The
+    /// flag is true if taking them over was an event.
     ///
     /// # Errors
-    /// For what is not possible; nothing has changed then.
+    /// If a value that was set is not possible; nothing has changed then.
     fn take_over(&mut self, end: StepEnd, log: &mut dyn Log) -> Result<(Self::Undo, bool), Self::Problem>;
 
-    /// What was set has been taken over for good.
+    /// Marks the values that were set as taken over.
     fn taken_over(&mut self) {}
 
     /// Moves on to `end` or to an event before it, and applies the laws of the events that it goes
     /// over.
     ///
     /// # Errors
-    /// Where the motion cannot go on; [`undo`](Self::undo) is called then.
+    /// If the motion cannot continue; [`undo`](Self::undo) is called then.
     fn run(&mut self, end: StepEnd, until: Until, log: &mut dyn Log) -> Result<Met, Self::Problem>;
 
-    /// Goes back to where the step began, for a problem that it returns, or that it could not go
-    /// back.
+    /// Goes back to the beginning of the step because of `problem`. Returns `problem`, or a problem
+    /// that says that going back failed.
     fn undo(&mut self, undo: Self::Undo, problem: Self::Problem) -> Self::Problem;
 
     /// Applies the law of the event that is due.
     ///
     /// # Errors
-    /// Where there is no motion after it; it stands before the law then.
+    /// If no motion exists after the event; the component then stays before the law.
     fn apply_law(&mut self, log: &mut dyn Log) -> Result<(), Self::Problem>;
 
-    /// What changes at events only, as it is now.
+    /// Present values of what changes at events only.
     fn shown(&self) -> Self::Shown;
 
-    /// Shows what changes at events only as it was, until the host handles events; `None` ends it.
+    /// Shows the given earlier values of what changes at events only, until the host handles
+    /// events; `None` shows the present values again.
     fn latch(&mut self, shown: Option<Self::Shown>) {}
 
-    /// A step has ended, whose inputs may have followed polynomials.
+    /// Called at the end of a step, in which inputs may have followed polynomials.
     fn end_step(&mut self, ended: Ended) {}
 
     /// Lets an input follow a polynomial from here on: value and time derivatives 1 to 3.
     fn set_input(&mut self, reference: u32, polynomial: [f64; 4]) {}
 
-    /// The host comes to an event: what changes at events only is shown from now on.
+    /// Called when the host enters an event: from now on the present values of what changes at
+    /// events only are shown.
     fn begin_event(&mut self) {
         self.latch(None);
     }
 
-    /// `fmi2NewDiscreteStates`, `fmi3UpdateDiscreteStates`: applies the law where one is due at the
-    /// present instant, and takes over what was set, all in one call.
+    /// `fmi2NewDiscreteStates`, `fmi3UpdateDiscreteStates`: applies the law of an event that is due
+    /// at the present time, and takes over the values that were set, in one call.
     ///
     /// # Errors
-    /// When what was set is not possible; nothing has changed then.
+    /// If a value that was set is not possible; nothing has changed then.
     fn carry_out(&mut self, log: &mut dyn Log) -> Result<Handled, Self::Problem>;
 
-    /// The motion goes on from the event; without a log in FMI 2.0.
+    /// The motion continues from the event. FMI 2.0 gives no log.
     ///
     /// # Errors
-    /// When what was set at the event is not possible; it stands at the event then.
+    /// If a value that was set at the event is not possible; the component then stays at the event.
     fn go_on(&mut self, log: Option<&mut dyn Log>) -> Result<(), Self::Problem> {
         Ok(())
     }
 
-    /// The simulation ends; by an error where it has `failed`.
+    /// The simulation ends; `failed` tells that an error has ended it.
     fn end(&mut self, failed: bool) {}
 
     /// Goes to a time of the host's solver, s, which is finite.
     ///
     /// # Errors
-    /// A time that is not possible; by default always.
+    /// If the time is not possible; by default always.
     fn put_time(&mut self, time: f64) -> Result<(), Self::Problem> {
         not_offered("Model Exchange")
     }
 
-    /// Accepts the present point of the host's solver; true where it has passed over an event.
+    /// Accepts the present point of the host's solver; true if the solver has passed over an event.
     ///
     /// # Errors
     /// By default none.

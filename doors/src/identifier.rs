@@ -1,7 +1,7 @@
-//! Identifiers made of what they stand for.
+//! Identifiers computed from contents.
 
-/// A hash in the form of a globally unique identifier: of a model description's text, the token
-/// that tells a library and another description apart.
+/// A hash in the form of a globally unique identifier. The hash of a model description's text is
+/// the token by which a library recognizes its description.
 pub fn identifier(text: &str) -> String {
     let hash = fnv1a(text.as_bytes());
     format!(

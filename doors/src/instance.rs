@@ -1,5 +1,5 @@
-//! What an instance is by both versions: the component, its saved states, and the log categories
-//! that the host has enabled.
+//! The part of an instance that both versions share: the component, its saved states, and the log
+//! categories that the host has enabled.
 
 use crate::component::Component;
 use crate::ffi::Fault;
@@ -10,9 +10,8 @@ use crate::log::Categories;
 use crate::messages::{Logger, Sink, with_category};
 use crate::problem::Refused;
 
-/// An instance of the component `C`, as far as FMI 2.0 and 3.0 agree. What they agree on wholly is
-/// here or the component's own; the doors add which call is allowed when, and what it means where
-/// they differ.
+/// An instance of the component `C`, with the behaviour that FMI 2.0 and 3.0 share. The doors add
+/// which call is allowed in which state, and the behaviour in which the versions differ.
 #[derive(Debug)]
 pub struct CommonInstance<C: Component> {
     /// What it is an instance of.
@@ -22,10 +21,11 @@ pub struct CommonInstance<C: Component> {
 }
 
 impl<C: Component> CommonInstance<C> {
-    /// A new one, for `fmi2Instantiate` and `fmi3Instantiate…` (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1).
+    /// A new instance, for `fmi2Instantiate` and `fmi3Instantiate…` (FMI 2.0, 2.1.5; FMI 3.0.2,
+    /// 2.3.1).
     ///
     /// # Errors
-    /// When the name is blank, or the component refuses.
+    /// If the name is blank, or the component refuses.
     pub fn new(request: &Instantiation<'_>, enabled: Categories) -> Result<Self, Refused<C::Problem>> {
         if request.name.trim().is_empty() {
             return Err(Fault::Text {
@@ -38,7 +38,7 @@ impl<C: Component> CommonInstance<C> {
         Ok(Self { component: C::instantiate(request)?, enabled, states: Handles::default() })
     }
 
-    /// Lets the component tell what is worth knowing about the way in which `function` has made it.
+    /// Lets the component log what a user should know about how `function` has made it.
     pub fn tell(&self, function: &'static str, sink: &mut dyn Sink) {
         self.component.tell_at_instantiation(&mut self.log(sink, function));
     }
@@ -48,7 +48,7 @@ impl<C: Component> CommonInstance<C> {
         self.component.life_mut().phase = Phase::Broken;
     }
 
-    /// More elements than this in one call are taken for a mistake.
+    /// Largest number of elements of one call.
     #[inline]
     pub fn max_count(&self) -> usize {
         C::MAX_COUNT
@@ -75,7 +75,7 @@ impl<C: Component> CommonInstance<C> {
     /// means all categories.
     ///
     /// # Errors
-    /// [`Fault::Text`] for an unknown category, and what reading a name gives; nothing has changed
+    /// [`Fault::Text`] if a category is unknown; the error of reading a name. Nothing has changed
     /// then.
     pub fn set_debug_logging<S: AsRef<str>>(
         &mut self,
@@ -93,10 +93,10 @@ impl<C: Component> CommonInstance<C> {
     }
 
     /// `fmi2GetFMUstate` and `fmi3GetFMUState` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7.4): saves into the
-    /// place of `handle`, or a new one where that is zero.
+    /// state of `handle`, or into a new state if `handle` is zero.
     ///
     /// # Errors
-    /// For a handle that is neither zero nor this instance's.
+    /// If the handle is neither zero nor one of this instance.
     pub fn save(&mut self, handle: usize) -> Result<usize, Refused<C::Problem>> {
         if handle == 0 {
             return Ok(self.states.keep(self.component.save()?, 0)?);
@@ -108,7 +108,7 @@ impl<C: Component> CommonInstance<C> {
     /// `fmi2SetFMUstate` and `fmi3SetFMUState`.
     ///
     /// # Errors
-    /// For a handle that is not this instance's, and as [`restore`](crate::Model::restore).
+    /// If the handle is not one of this instance, and as [`restore`](crate::Model::restore).
     pub fn restore(&mut self, handle: usize) -> Result<(), Refused<C::Problem>> {
         Ok(self.component.restore(self.states.get(handle)?)?)
     }
@@ -129,8 +129,8 @@ impl<C: Component> CommonInstance<C> {
         Ok(self.component.serialize(self.states.get(handle)?)?)
     }
 
-    /// `fmi2DeSerializeFMUstate` and `fmi3DeserializeFMUState`: into the place of `handle` where
-    /// that is this instance's, else a new one.
+    /// `fmi2DeSerializeFMUstate` and `fmi3DeserializeFMUState`: reads into the state of `handle` if
+    /// this instance has it, otherwise into a new state.
     ///
     /// # Errors
     /// As [`deserialize`](crate::Model::deserialize).

@@ -1,4 +1,4 @@
-//! What a host asks for when it makes an instance, and what a door asks of a variable.
+//! Arguments of an instantiation, and the properties of a variable that a door needs.
 
 use crate::ffi::Fault;
 use crate::ffi::library::own_path;
@@ -16,26 +16,26 @@ pub enum Version {
     Fmi3,
 }
 
-/// What a host asks for when it makes an instance (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1).
+/// Arguments of an instantiation (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1).
 #[derive(Clone, Copy, Debug)]
 pub struct Instantiation<'a> {
-    /// By which version it asks.
+    /// FMI version of the call.
     pub version: Version,
     /// How the instance will be used.
     pub interface: Interface,
-    /// What the host does about events.
+    /// How the host handles events.
     pub handling: EventHandling,
     /// Name of the instance: not blank.
     pub name: &'a str,
-    /// What tells descriptions apart: `fmuGUID`, `instantiationToken`.
+    /// Token that identifies the model description: `fmuGUID`, `instantiationToken`.
     pub token: &'a str,
-    /// Where the files of the FMU's folder `resources` are, as the host says it: a URI in FMI 2.0,
-    /// a path in FMI 3.0; none where it says nothing.
+    /// Location of the FMU's folder `resources` as given by the host: a URI in FMI 2.0, a path in
+    /// FMI 3.0; `None` if the host gives none.
     pub resources: Option<&'a str>,
 }
 
 impl Instantiation<'_> {
-    /// Refuses a token that is not `own`, by the name that the version has for it.
+    /// Refuses a token that differs from `own`. The error has the version's name of the argument.
     ///
     /// # Errors
     /// [`Problem::Fault`].
@@ -43,7 +43,7 @@ impl Instantiation<'_> {
         if self.token == own { Ok(()) } else { Err(self.wrong_token(own)) }
     }
 
-    /// That the token is none of this library's.
+    /// The error for a token of another library.
     pub fn wrong_token(&self, allowed: &str) -> Problem {
         let argument = match self.version {
             Version::Fmi2 => "fmuGUID",
@@ -53,12 +53,12 @@ impl Instantiation<'_> {
         Problem::Fault(Fault::Text { argument, value, allowed })
     }
 
-    /// The folder of the FMU's resources: in FMI 2.0 from a URI of a file, with or without a host,
-    /// its characters by percent codes or not, or from a path, which some hosts give; in FMI 3.0
-    /// from a path, with a separator at its end or not. Whether it is there shows when it is read.
+    /// The folder of the FMU's resources. In FMI 2.0 the location is a file URI, with or without a
+    /// host and percent codes, or a path, which some hosts give. In FMI 3.0 it is a path, with or
+    /// without a trailing separator. The folder need not exist.
     ///
     /// # Errors
-    /// [`Problem::Fault`] where the host says nothing, or names no file.
+    /// [`Problem::Fault`] if the host gives no location, or one that is not a file.
     pub fn resource_folder(&self) -> Result<PathBuf, Problem> {
         let (argument, form) = match self.version {
             Version::Fmi2 => ("fmuResourceLocation", "the URI of a folder, file:///…"),
@@ -74,21 +74,22 @@ impl Instantiation<'_> {
         Ok(PathBuf::from(path))
     }
 
-    /// Where the FMU's resources may be, the likeliest first: the folder that the host names, and
-    /// that which an unpacked FMU has beside the library, for hosts that name none or a wrong one.
+    /// Possible folders of the FMU's resources, the likeliest first: the folder that the host
+    /// gives, and the folder `resources` of the unpacked FMU that contains the library, for hosts
+    /// that give none or a wrong one.
     pub fn resource_folders(&self) -> Vec<PathBuf> {
         // The library lies in binaries/PLATFORM/.
         let beside = own_path().and_then(|path| Some(path.ancestors().nth(3)?.join("resources")));
         self.resource_folder().ok().into_iter().chain(beside).collect()
     }
 
-    /// The life of the instance that is to be made.
+    /// Lifecycle data of the new instance.
     pub fn life(&self) -> Life {
         Life::new(self.interface, self.handling)
     }
 }
 
-/// What a door must know of a variable.
+/// The properties of a variable that a door needs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Named<'a> {
     /// Its name.
@@ -99,8 +100,8 @@ pub struct Named<'a> {
     pub intermediate_update: bool,
 }
 
-/// The path that a URI names (RFC 8089); none for another scheme than that of files, or codes that
-/// are no UTF-8.
+/// The path of a file URI (RFC 8089); `None` for another scheme, or for percent codes that are not
+/// UTF-8.
 fn path_of_uri(uri: &str) -> Option<String> {
     let Some(scheme) = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("file:")) else {
         return (!uri.contains("://")).then(|| uri.to_owned());
@@ -110,7 +111,7 @@ fn path_of_uri(uri: &str) -> Option<String> {
     let (host, rest) = of_host.split_at(of_host.find('/')?);
     let drive = rest.as_bytes().get(2) == Some(&b':');
     Some(match host {
-        // A path of Windows begins with its drive.
+        // A Windows path begins with its drive.
         "" | "localhost" if drive => rest[1..].to_owned(),
         "" | "localhost" => rest.to_owned(),
         // A folder of another machine.
@@ -118,7 +119,7 @@ fn path_of_uri(uri: &str) -> Option<String> {
     })
 }
 
-/// Text with its percent codes decoded; a percent sign that begins none stands for itself.
+/// Text with its percent codes decoded. A percent sign without a valid code is kept.
 fn decoded(text: &str) -> Option<String> {
     let (mut bytes, mut rest) = (Vec::with_capacity(text.len()), text.as_bytes());
     while let Some((&first, after)) = rest.split_first() {

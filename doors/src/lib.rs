@@ -17,8 +17,8 @@
 //! ```
 //!
 //! The doors check handles, pointers, counts and states, keep saved states, turn panics into
-//! statuses and problems into log messages. They know nothing of what moves; [`ffi`] knows nothing
-//! of FMI; the doors [`fmi2`] and [`fmi3`] stand beside each other, and neither imports the other.
+//! statuses and problems into log messages. They do not depend on a model, and [`ffi`] does not
+//! depend on FMI. The doors [`fmi2`] and [`fmi3`] do not import each other.
 //!
 //! # An FMU from your Rust type
 //!
@@ -123,9 +123,9 @@ pub use model::Model;
 pub use problem::{Problem, Refusal};
 pub use values::{Base, Bases, Dependency, DependencyKind};
 
-/// Exports a [`Component`] by FMI 2.0 and 3.0: every function of both standards, each a public
-/// function by its C name. It stands once in the library that hosts load, in a module where the
-/// type is in scope. The library must be a `cdylib`.
+/// Exports a [`Component`] by FMI 2.0 and 3.0: every function of both standards, as a public
+/// function with its C name. The macro is invoked once in the library that hosts load, in a module
+/// where the type is in scope. The library must be a `cdylib`.
 #[macro_export]
 macro_rules! export {
     ($component:ty) => {

@@ -1,5 +1,4 @@
-//! How a component is used, where it stands in its life, and what was agreed with its host when it
-//! was made.
+//! Interface type, lifecycle phase and event handling of a component.
 
 use crate::problem::Problem;
 use serde::{Deserialize, Serialize};
@@ -23,12 +22,12 @@ impl Interface {
     }
 }
 
-/// Where a component stands in its life, whatever a version of FMI calls it.
+/// Lifecycle phase of a component, independent of the FMI version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// Just made or reset.
     Instantiated,
-    /// The start is being set and looked at.
+    /// The start values are set and read.
     Initialization,
     /// At an event, between two pieces of a motion.
     Event,
@@ -36,8 +35,8 @@ pub enum Phase {
     Continuous,
     /// At a communication point.
     Step,
-    /// At the event at which a step ended early: the next step may begin here, or the state saved
-    /// before be put back.
+    /// At the event at which a step ended early. The next step may begin here, or the host may
+    /// restore a state saved earlier.
     StoppedEarly,
     /// The simulation is over; outputs can still be read.
     Terminated,
@@ -46,7 +45,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// Whether there is a motion in it; none where the phase alone does not tell.
+    /// Whether a motion exists in this phase; `None` if the phase alone does not tell.
     pub fn has_motion(self) -> Option<bool> {
         match self {
             Self::Instantiated | Self::Initialization => Some(false),
@@ -70,7 +69,7 @@ impl Phase {
     }
 }
 
-/// When the simulation begins, and where it ends at the latest.
+/// Start time and, if known, stop time of a simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Experiment {
     /// Start, s.
@@ -80,10 +79,10 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// What a host says of its experiment, checked.
+    /// An experiment from the host's arguments, after checks.
     ///
     /// # Errors
-    /// [`Problem::Value`] for a tolerance that is negative, a start that is not finite, a stop
+    /// [`Problem::Value`] if the tolerance is negative, the start is not finite, or the stop is
     /// before the start.
     pub fn new(tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Self, Problem> {
         match tolerance {
@@ -105,52 +104,53 @@ impl Experiment {
     }
 }
 
-/// What a host does about events; agreed when the component is made.
+/// How a host handles events; agreed when the component is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventHandling {
-    /// It handles events itself: what changes at events only is shown from the event's handling on.
+    /// The host handles events itself. Values that change at events only are updated when the host
+    /// handles the event.
     pub event_mode: bool,
-    /// It takes steps that end before their end.
+    /// The host accepts steps that end early.
     pub early_return: bool,
 }
 
-/// How far a master's time may be off a component's own, relative to max(1, |t|): masters add step
-/// sizes up and drift by about 1e-14 a step, which stays below this for 1e5 steps; anything larger
-/// is a mistake.
+/// Largest difference between a master's time and the component's time, relative to max(1, |t|).
+/// Masters sum step sizes and drift by about 1e-14 per step, which stays below this tolerance for
+/// 1e5 steps. A larger difference is an error.
 pub const TIME_TOLERANCE: f64 = 1e-9;
 
-/// What every component keeps of its dealings with a host.
+/// Lifecycle data that every component keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Life {
     /// How it is used.
     pub interface: Interface,
-    /// What its host does about events.
+    /// How its host handles events.
     pub handling: EventHandling,
-    /// Where it stands.
+    /// Present phase.
     pub phase: Phase,
-    /// Start and stop, once they were given.
+    /// Start and stop time, once they were given.
     pub experiment: Option<Experiment>,
 }
 
 impl Life {
-    /// Of a component that has just been made.
+    /// Lifecycle data of a new component.
     pub fn new(interface: Interface, handling: EventHandling) -> Self {
         Self { interface, handling, phase: Phase::Instantiated, experiment: None }
     }
 
-    /// Start time, s: 0 where none was given.
+    /// Start time, s; 0 if none was given.
     pub fn start_time(&self) -> f64 {
         self.experiment.unwrap_or_default().start
     }
 
-    /// The phase in which a motion begins: that of an event where the host handles events, else
-    /// that of a communication point.
+    /// Enters the phase in which a motion begins: an event if the host handles events, otherwise a
+    /// communication point.
     pub fn begin(&mut self) {
         let event = self.interface == Interface::ModelExchange || self.handling.event_mode;
         self.phase = if event { Phase::Event } else { Phase::Step };
     }
 
-    /// The phase in which a motion goes on after an event.
+    /// Enters the phase in which a motion continues after an event.
     pub fn go_on(&mut self) {
         self.phase = match self.interface {
             Interface::CoSimulation => Phase::Step,
@@ -158,12 +158,13 @@ impl Life {
         };
     }
 
-    /// Takes over phase and experiment of a saved state. Where that was saved by a host with
-    /// another handling of events and this one has no such phase, the motion goes on from there.
+    /// Takes over phase and experiment of a saved state. If the state was saved with another event
+    /// handling, in a phase that the present handling does not have, the motion continues from
+    /// there.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] for one of the other interface type, or in a phase in which nothing
-    /// is saved, as damaged bytes may say; nothing has changed then.
+    /// [`Problem::SavedState`] if the state is of the other interface type, or its phase is one in
+    /// which no state is saved, as in damaged bytes. Nothing has changed then.
     pub fn take_over(&mut self, saved: &Self) -> Result<(), Problem> {
         if saved.interface != self.interface {
             let (its, own) = (saved.interface.name(), self.interface.name());
@@ -185,8 +186,8 @@ impl Life {
         Ok(())
     }
 
-    /// Refuses a step that does not begin at `own`, the component's time, but for rounding, has no
-    /// length, or goes past the stop time.
+    /// Refuses a step that does not begin at `own`, the component's time, up to rounding; a step
+    /// without length; and a step past the stop time.
     ///
     /// # Errors
     /// [`Problem::Value`], [`Problem::Time`], [`Problem::StopTime`].

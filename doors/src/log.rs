@@ -1,13 +1,13 @@
-//! What is worth telling a host's user, and which of it was asked for.
+//! Messages for a host's user, and the categories that the host has enabled.
 
-/// What a message is about; a door maps it to the log categories and statuses of its standard.
+/// Category of a message. A door maps it to the log categories and statuses of its standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
-    /// What happens in the motion, event by event.
+    /// The events of the motion.
     Events,
-    /// Worth knowing; nothing was refused.
+    /// Warnings; nothing was refused.
     Warnings,
-    /// Less was done than asked for: a step that ended early, a value that is not available.
+    /// A call carried out in part: a step that ended early, a value that is not available.
     Incomplete,
     /// Refused calls.
     Refusals,
@@ -21,7 +21,7 @@ pub const CATEGORIES: [Category; 5] =
 
 /// Where messages of a component go.
 pub trait Log {
-    /// Whether messages of this category are wanted; others need not be made.
+    /// Whether messages of this category are enabled. A caller need not make other messages.
     fn wants(&self, category: Category) -> bool;
 
     /// Takes one finished message without trailing line break.

@@ -1,5 +1,4 @@
-//! What FMI 2.0 and 3.0 tell a host alike: statuses, log categories, and messages. Both doors stand
-//! on it.
+//! Statuses, log categories and messages, which are common to FMI 2.0 and 3.0. Both doors use them.
 
 use crate::ffi::Fault;
 use crate::ffi::panics::guarded;
@@ -12,14 +11,14 @@ use std::fmt::Display;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Status {
-    /// All well.
+    /// No problem.
     Ok = 0,
-    /// Worth knowing.
+    /// Done, with a warning.
     Warning = 1,
-    /// FMI 2.0: not all of it could be done. FMI 3.0: not done; the instance is as it was, and the
-    /// simulation may go on.
+    /// FMI 2.0: the call was carried out in part. FMI 3.0: the call was not carried out; the
+    /// instance is unchanged, and the simulation may continue.
     Discard = 2,
-    /// Refused. FMI 2.0: the instance is as it was. FMI 3.0: it is
+    /// Refused. FMI 2.0: the instance is unchanged. FMI 3.0: it is
     /// [Terminated](crate::fmi3::states::Stage::Terminated).
     Error = 3,
     /// The instance can no longer be used.
@@ -53,13 +52,13 @@ impl Status {
 pub struct Category {
     /// Name.
     pub name: &'static str,
-    /// What it logs.
+    /// Messages that belong to the category.
     pub description: &'static str,
 }
 
-/// The log categories, all of standard names: those of a component in its order, then the set of
-/// all. What is logged of events is the component's, and what `Discard` means differs between the
-/// versions.
+/// The log categories, all with standard names: those of a component in its order, then the set of
+/// all. `events` describes the logged events of the component; `discard` describes the status
+/// Discard, whose meaning differs between the versions.
 pub const fn log_categories(events: &'static str, discard: &'static str) -> [Category; 6] {
     [
         Category { name: "logEvents", description: events },
@@ -86,7 +85,7 @@ pub fn name(category: log::Category) -> &'static str {
 /// 2.3.1).
 ///
 /// # Errors
-/// [`Fault::Text`] when there is none of that name.
+/// [`Fault::Text`] if no category has the name.
 pub fn with_category(enabled: Categories, name: &str, on: bool) -> Result<Categories, Fault> {
     if name == ALL {
         return Ok(if on { Categories::ALL } else { Categories::NONE });
@@ -106,12 +105,12 @@ pub trait Sink {
     fn send(&mut self, status: Status, category: log::Category, message: &str);
 }
 
-/// A log for one call of the component: messages that are enabled, with the function's name before
-/// warnings.
+/// A log for one call of the component. It passes on the enabled messages, and puts the function's
+/// name before warnings.
 pub struct Logger<'a> {
     /// Where messages go.
     pub sink: &'a mut dyn Sink,
-    /// Which of them.
+    /// Enabled categories.
     pub enabled: Categories,
     /// The C name of the function that was called.
     pub function: &'static str,
@@ -138,7 +137,7 @@ pub fn c_text(text: &str) -> CString {
     CString::new(text.replace('\0', "?")).unwrap_or_default()
 }
 
-/// Logs why a call of `function` was refused, where the category of its status is enabled.
+/// Logs why a call of `function` was refused, if the category of its status is enabled.
 #[cold]
 pub fn report(
     enabled: Categories,
@@ -149,7 +148,7 @@ pub fn report(
 ) {
     let category = status.category();
     if enabled.contains(category) {
-        // A second panic has nowhere to go but the status.
+        // A second panic is reported by the status only.
         let _ = guarded(|| sink.send(status, category, &format!("{function}: {problem}")));
     }
 }

@@ -12,62 +12,63 @@ use std::fmt::Debug;
 /// Variables, continuous states and saved states of a component.
 ///
 /// Each method checks everything it was given and only then changes anything, so that a refused
-/// call leaves the component as it was. What is not offered is left out: the defaults refuse by
-/// name.
+/// call leaves the component as it was. A type leaves out the methods for what it does not offer:
+/// their defaults refuse the call, and name what is missing.
 ///
 /// All values travel as `f64`: Integers and enumerations are exact in it, Booleans and clocks are 0
-/// and 1. Which variables there are is asked of an instance, so that they may be known at
-/// instantiation only. There are no String, Binary and structural variables, no input clocks and no
+/// and 1. The doors ask an instance for its variables, so a component may learn its variables at
+/// instantiation. There are no String, Binary and structural variables, no input clocks and no
 /// Scheduled Execution.
 #[allow(unused_variables)] // of the defaults
 pub trait Model: Sized + Debug + 'static {
-    /// Why it refuses; [`Problem`](crate::Problem) where it has nothing of its own to say.
+    /// Type of the component's refusals; [`Problem`](crate::Problem) if it needs no further ones.
     type Problem: Refusal;
-    /// Everything it needs to continue from somewhere; `()` where states cannot be saved.
+    /// A saved state: all data from which the component can continue. `()` if states cannot be
+    /// saved.
     type State: Debug;
 
-    /// More elements than this in one call are taken for a mistake, which keeps a wrong count from
-    /// walking through the host's memory: above the largest number of values of one call, and of
-    /// the bytes of a saved state.
+    /// Largest number of elements of one call. A larger count is refused, so that a wrong count
+    /// does not lead to reads far outside the host's array. Must be at least the largest number of
+    /// values of one call and the number of bytes of a saved state.
     const MAX_COUNT: usize = 1 << 24;
-    /// What messages say of a step of FMI 2.0 that ends early.
+    /// Words of the messages about an FMI 2.0 step that ends early.
     const EARLY_END: EarlyEnd = EarlyEnd { event: "event", because: "" };
 
     /// `fmi2Instantiate`, `fmi3Instantiate…`: a new instance with all variables at their start
     /// values.
     ///
     /// # Errors
-    /// A token that is not this component's ([`Instantiation::check_token`]), resources that cannot
-    /// be read, an interface type that is not offered.
+    /// If the token belongs to another component ([`Instantiation::check_token`]), the resources
+    /// cannot be read, or the interface type is not offered.
     fn instantiate(request: &Instantiation<'_>) -> Result<Self, Self::Problem>;
 
-    /// Lifecycle state: interface type, phase, what was agreed with the host.
+    /// Lifecycle state: interface type, phase, and the event handling agreed with the host.
     fn life(&self) -> &Life;
 
     /// Lifecycle state, to be changed.
     fn life_mut(&mut self) -> &mut Life;
 
-    /// Tells what is worth knowing about the way in which it was made.
+    /// Logs what a user should know about how the instance was made.
     fn tell_at_instantiation(&self, log: &mut dyn Log) {}
 
-    /// `fmi2Reset`, `fmi3Reset`: as just made.
+    /// `fmi2Reset`, `fmi3Reset`: puts the component into the state after instantiation.
     fn reset(&mut self);
 
-    /// Present time, s; before initialization ends, the start.
+    /// Present time, s; the start time before initialization ends.
     fn time(&self) -> f64;
 
-    /// What a door must know of the variable of that reference.
+    /// Name and properties, which a door needs, of the variable with a value reference.
     ///
     /// # Errors
-    /// [`Problem::Reference`](crate::Problem::Reference) when there is none.
+    /// [`Problem::Reference`](crate::Problem::Reference) if no variable has the reference.
     fn variable(&self, reference: u32) -> Result<Named<'_>, Self::Problem>;
 
-    /// `fmi2Get…`, `fmi3Get…`: hands value `i` to `write`, those of the variables in their order,
-    /// of an array in row-major order. No value is NaN or infinite.
+    /// `fmi2Get…`, `fmi3Get…`: hands value `i` to `write`. The values come in the order of the
+    /// variables, those of an array in row-major order. No value is NaN or infinite.
     ///
     /// # Errors
-    /// Before anything is written: a reference that is not of these types
-    /// ([`Problem::Reference`](crate::Problem::Reference)).
+    /// [`Problem::Reference`](crate::Problem::Reference), before anything is written, if a
+    /// reference has no variable of these types.
     fn get(
         &mut self,
         bases: Bases,
@@ -75,11 +76,12 @@ pub trait Model: Sized + Debug + 'static {
         write: impl FnMut(usize, f64),
     ) -> Result<(), Self::Problem>;
 
-    /// `fmi2Set…`, `fmi3Set…`: takes the value of variable `i` from `read`. All are checked before
-    /// the first is set.
+    /// `fmi2Set…`, `fmi3Set…`: takes the value of variable `i` from `read`. All values are checked
+    /// before the first is set.
     ///
     /// # Errors
-    /// A wrong reference, a variable that cannot be set in this phase, a value outside its range.
+    /// If a reference is wrong, a variable cannot be set in this phase, or a value is outside its
+    /// range.
     fn set(
         &mut self,
         bases: Bases,
@@ -137,16 +139,16 @@ pub trait Model: Sized + Debug + 'static {
         not_offered("dependencies of variables at run time")
     }
 
-    /// The time of the next event, s, where it is known: a time event in Model Exchange, any event
-    /// in Co-Simulation.
+    /// Time of the next event, s, if it is known. In Model Exchange it is the next time event, in
+    /// Co-Simulation the next event of any kind.
     fn next_event_time(&mut self) -> Option<f64> {
         None
     }
 
-    /// `fmi2SetContinuousStates`, `fmi3SetContinuousStates`: as many as there are.
+    /// `fmi2SetContinuousStates`, `fmi3SetContinuousStates`: sets all continuous states.
     ///
     /// # Errors
-    /// States that are not possible, nothing having changed; by default always.
+    /// If the states are not possible; nothing has changed then. By default always.
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Self::Problem> {
         not_offered("continuous states")
     }
@@ -167,7 +169,8 @@ pub trait Model: Sized + Debug + 'static {
         Ok([])
     }
 
-    /// `fmi2GetEventIndicators`, `fmi3GetEventIndicators`: an event is where one changes its sign.
+    /// `fmi2GetEventIndicators`, `fmi3GetEventIndicators`: an event occurs where an indicator
+    /// changes its sign.
     ///
     /// # Errors
     /// By default none, of none.
@@ -176,7 +179,7 @@ pub trait Model: Sized + Debug + 'static {
     }
 
     /// `fmi2GetNominalsOfContinuousStates`, `fmi3GetNominalsOfContinuousStates`: one positive
-    /// number for each continuous state; by default there is none.
+    /// number for each continuous state; by default empty.
     fn nominals(&self) -> impl AsRef<[f64]> {
         []
     }
@@ -186,7 +189,7 @@ pub trait Model: Sized + Debug + 'static {
         0
     }
 
-    /// `fmi2GetFMUstate`, `fmi3GetFMUState`: everything it needs to continue from here.
+    /// `fmi2GetFMUstate`, `fmi3GetFMUState`: all data from which the component can continue.
     ///
     /// # Errors
     /// By default always.
@@ -194,12 +197,12 @@ pub trait Model: Sized + Debug + 'static {
         not_offered("saved states")
     }
 
-    /// `fmi2SetFMUstate`, `fmi3SetFMUState`: goes back to a saved state of this instance or one
-    /// that was read from bytes; also where it was never initialized. Continuing gives the same
-    /// bits as not having left.
+    /// `fmi2SetFMUstate`, `fmi3SetFMUState`: goes back to a saved state. The state was saved by
+    /// this instance or read from bytes; the instance may be uninitialized. A motion continued from
+    /// a restored state is bitwise equal to the original motion.
     ///
     /// # Errors
-    /// A state that does not fit, nothing having changed; by default always.
+    /// If the state does not fit; nothing has changed then. By default always.
     fn restore(&mut self, saved: &Self::State) -> Result<(), Self::Problem> {
         not_offered("saved states")
     }
@@ -212,11 +215,12 @@ pub trait Model: Sized + Debug + 'static {
         not_offered("saved states as bytes")
     }
 
-    /// `fmi2DeSerializeFMUstate`, `fmi3DeserializeFMUState`: any bytes may come.
+    /// `fmi2DeSerializeFMUstate`, `fmi3DeserializeFMUState`: must accept arbitrary bytes without a
+    /// panic.
     ///
     /// # Errors
-    /// [`Problem::SavedState`](crate::Problem::SavedState) for bytes that are truncated, altered or
-    /// of another build; by default always.
+    /// [`Problem::SavedState`](crate::Problem::SavedState) if the bytes are truncated, altered or
+    /// of another build. By default always.
     fn deserialize(&self, bytes: &[u8]) -> Result<Self::State, Self::Problem> {
         not_offered("saved states as bytes")
     }

@@ -1,25 +1,26 @@
-//! Why a component refuses.
+//! Errors of components.
 
 use crate::ffi::Fault;
 use std::borrow::Cow;
 
-/// What a component's own type of refusals must tell a door. What the doors refuse in a component's
-/// name, such as what it does not offer, it takes up as a [`Problem`].
+/// Type of a component's refusals. It can be made from a [`Problem`], which the doors return for
+/// the component, for instance for a function that it does not offer.
 pub trait Refusal: std::error::Error + From<Problem> + 'static {
-    /// Whether it is a value that the model cannot take, with everything as it was before: the host
-    /// may go on with another. FMI 3.0 has the status Discard for it (FMI 3.0.2, 2.2.4).
+    /// Whether the refusal is due to a value that the model cannot accept. The component is then
+    /// unchanged, and the host may continue with another value. FMI 3.0 has the status Discard for
+    /// it (FMI 3.0.2, 2.2.4).
     fn is_of_a_value(&self) -> bool {
         false
     }
 }
 
-/// Why a call was refused, by whichever version it came.
+/// Why a call was refused, in either version.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refused<P: Refusal> {
     /// The component refuses.
     #[error(transparent)]
     Component(P),
-    /// An argument that cannot be, or a panic.
+    /// An impossible argument, or a panic.
     #[error(transparent)]
     Fault(Fault),
 }
@@ -36,9 +37,8 @@ impl<P: Refusal> From<Fault> for Refused<P> {
     }
 }
 
-/// Why a call was refused; the component is then as it was. Each text names the thing, its value
-/// and what is allowed. A component that has nothing of its own to say can take this as its type of
-/// refusals.
+/// Why a call was refused; the component is then unchanged. Each text names the variable, its value
+/// and what is allowed. A component without further errors can use this as its type of refusals.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -52,7 +52,7 @@ pub enum Problem {
         /// What is there.
         found: String,
     },
-    /// The variable can never be set, or not now.
+    /// The variable cannot be set in the present phase, or never.
     #[error("{name} cannot be set {phase}: allowed are {allowed}")]
     NotSettable {
         /// The variable.
@@ -98,14 +98,14 @@ pub enum Problem {
         /// What.
         what: Cow<'static, str>,
     },
-    /// A saved state that does not fit or is not intact.
+    /// A saved state that does not fit or is damaged.
     #[error("saved state refused: {what}")]
     SavedState {
         /// Why.
         what: Cow<'static, str>,
     },
-    /// A step or an event that failed and could not be taken back: nothing is certain of where the
-    /// instance stands.
+    /// A step or an event that failed and could not be undone; the state of the instance is
+    /// unknown.
     #[error(
         "{cause}. That could not be taken back: {refused}. Remedy: restore a saved state, or reset the instance"
     )]
@@ -121,13 +121,13 @@ pub enum Problem {
         /// What.
         what: &'static str,
     },
-    /// An argument that cannot be.
+    /// An impossible argument.
     #[error(transparent)]
     Fault(#[from] Fault),
 }
 
 impl Problem {
-    /// A step or an event that failed and could not be taken back.
+    /// Error for a step or an event that failed and could not be undone.
     pub fn not_taken_back(cause: &impl ToString, refused: &impl ToString) -> Self {
         Self::NotTakenBack { cause: cause.to_string(), refused: refused.to_string() }
     }

@@ -1,8 +1,8 @@
-//! A component in a hundred lines: a table of variables, and what moves them.
+//! A component made from a table of variables and a few functions that compute the motion.
 //!
-//! Everything that such a model knows is the values of its variables. What a host sets and reads,
-//! ranges, phases, saved states, events in both interface types and the model description follow
-//! from the table; the author writes the motion.
+//! The values of the variables are the complete state of such a model. Access by a host, ranges,
+//! phases, saved states, events in both interface types and the model description follow from the
+//! table. The author writes only the motion.
 
 mod describe;
 mod motion;
@@ -22,8 +22,8 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// The events that one step may have. A model whose events follow each other ever faster would keep
-/// the host waiting for ever; with more, the step is refused.
+/// Largest number of events of one step. A step with more events is refused, since a model whose
+/// events accumulate in time would never end the step.
 pub const MOST_EVENTS: usize = 1_000_000;
 
 /// A model whose variables are the rows of a table. The value reference of a row is its place in
@@ -43,30 +43,30 @@ pub trait Tabular: 'static {
     const ROWS: &'static [Row];
     /// Event indicators: the places of their rows, counted from 0 like those of `values`.
     const INDICATORS: &'static [usize] = &[];
-    /// What a host takes where nobody says otherwise.
+    /// Default experiment of a host.
     const EXPERIMENT: description::Experiment =
         description::Experiment { start_time: 0.0, stop_time: 1.0, tolerance: 1e-6, step_size: 0.01 };
 
-    /// Fills in what follows from the other values: derivatives and outputs.
+    /// Computes the values that follow from the others: derivatives and outputs.
     fn evaluate(values: &mut [f64]);
 
-    /// Moves the states on to a time, s, up to which there is no event. The value of the time is
-    /// still the present one.
+    /// Advances the states to `time`, s, before which there is no event. The time among `values` is
+    /// still the present time.
     fn advance(values: &mut [f64], time: f64);
 
-    /// The time of the next event, s: not before the present; infinite where there is none.
+    /// Time of the next event, s: not before the present time; infinite if there is none.
     fn next_event(values: &[f64]) -> f64 {
         f64::INFINITY
     }
 
-    /// Applies the law of the event that is due, and says in a few words what happened, for the
+    /// Applies the law of the event that is due. Returns a short description of the event for the
     /// log.
     fn event(values: &mut [f64]) -> String {
         String::new()
     }
 }
 
-/// The component of a table: what is exported, `fmi_doors::export!(FromTable<Model>)`.
+/// The component of a table, to be exported by `fmi_doors::export!(FromTable<Model>)`.
 pub struct FromTable<T> {
     state: Saved,
     /// Inputs that follow a polynomial within the present step.
@@ -74,7 +74,7 @@ pub struct FromTable<T> {
     model: PhantomData<fn() -> T>,
 }
 
-/// Everything that such a component knows.
+/// Complete state of such a component.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Saved {
     life: Life,
@@ -105,7 +105,7 @@ impl<T: Tabular> FromTable<T> {
         made
     }
 
-    /// What tells the library and another description apart.
+    /// Token by which the library recognizes its own description.
     pub fn token() -> String {
         identifier(&format!("{:?}", (T::NAME, T::VERSION, T::ROWS)))
     }
@@ -128,8 +128,8 @@ impl<T: Tabular> FromTable<T> {
         states.filter_map(move |(state, _)| Some((state, of(state)?)))
     }
 
-    /// Changes values and fills in what follows from them; nothing has changed where one is no
-    /// finite number then.
+    /// Changes values and computes the values that follow. If a value is not finite afterwards,
+    /// nothing is changed.
     fn change<R>(&mut self, change: impl FnOnce(&mut [f64]) -> R) -> Result<R, Problem> {
         let mut values = self.state.values.clone();
         let result = change(&mut values);
@@ -158,7 +158,7 @@ impl<T: Tabular> FromTable<T> {
         counter.map_or(self.state.values[place], |(_, value)| *value)
     }
 
-    /// Checks what bytes say, which may be any.
+    /// Checks a state read from arbitrary bytes.
     fn check(saved: &Saved) -> Result<(), Problem> {
         let refused = |what: String| Problem::SavedState { what: what.into() };
         if saved.values.len() != T::ROWS.len() {

@@ -1,4 +1,4 @@
-//! Types of variables, as getters and setters tell them apart, and what depends on what.
+//! Types of variables, as getters and setters distinguish them, and dependencies between variables.
 
 /// Type of a variable's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,8 +28,7 @@ impl Base {
     }
 }
 
-/// The types that one kind of getter and setter serves; which these are is the matter of an
-/// interface standard.
+/// The types that one kind of getter and setter serves. An interface standard determines them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bases {
     /// Their name in messages.
@@ -61,7 +60,7 @@ impl Bases {
     }
 }
 
-/// How an unknown depends on a known (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8).
+/// Kind of dependency of an unknown on a known (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DependencyKind {
     /// No particular structure.
@@ -94,7 +93,7 @@ impl DependencyKind {
 pub struct Dependency {
     /// The element that depends, counted from 1; 0 means the whole variable.
     pub element: usize,
-    /// Value reference of what it depends on.
+    /// Value reference of the known on which it depends.
     pub reference: u32,
     /// How.
     pub kind: DependencyKind,

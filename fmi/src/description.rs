@@ -1,5 +1,4 @@
-//! The component's table as the doors describe it: what the descriptions of all versions have in
-//! common.
+//! The component's table as a description of the doors: the parts common to all versions.
 
 use crate::component::identity;
 use crate::component::settings::Settings;
@@ -12,15 +11,15 @@ use fmi_doors::description::{self, Description, Item, Type, TypeKind, Unit, Unkn
 pub(crate) struct Table {
     pub(crate) edition: Edition,
     pub(crate) numbering: Numbering,
-    /// What start values are those of.
+    /// Settings from which the start values are taken.
     pub(crate) start: Settings,
-    /// Name of the variable whose derivative another is, as the version has it.
+    /// Name of the variable whose derivative a variable is, by the rules of the version.
     pub(crate) derivative: fn(&variables::Variable) -> Option<&'static str>,
 }
 
 impl Table {
-    /// What the table and the identity say: interface types, capabilities, log categories and token
-    /// are the version's.
+    /// The part of the description from the table and the identity. The version adds interface
+    /// types, capabilities, log categories and token.
     pub(crate) fn description(&self) -> Description {
         let unknowns =
             |list: Vec<structure::Unknown>| list.iter().filter_map(|row| self.unknown(row)).collect();
@@ -51,7 +50,7 @@ impl Table {
         }
     }
 
-    /// An unknown by its value reference; none where the description leaves it out.
+    /// An unknown by its value reference; `None` if the description leaves it out.
     pub(crate) fn unknown(&self, row: &structure::Unknown) -> Option<Unknown> {
         let knowns = row.dependencies.iter();
         let dependencies =
@@ -59,7 +58,7 @@ impl Table {
         Some(Unknown { reference: self.numbering.reference(row.place)?, dependencies: Some(dependencies) })
     }
 
-    /// Value reference of the variable of that name, where the description has it.
+    /// Value reference of the variable with a name; `None` if the description leaves it out.
     pub(crate) fn reference(&self, name: &str) -> Option<u32> {
         self.numbering.variables().find(|(_, variable)| variable.name == name).map(|(reference, _)| reference)
     }

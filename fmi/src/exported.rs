@@ -1,5 +1,5 @@
-//! The component as the doors want it: which protocol each version of FMI has with it, and which of
-//! its refusals are of a value.
+//! The component as the doors use it: its protocol for each version of FMI, and which of its errors
+//! concern a value.
 
 use crate::component::settings::Settings;
 use crate::component::variables::Edition;
@@ -21,10 +21,10 @@ impl Refusal for ComponentProblem {
 }
 
 impl Protocol {
-    /// The protocol of the version and the description by which an instance is asked for.
+    /// The protocol of the version and the description for which an instance is requested.
     ///
     /// # Errors
-    /// For a token that is of none of this build's descriptions.
+    /// If the token belongs to none of this build's descriptions.
     pub(crate) fn of(request: &Instantiation<'_>) -> Result<Self, ComponentProblem> {
         let handling = request.handling;
         match request.version {

@@ -12,9 +12,9 @@
 //!                              vibro_impact
 //! ```
 //!
-//! [`component`] knows no version of FMI. What the versions differ in for this machine stands in
-//! `exported`, [`fmi2`] and [`fmi3`], of which neither imports the other; what their descriptions
-//! have in common in `description`.
+//! [`component`] does not depend on a version of FMI. The differences between the versions for this
+//! machine are in `exported`, [`fmi2`] and [`fmi3`]; [`fmi2`] and [`fmi3`] do not import each
+//! other. The common parts of their descriptions are in `description`.
 
 pub mod component;
 mod description;

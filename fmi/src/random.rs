@@ -2,7 +2,7 @@
 
 use std::ffi::c_int;
 
-/// Calls a run; a fuzzer goes further, this keeps the way open.
+/// Number of calls of a run; a fuzzer makes more.
 pub const CALLS: usize = if cfg!(miri) { 60 } else { 4000 };
 
 /// SplitMix64.

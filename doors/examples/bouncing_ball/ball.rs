@@ -18,11 +18,11 @@ const HEIGHT_RATE: usize = 5;
 const SPEED_RATE: usize = 6;
 const BOUNCES: usize = 7;
 
-/// A flight shorter than this, s, is none: the ball stays on the floor.
+/// Shortest flight, s. If the next flight would be shorter, the ball stays on the floor.
 const REST: f64 = 1e-5;
 
-/// Whether the ball stays on the floor, the only state in which both are zero but the top of a
-/// flight of no height.
+/// Whether the ball stays on the floor: height and velocity are zero. In a flight both are never
+/// zero at once, since its height is positive at the top.
 fn rests(x: &[f64]) -> bool {
     x[HEIGHT] == 0.0 && x[SPEED] == 0.0
 }
@@ -57,7 +57,7 @@ impl Tabular for Ball {
         x[SPEED] += a * dt;
     }
 
-    /// The next impact; the present where the ball is at the floor and falls.
+    /// Time of the next impact; the present time if the ball is at the floor and falls.
     fn next_event(x: &[f64]) -> f64 {
         if rests(x) {
             return f64::INFINITY;

@@ -61,9 +61,9 @@ impl Element {
     }
 }
 
-/// A character of an attribute's value: what XML gives a meaning, and white space that it would
-/// turn into blanks, is written by number or name; what XML 1.0 cannot have at all becomes a
-/// question mark.
+/// Writes a character of an attribute's value. Characters with a meaning in XML, and white space
+/// that XML would turn into blanks, are written by number or name. Characters that XML 1.0 does not
+/// allow become a question mark.
 fn escape(text: &mut String, c: char) {
     match c {
         '<' => text.push_str("&lt;"),

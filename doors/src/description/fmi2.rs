@@ -47,13 +47,13 @@ pub(super) fn root(of: &Description) -> Element {
             .children(some("InitialUnknowns", unknowns(&of.initial_unknowns, of, true)))])
 }
 
-/// An element for a list; none for an empty list, which the schema would not have.
+/// An element for a list; `None` for an empty list, which the schema does not allow.
 pub(super) fn some(name: &'static str, children: impl Iterator<Item = Element>) -> Option<Element> {
     let children: Vec<_> = children.collect();
     (!children.is_empty()).then(|| Element::new(name).children(children))
 }
 
-/// An interface type, with its own attributes where the schema has them.
+/// An interface type; `own` adds its own attributes at the place that the schema requires.
 fn interface(name: &'static str, of: &Description, own: impl FnOnce(Element) -> Element) -> Element {
     let Capabilities {
         can_get_and_set_fmu_state,
@@ -119,7 +119,7 @@ fn declared(declared: &Type) -> Element {
         .children([kind])
 }
 
-/// `ScalarVariable` index of the variable of a reference: they count from 1 (FMI 2.0, 2.2.8).
+/// `ScalarVariable` index, counted from 1, of the variable with a reference (FMI 2.0, 2.2.8).
 fn index(reference: u32, of: &Description) -> Option<usize> {
     of.variables.iter().position(|variable| variable.reference == reference).map(|place| place + 1)
 }
@@ -141,7 +141,7 @@ fn variable(v: &Variable, of: &Description) -> Element {
             .maybe("min", v.min.map(|min| min as i32))
             .maybe("max", v.max.map(|max| max as i32))
             .maybe("start", whole),
-        // There are no clocks in FMI 2.0, whose descriptions leave them out.
+        // FMI 2.0 has no clocks; its descriptions leave them out.
         Kind::Boolean | Kind::Clock => {
             Element::new("Boolean").maybe("start", v.start.map(|start| start != 0.0))
         }
@@ -159,7 +159,7 @@ fn variable(v: &Variable, of: &Description) -> Element {
         .children([kind])
 }
 
-/// Rows of a list; outside initialization parameters are no knowns (FMI 2.0, 2.2.8).
+/// Rows of a list of unknowns. Outside initialization parameters are not knowns (FMI 2.0, 2.2.8).
 fn unknowns<'a>(
     list: &'a [Unknown],
     of: &'a Description,
@@ -173,8 +173,8 @@ fn unknowns<'a>(
     })
 }
 
-/// With both lists, empty ones too, since importers exist that need them; without any where it may
-/// depend on everything.
+/// Adds both lists of dependencies, even empty ones, since some importers need them. Adds none if
+/// the unknown may depend on all knowns.
 pub(super) fn with_dependencies<T: ToString>(
     element: Element,
     unknown: &Unknown,

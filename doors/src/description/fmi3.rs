@@ -87,8 +87,9 @@ fn variable(v: &Variable) -> Element {
     let (mut own_unit, mut own_display, mut nominal_value, mut derivative, mut reinitialized) =
         (None, None, None, None, None);
     if let Kind::Real { unit, display_unit, nominal, derivative_of, reinit } = &v.kind {
-        // A declared type says both units, and 1 is the nominal value where none is given: fmi-sim
-        // (fmi-schema 0.8) opens no archive in which a variable has one of the three.
+        // A declared type gives unit and display unit, and 1 is the default nominal value, so these
+        // attributes are left out: fmi-sim (fmi-schema 0.8) does not open an archive in which a
+        // variable has one of the three.
         own_unit = unit.as_ref().filter(|_| v.declared_type.is_none());
         own_display = display_unit.as_ref().filter(|_| v.declared_type.is_none());
         nominal_value = nominal.filter(|nominal| *nominal != 1.0);
@@ -106,7 +107,7 @@ fn variable(v: &Variable) -> Element {
         .with("description", &v.description)
         .with("causality", v.causality.name())
         .with("variability", v.variability.name())
-        // A clock has none.
+        // A clock does not have this attribute.
         .maybe("initial", v.initial.filter(|_| !clock).map(super::Initial::name))
         .maybe("declaredType", v.declared_type.as_ref())
         .maybe("unit", own_unit)

@@ -1,4 +1,4 @@
-//! Variables and what they depend on.
+//! Variables and their dependencies.
 
 use super::{Text, Type};
 use crate::values::DependencyKind;
@@ -83,9 +83,9 @@ impl Initial {
 pub enum Kind {
     /// A Real.
     Real {
-        /// Name of its unit, which a declared type may say instead in FMI 3.0.
+        /// Name of its unit. In FMI 3.0 a declared type may give the unit instead.
         unit: Option<Text>,
-        /// Display unit to show it in by default, likewise.
+        /// Default display unit. In FMI 3.0 a declared type may give it instead.
         display_unit: Option<Text>,
         /// Nominal value.
         nominal: Option<f64>,
@@ -109,7 +109,7 @@ pub enum Kind {
 pub struct Variable {
     /// Name.
     pub name: Text,
-    /// Value reference: one of its own.
+    /// Value reference, unique among the variables.
     pub reference: u32,
     /// What it is.
     pub description: Text,
@@ -127,7 +127,7 @@ pub struct Variable {
     pub min: Option<f64>,
     /// Largest value that may be set.
     pub max: Option<f64>,
-    /// Start value: what can be set has one. Booleans are 0 and 1.
+    /// Start value. A variable that can be set has one. Booleans are 0 and 1.
     pub start: Option<f64>,
     /// FMI 3.0: lengths of an array, the slowest index first; none of a scalar.
     pub dimensions: Vec<usize>,
@@ -140,8 +140,8 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// A Real of a declared type, whose unit it has; without range, start value, or anything that
-    /// is not said here.
+    /// A Real of a declared type, with the unit of that type. It has no range and no start value;
+    /// all other optional fields are empty.
     pub fn real(
         reference: u32,
         name: impl Into<Text>,
@@ -158,7 +158,8 @@ impl Variable {
         variable
     }
 
-    /// A Real of a unit, or of none, without a declared type; else as [`real`](Self::real).
+    /// A Real with a unit or without one, and without a declared type; otherwise as
+    /// [`real`](Self::real).
     pub fn of_unit(
         reference: u32,
         name: impl Into<Text>,
@@ -225,23 +226,24 @@ impl Variable {
     }
 }
 
-/// An unknown and what it depends on, by value references.
+/// An unknown and its dependencies, by value references.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// Its value reference.
     pub reference: u32,
-    /// What it depends on, and how; none where it is not known, which stands for everything.
+    /// The knowns on which it depends, with the kind of dependency. `None` means that it may depend
+    /// on all knowns.
     pub dependencies: Option<Vec<(u32, DependencyKind)>>,
 }
 
 impl Unknown {
-    /// One that depends on these, in no particular way.
+    /// An unknown that depends on these knowns, without a particular kind of dependency.
     pub fn on(reference: u32, knowns: impl IntoIterator<Item = u32>) -> Self {
         let dependencies = knowns.into_iter().map(|known| (known, DependencyKind::Dependent)).collect();
         Self { reference, dependencies: Some(dependencies) }
     }
 
-    /// One that may depend on everything.
+    /// An unknown that may depend on all knowns.
     pub fn on_anything(reference: u32) -> Self {
         Self { reference, dependencies: None }
     }

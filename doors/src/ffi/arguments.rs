@@ -1,5 +1,5 @@
 //! Kinds of arguments of the exported functions: their C types, and how they become safe types. The
-//! macros are expanded where a component is exported, and are of use there alone.
+//! macros are expanded where a component is exported, and are useful only there.
 
 /// C type of an argument of this kind.
 #[doc(hidden)]
@@ -16,8 +16,8 @@ macro_rules! __c_type {
     (handle) => { *mut *mut $crate::libc::c_void };
 }
 
-/// An argument of this kind in safe types; to be used where `?` is. Before it stands the instance
-/// whose call it is.
+/// An argument of this kind in safe types, for use where `?` is allowed. The first argument is the
+/// instance on which the function is called.
 #[doc(hidden)]
 #[macro_export]
 #[rustfmt::skip]

@@ -1,9 +1,9 @@
-//! Values given out to a host by handle. A handle is the address of a value on the heap; it is
-//! looked up among those given out and never followed, so a wrong one is an error and not a crash.
+//! Values that a host holds by handle. A handle is the address of a value on the heap. It is looked
+//! up among the handles in use and never followed, so a wrong handle is an error and not a crash.
 
 use super::Fault;
 
-/// Values of one type that a host holds handles of; they are freed with it.
+/// Values of one type that a host holds by handle. They are freed when this collection is dropped.
 #[derive(Debug)]
 pub struct Handles<T> {
     /// Boxed, since their addresses are the handles.
@@ -23,11 +23,11 @@ fn address<T>(value: &Box<T>) -> usize {
 }
 
 impl<T> Handles<T> {
-    /// Keeps a value, in the place of `handle` where that is not zero, and returns its handle. A
-    /// value that replaces another takes no new memory.
+    /// Stores a value and returns its handle. If `handle` is not zero, the value replaces that of
+    /// `handle`, without a new allocation.
     ///
     /// # Errors
-    /// [`Fault::Handle`] for a handle that is neither zero nor one given out.
+    /// [`Fault::Handle`] if the handle is neither zero nor in use.
     pub fn keep(&mut self, value: T, handle: usize) -> Result<usize, Fault> {
         if handle != 0 {
             let place = self.place(handle)?;
@@ -40,8 +40,8 @@ impl<T> Handles<T> {
         Ok(handle)
     }
 
-    /// As [`keep`](Self::keep), but any handle that was not given out stands for none: what a host
-    /// has in a variable that is only written to may be anything.
+    /// As [`keep`](Self::keep), but a handle that is not in use counts as zero: a host's variable
+    /// that is only written may hold any value.
     ///
     /// # Errors
     /// None.
@@ -77,8 +77,8 @@ impl<T> Handles<T> {
         Ok(())
     }
 
-    /// Place of a handle; the last ones first, since hosts mostly come back to where they just
-    /// were.
+    /// Place of a handle. The search begins at the last one, since hosts mostly restore their
+    /// latest states.
     fn place(&self, handle: usize) -> Result<usize, Fault> {
         self.given.iter().rposition(|kept| address(kept) == handle).ok_or(Fault::Handle)
     }

@@ -1,18 +1,19 @@
-//! Where the library lies that this code was loaded from: beside it in an FMU are its resources.
+//! Path of the library that contains this code. An FMU has its resources at a fixed place relative
+//! to it.
 
 #![allow(unsafe_code)] // the system is asked by its C functions
 #![deny(unsafe_op_in_unsafe_fn)]
 
 use std::path::PathBuf;
 
-/// The path of the library, or of the program, that this code is part of; none where the system
-/// does not tell.
+/// Path of the library or program that contains this code; `None` if the system does not provide
+/// it.
 pub fn own_path() -> Option<PathBuf> {
     of_address(own_path as *const () as usize)
 }
 
-/// By the table of what is mapped into the process (proc(5)): a line reads
-/// `FROM-TO PERMISSIONS OFFSET DEVICE INODE PATH`.
+/// Uses the table of the process's memory mappings (proc(5)), whose lines have the form `FROM-TO
+/// PERMISSIONS OFFSET DEVICE INODE PATH`.
 #[cfg(not(any(windows, target_vendor = "apple")))]
 fn of_address(address: usize) -> Option<PathBuf> {
     let maps = std::fs::read("/proc/self/maps").ok()?;
@@ -41,7 +42,7 @@ fn of_address(address: usize) -> Option<PathBuf> {
     // SAFETY: dladdr takes any address, and writes an `Info` to a place that is one.
     let found =
         unsafe { libc::dladdr(address as *const libc::c_void, &mut info) } != 0 && !info.dli_fname.is_null();
-    // SAFETY: where it has found one, `dli_fname` is a C string that lives as long as the library
+    // SAFETY: if a library was found, `dli_fname` is a C string that lives as long as the library
     // is loaded.
     found.then(|| PathBuf::from(OsStr::from_bytes(unsafe { CStr::from_ptr(info.dli_fname) }.to_bytes())))
 }
@@ -51,9 +52,10 @@ fn of_address(address: usize) -> Option<PathBuf> {
     use libc::c_void;
     use std::ffi::OsString;
     use std::os::windows::ffi::OsStringExt;
-    /// The address is one in the module; its reference count stays (`GET_MODULE_HANDLE_EX_FLAG_…`).
+    /// The argument is an address in the module, whose reference count does not change
+    /// (`GET_MODULE_HANDLE_EX_FLAG_…`).
     const FROM_ADDRESS_UNCHANGED: u32 = 4 | 2;
-    /// Longest path of Windows, in UTF-16.
+    /// Length of the longest Windows path, in UTF-16 units.
     const LONGEST: usize = 1 << 15;
     #[link(name = "kernel32")]
     unsafe extern "system" {

@@ -1,6 +1,6 @@
-//! What every C interface needs, whatever it exports: pointers that are checked before they are
-//! followed, panics that do not leave the library, and handles that are looked up. Nothing here
-//! knows FMI or a component.
+//! Parts that every C interface needs: pointers that are checked before they are followed, panics
+//! that do not leave the library, and handles that are looked up. Nothing here depends on FMI or a
+//! component.
 
 mod arguments;
 pub mod handles;
@@ -8,7 +8,7 @@ pub mod library;
 pub mod panics;
 pub mod pointers;
 
-/// Why an argument was refused, or what went wrong in the library.
+/// Why an argument was refused, or the error inside the library.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
     /// A pointer that is null, or not aligned for what it should point to.
@@ -27,7 +27,7 @@ pub enum Fault {
         /// What is allowed.
         allowed: String,
     },
-    /// Text that is not what it must be.
+    /// Text that is not allowed.
     #[error("{argument} = \"{value}\": allowed is {allowed}")]
     Text {
         /// The argument.
@@ -37,7 +37,7 @@ pub enum Fault {
         /// What is allowed.
         allowed: String,
     },
-    /// A handle that is not one the library has given out.
+    /// A handle that the library has not returned, or has freed.
     #[error("the pointer is not one this instance has given out, or it was freed")]
     Handle,
     /// A panic inside the library.

@@ -1,10 +1,11 @@
 //! Panics at the C interface: caught, turned into a problem, and kept from printing.
 //!
-//! std's own hook would write to the host's standard error and, with `RUST_BACKTRACE` set, read the
-//! debug information of every loaded library; it also leaves a thread-local value with a destructor
-//! behind, which pins the library in memory. So ours passes over panics inside a call from C and
-//! hands all others on to the hook that was there: in the packaged library, which has a std of its
-//! own, there are none; a Rust program that links this crate keeps its own hook's work.
+//! The default hook of std would write to the host's standard error and, with `RUST_BACKTRACE` set,
+//! read the debug information of every loaded library. It also leaves a thread-local value with a
+//! destructor behind, which pins the library in memory. The hook installed here ignores panics
+//! inside a call from C and passes all others to the previous hook. The packaged library has its
+//! own std, so no other panics occur there. A Rust program that links this crate keeps the
+//! behaviour of its hook.
 
 use super::Fault;
 use std::any::Any;

@@ -1,4 +1,4 @@
-//! Arguments of a C interface as safe types, and the checks that make them so.
+//! Arguments of a C interface as safe types, and the checks that the conversion needs.
 
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -10,7 +10,7 @@ use std::ffi::CStr;
 use std::mem::MaybeUninit;
 use std::ptr;
 
-/// Whether a pointer can be followed, as far as its address tells.
+/// Whether the address of a pointer allows an access: it is neither null nor misaligned.
 #[inline]
 fn can_be_followed<T>(pointer: *const T) -> bool {
     !pointer.is_null() && pointer.is_aligned()
@@ -35,7 +35,8 @@ pub fn aligned<T>(pointer: *mut T, argument: &'static str) -> Result<*mut T, Fau
 }
 
 /// Check of a host array: a count above `limit` and an invalid pointer are refused; an empty array
-/// may have any pointer. The limit keeps a wrong count from walking through the host's memory.
+/// may have any pointer. Because of the limit a wrong count does not lead to reads far outside the
+/// array.
 ///
 /// # Errors
 /// [`Fault`] for more elements than any call has, or a pointer that cannot be followed.
@@ -52,7 +53,7 @@ pub fn check_array<T>(
     if count == 0 { Ok(()) } else { check_pointer(pointer, argument) }
 }
 
-/// Refuses any other number of elements than `count`.
+/// Refuses a number of elements that differs from `count`.
 ///
 /// # Errors
 /// [`Fault::Count`].
@@ -131,7 +132,7 @@ pub unsafe fn out<'a, T>(
     Ok(Out(unsafe { array(pointer.cast::<Cell<MaybeUninit<T>>>(), count, argument) }?))
 }
 
-/// The host's variable, to be written; none where its pointer cannot be followed.
+/// The host's variable, to be written; `None` if its pointer is null or misaligned.
 ///
 /// # Safety
 /// `pointer` is null or points to a variable that lives and is not read while this is used.
@@ -153,10 +154,10 @@ impl<T: Copy> Out<'_, T> {
         }
     }
 
-    /// Puts the one value of an argument that is no array.
+    /// Writes the value of a scalar argument.
     ///
     /// # Errors
-    /// That of the value.
+    /// The error of `value`.
     #[inline]
     pub fn give<E>(&self, value: Result<T, E>) -> Result<(), E> {
         self.put(0, value?);
@@ -176,8 +177,8 @@ impl<T: Copy> Out<'_, T> {
     }
 }
 
-/// The host's variable for a handle; none where its pointer was null. The address in it is compared
-/// and handed out, never followed.
+/// The host's variable for a handle; `None` if the host's pointer was null. The address in the
+/// variable is compared and returned, never followed.
 pub struct Handle<'a> {
     variable: Option<&'a mut *mut c_void>,
     argument: &'static str,
@@ -197,10 +198,11 @@ pub unsafe fn handle<'a>(pointer: *mut *mut c_void, argument: &'static str) -> R
 }
 
 impl Handle<'_> {
-    /// Address replaced by the result of `new`, which receives the present one (0 for null).
+    /// Replaces the address by the result of `new`, which receives the present address (0 for
+    /// null).
     ///
     /// # Errors
-    /// Those of `new`, and when there is no variable.
+    /// Those of `new`; [`Fault::Pointer`] if there is no variable.
     pub fn replace<E: From<Fault>>(self, new: impl FnOnce(usize) -> Result<usize, E>) -> Result<(), E> {
         let variable = self.variable.ok_or(Fault::Pointer { argument: self.argument })?;
         *variable = ptr::without_provenance_mut(new(variable.addr())?);

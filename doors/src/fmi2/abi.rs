@@ -1,12 +1,13 @@
 //! The C interface of FMI 2.0: every `extern "C"` of this door (FMI 2.0, 2.1, 3.2 and 4.2).
 //!
-//! The macro [`export_fmi2!`](crate::export_fmi2) makes the functions for one component, in the
-//! library of the component, since their names are the library's. It declares a function of the
-//! standard as in its C prototype, with the kind of each argument; from that it checks handle,
-//! state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose
-//! outcome becomes a status and a log message. Nothing is decided here. No panic leaves a function:
-//! one becomes `fmi2Fatal` and marks the instance unusable. C enumerations arrive as integers and
-//! are checked, never taken as Rust enums.
+//! The macro [`export_fmi2!`](crate::export_fmi2) makes the functions for one component. It is
+//! expanded in the component's library, which exports the functions by name. It declares each
+//! function as in the C prototype of the standard, and adds the kind of each argument. By these
+//! kinds the function checks handle, state, pointers and counts, turns pointers into safe types and
+//! calls the [`Instance`]. The outcome becomes a status and a log message. This module makes no
+//! decisions about the model. A panic does not leave a function: it becomes `fmi2Fatal` and marks
+//! the instance unusable. C enumerations arrive as integers and are checked, never taken as Rust
+//! enums.
 
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -50,7 +51,7 @@ pub struct FmiCallbackFunctions {
     pub component_environment: *mut c_void,
 }
 
-/// What a host's `fmi2Component` points to; borrowed while a call runs, so that a call from inside
+/// Target of a host's `fmi2Component`. It is borrowed while a call runs, so that a call from inside
 /// the logger is refused.
 #[doc(hidden)]
 pub type Shared<C> = RefCell<(Instance<C>, Host)>;
@@ -167,8 +168,8 @@ pub unsafe fn instantiate<C: Component>(
     }
 }
 
-/// `fmi2FreeInstance` (FMI 2.0, 2.1.5); also frees FMU states that were not. Null is ignored, and
-/// so is a call from inside the instance's own logger.
+/// `fmi2FreeInstance` (FMI 2.0, 2.1.5). It also frees the FMU states that the host has not freed.
+/// Null is ignored, and so is a call from inside the instance's logger.
 ///
 /// # Safety
 /// `c` is null or from [`instantiate`] of the same component and not freed; nothing uses it or its
@@ -183,9 +184,9 @@ pub unsafe fn free<C: Component>(c: FmiComponent) {
     }
 }
 
-/// Makes the functions of a table, for `export_fmi2!`: by the standard's clauses name, row of the
-/// state tables, arguments after the component as `kind name: type[count]`, and what is done with
-/// them.
+/// Makes the functions of a table, for `export_fmi2!`. The table is ordered by the clauses of the
+/// standard. An entry has the function's name, its row of the state tables, the arguments after the
+/// component as `kind name: type[count]`, and the body.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __functions_of_fmi2 {
@@ -197,8 +198,8 @@ macro_rules! __functions_of_fmi2 {
         ///
         /// # Safety
         /// The component is null or from [`fmi2Instantiate`] and not freed, and no call on it is
-        /// running in another thread. Every other pointer is null or valid for what the standard
-        /// has there, with as many elements as the count says.
+        /// running in another thread. Every other pointer is null or valid for the type that the
+        /// standard gives, with as many elements as the count says.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn $name(
@@ -316,7 +317,7 @@ macro_rules! export_fmi2 {
             /// Writes into a new FMU state, or over one that this instance gave out.
             fmi2GetFMUstate, GetFMUstate(handle FMUstate)
                 |instance, _| FMUstate.replace(|old| instance.save(old));
-            /// Any address is safe: only those this instance gave out are accepted.
+            /// Any address is safe: only addresses that this instance has returned are accepted.
             fmi2SetFMUstate, SetFMUstate(state FMUstate) |instance, _| instance.restore(FMUstate);
             /// A null state is ignored.
             fmi2FreeFMUstate, FreeFMUstate(handle FMUstate) |instance, _| FMUstate.free(|old| instance.free(old));
@@ -374,8 +375,7 @@ macro_rules! export_fmi2 {
                 |instance, _| $crate::Model::output_derivatives(&mut instance.component, vr, order, |i, x| value.put(i, x));
 
             "4.2.2":
-            /// Whether the host may come back to an earlier time makes no difference here: nothing
-            /// is buffered.
+            /// `noSetFMUStatePriorToCurrentPoint` has no effect: nothing is buffered.
             fmi2DoStep, DoStep(value currentCommunicationPoint: f64, value communicationStepSize: f64,
                 flag noSetFMUStatePriorToCurrentPoint: $crate::fmi2::types::FmiBoolean)
                 |instance, host| instance.do_step(currentCommunicationPoint, communicationStepSize, host);

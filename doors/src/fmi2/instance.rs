@@ -116,7 +116,7 @@ impl<C: Component> Instance<C> {
     /// `fmi2DoStep` (FMI 2.0, 4.2.2).
     ///
     /// # Errors
-    /// [`CallProblem::Stopped`] (status Discard) when the step ended early; else as
+    /// [`CallProblem::Stopped`] (status Discard) if the step ended early; otherwise as
     /// [`step`](Component::step).
     #[inline]
     pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome<C> {

@@ -25,13 +25,13 @@ pub enum CallProblem<P: Refusal> {
         stage: Stage,
         /// Interface type.
         interface: Interface,
-        /// What the component says of steps that end early.
+        /// Words of the component about steps that end early.
         early: EarlyEnd,
     },
-    /// What any version refuses.
+    /// An error that both versions have.
     #[error(transparent)]
     Refused(#[from] Refused<P>),
-    /// Something must be done first, or is never possible.
+    /// Another call must come first, or the call is never possible.
     #[error("{what}")]
     Sequence {
         /// What.
@@ -65,7 +65,7 @@ impl<P: Refusal> From<Fault> for CallProblem<P> {
     }
 }
 
-/// How a host goes on from a state in which little is allowed.
+/// How a host can continue from a state in which few calls are allowed.
 fn way_on(stage: Stage, early: &EarlyEnd) -> String {
     match stage {
         Stage::StepFailed => {

@@ -61,9 +61,9 @@ pub const STAGES: [Stage; 11] = [
 ];
 
 impl Stage {
-    /// Where a phase of the component is in the standard's state machines. Steps are synchronous
-    /// and refused calls change nothing, so `StepInProgress`, `StepCanceled` and `Error` are never
-    /// met.
+    /// State of the standard's state machines that corresponds to a phase of the component. Steps
+    /// are synchronous and refused calls change nothing, so `StepInProgress`, `StepCanceled` and
+    /// `Error` never occur.
     pub fn of(phase: Phase) -> Self {
         match phase {
             Phase::Instantiated => Self::Instantiated,
@@ -126,9 +126,9 @@ functions! {
     GetInteger:                   GET_EXCHANGE,       GET_COSIMULATION;
     GetBoolean:                   GET_EXCHANGE,       GET_COSIMULATION;
     GetString:                    GET_EXCHANGE,       GET_COSIMULATION;
-    // After Discard the standard wants a saved state to be put back. Here the motion stands at the
-    // event, and what is allowed at a communication point is allowed there too: some hosts just go
-    // on, from fmi2LastSuccessfulTime.
+    // After Discard the standard requires the host to restore a saved state. Here the motion is at
+    // the event, and the calls of a communication point are allowed as well: some hosts continue
+    // from fmi2LastSuccessfulTime.
     SetReal:                      I | N | E | C,      I | N | S | F;
     SetInteger:                   I | N | E,          I | N | S | F;
     SetBoolean:                   I | N | E,          I | N | S | F;

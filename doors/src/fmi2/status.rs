@@ -1,4 +1,5 @@
-//! Kinds of status, and what FMI 2.0 alone says of log messages (FMI 2.0, 2.1.5 and 4.2.3).
+//! Kinds of status, and the rules for log messages that only FMI 2.0 has (FMI 2.0, 2.1.5 and
+//! 4.2.3).
 
 use crate::log::{Categories, Category};
 use crate::messages::c_text;
@@ -37,7 +38,7 @@ impl StatusKind {
         }
     }
 
-    /// The answer to one who asks with the wrong function.
+    /// The message for a status that is read by the wrong function.
     pub fn not_available(self) -> &'static str {
         match self {
             Self::DoStepStatus => "fmi2DoStepStatus is not available: steps are synchronous",
@@ -48,8 +49,8 @@ impl StatusKind {
     }
 }
 
-/// Which categories are enabled at instantiation: all when debug logging is on; else what a user
-/// should be shown in any case (FMI 2.0, 2.1.3): warnings, errors and fatal errors.
+/// Categories enabled at instantiation. With debug logging these are all; otherwise those that a
+/// user should always see (FMI 2.0, 2.1.3): warnings, errors and fatal errors.
 pub fn enabled_at_start(logging_on: bool) -> Categories {
     if logging_on {
         return Categories::ALL;

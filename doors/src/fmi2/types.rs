@@ -23,13 +23,13 @@ pub struct FmiEventInfo {
     pub values_of_continuous_states_changed: FmiBoolean,
     /// Whether the next time event is known.
     pub next_event_time_defined: FmiBoolean,
-    /// When it is, s.
+    /// Time of the next time event, s.
     pub next_event_time: f64,
 }
 
 impl FmiEventInfo {
-    /// After an event: one call does all that happens at an instant, and nothing ends the
-    /// simulation.
+    /// The result of handling an event. One call carries out everything due at the present time,
+    /// and no event ends the simulation.
     pub fn after_event(changed: Handled, next_event_time: Option<f64>) -> Self {
         Self {
             values_of_continuous_states_changed: changed.states.into(),

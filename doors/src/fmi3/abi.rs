@@ -1,13 +1,15 @@
-//! The C interface of FMI 3.0: what every `extern "C"` of this door goes through, and what makes
-//! and frees instances (FMI 3.0.2, 2.2 and 2.3). The functions stand in the modules below.
+//! The C interface of FMI 3.0: the code that every `extern "C"` function of this door uses, and the
+//! functions that make and free instances (FMI 3.0.2, 2.2 and 2.3). The other functions are in the
+//! modules below.
 //!
-//! The macro [`export_fmi3!`](crate::export_fmi3) makes the functions for one component, in the
-//! library of the component, since their names are the library's. It declares a function of the
-//! standard as in its C prototype, with the kind of each argument; from that it checks handle,
-//! state, pointers and counts, turns pointers into safe types and calls the [`Instance`], whose
-//! outcome becomes a status and a log message. Nothing is decided here. No panic leaves a function:
-//! one becomes `fmi3Fatal` and marks the instance unusable. C enumerations and Booleans arrive as
-//! integers, never as Rust's own types.
+//! The macro [`export_fmi3!`](crate::export_fmi3) makes the functions for one component. It is
+//! expanded in the component's library, which exports the functions by name. It declares each
+//! function as in the C prototype of the standard, and adds the kind of each argument. By these
+//! kinds the function checks handle, state, pointers and counts, turns pointers into safe types and
+//! calls the [`Instance`]. The outcome becomes a status and a log message. This module makes no
+//! decisions about the model. A panic does not leave a function: it becomes `fmi3Fatal` and marks
+//! the instance unusable. C enumerations and Booleans arrive as integers, never as Rust's own
+//! types.
 
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -53,9 +55,9 @@ pub type FmiIntermediateUpdate = unsafe extern "C-unwind" fn(
     *mut f64,
 );
 
-/// What a host's `fmi3Instance` points to; borrowed while a call runs, so that a call from inside
-/// the logger is refused. It is not borrowed while the host's callback runs in a step, which may
-/// get and set.
+/// Target of a host's `fmi3Instance`. It is borrowed while a call runs, so that a call from inside
+/// the logger is refused. It is not borrowed while the host's callback runs in a step, since the
+/// callback may get and set variables.
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct Shared<C: Component> {
@@ -82,7 +84,7 @@ impl Sink for Host {
     }
 }
 
-/// What the handle points to; none for null or a misaligned one.
+/// Target of the handle; `None` if the handle is null or misaligned.
 ///
 /// # Safety
 /// `instance` is null or from an instantiation and not freed.
@@ -132,8 +134,7 @@ unsafe fn go_on<C: Component>(
         return Status::Error as FmiStatus;
     };
     let (instance, host) = &mut *borrowed;
-    // Matched in its place: to move a problem that is not there costs a step more than all its
-    // checks.
+    // The result is matched in place: moving it would cost a step more than all its checks.
     match guarded(|| body(instance, host)) {
         Ok(Ok(())) => Status::Ok as FmiStatus,
         Ok(Err(problem)) => refuse(instance, host, function, &problem),
@@ -156,8 +157,8 @@ fn refuse<C: Component>(
     status as FmiStatus
 }
 
-/// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1); also frees FMU states that were not. Null is ignored, and
-/// so is a call from inside the instance's own logger or callback.
+/// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1). It also frees the FMU states that the host has not freed.
+/// Null is ignored, and so is a call from inside the instance's logger or callback.
 ///
 /// # Safety
 /// `instance` is null or from an instantiation of the same component and not freed; nothing uses it
@@ -174,9 +175,9 @@ pub unsafe fn free<C: Component>(instance: FmiInstance) {
     }
 }
 
-/// Makes the functions of a table, for `export_fmi3!`: by the standard's clauses name, row of the
-/// state tables, arguments after the instance as `kind name: type[count]`, and what is done with
-/// them.
+/// Makes the functions of a table, for `export_fmi3!`. The table is ordered by the clauses of the
+/// standard. An entry has the function's name, its row of the state tables, the arguments after the
+/// instance as `kind name: type[count]`, and the body.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __functions_of_fmi3 {
@@ -188,8 +189,8 @@ macro_rules! __functions_of_fmi3 {
         ///
         /// # Safety
         /// The instance is null or from an instantiation and not freed, and no call on it is
-        /// running in another thread. Every other pointer is null or valid for what the standard
-        /// has there, with as many elements as the count says.
+        /// running in another thread. Every other pointer is null or valid for the type that the
+        /// standard gives, with as many elements as the count says.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn $name(

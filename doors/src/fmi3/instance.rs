@@ -1,6 +1,6 @@
-//! What the functions of FMI 3.0 mean for the component. Whether a function may be called in the
-//! present state is checked in one place, before any of these: [`guard`](Instance::guard), which
-//! the C interface calls.
+//! The functions of FMI 3.0 as calls of the component. Before any of them the C interface calls
+//! [`guard`](Instance::guard), which alone checks whether the function is allowed in the present
+//! state.
 
 use super::problem::{CallProblem, Outcome};
 use super::states::{Function, Stage};
@@ -27,22 +27,22 @@ pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]);
 /// Variables of the type `Clock`.
 pub const CLOCK: Bases = Bases::new("Clock", &[Base::Clock]);
 
-/// By how much an announced event must be later than the present, relative to max(1, |t|): fmusim
-/// takes one that is nearer for one in the past, and stops.
+/// Smallest time from the present to an announced event, relative to max(1, |t|). fmusim takes a
+/// nearer event for one in the past, and stops.
 const LATER: f64 = 1e-9;
 
-/// Types of which there is no variable.
+/// Types without variables.
 pub const fn none(name: &'static str) -> Bases {
     Bases::new(name, &[])
 }
 
-/// What the host may do while its callback runs.
+/// The calls that the host may make while its callback runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
     /// `intermediateUpdateTime`, s.
     pub time: f64,
-    /// `intermediateVariableSetRequested`; otherwise `intermediateVariableGetAllowed` and
-    /// `intermediateStepFinished`.
+    /// `intermediateVariableSetRequested`. If false, `intermediateVariableGetAllowed` and
+    /// `intermediateStepFinished` are true.
     pub set_requested: bool,
     /// `canReturnEarly`.
     pub can_return_early: bool,
@@ -54,7 +54,7 @@ pub struct Instance<C: Component> {
     pub(super) common: instance::CommonInstance<C>,
     /// The inputs that the host intends to set inside a step.
     pub(super) required: Vec<u32>,
-    /// What it may do now, while its callback runs.
+    /// The update in progress while the host's callback runs.
     #[doc(hidden)]
     pub update: Option<Update>,
     /// The function whose error has terminated it, if one has.
@@ -79,7 +79,7 @@ impl<C: Component> Instance<C> {
     /// `fmi3InstantiateModelExchange` and `fmi3InstantiateCoSimulation` (FMI 3.0.2, 2.3.1).
     ///
     /// # Errors
-    /// When the name is blank, or the component refuses.
+    /// If the name is blank, or the component refuses.
     pub fn new(
         name: &str,
         interface: Interface,
@@ -97,7 +97,7 @@ impl<C: Component> Instance<C> {
         })
     }
 
-    /// Where it is in the standard's state machine.
+    /// Present state of the standard's state machine.
     pub fn stage(&self) -> Stage {
         match (Stage::of(self.component.life().phase), self.update) {
             (Stage::StepMode, Some(_)) => Stage::IntermediateUpdateMode,
@@ -119,8 +119,8 @@ impl<C: Component> Instance<C> {
         Err(CallProblem::State { stage, interface, failed })
     }
 
-    /// What a status of a function leaves behind: after an error the instance is Terminated (FMI
-    /// 3.0.2, 2.3.1).
+    /// Updates the state after a function has returned `status`: after an error the instance is
+    /// Terminated (FMI 3.0.2, 2.3.1).
     pub fn after(&mut self, function: Function, status: Status) {
         match status {
             Status::Error if !matches!(self.component.life().phase, Phase::Broken | Phase::Terminated) => {
@@ -178,7 +178,8 @@ impl<C: Component> Instance<C> {
     /// `fmi3Get{VariableType}` (FMI 3.0.2, 2.2.7.2): hands value `i` to `write`.
     ///
     /// # Errors
-    /// For another number of values than the variables have; else as [`get`](crate::Model::get).
+    /// If the number of values differs from that of the variables; otherwise as
+    /// [`get`](crate::Model::get).
     #[inline]
     pub fn get(
         &mut self,
@@ -214,7 +215,8 @@ impl<C: Component> Instance<C> {
     /// `fmi3Set{VariableType}` (FMI 3.0.2, 2.2.7.2): takes value `i` from `read`.
     ///
     /// # Errors
-    /// For another number of values than the variables have; else as [`set`](crate::Model::set).
+    /// If the number of values differs from that of the variables; otherwise as
+    /// [`set`](crate::Model::set).
     #[inline]
     pub fn set(
         &mut self,
@@ -264,8 +266,8 @@ impl<C: Component> Instance<C> {
         Ok(DiscreteStates { changed, next_event_time: self.next_event_time() })
     }
 
-    /// `nextEventTime`: that of the next event, where it is later than the present also for a host
-    /// that compares times with a tolerance.
+    /// `nextEventTime`: the time of the next event, if it is later than the present by more than
+    /// the tolerance with which hosts compare times.
     fn next_event_time(&mut self) -> Option<f64> {
         let time = self.component.next_event_time()?;
         let now = self.component.time();

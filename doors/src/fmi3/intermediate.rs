@@ -1,5 +1,5 @@
-//! Intermediate update: a step that asks the host's callback for inputs in its course, and shows it
-//! outputs at its events and its end (FMI 3.0.2, 4.2.2).
+//! Intermediate update: a step calls the host's callback to request inputs during the step, and to
+//! show outputs at events and at the end (FMI 3.0.2, 4.2.2).
 //!
 //! ```text
 //! start ─ an input required? ─▶ values at 1/3, 2/3 and 3/3 of the step ─▶ cubic loads ─┐
@@ -20,10 +20,10 @@ use crate::life::Phase;
 use crate::log::Category;
 use crate::messages::{Sink, Status};
 
-/// What comes next in a step.
+/// The next action in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Turn {
-    /// The callback is to be called; [`Instance::answered`] goes on.
+    /// Call the callback, then [`Instance::answered`].
     Ask(Update),
     /// The step is over.
     Done(StepEnd),
@@ -38,16 +38,16 @@ pub struct Progress<C: Component> {
     begin: f64,
     /// Values of the required inputs at 0, 1/3, 2/3 and 3/3 of the step.
     inputs: Vec<[f64; 4]>,
-    /// What was asked last.
+    /// Purpose of the last call of the callback.
     asked: Asked,
-    /// Where the host wants it to end, s.
+    /// Time at which the host wants the step to end, s.
     until: Option<f64>,
 }
 
-/// What the callback was called for.
+/// Purpose of a call of the callback.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Asked {
-    /// Inputs, so many times.
+    /// Inputs; the number counts the requests so far.
     Inputs(usize),
     /// Outputs before an event.
     Event,
@@ -59,7 +59,7 @@ impl<C: Component> Instance<C> {
     /// Takes note of `requiredIntermediateVariables` (FMI 3.0.2, 2.3.1).
     ///
     /// # Errors
-    /// For a reference that is no variable's.
+    /// If no variable has the reference.
     pub fn require_intermediate_variables(
         &mut self,
         references: &[u32],
@@ -88,7 +88,7 @@ impl<C: Component> Instance<C> {
         self.update.is_some()
     }
 
-    /// Whether variables may be read now: not while inputs are asked for.
+    /// Checks that variables may be read now: not while inputs are requested.
     ///
     /// # Errors
     /// [`CallProblem::Intermediate`].
@@ -103,11 +103,11 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// Whether these variables may be set now: inside a step only the inputs that were required,
-    /// and when asked for.
+    /// Checks that these variables may be set now. Inside a step these are only the required
+    /// inputs, while they are requested.
     ///
     /// # Errors
-    /// [`CallProblem::Intermediate`]; a reference that is no variable's.
+    /// [`CallProblem::Intermediate`]; if no variable has a reference.
     #[inline]
     pub(super) fn check_set(&self, references: &[u32]) -> Outcome<C> {
         match self.update {
@@ -158,18 +158,18 @@ impl<C: Component> Instance<C> {
         Ok((progress, turn))
     }
 
-    /// Takes the required inputs as they are set for their values from the `n`th on.
+    /// Reads the required inputs as set, and uses them as their values from the `n`th on.
     fn read_inputs(&mut self, progress: &mut Progress<C>, n: usize) -> Outcome<C> {
         let inputs = &mut progress.inputs;
         Ok(self.common.component.get(FLOAT64, &self.required, |i, value| inputs[i][n..].fill(value))?)
     }
 
-    /// Goes on after the callback, with the time at which the host wants the step to end, if it
-    /// does.
+    /// Continues after the callback, with the time at which the host wants the step to end, if it
+    /// requests one.
     ///
     /// # Errors
-    /// As [`advance`](Component::advance), and when a call inside the callback was refused; the
-    /// step has been taken back then.
+    /// As [`advance`](Component::advance), and if a call inside the callback was refused; the step
+    /// has been undone then.
     pub fn answered(
         &mut self,
         progress: &mut Progress<C>,
@@ -230,7 +230,7 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// To the next event or the end.
+    /// Advances to the next event or the end.
     fn go_on(&mut self, progress: &mut Progress<C>, sink: &mut dyn Sink) -> Outcome<C, Turn> {
         let mut log = self.log(sink, Function::DoStep.name());
         let piece = progress.pieces.next(&mut self.component, progress.until, &mut log)?;
@@ -250,7 +250,7 @@ impl<C: Component> Instance<C> {
         Turn::Done(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
     }
 
-    /// After a panic in the callback.
+    /// Marks the instance after a panic in the callback.
     pub fn callback_failed(&mut self) {
         self.update = None;
     }

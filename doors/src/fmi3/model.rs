@@ -1,5 +1,5 @@
-//! The model's numbers: Model Exchange, derivatives and dependencies (FMI 3.0.2, 2.2.9, 2.2.12,
-//! 3.2.1 and 4.1.2).
+//! Functions about the model: Model Exchange, derivatives and dependencies (FMI 3.0.2, 2.2.9,
+//! 2.2.12, 3.2.1 and 4.1.2).
 
 use super::instance::Instance;
 use super::problem::{CallProblem, Outcome};
@@ -9,11 +9,11 @@ use crate::problem::Refusal;
 use crate::values::Dependency;
 
 impl<C: Component> Instance<C> {
-    /// `fmi3GetDirectionalDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and
+    /// `fmi3GetDirectionalDerivative` (FMI 3.0.2, 2.2.12), with the numbers of elements of seed and
     /// sensitivity.
     ///
     /// # Errors
-    /// For other numbers of elements than there are knowns and unknowns; else as
+    /// If the numbers of elements differ from those of the knowns and unknowns; otherwise as
     /// [`directional_derivative`](crate::Model::directional_derivative).
     pub fn directional_derivative(
         &mut self,
@@ -26,11 +26,12 @@ impl<C: Component> Instance<C> {
         Ok(self.component.directional_derivative(unknowns, knowns, seed, write)?)
     }
 
-    /// `fmi3GetAdjointDerivative` (FMI 3.0.2, 2.2.12), with so many elements of seed and
-    /// sensitivity: the sum over the unknowns of seed times derivative with respect to each known.
+    /// `fmi3GetAdjointDerivative` (FMI 3.0.2, 2.2.12), with the numbers of elements of seed and
+    /// sensitivity. For each known it gives the sum over the unknowns of the seed times the
+    /// derivative with respect to the known.
     ///
     /// # Errors
-    /// As [`directional_derivative`](Self::directional_derivative); a seed or a sum that is not
+    /// As [`directional_derivative`](Self::directional_derivative), and if a seed or a sum is not
     /// finite. Nothing is written then.
     pub fn adjoint_derivative(
         &mut self,
@@ -87,7 +88,7 @@ impl<C: Component> Instance<C> {
     /// [`dependencies`](Self::dependencies) for a host that has room for `count` of them.
     ///
     /// # Errors
-    /// For another number than there are.
+    /// If `count` differs from the number of dependencies.
     pub fn dependencies_counted(&self, reference: u32, count: usize) -> Outcome<C, Vec<Dependency>> {
         let list = self.dependencies(reference)?;
         check_count("nDependencies", count, list.len())?;

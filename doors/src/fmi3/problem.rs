@@ -25,10 +25,10 @@ pub enum CallProblem<P: Refusal> {
         /// The function whose error has led there, if one has.
         failed: Option<Function>,
     },
-    /// What any version refuses.
+    /// An error that both versions have.
     #[error(transparent)]
     Refused(#[from] Refused<P>),
-    /// Something must be done first, or is never possible.
+    /// Another call must come first, or the call is never possible.
     #[error("{what}")]
     Sequence {
         /// What.
@@ -56,12 +56,12 @@ impl<P: Refusal> From<Fault> for CallProblem<P> {
     }
 }
 
-/// What has led to the state, where it was an error.
+/// The error that has led to the state, in words; empty if there was none.
 fn led_there(failed: Option<Function>) -> String {
     failed.map_or_else(String::new, |function| format!(", after an error in {}", function.name()))
 }
 
-/// How a host goes on from a state in which little is allowed.
+/// How a host can continue from a state in which few calls are allowed.
 fn way_on(stage: Stage) -> &'static str {
     match stage {
         Stage::Terminated => ": restore a saved state or reset the instance",
@@ -70,9 +70,9 @@ fn way_on(stage: Stage) -> &'static str {
 }
 
 impl<P: Refusal> CallProblem<P> {
-    /// The status to return from a function. What the model cannot take as a value is discarded,
-    /// with all as it was, since the host may go on with another value (FMI 3.0.2, 2.2.4);
-    /// everything else is a mistake in the call.
+    /// The status to return from a function. A value that the model cannot accept gives Discard:
+    /// the instance is unchanged, and the host may continue with another value (FMI 3.0.2, 2.2.4).
+    /// Every other problem is an error of the call.
     pub fn status(&self, function: Function) -> Status {
         match self {
             Self::Refused(Refused::Fault(Fault::Panic { .. })) => Status::Fatal,

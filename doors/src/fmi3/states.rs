@@ -4,7 +4,7 @@
 use crate::life::{Interface, Phase};
 
 /// The states of both state machines, as the standard names them. Configuration Mode and
-/// Reconfiguration Mode are never met, since there are no structural parameters.
+/// Reconfiguration Mode never occur, since there are no structural parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Just instantiated or reset.

@@ -1,5 +1,5 @@
-//! A step in pieces from event to event, for a host that looks into it, sets inputs for its course,
-//! or ends it early.
+//! A step in pieces from event to event, for a host that reads outputs or sets inputs during the
+//! step, or ends it early.
 
 use super::steps::{is_early, shown};
 use super::{AtEvent, Ended, Hybrid, Met, StepEnd, Until};
@@ -13,15 +13,15 @@ use crate::problem::Problem;
 pub struct Pieces<H: Hybrid> {
     end: StepEnd,
     at_event: AtEvent,
-    /// To take the step back.
+    /// State before the step, by which the step is undone.
     before: H::State,
     undo: Option<H::Undo>,
-    /// What was shown at the step's start of what changes at events only, where the host handles
-    /// events.
+    /// Values that change at events only, as shown at the start of the step; `None` if the host
+    /// does not handle events.
     shown: Option<H::Shown>,
-    /// Whether it stands before the law of an event, and events so far.
+    /// Whether the law of an event is still to be applied, and the number of events so far.
     met: Met,
-    /// Why the law of an event could not be applied; the step is then taken back.
+    /// The error of the law of an event; the step is then undone.
     failed: Option<H::Problem>,
 }
 
@@ -55,11 +55,11 @@ impl<H: Hybrid> Pieces<H> {
         h.set_input(reference, polynomial);
     }
 
-    /// Takes over what was set; where that is an event of its own, the step of a host that handles
-    /// events ends here.
+    /// Takes over the values that were set. If this causes an event and the host handles events,
+    /// the step ends here.
     ///
     /// # Errors
-    /// For what is not possible; the step has been taken back then.
+    /// If a value that was set is not possible; the step has been undone then.
     pub fn start(&mut self, h: &mut H, log: &mut dyn Log) -> Result<Piece, H::Problem> {
         match h.take_over(self.end, log) {
             Err(problem) => Err(self.taken_back(h, problem)),
@@ -73,10 +73,11 @@ impl<H: Hybrid> Pieces<H> {
         }
     }
 
-    /// To the next event, or to `until` (s; the step's end without it) if none comes before.
+    /// Advances to the next event, or to `until` (s; by default the end of the step) if no event
+    /// comes before.
     ///
     /// # Errors
-    /// As [`advance`](crate::Component::advance); the step has been taken back then.
+    /// As [`advance`](crate::Component::advance); the step has been undone then.
     pub fn next(&mut self, h: &mut H, until: Option<f64>, log: &mut dyn Log) -> Result<Piece, H::Problem> {
         let end = until.map_or(self.end, |point| StepEnd { point, size: 0.0 });
         let met = match self.failed.take() {
@@ -97,8 +98,8 @@ impl<H: Hybrid> Pieces<H> {
         self.at_event == AtEvent::EndBefore
     }
 
-    /// Applies the law of the event before which the last piece has ended; true where the step ends
-    /// after it. A law that cannot be applied is told with the next piece.
+    /// Applies the law of the event before which the last piece has ended. Returns whether the step
+    /// ends after it. If the law fails, the next piece returns the error.
     pub fn pass_event(&mut self, h: &mut H, log: &mut dyn Log) -> bool {
         self.failed = h.apply_law(log).err();
         self.met = Met { due: self.failed.is_some(), events: self.met.events + 1, ..self.met };
@@ -108,7 +109,7 @@ impl<H: Hybrid> Pieces<H> {
         self.at_event == AtEvent::EndAfter
     }
 
-    /// Ends the step where it stands.
+    /// Ends the step at the present time.
     pub fn end(&self, h: &mut H) -> Advance {
         let Met { due, events, .. } = self.met;
         let (event, early) = (self.shown.is_some() && (due || events > 0), is_early(h, self.end));
@@ -126,8 +127,8 @@ impl<H: Hybrid> Pieces<H> {
         h.restore(&self.before)
     }
 
-    /// Takes a step back that has met a problem; the problem, or that the step could not be taken
-    /// back.
+    /// Undoes a step because of `problem`. Returns `problem`, or a problem that says that undoing
+    /// the step failed.
     fn taken_back(&mut self, h: &mut H, problem: H::Problem) -> H::Problem {
         let problem = match self.undo.take() {
             Some(undo) => h.undo(undo, problem),
@@ -149,7 +150,7 @@ fn cubic([u0, u1, u2, u3]: [f64; 4], span: f64, time: f64) -> [f64; 4] {
     let slopes = [first - 0.5 * second + third / 3.0, second - third, third];
     let scale = [rate, rate * rate, rate * rate * rate];
     let polynomial = [u0, slopes[0] * scale[0], slopes[1] * scale[1], slopes[2] * scale[2]];
-    // In a step of the length of rounding the differences say nothing.
+    // In a step as short as the rounding of times, the differences have no meaning.
     let says = span > f64::EPSILON * time.abs().max(1.0) && polynomial.iter().all(|x| x.is_finite());
     if says { polynomial } else { [u0, 0.0, 0.0, 0.0] }
 }

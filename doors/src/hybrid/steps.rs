@@ -17,8 +17,8 @@ use crate::log::Log;
 pub enum AtEvent {
     /// Applies its law and goes on.
     Pass,
-    /// Applies its law and goes on; what changes at events only is shown when the host handles
-    /// events.
+    /// Applies its law and goes on. Values that change at events only are shown when the host
+    /// handles events.
     Latch,
     /// Applies its law and ends.
     EndAfter,
@@ -27,7 +27,7 @@ pub enum AtEvent {
 }
 
 impl AtEvent {
-    /// As it was agreed with the host, of a model whose steps may end at events or not.
+    /// By the event handling agreed with the host, and by whether the model's steps end at events.
     pub(crate) fn of(handling: EventHandling, ends: bool) -> Self {
         match (handling.event_mode, handling.early_return && ends) {
             (false, false) => Self::Pass,
@@ -38,12 +38,12 @@ impl AtEvent {
     }
 }
 
-/// Where a step is to end: `point + size`, s, of which the rounding is not lost.
+/// Requested end of a step: the unrounded sum `point + size`, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepEnd {
-    /// Begin by the host's clock, s.
+    /// Beginning of the step by the host's time, s.
     pub point: f64,
-    /// Length, s; 0 for an end that the host has chosen under way.
+    /// Length, s; 0 for an end that the host has chosen during the step.
     pub size: f64,
 }
 
@@ -53,7 +53,8 @@ impl StepEnd {
         self.point + self.size
     }
 
-    /// Whether the host has chosen it under way: no event beyond it is taken with it.
+    /// Whether the host has chosen this end during the step. Events past such an end do not belong
+    /// to the step.
     pub fn is_chosen(self) -> bool {
         self.size == 0.0
     }
@@ -64,20 +65,20 @@ impl StepEnd {
 pub enum Until {
     /// To the end, over all events.
     End,
-    /// Before the law of the first event.
+    /// To the first event, before its law.
     Event,
-    /// After the law of the first event at which a step is to end.
+    /// To the first event at which the step ends, after its law.
     After,
 }
 
-/// What a run has met.
+/// The events of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Met {
-    /// Whether it stands before the law of an event.
+    /// Whether the law of an event is still to be applied.
     pub due: bool,
     /// Events whose laws it has applied.
     pub events: usize,
-    /// Whether it has ended after the law of an event before the end.
+    /// Whether the run has ended early, after the law of an event.
     pub stopped: bool,
 }
 
@@ -88,9 +89,10 @@ pub struct Ended {
     pub event: bool,
     /// Whether the law of an event is still to be applied.
     pub due: bool,
-    /// Whether it has ended after an event before its end, from where the next step goes on.
+    /// Whether the step has ended early, after the law of an event; the next step continues from
+    /// there.
     pub stopped: bool,
-    /// Whether inputs may have followed a course that the host's callback has given.
+    /// Whether inputs may have followed polynomials through values from the host's callback.
     pub interpolated: bool,
 }
 
@@ -131,7 +133,7 @@ pub(crate) fn advance<H: Hybrid>(
     Ok(Advance { time: h.time(), event, early })
 }
 
-/// Runs a step of which taking over may have been an event.
+/// Runs a step in which taking over the set values may have been an event.
 #[inline]
 fn whole<H: Hybrid>(
     h: &mut H,

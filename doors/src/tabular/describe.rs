@@ -6,11 +6,11 @@ use crate::description::{Unit, Unknown, Variable};
 use crate::messages::log_categories;
 
 impl<T: Tabular> FromTable<T> {
-    /// What `modelDescription.xml` says, of both versions. Author, licence and the like are empty,
-    /// to be filled in.
+    /// The contents of `modelDescription.xml` for both versions. Author, licence and similar texts
+    /// are empty and may be filled in.
     ///
     /// # Panics
-    /// Where a row has a unit that is not of the symbols of [`Row::parameter`].
+    /// If a row has a unit that is not made of the symbols of [`Row::parameter`].
     pub fn description() -> Description {
         let references = |is: fn(Role) -> bool| {
             let rows = (1..).zip(T::ROWS).filter(move |(_, row)| is(row.role));
@@ -77,7 +77,7 @@ fn reference(place: usize) -> u32 {
 }
 
 impl Row {
-    /// As a model description says it.
+    /// The variable of a model description.
     fn described(&self, own: u32) -> Variable {
         let (causality, settable) = match self.role {
             Role::Time => (Causality::Independent, false),
@@ -105,9 +105,9 @@ impl Row {
     }
 }
 
-/// The exponents of kg, m, s, A, K, mol, cd and rad in a unit: factors with a point between, after
-/// at most one slash those of the denominator, each with an exponent or none. None for a symbol
-/// that is not known.
+/// The exponents of kg, m, s, A, K, mol, cd and rad in a unit. A unit is a product of factors
+/// separated by points; after at most one slash follow the factors of the denominator. A factor may
+/// have an exponent. `None` if a symbol is not known.
 fn exponents(unit: &str) -> Option<[i32; 8]> {
     let mut sum = [0; 8];
     let (above, below) = unit.split_once('/').unwrap_or((unit, ""));

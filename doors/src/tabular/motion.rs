@@ -1,4 +1,5 @@
-//! How a table moves: from event to event, its inputs held or in small parts of a step.
+//! Motion of a table: from event to event, with constant inputs, or in small parts of a step if
+//! inputs follow polynomials.
 
 use super::{FromTable, MOST_EVENTS, Saved, Tabular};
 use crate::events::Handled;
@@ -9,16 +10,16 @@ use crate::model::Model;
 use crate::problem::Problem;
 use crate::values::Bases;
 
-/// Parts of a step, in each of which an input that follows a polynomial is held at its value in the
-/// middle: the motion is then exact but for the square of a part.
+/// Number of parts of a step. In each part an input that follows a polynomial is held at its value
+/// in the middle, with an error of the square of the length of a part.
 const PARTS: f64 = 16.0;
 
 /// An input that follows a polynomial.
 pub(super) struct InputPolynomial {
     place: usize,
-    /// When it began, s.
+    /// Start time of the polynomial, s.
     since: f64,
-    /// Value and time derivatives 1 to 3 then.
+    /// Value and time derivatives 1 to 3 at the start time.
     polynomial: [f64; 4],
 }
 
@@ -45,7 +46,7 @@ impl<T: Tabular> FromTable<T> {
         Ok(())
     }
 
-    /// Gives inputs with a course their values at a time.
+    /// Sets inputs that follow a polynomial to their values at a time.
     fn follow(&mut self, time: f64) -> Result<(), Problem> {
         if self.courses.is_empty() {
             return Ok(());
@@ -67,8 +68,8 @@ impl<T: Tabular> Hybrid for FromTable<T> {
         Ok(())
     }
 
-    /// Values that were set act at once. Left is the law of an event at which the last step has
-    /// ended and which the host has not handled.
+    /// Values that were set have already taken effect. Only the law of an event remains, if the
+    /// last step has ended at an event that the host has not handled.
     fn take_over(&mut self, _: StepEnd, log: &mut dyn Log) -> Result<(Saved, bool), Problem> {
         let before = self.state.clone();
         if self.state.due {
@@ -127,7 +128,8 @@ impl<T: Tabular> Hybrid for FromTable<T> {
     }
 
     fn end_step(&mut self, _: Ended) {
-        // Where an input makes no value finite, what it was in the last part stays.
+        // If the value of an input makes a value that is not finite, the input keeps its value of
+        // the last part.
         let _ = self.follow(self.time());
         self.courses.clear();
     }
@@ -138,12 +140,12 @@ impl<T: Tabular> Hybrid for FromTable<T> {
         if polynomial[1..] != [0.0; 3] {
             self.courses.push(InputPolynomial { place, since: self.time(), polynomial });
         }
-        // The host has set this value itself, by which all others were finite.
+        // The host has set this value itself before, and all values were finite then.
         let _ = self.change(|values| values[place] = polynomial[0]);
     }
 
-    /// In Model Exchange a host comes for an event that it found by the indicators: one is due
-    /// where the next is not to come.
+    /// In Model Exchange the host finds the events by the indicators. An event is due if the time
+    /// of the next event is not in the future.
     fn carry_out(&mut self, log: &mut dyn Log) -> Result<Handled, Problem> {
         let come = T::next_event(&self.state.values) <= self.time();
         let states = self.state.due || come && self.state.life.interface == Interface::ModelExchange;

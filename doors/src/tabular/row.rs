@@ -4,10 +4,10 @@ use crate::life::Phase;
 use crate::problem::Problem;
 use crate::values::Base;
 
-/// What may be set when, for messages.
+/// The variables that may be set, for messages.
 pub(super) const SETTABLE: &str = "parameters and states until initialization ends, and inputs";
 
-/// What a variable is.
+/// Role of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Time.
@@ -65,8 +65,8 @@ impl Row {
         Self::new(Role::Time, name, "s", 0.0, "Time")
     }
 
-    /// A parameter: name, unit, start value, what it is. Units are written as in `kg.m/s2`, of the
-    /// base units of SI, N, Pa, J, W and V; `1` is none.
+    /// A parameter: name, unit, start value, description. Units are written as in `kg.m/s2`, with
+    /// the symbols of the SI base units, N, Pa, J, W and V; `1` means no unit.
     pub const fn parameter(
         name: &'static str,
         unit: &'static str,
@@ -126,15 +126,15 @@ impl Row {
         Self { name, unit, start, description, role, min: f64::MIN, max: f64::MAX }
     }
 
-    /// With the range of what may be set; `f64::MIN_POSITIVE` for more than 0, `f64::MAX` for no
-    /// bound.
+    /// Sets the range of allowed values. The lower bound `f64::MIN_POSITIVE` means more than 0; the
+    /// upper bound `f64::MAX` means no bound.
     #[must_use]
     pub const fn within(self, min: f64, max: f64) -> Self {
         Self { min, max, ..self }
     }
 
-    /// Whether a motion can have reached a value: a state may be beyond the range of what may be
-    /// set, by rounding or by its course.
+    /// Checks that a motion can have reached a value. By rounding or by its motion, a state may be
+    /// outside the range of values that may be set.
     pub(super) fn check_reached(&self, value: f64) -> Result<(), Problem> {
         let anything = Self { min: f64::MIN, max: f64::MAX, ..*self };
         match self.role {
@@ -143,7 +143,7 @@ impl Row {
         }
     }
 
-    /// Whether a value is within the range.
+    /// Checks that a value is within the range.
     pub(super) fn check(&self, value: f64) -> Result<(), Problem> {
         let whole = self.role != Role::Counter || value.fract() == 0.0;
         if (self.min..=self.max).contains(&value) && whole {
@@ -159,8 +159,8 @@ impl Row {
     }
 }
 
-/// The place of the one row that is time. It is found while the program is compiled, which ends
-/// where there is none.
+/// The place of the row of time. It is found at compile time; a table without such a row does not
+/// compile.
 pub(super) const fn place_of_time(rows: &[Row]) -> usize {
     let mut place = 0;
     while !matches!(rows[place].role, Role::Time) {

@@ -17,22 +17,22 @@ use vibro_impact::simulator::{
     AdvanceOutcome, Contact, Event, EventObserver, ImpactRecord, State, check_time,
 };
 
-/// Length of a piece of the energies' quadrature in units of the fastest rate: five Gauss nodes
-/// leave under 1e-12 of it.
+/// Length of a piece of the energies' quadrature, times the fastest rate. Five Gauss nodes on such
+/// a piece have a relative error below 1e-12.
 const PIECE: f64 = 0.5;
-/// Most pieces in half a period; only modes thousands of times faster than the drive would need
-/// more.
+/// Largest number of pieces in half a period. Only modes thousands of times faster than the drive
+/// would need more.
 const MAX_PIECES: f64 = 4096.0;
 
-/// Most impacts that one step reports: a closed form goes over any number of them at once, and a
-/// log has an end.
+/// Largest number of impacts that one step reports. A closed form passes over any number of impacts
+/// in one step, and the log must stay bounded.
 pub(crate) const MOST_REPORTED: f64 = 1000.0;
 
 /// Rounding of a drive phase, relative to itself: a few units in the last place from time,
 /// frequency and offset.
 const PHASE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// By how much an angle since the last impact may be off, rad.
+/// Largest rounding error of an angle since the last impact, rad.
 fn phase_rounding(angle: f64) -> f64 {
     PHASE_ROUNDING * (angle.abs() + TAU)
 }
@@ -44,7 +44,8 @@ pub(crate) struct Data {
     parameters: Parameters,
     time: DoubleDouble,
     phase: DrivePhase,
-    /// When the solution came into force, and what had happened before.
+    /// Time from which the solution applies. The next four fields hold the impacts and energies up
+    /// to it.
     from: DoubleDouble,
     record: ImpactRecord,
     input: f64,
@@ -54,8 +55,8 @@ pub(crate) struct Data {
 }
 
 impl Data {
-    /// Refuses times and phases that no motion has, at which impacts could not be counted: they can
-    /// only come from a saved state that was damaged.
+    /// Refuses times and phases that no motion can have and at which impacts could not be counted.
+    /// Only a damaged saved state has such values.
     ///
     /// # Errors
     /// [`PrecisionLost`](Error::PrecisionLost) for a time, [`OutOfRange`](Error::OutOfRange) for a
@@ -74,15 +75,15 @@ impl Data {
     }
 }
 
-/// Which limit is shown.
+/// One-sided limit that is shown at an impact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Limit {
-    /// Whichever rounding makes of the time: it is not known to be that of an impact.
+    /// The side that follows from the rounded time, which is not known to be the time of an impact.
     #[default]
     Any,
-    /// The one before the impact that happens now; it is not counted yet.
+    /// The limit before the impact that is due now; this impact is not counted yet.
     Before,
-    /// The one after it.
+    /// The limit after the impact.
     After,
 }
 
@@ -127,7 +128,7 @@ impl ClosedForm {
         })
     }
 
-    /// From what [`data`](Self::data) gave; the solution comes out the same, bit by bit.
+    /// The motion of given [`data`](Self::data); its solution is bitwise equal to the original.
     ///
     /// # Errors
     /// As [`Solution::new`].
@@ -151,7 +152,7 @@ impl ClosedForm {
         Ok(form)
     }
 
-    /// Goes back to what [`data`](Self::data) gave; solves anew only for other parameters.
+    /// Goes back to given [`data`](Self::data); solves again only if the parameters differ.
     ///
     /// # Errors
     /// As [`Solution::new`]; nothing has changed then.
@@ -185,7 +186,8 @@ impl ClosedForm {
         self.data.time.value()
     }
 
-    /// The steady state of other parameters from now on; the drive's phase stays continuous.
+    /// Changes to the steady state of other parameters from now on; the drive's phase stays
+    /// continuous.
     ///
     /// # Errors
     /// As [`Solution::new`]; nothing has changed then.
@@ -215,8 +217,8 @@ impl ClosedForm {
         Ok(())
     }
 
-    /// To `begin + step`, reporting the impacts up to [`MOST_REPORTED`]; optionally only to the
-    /// first. Returns also how many were not reported.
+    /// Advances to `begin + step`, or optionally only to the first impact. Reports at most
+    /// [`MOST_REPORTED`] impacts, and also returns the number of impacts not reported.
     ///
     /// # Errors
     /// [`PrecisionLost`](vibro_impact::Error::PrecisionLost) for a time that a double no longer
@@ -256,9 +258,9 @@ impl ClosedForm {
         Ok((AdvanceOutcome::End, 0.0))
     }
 
-    /// To `begin + step` or to the first impact, which is then due: shown is the limit before it.
-    /// An impact later than the end by no more than `late` (s) is taken as well. Returns whether
-    /// one is due.
+    /// Advances to `begin + step` or to the first impact, which is then due; the limit before it is
+    /// shown. An impact at most `late` (s) after the end counts as well. Returns whether an impact
+    /// is due.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
@@ -280,13 +282,13 @@ impl ClosedForm {
         Ok(due)
     }
 
-    /// Moves to another moment of the same steady state, some time from now (s).
+    /// Moves to the time `by` (s) from now on the same steady state.
     pub(crate) fn shift(&mut self, by: f64) {
         (self.data.time, self.data.limit) = (self.data.time.plus(by), Limit::Any);
     }
 
-    /// Goes on to an impact that is later than now by no more than `late` (s), which is then due;
-    /// without one nothing happens.
+    /// Advances to an impact at most `late` (s) from now, which is then due. Does nothing if there
+    /// is no such impact.
     pub(crate) fn meet(&mut self, late: f64) -> bool {
         let next = self.halves(self.data.time).0 + 1.0;
         let due = self.halves(self.data.time.plus(late)).0 >= next;
@@ -296,12 +298,12 @@ impl ClosedForm {
         due
     }
 
-    /// Whether it stands before an impact.
+    /// Whether an impact is due.
     pub(crate) fn is_due(&self) -> bool {
         self.data.limit == Limit::Before
     }
 
-    /// Takes the impact before which it stands; without one nothing happens.
+    /// Applies the impact that is due; does nothing if none is due.
     pub(crate) fn apply_due_event(&mut self, observer: EventObserver<'_, '_>) {
         if self.is_due() {
             self.data.limit = Limit::After;
@@ -311,22 +313,24 @@ impl ClosedForm {
         }
     }
 
-    /// Time of the next impact (s), by formula: it may round to the present. One that is due is the
-    /// next.
+    /// Time of the next impact (s), by formula; it may round to the present time. An impact that is
+    /// due is the next impact.
     pub(crate) fn next_impact(&self) -> f64 {
         let now = self.halves(self.data.time).0;
         self.impact_time(if self.is_due() { now } else { now + 1.0 }).value().max(self.time())
     }
 
-    /// Displacements and velocities, at an impact those of the limit that is shown: of one that is
-    /// counted as past, within the rounding of the phase, those after it. Where rounding has the
-    /// other limit, the velocities that jump are those as much beside the impact.
+    /// Displacements and velocities; at an impact, those of the limit that is shown. An impact that
+    /// counts as past by the rounding of the phase shows the limit after it. If the rounded phase
+    /// lies on the other side of the impact, the velocities that jump are taken at a phase twice
+    /// the rounding away.
     fn state(&self) -> State {
         let (theta, side) = (self.theta(), self.last_side());
         let (halves, since) = self.halves(self.data.time);
         let rounding = phase_rounding(halves * PI);
         let state = self.solution.state(theta);
-        // In the middle between the approach and the rebound, which may be none.
+        // The threshold is the mean of the approach and rebound velocities; the rebound may be
+        // zero.
         let restitution = self.data.parameters.stop_restitution;
         let before = side * (state.v[1] - state.v[0]) > 0.5 * (1.0 - restitution) * self.speed;
         let way = match (self.data.limit, before) {
@@ -339,13 +343,13 @@ impl ClosedForm {
         State { x: state.x, v: [beside[0], beside[1], state.v[2]] }
     }
 
-    /// The stop of the last impact, or of that which is due: +1 the upper, -1 the lower.
+    /// The stop of the last impact, or of the impact that is due: +1 the upper, -1 the lower.
     fn last_side(&self) -> f64 {
         if self.halves(self.data.time).0 % 2.0 == 0.0 { 1.0 } else { -1.0 }
     }
 
-    /// The stop of the last impact that is counted, which one that is due is not: what is read now
-    /// is the motion from there on.
+    /// The stop of the last counted impact, at which the motion shown now began. An impact that is
+    /// due is not counted.
     pub(crate) fn counted_side(&self) -> f64 {
         if self.is_due() { -self.last_side() } else { self.last_side() }
     }
@@ -386,8 +390,8 @@ impl ClosedForm {
         let d = self.derivatives();
         let state = State { x: d.map(|d| d[0]), v: d.map(|d| d[1]) };
         let y = state.to_relative();
-        // By the same rounding, so that nothing has happened at the start, however near to an
-        // impact it is.
+        // Both counts use the same rounding, so that no impact is counted at the start, however
+        // near an impact is.
         let ((first, before), (mut now, mut since)) = (self.halves(data.from), self.halves(data.time));
         if self.is_due() {
             (now, since) = (now - 1.0, PI);
@@ -434,8 +438,8 @@ impl ClosedForm {
             .clamp(1.0, MAX_PIECES) as usize;
         let piece = PI / pieces as f64;
         let mut knots = vec![[0.0; 2]; pieces + 1];
-        // One walk along the orbit for all pieces: each state by itself would go the way from the
-        // impact again.
+        // One pass along the orbit for all pieces: each state computed alone would start again at
+        // the impact.
         self.solution.with_states(|states| {
             for i in 0..pieces {
                 let (from, to) = (i as f64 * piece, (i + 1) as f64 * piece);
@@ -454,8 +458,8 @@ impl ClosedForm {
         [self.knots[index][0] + rest[0], self.knots[index][1] + rest[1]]
     }
 
-    /// The powers' integrals between two phases after the upper impact; the half period after the
-    /// lower is its mirror image, with the same powers.
+    /// Integrals of the powers between two phases after the upper impact. The half period after the
+    /// lower impact is the mirror image and has the same powers.
     fn integrate(&self, states: &mut dyn FnMut(f64) -> State, from: f64, to: f64) -> [f64; 2] {
         let p = &self.data.parameters;
         let mut sums = [0.0; 2];

@@ -36,10 +36,10 @@ pub(crate) struct Data {
 }
 
 impl Data {
-    /// Refuses numbers that no motion has: they can only come from a saved state that was damaged.
+    /// Refuses numbers that no motion can have. Only a damaged saved state has such numbers.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] that names what is not finite.
+    /// [`Error::OutOfRange`] with the name of the number that is not finite.
     fn check(&self) -> Result<(), Error> {
         let at = &self.accepted;
         let points = [(&self.state, &self.forces, self.time), (&at.state, &at.forces, at.time)];
@@ -72,7 +72,7 @@ pub(crate) struct Continuous {
 }
 
 impl Continuous {
-    /// Where a simulation would start.
+    /// The motion at the start of a simulation.
     ///
     /// # Errors
     /// As [`Simulator::new`].
@@ -102,7 +102,7 @@ impl Continuous {
             accepted: Point::default(),
         })?;
         motion.anchor();
-        // Nothing has been put in yet.
+        // The input energy starts at 0.
         motion.data.initial = motion.values().mechanical;
         Ok(motion)
     }
@@ -112,7 +112,7 @@ impl Continuous {
         Ok(Self { data, model: Model::new(&data.parameters)? })
     }
 
-    /// Goes back to what [`data`](Self::data) gave.
+    /// Goes back to given [`data`](Self::data).
     ///
     /// # Errors
     /// As [`of`](Self::of); nothing has changed then.
@@ -161,8 +161,9 @@ impl Continuous {
         self.data.forces = forces;
     }
 
-    /// Takes effect at once; the drive's phase stays continuous. What it adds to springs and masses
-    /// counts as input, since the input is what the balance leaves.
+    /// Sets the parameters at once; the drive's phase stays continuous. The energy that the change
+    /// adds to springs and masses counts as input, since the input is the remainder of the energy
+    /// balance.
     ///
     /// # Errors
     /// As [`Simulator::set_parameters`]; nothing has changed then.
@@ -213,9 +214,9 @@ impl Continuous {
         [v[0], v[1], v[2], a[0], a[1], a[2]]
     }
 
-    /// Distances to the upper and lower stop in gaps, in flight; in rest the free relative
-    /// acceleration that presses the block on, in units of the largest that springs and drive make
-    /// at one gap's displacement.
+    /// Event indicators. In flight: the distances to the upper and lower stop, in gaps. In rest:
+    /// the free relative acceleration that presses the block on the stop, in units of the largest
+    /// acceleration by springs and drive at a displacement of one gap.
     pub(crate) fn indicators(&self) -> [f64; 3] {
         let (m, State { x, .. }) = (&self.model, &self.data.state);
         let pressing = self.data.contact.side() * self.accelerations().1;
@@ -223,9 +224,10 @@ impl Continuous {
         approach.indicators(self.data.contact)
     }
 
-    /// Whether an accepted point is past an event that the host has missed: the block in a stop and
-    /// moving on, or pulled on in rest. Solvers of fixed step compare indicators across an event,
-    /// or step over two changes of sign.
+    /// Whether an accepted point is past an event that the host has missed. In flight the block is
+    /// then in a stop and moves further in; in rest the stop no longer presses on the block.
+    /// Solvers of fixed step may miss an event, since they compare indicators across an event or
+    /// step over two changes of sign.
     pub(crate) fn missed_event(&self) -> bool {
         match self.data.contact {
             Contact::Flight => {
@@ -237,25 +239,26 @@ impl Continuous {
         }
     }
 
-    /// Takes the present point as accepted: damped energy is summed up to here.
+    /// Accepts the present point: the damped energy is accumulated up to it.
     pub(crate) fn accept(&mut self) {
         self.data.damped = self.damped();
         self.anchor();
     }
 
-    /// The point from which the damped energy is summed on.
+    /// Makes the present point the start of the next interval of the damped energy.
     fn anchor(&mut self) {
         let Data { time, state, forces, .. } = self.data;
         self.data.accepted = Point { time, state, forces };
     }
 
-    /// v1 and v3 with three derivatives each at a point, the forces changing at `slope`.
+    /// v1 and v3 with three derivatives each at a point; `slope` is the time derivative of the
+    /// forces.
     fn velocities(&self, at: &Point, slope: [f64; 3]) -> Velocities {
         velocities(&self.model, self.mode(), &self.augmented_at(at), at.forces, slope)
     }
 
-    /// Damped energy up to now: two-point Hermite quadrature of the open interval with three
-    /// derivatives at each end (an error of h⁹), the forces taken as straight between its ends.
+    /// Damped energy up to now. The open interval is integrated by two-point Hermite quadrature
+    /// with three derivatives at each end (an error of h⁹); the forces are linear between its ends.
     fn damped(&self) -> f64 {
         let (from, now) = (self.data.accepted, self.now());
         let h = now.time - from.time;
@@ -279,8 +282,8 @@ impl Continuous {
         power
     }
 
-    /// What the outputs read at the present point. In rest the gap is exact, whatever rounding the
-    /// solver adds.
+    /// Values of the outputs at the present point. In rest the relative displacement is exactly one
+    /// gap, free of the solver's rounding.
     pub(crate) fn values(&self) -> OutputValues {
         let (data, (a, free)) = (&self.data, self.accelerations());
         let z = self.augmented();
@@ -304,8 +307,8 @@ impl Continuous {
             coupling_force: coupling_force(&data.parameters, &data.state.x),
             indicators: self.indicators(),
             mechanical,
-            // Of the host's own solution: what the balance leaves, its solver's errors included
-            // (docs/theory.md, section 12).
+            // The input is the remainder of the energy balance of the host's solution; it contains
+            // the errors of the host's solver (docs/theory.md, section 12).
             input: mechanical - data.initial + damped + data.lost,
             damped,
             impact_loss: data.lost,

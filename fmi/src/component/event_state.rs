@@ -1,14 +1,14 @@
-//! What is kept of events between the calls of a host that handles them itself.
+//! Data about events, kept between the calls of a host that handles them itself.
 
 use super::values::OutputValues;
 use serde::{Deserialize, Serialize};
 use vibro_impact::simulator::{Contact, ImpactRecord, Simulator};
 
-/// Where the host stands in the handling of events, as plain data.
+/// State of the event handling, as plain data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct EventState {
-    /// What is shown of the discrete outputs until the host handles events that a step has passed
-    /// over.
+    /// Values of the discrete outputs shown until the host handles the events that a step has
+    /// passed over.
     pub(crate) latched: Option<Discrete>,
     /// Whether the host was told of an event and must handle it before the next step.
     pub(crate) pending: bool,
@@ -18,7 +18,7 @@ pub(crate) struct EventState {
     pub(crate) carried_out: bool,
 }
 
-/// What changes at events only.
+/// The values that change at events only.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Discrete {
     contact: Contact,

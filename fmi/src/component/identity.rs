@@ -1,5 +1,5 @@
-//! What tells one build of the component from another: a number made from everything its table says
-//! and its version.
+//! Identity of a build of the component: a number computed from the contents of its table and its
+//! version.
 
 use super::structure;
 use super::units::{ENUMERATION_TYPES, REAL_TYPES, UNITS};
@@ -23,10 +23,10 @@ pub const MODEL_DESCRIPTION: &str = "Three-degree-of-freedom vibro-impact system
 /// What is logged of events.
 pub const EVENTS: &str = "Each impact, rest and release";
 
-/// Who made it.
+/// Author of the model.
 pub const AUTHOR: &str = "the vibro-impact contributors";
 
-/// Whose it is.
+/// Copyright of the model.
 pub const COPYRIGHT: &str = "Copyright (c) 2026 the vibro-impact contributors";
 
 /// Licence of the component.
@@ -35,10 +35,10 @@ pub const LICENSE: &str = env!("CARGO_PKG_LICENSE");
 /// How the names of the variables are made: dots between the levels.
 pub const NAMING_CONVENTION: &str = "structured";
 
-/// The experiment that a host takes where nobody says otherwise: 100 periods of the default drive,
-/// in 200 steps each. The step is a reporting interval in Co-Simulation, but hosts take it for that
-/// of their solver in Model Exchange, and Euler's rule wants it short (docs/theory.md (115)). The
-/// quotient of duration and step is a whole number, as some hosts demand.
+/// The default experiment of a host: 100 periods of the default drive, with 200 steps each. The
+/// step is a reporting interval in Co-Simulation, but in Model Exchange hosts use it as the step of
+/// their solver, and Euler's method needs a short step (docs/theory.md (115)). The quotient of
+/// duration and step is a whole number, as some hosts demand.
 pub fn default_experiment() -> Experiment {
     let period = Parameters::default().period();
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 200.0 }

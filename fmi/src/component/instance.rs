@@ -1,5 +1,5 @@
-//! One component as a safe object: it is set, initialized, stepped or integrated, read, saved and
-//! restored.
+//! One component as a safe object with methods to set, initialize, step or integrate, read, save
+//! and restore it.
 //!
 //! Each method checks everything it was given and only then changes anything: a refused call leaves
 //! the component as it was. The FMI layer (the door) decides which call is allowed
@@ -37,10 +37,10 @@ use fmi_doors::{Interface, Life, Phase};
 use last_step::LastStep;
 use vibro_impact::simulator::Simulator;
 
-/// What moves.
+/// The motion and how it is computed.
 #[derive(Debug)]
 enum Engine {
-    /// Not initialized yet.
+    /// No motion: not initialized yet.
     None,
     /// Event-driven co-simulation.
     Simulation(Box<Simulator>),
@@ -56,28 +56,28 @@ pub struct Instance {
     life: Life,
     numbering: Numbering,
     edition: Edition,
-    /// What settings start from.
+    /// Start values of the settings.
     initial: Settings,
     settings: Settings,
     engine: Engine,
-    /// Loads whose derivatives were set since the last step; a later set of a load's value keeps
+    /// Loads whose derivatives were set since the last step. Setting the value of such a load keeps
     /// its derivatives.
     slopes_set: [bool; 3],
     /// Whether parameters or loads were set since the last step.
     parameters_set: bool,
     loads_set: bool,
     events: EventState,
-    /// What the outputs read; not up to date while stale.
+    /// Values of the outputs; outdated while stale.
     values: OutputValues,
     values_stale: bool,
     derived: Derived,
     derived_stale: bool,
-    /// The event that is to come, once it was asked for.
+    /// The prediction of the next event, once it has been requested.
     prediction: Option<Prediction>,
-    /// The last step, to be looked at again, and its derivatives once they were asked for.
+    /// The last step, kept for a replay, and its derivatives once they have been requested.
     last_step: Option<LastStep>,
     step_matrices: Option<StepMatrices>,
-    /// What the clock of impacts shows.
+    /// Values of the clock of impacts.
     tick: Tick,
     /// Nominal values of the states, as last reported to the host.
     nominals_told: Option<[f64; 6]>,
@@ -91,7 +91,7 @@ impl Instance {
         Self::of_protocol(interface, Protocol::default())
     }
 
-    /// A component with the start values, numbering and event handling of a protocol.
+    /// A component with the start values, numbering and event handling of `protocol`.
     pub fn of_protocol(interface: Interface, protocol: Protocol) -> Self {
         let Protocol { numbering, handling, start, edition } = protocol;
         Self {
@@ -134,7 +134,7 @@ impl Instance {
         self.life.phase = phase;
     }
 
-    /// Everything it needs to continue from here.
+    /// All data from which the component can continue.
     pub fn save(&self) -> SavedState {
         SavedState {
             interface: self.life.interface,
@@ -167,14 +167,14 @@ impl Instance {
         }
     }
 
-    /// What was computed of the motion no longer holds.
+    /// Marks the values computed from the motion as outdated.
     fn invalidate(&mut self) {
         self.values_stale = true;
         self.prediction = None;
         self.step_matrices = None;
     }
 
-    /// Brings the values up to date. In initialization that evaluates the start.
+    /// Brings the values up to date. In initialization they are evaluated at the start.
     fn refresh_values(&mut self) -> Outcome {
         if !self.values_stale {
             return Ok(());
@@ -201,8 +201,8 @@ impl Instance {
         finite(values)
     }
 
-    /// Brings what follows from the parameters up to date; only after parameters were set, since
-    /// steady states take a while to compute.
+    /// Brings the values that follow from the parameters up to date. They are computed only after
+    /// parameters were set, since steady states are expensive.
     fn refresh_derived(&mut self) {
         if self.derived_stale {
             self.derived = steady::derived(&self.settings.parameters);

@@ -1,6 +1,6 @@
-//! Time derivatives of what the outputs read, inside a smooth piece of the motion: each output is
-//! evaluated on truncated Taylor series, which add, subtract and multiply as the numbers do
-//! (Leibniz' rule).
+//! Time derivatives of the quantities from which outputs are computed, inside a smooth piece of the
+//! motion. Each output is evaluated on truncated Taylor series, which are added, subtracted and
+//! multiplied like numbers (products by Leibniz' rule).
 
 use super::values::OutputValues;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -50,14 +50,14 @@ impl Jet {
         Self(self.0.map(|x| factor * x))
     }
 
-    /// What has this time derivative.
+    /// The integral whose time derivative is `self`, with the given value.
     fn integral(self, value: f64) -> Self {
         let [first, second, third, _] = self.0;
         Self([value, first, second, third])
     }
 }
 
-/// Where a motion stands, with its derivatives.
+/// A motion at one time, with its time derivatives.
 pub(crate) struct MotionJet<'a> {
     pub(crate) values: &'a OutputValues,
     /// Time derivatives of the displacements, `[body][order]`.
@@ -69,8 +69,8 @@ pub(crate) struct MotionJet<'a> {
     pub(crate) theta: f64,
 }
 
-/// The time derivatives of all that the outputs read; the event indicators, which are no outputs,
-/// are left out.
+/// Time derivatives of the quantities from which outputs are computed. The event indicators are
+/// left out, since they are not outputs.
 pub(crate) fn jets(course: &MotionJet<'_>) -> OutputValues<Jet> {
     let MotionJet { values, motion, parameters: p, loads, theta } = course;
     let body = |order: usize| {
@@ -82,7 +82,7 @@ pub(crate) fn jets(course: &MotionJet<'_>) -> OutputValues<Jet> {
     let coupling_force = (x[1] - x[2]).times(p.coupling_stiffness);
     let mut contact_force = Jet::default();
     if values.contact != Contact::Flight {
-        // What the block needs beside load and coupling to move with the box.
+        // The force that the block needs, in addition to load and coupling, to move with the box.
         let push = load[1] - coupling_force - acceleration[1].times(p.block_mass);
         contact_force = push.times(values.contact.side());
         contact_force.0[0] = values.contact_force;
@@ -116,8 +116,8 @@ pub(crate) fn jets(course: &MotionJet<'_>) -> OutputValues<Jet> {
 }
 
 impl OutputValues<Jet> {
-    /// How much all of it changes in a short time, to first order; what changes at events only does
-    /// not.
+    /// First-order change of all values in a short time; values that change at events only do not
+    /// change.
     pub(crate) fn rates(&self, time: f64) -> OutputValues {
         self.with(self, |jet, _| time * jet.0[1])
     }

@@ -1,6 +1,6 @@
 //! The vibro-impact machine as a component that a host can set, step, read, save and restore. It
-//! knows no version of FMI: the rules it follows are those that all versions share, and a door maps
-//! its calls, phases and outcomes to functions, states and statuses of one version.
+//! does not depend on a version of FMI: it follows the rules that all versions share. A door maps
+//! its calls, phases and outcomes to the functions, states and statuses of one version.
 //!
 //! ```text
 //! instance ── variables, units, structure    one table: names, units, ranges, dependencies, access

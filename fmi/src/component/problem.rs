@@ -1,10 +1,10 @@
-//! Why the component refuses.
+//! Errors of the component.
 
 /// Outcome of a call.
 pub type Outcome<T = ()> = Result<T, ComponentProblem>;
 
-/// Why a call was refused; the component is then as it was. Each text names the thing, its value
-/// and what is allowed. What is not of this machine alone is the [doors'](Self::Door).
+/// Why a call was refused; the component is then unchanged. Each text names the variable, its value
+/// and what is allowed. Errors that any component may have are in [`Door`](Self::Door).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ComponentProblem {
@@ -16,8 +16,8 @@ pub enum ComponentProblem {
         /// What has one.
         allowed: &'static str,
     },
-    /// A step that begins neither where the last one stopped at an impact nor, after a restore,
-    /// where that one began.
+    /// A step after one that stopped early at an impact begins neither at that impact nor, after a
+    /// restore, where that step began.
     #[error(
         "currentCommunicationPoint = {given} s, but the last step ended at the impact at t = {own} s: restore the state saved \
          before the impact, or go on from lastSuccessfulTime"
@@ -28,7 +28,7 @@ pub enum ComponentProblem {
         /// The time of the impact.
         own: f64,
     },
-    /// A number that the motion has made is no finite double.
+    /// A number of the motion is not a finite double.
     #[error(
         "{name} = {value} at t = {time} s: allowed is what a double can hold; parameters, start values, states or loads are too \
          large together"
@@ -41,7 +41,7 @@ pub enum ComponentProblem {
         /// When, s.
         time: f64,
     },
-    /// A derivative that is no finite double.
+    /// A derivative that is not a finite double.
     #[error(
         "derivative of {name} = {value}: allowed is what a double can hold; seed, parameters, start values, states or loads are too \
          large together"
@@ -52,7 +52,7 @@ pub enum ComponentProblem {
         /// Its derivative along the seed.
         value: f64,
     },
-    /// A step with more work than one step may have; it has been taken back.
+    /// A step that exceeds the work limit of one step; it has been undone.
     #[error(
         "step from t = {own} s: it reached the limit of work in one step at t = {time} s, after {events} events, and has been taken \
          back. Cause: stop.restitution = {restitution} lets a pressed block bounce too long, or the block is too fast (its path in \
@@ -80,7 +80,7 @@ pub enum ComponentProblem {
         /// Why.
         what: String,
     },
-    /// What any component may refuse.
+    /// An error that any component may have.
     #[error(transparent)]
     Door(#[from] fmi_doors::Problem),
 }

@@ -1,25 +1,25 @@
-//! What the protocols of different interface standards agree on with a component when it is made.
+//! The protocol of an interface standard, given to a component when it is made.
 
 use super::settings::Settings;
 use super::variables::{Edition, Numbering};
 use fmi_doors::EventHandling;
 
-/// What protocols differ in.
+/// The properties in which protocols differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Protocol {
     /// Which variable a value reference stands for.
     pub numbering: Numbering,
     /// What the host does about events.
     pub handling: EventHandling,
-    /// What settings start from.
+    /// Start values of the settings.
     pub start: Settings,
     /// The variables that its description has.
     pub edition: Edition,
 }
 
 impl Default for Protocol {
-    /// Every variable by the table's own reference, the host does nothing about events, and there
-    /// is what every description has.
+    /// The table's own references, a host that does not handle events, and the variables of every
+    /// description.
     fn default() -> Self {
         Self {
             numbering: Numbering::ALL,

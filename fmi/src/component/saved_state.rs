@@ -18,10 +18,10 @@
 //! `Parameters`, `DoubleDouble`, …): **whoever changes one of their fields, or their order, changes
 //! the layout and must raise [`VERSION`]**; the test `golden_file_of_the_layout` notices it.
 //!
-//! Nothing in the payload belongs to one protocol alone, so a state that one door has written can
-//! be read by another of the same build: what a protocol has no place for (an event that its host
-//! still has to handle) is settled when the state is restored. The checksum notices accidents; it
-//! is no signature.
+//! Every field of the payload has a meaning in all protocols, so a state written by one door can be
+//! read by another door of the same build. If a protocol cannot represent a part of the state, such
+//! as an event that the host has yet to handle, the restore resolves it. The checksum detects
+//! accidental damage; it is not a signature.
 
 use super::closed_form;
 use super::continuous;
@@ -41,7 +41,7 @@ const MAGIC: [u8; 8] = *b"VIBROFMU";
 /// Version of the layout of the bytes that follow.
 pub const VERSION: u32 = 7;
 
-/// Everything a component needs to continue: its phase, what was set, and what moves.
+/// All data from which a component can continue: its phase, its settings and its motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedState {
     pub(super) interface: Interface,
@@ -55,8 +55,8 @@ pub struct SavedState {
     pub(super) tick: Tick,
     /// Nominal values of the states that the host was told last.
     pub(super) nominals_told: Option<[f64; 6]>,
-    /// What `stop_at_impact` starts from where this was saved: a host that has never set it means
-    /// its own protocol's.
+    /// Start value of `stop_at_impact` in the protocol that saved the state. If the host had not
+    /// changed it, a restore uses the start value of the restoring protocol.
     pub(super) stop_by_default: bool,
     /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
     pub(super) given: u16,
@@ -84,8 +84,8 @@ fn take<const N: usize>(bytes: &mut &[u8]) -> Outcome<[u8; N]> {
 }
 
 impl SavedState {
-    /// Refuses a phase that does not go with what moves: it can only come from a saved state that
-    /// was damaged. Which phases an interface type has is asked elsewhere
+    /// Refuses a phase that does not fit the motion, which only a damaged saved state has. Whether
+    /// the interface type has the phase is checked elsewhere
     /// ([`Life::take_over`](fmi_doors::Life::take_over)).
     ///
     /// # Errors
@@ -105,7 +105,7 @@ impl SavedState {
     /// Its bytes: header, payload, checksum.
     ///
     /// # Errors
-    /// [`SavedState`](fmi_doors::Problem::SavedState), which would be a mistake of ours.
+    /// [`SavedState`](fmi_doors::Problem::SavedState), which would be a bug in this crate.
     pub fn serialize(&self) -> Outcome<Vec<u8>> {
         let payload = postcard::to_stdvec(self).map_err(|error| refused(error.to_string()))?;
         let length = u32::try_from(payload.len()).map_err(|error| refused(error.to_string()))?;
@@ -120,7 +120,7 @@ impl SavedState {
         Ok(bytes)
     }
 
-    /// The state of these bytes. Whether it can be carried on shows when it is restored.
+    /// The state of these bytes. Restoring it checks whether a motion can continue from it.
     ///
     /// # Errors
     /// [`SavedState`](fmi_doors::Problem::SavedState) for bytes that are truncated, altered, of

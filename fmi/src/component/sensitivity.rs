@@ -1,11 +1,12 @@
-//! How the state at the end of a step varies with that at its begin and with the loads in it: the
-//! variational equations of each smooth piece, which are its own equations without the drive, and a
-//! jump at each impact (the saltation matrix, docs/theory.md (84)).
+//! Derivatives of the state at the end of a step with respect to the state at its beginning and the
+//! loads during it. They follow from the variational equations of each smooth piece, which are the
+//! equations of motion without the drive, and from a jump at each impact (the saltation matrix,
+//! docs/theory.md (84)).
 //!
-//! Found by replaying the step when it is asked for, so that a step itself costs nothing more. In
-//! resting contact box and block are one body: variations of their relative motion are projected
-//! out, as an impact without rebound would do it, with the momentum kept. A release changes nothing
-//! to first order, since the accelerations on both sides of it are equal.
+//! They are found by replaying the step when they are requested, so that the step itself does no
+//! extra work. In resting contact box and block are one body: variations of their relative motion
+//! are projected out at constant momentum, as by an impact without rebound. A release changes
+//! nothing to first order, since the accelerations on both sides of it are equal.
 
 use super::values::StepMatrices;
 use vibro_impact::Error;
@@ -30,8 +31,8 @@ struct Column {
     loads: Forces,
 }
 
-/// The derivatives over the step that `replay` begins, through as many impacts as `reached` has
-/// counted, to `reached`'s time.
+/// The derivatives over the step from the state of `replay` to the time of `reached`, with as many
+/// impacts as `reached` has counted.
 ///
 /// # Errors
 /// As the replay's.
@@ -39,7 +40,7 @@ pub(crate) fn matrices(mut replay: Simulator, reached: &Simulator) -> Result<Ste
     let model = Model::new(replay.parameters())?;
     let begin = replay.time();
     let end = reached.time();
-    // An event may lie at the end but for rounding.
+    // An event at the end may differ from it by rounding.
     let limit = end + 4.0 * f64::EPSILON * end.abs();
     let counted = |s: &Simulator| s.impacts().upper + s.impacts().lower;
     let mut columns: [Column; COLUMNS] = std::array::from_fn(unit);
@@ -53,7 +54,7 @@ pub(crate) fn matrices(mut replay: Simulator, reached: &Simulator) -> Result<Ste
         propagate(&mut columns, &model, mode, (from - begin, to - begin));
         match replay.due_event() {
             Some(DueEvent::Impact { .. }) if counted(&replay) < counted(reached) => {
-                // The law is that of the parameters with which it was applied.
+                // The law uses the parameters with which it was applied in the step.
                 let law = Model::new(reached.parameters())?;
                 if replay.parameters() != reached.parameters() {
                     replay.set_parameters(reached.parameters())?;
@@ -72,7 +73,7 @@ pub(crate) fn matrices(mut replay: Simulator, reached: &Simulator) -> Result<Ste
     Ok(collected(&columns))
 }
 
-/// The variation that one state or one coefficient of a load is varied by.
+/// The unit variation of one state or of one coefficient of a load.
 fn unit(i: usize) -> Column {
     let mut column = Column { z: [0.0; COORDINATES], loads: [[0.0; 4]; 3] };
     match i {
@@ -88,13 +89,13 @@ fn unit(i: usize) -> Column {
     column
 }
 
-/// Relative motion goes over into motion of both.
+/// Projects out the relative motion; the momentum of box and block is kept.
 fn merge(z: &mut Augmented, block_share: f64) {
     add_relative(z, block_share);
     (z[RELATIVE], z[RELATIVE_RATE]) = (0.0, 0.0);
 }
 
-/// Carries variations over a piece, its times counted from the step's begin.
+/// Propagates variations over a piece, whose times are relative to the beginning of the step.
 fn propagate(columns: &mut [Column; COLUMNS], model: &Model, mode: SmoothMode, (from, to): (f64, f64)) {
     let parts = ((to - from) * model.rate / REACH).ceil().max(1.0);
     let part = (to - from) / parts;

@@ -1,5 +1,5 @@
 //! Values that a host can set, and values that follow from them without a motion. They are plain
-//! data, on which the accessors of the variable table work.
+//! data, which the accessors of the variable table read and write.
 
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Groups, Parameters};
@@ -27,7 +27,7 @@ impl SolutionMode {
         }
     }
 
-    /// The mode of that number.
+    /// The mode with a number; `None` for other numbers.
     pub fn from_number(number: i32) -> Option<Self> {
         [Self::EventDriven, Self::MultipleScales, Self::ExactOrbit].into_iter().find(|m| m.number() == number)
     }

@@ -1,4 +1,4 @@
-//! The steady states as the component shows them: the `steady.*` variables, and what the
+//! The steady states of the component: the `steady.*` variables, and the motions that the
 //! closed-form modes play.
 
 use super::problem::ComponentProblem;
@@ -15,13 +15,13 @@ use vibro_impact::steady::{Roots, Sheet};
 /// Orders of the displacements' derivatives, 0 to 5.
 pub(crate) const ORDERS: usize = 6;
 
-/// What follows from the parameters alone; every number is finite.
+/// Values that follow from the parameters alone; every number is finite.
 pub(crate) fn derived(parameters: &Parameters) -> Derived {
     Derived { groups: groups(parameters), steady: values(parameters) }
 }
 
-/// The dimensionless groups. Without `box.k` those that it scales are 0; one beyond the range of a
-/// double is its end.
+/// The dimensionless groups. If `box.k` is 0, the groups that it scales are 0. A value outside the
+/// range of a double is set to the end of the range.
 fn groups(parameters: &Parameters) -> Groups {
     let unscaled = Groups {
         epsilon: parameters.block_mass / parameters.box_mass,
@@ -32,7 +32,7 @@ fn groups(parameters: &Parameters) -> Groups {
     let mut groups = parameters.groups().unwrap_or(unscaled);
     for group in &GROUPS {
         let value = (group.get)(&groups);
-        // 0/0 is left where two quantities are both beyond the range.
+        // A quotient is NaN if both its quantities are outside the range.
         (group.set)(&mut groups, if value.is_nan() { 0.0 } else { value.clamp(f64::MIN, f64::MAX) });
     }
     groups
@@ -58,7 +58,7 @@ fn values(parameters: &Parameters) -> Steady {
     steady
 }
 
-/// The upper fixed point, where the block really moves and no amplitude is beyond the range of a
+/// The upper fixed point, if the block moves in it and every amplitude is within the range of a
 /// double.
 fn upper(scales: &MultipleScales) -> Option<FixedPoint> {
     let finite = |point: &FixedPoint| {
@@ -80,8 +80,8 @@ impl Solution {
     /// The steady state of a closed-form mode.
     ///
     /// # Errors
-    /// [`ComponentProblem::ClosedForm`] with the range of existence when there is none;
-    /// [`ComponentProblem::Model`] where it is undefined.
+    /// [`ComponentProblem::ClosedForm`] with the range of existence if no steady state exists;
+    /// [`ComponentProblem::Model`] if it is undefined.
     pub(crate) fn new(mode: SolutionMode, parameters: &Parameters) -> Result<Self, ComponentProblem> {
         if parameters.drive_frequency == 0.0 {
             return Err(ComponentProblem::value(
@@ -96,7 +96,7 @@ impl Solution {
         }
     }
 
-    /// What speaks against it: which of the tests fails, in words.
+    /// The tests that the steady state fails, in words; `None` if it passes all.
     pub(crate) fn objections(&self) -> Option<String> {
         let failed: Vec<_> = match self {
             Self::Scales { point, .. } => {
@@ -135,7 +135,7 @@ impl Solution {
         }
     }
 
-    /// Each of its impacts.
+    /// Relative speed, impulse and lost energy, which all its impacts share.
     pub(crate) fn impact(&self, model: &Model) -> Impact {
         let factors = model.impact_factors();
         let (speed, impulse) = match self {
@@ -154,9 +154,9 @@ impl Solution {
         Impact { speed, impulse, lost: factors.loss * speed * speed }
     }
 
-    /// Calls `use_states` with a function that gives the state at one drive phase (rad) after
-    /// another, as [`state`](Self::state); for rising phases they cost no more than the way along
-    /// the orbit once.
+    /// Calls `use_states` with a function that returns the state at a drive phase (rad), like
+    /// [`state`](Self::state). For rising phases the total cost is that of one pass along the
+    /// orbit.
     pub(crate) fn with_states<R>(&self, use_states: impl FnOnce(&mut dyn FnMut(f64) -> State) -> R) -> R {
         match self {
             Self::Scales { .. } => use_states(&mut |theta| self.state(theta)),
@@ -190,8 +190,8 @@ impl Solution {
             std::array::from_fn(|body| [state.x[body], state.v[body], 0.0, 0.0, 0.0, 0.0]);
         match self {
             Self::Scales { parameters: p, point } => {
-                // The sawtooth is straight between impacts: from the second order on only the sines
-                // are left.
+                // The sawtooth is linear between impacts, so derivatives from the second order on
+                // are those of the sines.
                 for (body, amplitude, lag) in [(0, point.b, point.psi), (2, point.a3, point.psi3)] {
                     let mut scale = p.stop_gap * amplitude * p.drive_frequency;
                     for (order, d) in d[body].iter_mut().enumerate().skip(2) {
@@ -201,14 +201,14 @@ impl Solution {
                 }
             }
             Self::Orbit(orbit) => {
-                // The orbit flies by the model's own equations.
+                // Between impacts the orbit follows the equations of motion.
                 let Ok(model) = Model::new(orbit.parameters()) else { return d };
                 let mut z = [0.0; COORDINATES];
                 z[..6].copy_from_slice(&state.to_relative());
                 (z[DRIVE_SIN], z[DRIVE_COS]) = theta.sin_cos();
                 let series =
                     Series::<ORDERS>::expand(&model, model::SmoothMode::Flight, &z, None, 1.0 / model.rate);
-                // The place itself stays as the orbit has it.
+                // The displacement is kept from the orbit.
                 for (d, own) in d.iter_mut().zip(series.derivatives::<ORDERS>(model.rate)) {
                     d[1..].copy_from_slice(&own[1..]);
                 }
@@ -241,8 +241,8 @@ fn exact(parameters: &Parameters) -> Result<Solution, ComponentProblem> {
     if let Some(orbit) = family.orbit(Sheet::Upper)? {
         return Ok(Solution::Orbit(Box::new(orbit)));
     }
-    // The response of w to the force alone grows with the force: where does the quadratic get a
-    // root p > 0?
+    // The response of w to the force is proportional to the force. The range follows from the force
+    // at which the quadratic has a root p > 0.
     let unit = OrbitFamily::new(&Parameters { drive_amplitude: 1.0, ..*parameters })?;
     let (a, b, c) = unit.quadratic();
     let response = (1.0 - c).max(0.0).sqrt();

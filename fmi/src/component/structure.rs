@@ -1,4 +1,4 @@
-//! Which unknown depends on which known, and how: lists made from the table's columns.
+//! Dependencies of unknowns on knowns, and their kinds: lists made from the table's columns.
 
 use super::variables::{
     Causality, Dependencies, DependencyKind, Edition, Initial, Initially, Knowns, START, VARIABLES, Variable,
@@ -91,18 +91,20 @@ fn listed(variable: &Variable) -> Knowns {
     }
 }
 
-/// What a variable that is no unknown of the model's structure depends on, an array as a whole.
+/// Dependencies of a variable that is not an unknown of the model's structure; an array counts as a
+/// whole.
 pub fn declared(variable: &Variable) -> Vec<(usize, DependencyKind)> {
     ordered(listed(variable), variable.further)
 }
 
-/// Outside initialization. Descriptions with more than the variables of all have further knowns.
+/// Dependencies outside initialization. Later descriptions have further knowns.
 fn unknown((place, variable): (usize, &Variable), edition: Edition) -> Unknown {
     let further = if edition > Edition::Every { variable.further } else { &[] };
     Unknown { place, dependencies: ordered(listed(variable), further) }
 }
 
-/// In initialization, where a factor is either constant or has no particular structure.
+/// Dependencies in initialization. Their kind is either constant or dependent (no particular
+/// structure).
 fn initially((place, variable): (usize, &Variable)) -> Unknown {
     let knowns = listed(variable);
     let dependencies = match variable.initially {
@@ -136,8 +138,8 @@ pub fn event_indicators() -> Vec<Unknown> {
     named(&INDICATORS, Edition::Extended)
 }
 
-/// What is unknown in initialization: calculated outputs and calculated parameters in the order of
-/// the table, and with them the derivatives that are variables of their own.
+/// The unknowns of initialization: calculated outputs and calculated parameters in the order of the
+/// table, and the derivatives that are separate variables.
 pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
     let derivatives: &[_] = if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &[] };
     let unknowns = of_edition(edition).filter(|(_, variable)| {

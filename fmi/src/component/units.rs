@@ -111,8 +111,7 @@ const fn real(
     RealType { name, quantity: Some(quantity), unit: Some(unit), display_unit, description }
 }
 
-/// Declares the Real types as constants, and [`REAL_TYPES`] of them all: one that is declared is in
-/// the list.
+/// Declares the Real types as constants, and the list [`REAL_TYPES`] of all of them.
 macro_rules! real_types {
     ($($(#[$doc:meta])* $name:ident = $value:expr;)*) => {
         $($(#[$doc])* pub const $name: RealType = $value;)*
@@ -212,7 +211,7 @@ pub const SIDE: EnumerationType = EnumerationType {
 /// Every declared enumeration.
 pub const ENUMERATION_TYPES: &[EnumerationType] = &[MODE, CONTACT, SIDE];
 
-/// The unit of that name.
+/// The unit with a name.
 pub fn find(name: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.name == name)
 }

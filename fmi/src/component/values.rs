@@ -1,13 +1,13 @@
-//! What the outputs read: the motion at the present time, in plain numbers or with a variation of
-//! each.
+//! Values of the outputs: the motion at the present time, as plain numbers or as numbers with a
+//! variation.
 
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, Mul, Neg, Sub};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, EnergyAccounts, ImpactRecord, Simulator, State};
 
-/// A number and how it varies along one direction of states and loads, to first order: the row of
-/// an output is evaluated on these as it stands, so that a product varies by the product rule.
+/// A number and its first-order variation along a direction of states and loads. The expression of
+/// an output is evaluated on such numbers without change; a product varies by the product rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Varied {
     /// The value.
@@ -45,8 +45,9 @@ impl Neg for Varied {
     }
 }
 
-/// What the outputs read of the motion. `T` is `f64`, or [`Varied`] for directional derivatives;
-/// what changes at events only is a plain number in both, since it does not vary between them.
+/// The quantities of the motion from which outputs are computed. `T` is `f64`, or [`Varied`] for
+/// directional derivatives. A quantity that changes at events only is always a plain number, since
+/// it does not vary between events.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputValues<T = f64> {
     /// Time, s.
@@ -63,8 +64,8 @@ pub struct OutputValues<T = f64> {
     pub contact_force: T,
     /// Force in the coupling spring, N.
     pub coupling_force: T,
-    /// Event indicators: distances to the upper and the lower stop, and what presses the block on
-    /// in rest, without dimension.
+    /// Event indicators, dimensionless: distances to the upper and the lower stop, and the
+    /// acceleration that presses the block on in rest.
     pub indicators: [T; 3],
     /// Kinetic and elastic energy, J.
     pub mechanical: T,
@@ -90,12 +91,13 @@ pub struct Prediction {
 }
 
 /// Derivatives of the state at the end of a step, in the order of
-/// [`STATES`](super::structure::STATES). The default is that of a step without length.
+/// [`STATES`](super::structure::STATES). The default holds for a step of length zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepMatrices {
-    /// With respect to the state at its begin.
+    /// With respect to the state at the step's beginning.
     pub transition: [[f64; 6]; 6],
-    /// With respect to value and derivatives 1 to 3 of the load on each body at its begin.
+    /// With respect to the value and derivatives 1 to 3, at the step's beginning, of the load on
+    /// each body.
     pub response: [[f64; 12]; 6],
 }
 
@@ -124,10 +126,10 @@ pub struct Tick {
     pub side: i8,
 }
 
-/// Indicator of what cannot happen in the present contact.
+/// Value of an indicator whose event cannot occur in the present contact.
 const IDLE: f64 = 1.0;
 
-/// What the event indicators are made of.
+/// The quantities from which the event indicators are computed.
 pub(crate) struct Approach {
     /// L, m.
     pub gap: f64,
@@ -142,7 +144,7 @@ pub(crate) struct Approach {
 }
 
 impl Approach {
-    /// From the parameters, where the block presses with a contact force (N).
+    /// From the parameters, the relative displacement and the contact force (N).
     pub(crate) fn new(p: &Parameters, w: f64, contact_force: f64) -> Self {
         Self {
             gap: p.stop_gap,
@@ -153,9 +155,9 @@ impl Approach {
         }
     }
 
-    /// The event indicators: distances to the upper and lower stop in gaps, in flight; in rest the
-    /// free relative acceleration that presses the block on, in units of the largest that springs
-    /// and drive make at one gap's displacement.
+    /// The event indicators. In flight: the distances to the upper and lower stop, in gaps. In
+    /// rest: the free relative acceleration that presses the block on the stop, in units of the
+    /// largest acceleration by springs and drive at a displacement of one gap.
     pub(crate) fn indicators(&self, contact: Contact) -> [f64; 3] {
         let Self { gap, w, pressing, spring, drive } = *self;
         match contact {
@@ -173,7 +175,7 @@ pub(crate) fn coupling_force(p: &Parameters, x: &[f64; 3]) -> f64 {
 }
 
 impl OutputValues {
-    /// Where a simulator stands.
+    /// Values of the present state of a simulator.
     pub fn of(simulator: &Simulator) -> Self {
         let State { x, v } = simulator.state();
         let EnergyAccounts { mechanical, input, damped, impact } = simulator.energy_accounts();
@@ -197,8 +199,8 @@ impl OutputValues {
         }
     }
 
-    /// Whether every number is finite, without a branch for each: 0 times what is not finite is not
-    /// 0.
+    /// Whether every number is finite, without a branch for each number: 0 times a number that is
+    /// not finite is NaN.
     pub(crate) fn is_finite(&self) -> bool {
         let impacts = &self.impacts;
         let lists = [self.x, self.v, self.acceleration, self.indicators];
@@ -215,14 +217,15 @@ impl OutputValues {
         State { x: self.x, v: self.v }
     }
 
-    /// Each value together with its rate; what changes at events only is taken from `self`.
+    /// Each value together with its rate. Values that change at events only are those of `self`.
     pub fn varied(&self, rate: &Self) -> OutputValues<Varied> {
         self.with(rate, |value, rate| Varied { value, rate })
     }
 }
 
 impl<T: Copy> OutputValues<T> {
-    /// Made of each of these values and another; what changes at events only is taken from `self`.
+    /// Combines each value with that of `other` by `f`. Values that change at events only are those
+    /// of `self`.
     pub(crate) fn with<U: Copy, V>(&self, other: &OutputValues<U>, f: impl Fn(T, U) -> V) -> OutputValues<V> {
         let three = |own: [T; 3], other: [U; 3]| std::array::from_fn(|i| f(own[i], other[i]));
         OutputValues {

@@ -1,10 +1,10 @@
 //! The one table of variables: the model description, start values, range checks, getters, setters,
 //! derivatives, reset and the documentation all come from it.
 //!
-//! A variable's place is that of its row, in the order of the descriptions. Its value reference is
-//! a column of the row, and stays where rows are put in before it or taken out. A description
-//! leaves out the variables of later [`Edition`]s; which references it has is the matter of its
-//! [`Numbering`]. How a variable is added: `fmi/README.md`.
+//! A variable's place is the index of its row, in the order of the descriptions. Its value
+//! reference is a column of the row and does not change when rows are inserted or removed. A
+//! description leaves out the variables of later [`Edition`]s; its [`Numbering`] determines its
+//! references. `fmi/README.md` explains how a variable is added.
 
 mod bases;
 mod columns;
@@ -36,7 +36,7 @@ pub fn find(name: &str) -> Option<&'static Variable> {
 /// Place of the variable of that name, at compile time.
 ///
 /// # Panics
-/// When there is none: a misspelt constant does not compile.
+/// If no variable has the name, so a misspelt constant does not compile.
 pub const fn place(name: &str) -> usize {
     let mut i = 0;
     while i < COUNT {

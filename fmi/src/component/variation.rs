@@ -13,7 +13,8 @@ use vibro_impact::simulator::{Contact, ImpactRecord, State};
 /// v1 and v3 with three derivatives each.
 pub(crate) type Velocities = [[f64; 4]; 2];
 
-/// They at one point, the forces changing at `slope`.
+/// v1 and v3 with three derivatives at one point, where `slope` is the time derivative of the
+/// forces.
 pub(crate) fn velocities(
     model: &Model,
     mode: SmoothMode,
@@ -47,9 +48,9 @@ pub(crate) struct Direction {
 }
 
 impl Direction {
-    /// How the forces on the bodies vary at a state and a drive with these sin θ and cos θ, beside
-    /// what the state's own variation does. A change of the drive's frequency keeps the phase
-    /// continuous, so it changes nothing now.
+    /// Variation of the forces on the bodies at a state and a drive with the given sin θ and cos θ,
+    /// without the part from the variation of the state. A change of the drive's frequency keeps
+    /// the phase continuous, so it does not change the present forces.
     fn push(&self, p: &Parameters, State { x, v }: &State, (sin, cos): (f64, f64)) -> [f64; 3] {
         let (d, stretch) = (&self.parameters, x[1] - x[2]);
         let turn = d.drive_phase + p.drive_frequency * self.time;
@@ -64,10 +65,10 @@ impl Direction {
     }
 }
 
-/// How the outputs vary with states, loads, tunable parameters and time in a given contact:
-/// everything is linear in states and forces but the mechanical energy, whose gradient is taken.
-/// Energies that have been summed up do not vary, but for what a change of springs adds at once,
-/// which counts as input.
+/// Variation of the outputs with states, loads, tunable parameters and time in a given contact. All
+/// outputs are linear in states and forces, except the mechanical energy, of which the gradient is
+/// taken. Accumulated energies do not vary, with one exception: the energy that a change of a
+/// spring adds at once counts as input.
 pub(crate) fn variation(
     model: &Model,
     p: &Parameters,
@@ -98,7 +99,7 @@ pub(crate) fn variation(
         * (d.box_stiffness * x[0] * x[0]
             + d.secondary_stiffness * x[2] * x[2]
             + d.coupling_stiffness * stretch * stretch);
-    // The indicators are linear, but for the idle ones, which do not vary.
+    // The indicators are linear; those unused in this contact do not vary.
     let indicators = match contact {
         Contact::Flight => [-z[RELATIVE] / model.gap, z[RELATIVE] / model.gap, 0.0],
         contact => {

@@ -1,5 +1,5 @@
-//! What else than the table `modelDescription.xml` says (FMI 2.0, 2.2.1, 3.3.1, 4.3.1): identity,
-//! capabilities, log categories, default experiment.
+//! The parts of `modelDescription.xml` that are not from the table (FMI 2.0, 2.2.1, 3.3.1, 4.3.1):
+//! identity, capabilities, log categories, default experiment.
 
 use crate::component::identity;
 use crate::component::identity::EVENTS;
@@ -21,7 +21,7 @@ pub const MODEL_VERSION: &str = identity::VERSION;
 /// 4.3.1 and 3.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
-    /// Both: runs without its tool.
+    /// Both: needs its tool to run.
     pub needs_execution_tool: bool,
     /// Model Exchange: `fmi2CompletedIntegratorStep` need not be called.
     pub completed_integrator_step_not_needed: bool,
@@ -35,9 +35,9 @@ pub struct Capabilities {
     pub can_run_asynchronuously: bool,
     /// Both: one instance per process.
     pub can_be_instantiated_only_once_per_process: bool,
-    /// Both: own memory management.
+    /// Both: does not use the host's memory functions.
     pub can_not_use_memory_management_functions: bool,
-    /// Both: `fmi2GetFMUstate` and its kin work.
+    /// Both: `fmi2GetFMUstate` and the related functions work.
     pub can_get_and_set_fmu_state: bool,
     /// Both: states can be serialized.
     pub can_serialize_fmu_state: bool,
@@ -45,7 +45,7 @@ pub struct Capabilities {
     pub provides_directional_derivative: bool,
 }
 
-/// What this FMU can do.
+/// Capabilities of this FMU.
 pub const CAPABILITIES: Capabilities = Capabilities {
     needs_execution_tool: false,
     // Accepted steps are where the energy accounts of Model Exchange are integrated.

@@ -1,5 +1,5 @@
-//! What else than the table `modelDescription.xml` says (FMI 3.0.2, 2.4, 3.4 and 4.4):
-//! capabilities, log categories, references, and the two descriptions of one library.
+//! The parts of `modelDescription.xml` that are not from the table (FMI 3.0.2, 2.4, 3.4 and 4.4):
+//! capabilities, log categories, references, and the further descriptions of the library.
 
 use crate::component::identity;
 use crate::component::identity::EVENTS;
@@ -17,15 +17,17 @@ use fmi_doors::messages::{Category, log_categories};
 
 /// The description of the archive that every importer can read.
 pub const MAIN: Edition = Edition::Extended;
-/// A description with arrays beside. Several importers read every local variable as a scalar.
+/// A further description with arrays. It is separate, since several importers read every local
+/// variable as a scalar.
 pub const ARRAYS: Edition = Edition::Arrays;
-/// A description with arrays and a clock. Several importers break on clocks that are outputs.
+/// A further description with arrays and a clock. It is separate, since several importers fail on
+/// clocks that are outputs.
 pub const CLOCKED: Edition = Edition::Clocked;
 
 /// Capability flags (FMI 3.0.2, 2.4.2, 3.4 and 4.4); one that is absent here has its default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
-    /// Both interface types: `fmi3GetFMUState` and its kin work.
+    /// Both interface types: `fmi3GetFMUState` and the related functions work.
     pub can_get_and_set_fmu_state: bool,
     /// Both: states can be serialized.
     pub can_serialize_fmu_state: bool,
@@ -53,7 +55,7 @@ pub struct Capabilities {
     pub has_event_mode: bool,
 }
 
-/// What this FMU can do.
+/// Capabilities of this FMU.
 pub const CAPABILITIES: Capabilities = Capabilities {
     can_get_and_set_fmu_state: true,
     can_serialize_fmu_state: true,
@@ -74,21 +76,22 @@ pub const CAPABILITIES: Capabilities = Capabilities {
 /// The log categories.
 pub const LOG_CATEGORIES: [Category; 6] = log_categories(EVENTS, "Why a value was not taken");
 
-/// What an instance starts from: the settings of every description, but a step returns at an event
-/// where the importer allows it, since FMI 3.0 has a protocol for that.
+/// Start values of the settings. They are those of every description, except that a step ends at an
+/// event if the importer allows it, since FMI 3.0 has a protocol for that.
 pub fn start_settings() -> Settings {
     Settings { stop_at_impact: true, ..Settings::default() }
 }
 
-/// The value references of a description: they count from 1 in its order, since there are importers
-/// that take value references for places (OMSimulator the references in the model's structure and
-/// in `derivative`). So they are those of one description, which its token names, and not the
-/// table's own.
+/// The value references of a description. They are counted from 1 in its order, since some
+/// importers take value references for indices (OMSimulator those in the model's structure and in
+/// `derivative`). So they differ from the table's own references, and belong to the one description
+/// that the token names.
 pub const fn numbering(edition: Edition) -> Numbering {
     Numbering::counted(edition)
 }
 
-/// Value reference in a description of the variable of that name, where it has one.
+/// Value reference, in a description, of the variable with a name; `None` if the description leaves
+/// it out.
 pub fn value_reference(edition: Edition, name: &str) -> Option<u32> {
     variables(edition).find(|(_, variable)| variable.name == name).map(|(reference, _)| reference)
 }
@@ -98,8 +101,8 @@ pub fn variables(edition: Edition) -> impl Iterator<Item = (u32, &'static Variab
     numbering(edition).variables()
 }
 
-/// Name of the variable whose derivative this is. A state has no such attribute, although
-/// velocities are derivatives: importers would take it for a state and a derivative.
+/// Name of the variable whose derivative this is. A state never has this attribute, although
+/// velocities are derivatives: importers would take it for both a state and a derivative.
 pub fn derivative(variable: &Variable) -> Option<&'static str> {
     match variable.kind {
         Kind::Real { derivative_of, .. } if !STATES.contains(&variable.name) => derivative_of,
@@ -112,9 +115,9 @@ pub fn is_clocked(variable: &Variable) -> bool {
     matches!(variable.access, Access::Tick(_)) && variable.kind != Kind::Clock
 }
 
-/// The symbol of docs/theory.md as an alias (FMI 3.0.2, 2.4.7.3), for what is set and for time.
-/// Validators exist that take the alias of a calculated output for an output that is missing from
-/// the model's structure.
+/// The symbol of docs/theory.md as an alias (FMI 3.0.2, 2.4.7.3), for variables that are set and
+/// for time. Other variables have none: some validators take the alias of a calculated output for
+/// an output that is missing from the model's structure.
 pub fn alias(variable: &Variable) -> Option<&'static str> {
     let set = variable.causality == Causality::Input || variable.initial == Some(Initial::Exact);
     variable.symbol.filter(|_| set)
@@ -146,9 +149,9 @@ pub fn model_name(edition: Edition) -> String {
     format!("{MODEL_IDENTIFIER}{suffix}")
 }
 
-/// Everything that a model description says. What belongs to a clock is not among the unknowns of
-/// initialization (FMI 3.0.2, 2.4.8); the clock itself is, although it cannot have the attribute
-/// `initial`: validators ask for it.
+/// The complete model description. Variables of a clock are not among the unknowns of
+/// initialization (FMI 3.0.2, 2.4.8). The clock itself is, although it cannot have the attribute
+/// `initial`, since validators require it.
 pub fn description(edition: Edition) -> Description {
     let can = CAPABILITIES;
     let table = Table { edition, numbering: numbering(edition), start: start_settings(), derivative };

@@ -1,4 +1,4 @@
-//! The functions that a library exports, but those of values (FMI 3.0.2, 2.2, 2.3, 3.2 and 4.2).
+//! The exported functions, except those that access values (FMI 3.0.2, 2.2, 2.3, 3.2 and 4.2).
 
 /// Exports a [`Component`](crate::Component) by FMI 3.0: all functions of the standard, each a
 /// public function by its C name. The macro belongs into a module of the library that hosts load,
@@ -31,7 +31,7 @@ macro_rules! export_fmi3 {
             /// Writes into a new FMU state, or over one that this instance gave out.
             fmi3GetFMUState, GetFMUState(handle FMUState)
                 |instance, _| FMUState.replace(|old| instance.save(old));
-            /// Any address is safe: only those this instance gave out are accepted.
+            /// Any address is safe: only addresses that this instance has returned are accepted.
             fmi3SetFMUState, SetFMUState(state FMUState) |instance, _| instance.restore(FMUState);
             /// A null state is ignored.
             fmi3FreeFMUState, FreeFMUState(handle FMUState) |instance, _| FMUState.free(|old| instance.free(old));
@@ -56,7 +56,7 @@ macro_rules! export_fmi3 {
             fmi3EnterEventMode, EnterEventMode() |instance, _| instance.enter_event_mode();
 
             "2.3.5":
-            /// Never allowed, since getters in Event Mode show what comes after the event.
+            /// Never allowed, since getters in Event Mode show the values after the event.
             fmi3EvaluateDiscreteStates, EvaluateDiscreteStates() |instance, _| instance.never();
             /// One call does all that happens at an instant, and nothing ends the simulation.
             fmi3UpdateDiscreteStates, UpdateDiscreteStates(out discreteStatesNeedUpdate: $crate::fmi3::types::FmiBoolean[1],
@@ -248,8 +248,9 @@ macro_rules! __instances_of_fmi3 {
             unsafe { $crate::fmi3::abi::instantiate_scheduled::<$component>(request) }
         }
 
-        /// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1); also frees FMU states that were not. Null is
-        /// ignored, and so is a call from inside the instance's own logger or callback.
+        /// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1). It also frees the FMU states that the host has
+        /// not freed. Null is ignored, and so is a call from inside the instance's logger or
+        /// callback.
         ///
         /// # Safety
         /// `instance` is null or from an instantiation and not freed; nothing uses it or its FMU
@@ -261,8 +262,8 @@ macro_rules! __instances_of_fmi3 {
             unsafe { $crate::fmi3::abi::free::<$component>(instance) }
         }
 
-        /// `fmi3DoStep` (FMI 3.0.2, 4.2.1). `lastSuccessfulTime` is given in any case, also beside
-        /// an error.
+        /// `fmi3DoStep` (FMI 3.0.2, 4.2.1). `lastSuccessfulTime` is always written, even on an
+        /// error.
         ///
         /// # Safety
         /// The instance is null or from an instantiation and not freed, and no call on it is

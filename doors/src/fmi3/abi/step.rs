@@ -9,10 +9,10 @@ use crate::ffi::pointers::variable;
 use std::cell::Cell;
 use std::mem::MaybeUninit;
 
-/// A variable of the host's that is only written; none where its pointer cannot be followed.
+/// A variable of the host that is only written; `None` if its pointer is null or misaligned.
 type Place<'a, T> = Option<&'a Cell<MaybeUninit<T>>>;
 
-/// What `fmi3DoStep` returns through pointers.
+/// Values that `fmi3DoStep` returns through pointers.
 struct Returned<'a> {
     event_handling_needed: Place<'a, FmiBoolean>,
     terminate_simulation: Place<'a, FmiBoolean>,
@@ -21,7 +21,7 @@ struct Returned<'a> {
 }
 
 impl Returned<'_> {
-    /// Refuses a step whose end could not be told.
+    /// Refuses a step if its result could not be returned.
     #[inline]
     fn check(&self) -> Result<(), Fault> {
         let Self { event_handling_needed, terminate_simulation, early_return, last_successful_time } = self;
@@ -52,8 +52,8 @@ fn put<T>(place: Place<'_, T>, value: T) {
     }
 }
 
-/// `fmi3DoStep` (FMI 3.0.2, 4.2.1) of a point and a size. `last_successful_time` is given in any
-/// case, also beside an error.
+/// `fmi3DoStep` (FMI 3.0.2, 4.2.1) with a point and a size. `last_successful_time` is always
+/// written, even on an error.
 ///
 /// # Safety
 /// The instance is null or from an instantiation of the same component and not freed, and no call
@@ -100,7 +100,7 @@ pub unsafe fn do_step<C: Component>(
     status
 }
 
-/// Where the motion stands, s; none without an instance, and inside its own logger.
+/// Present time of the motion, s; `None` without an instance, or inside the instance's logger.
 ///
 /// # Safety
 /// `instance` is null or from an instantiation and not freed.
@@ -111,7 +111,7 @@ unsafe fn present_time<C: Component>(instance: FmiInstance) -> Option<f64> {
     Some(borrowed.0.component.time())
 }
 
-/// A step that calls the host back; the instance is not borrowed while it does.
+/// A step that calls the host's callback; the instance is not borrowed during the callback.
 ///
 /// # Safety
 /// As for [`call`]; the callback is the host's.
@@ -155,10 +155,11 @@ unsafe fn step_with_callback<C: Component>(
     status
 }
 
-/// Calls the host back; returns the time at which it wants the step to end, if it does.
+/// Calls the host's callback. Returns the time at which the host wants the step to end, if it
+/// requests one.
 ///
 /// # Errors
-/// [`Fault::Panic`] where the callback unwinds.
+/// [`Fault::Panic`] if the callback unwinds.
 ///
 /// # Safety
 /// The callback is valid, and the environment is what it expects.

@@ -1,4 +1,4 @@
-//! How what the outputs read varies with states, inputs, parameters and time.
+//! Variation of the outputs with states, inputs, parameters and time.
 
 use super::Continuous;
 use crate::component::values::OutputValues;
@@ -6,13 +6,13 @@ use crate::component::variation::{Direction, quadrature, variation, velocities};
 use vibro_impact::model::{COORDINATES, DRIVE_COS, DRIVE_SIN};
 
 impl Continuous {
-    /// How the outputs vary along a direction, all else held.
+    /// Variation of the outputs along a direction; everything else is constant.
     pub(crate) fn variation(&self, along: &Direction) -> OutputValues {
         let (p, z) = (&self.data.parameters, self.augmented());
         let drive = (z[DRIVE_SIN], z[DRIVE_COS]);
         let mut rates = variation(&self.model, p, self.data.contact, &self.data.state, drive, along);
-        // The open interval's energy varies with its end, and with the slope of the forces at both
-        // ends.
+        // The energy of the open interval varies with its end, and with the slope of the forces at
+        // both ends.
         let (from, now) = (self.data.accepted, self.now());
         let h = now.time - from.time;
         if h != 0.0 {
@@ -39,8 +39,8 @@ impl Continuous {
         rates
     }
 
-    /// How the damped energy varies with the time of the open interval's end, the state there held:
-    /// differences of fourth order of the quadrature.
+    /// Derivative of the damped energy with respect to the end time of the open interval, at
+    /// constant state at the end. It is a difference of fourth order of the quadrature.
     fn damped_with_time(&self, h: f64) -> f64 {
         const PART: f64 = 1e-3; // of the interval
         let at = |places: f64| {

@@ -1,4 +1,4 @@
-//! What may be set when, and the time derivatives of outputs.
+//! Checks of when a variable may be set, and the time derivatives of outputs.
 
 use super::events::Present;
 use super::{ComponentProblem, Engine, Instance, Interface, Outcome, Phase};
@@ -7,7 +7,7 @@ use crate::component::settings::Settings;
 use crate::component::values::OutputValues;
 use crate::component::variables::{Access, Bases, Causality, Numbering, Set, Variable, WRITERS, Writer};
 
-/// What loads may be while a closed form is played.
+/// Allowed loads while a closed form is played.
 pub(super) const NO_LOADS: &str = "0 in a closed-form mode";
 
 #[cold]
@@ -26,7 +26,7 @@ impl Instance {
     /// The variable of that reference.
     ///
     /// # Errors
-    /// [`Reference`](fmi_doors::Problem::Reference) when there is none.
+    /// [`Reference`](fmi_doors::Problem::Reference) if no variable has the reference.
     pub(super) fn variable_of(&self, reference: u32) -> Outcome<&'static Variable> {
         self.look_up(reference, Bases::ANY)
     }
@@ -40,7 +40,7 @@ impl Instance {
         }
     }
 
-    /// A closer look at one set.
+    /// Full check of one value to be set.
     #[cold]
     pub(super) fn check_set(&self, reference: u32, bases: Bases, value: f64) -> Outcome {
         let variable = self.look_up(reference, bases)?;
@@ -77,8 +77,7 @@ impl Instance {
         if variable.input {
             let slopes = (self.slopes_set != [false; 3]).then_some(settings.loads.derivatives);
             set(settings, value);
-            // Derivatives set for this communication point hold whichever of the two calls comes
-            // first.
+            // Derivatives set for this communication point apply in either order of the two calls.
             if let Some(slopes) = slopes {
                 for body in (0..3).filter(|body| self.slopes_set[*body]) {
                     settings.loads.derivatives[body][1..].copy_from_slice(&slopes[body][1..]);
@@ -125,7 +124,7 @@ impl Instance {
         Err(fmi_doors::Problem::NotSettable { name, phase, allowed }.into())
     }
 
-    /// The time derivatives of all that the outputs read.
+    /// Time derivatives of the quantities from which outputs are computed.
     pub(super) fn jets(&self) -> Outcome<OutputValues<Jet>> {
         let (motion, parameters, loads, theta, values) = match self.present()? {
             Present::Simulation(s) => {

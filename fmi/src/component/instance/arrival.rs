@@ -21,10 +21,10 @@ pub(super) fn advance(
     }
 }
 
-/// Whether an event lies past a step's end, but by rounding alone. If so, advances to the event
-/// and pauses before its law; if not, leaves the motion unchanged. A host can step to the time that
-/// it was told for an event. The event must then be at the end of this step or before it.
-/// Otherwise the next step would end where it began, and the host would make no progress.
+/// Whether an event lies past a step's end by rounding alone. If so, advances to the event and
+/// pauses before its law; if not, leaves the motion unchanged. A host may step to the announced
+/// time of an event. The event must then be at the end of this step or before it. Otherwise the
+/// next step would end where it began, and the host would make no progress.
 pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Error> {
     if is_clear(simulator, rounding(end)) {
         return Ok(false);
@@ -92,7 +92,7 @@ fn size(simulator: &Simulator) -> f64 {
     parameters.stop_gap + x[0].abs() + x[2].abs() + (v[0].abs() + v[2].abs()) / fastest + pushed
 }
 
-/// Takes back a step that failed, and says why it did, or that it could not be taken back.
+/// Undoes a step that failed. Returns the step's error, or an error that says that undoing failed.
 #[cold]
 pub(super) fn take_back(
     simulator: &mut Simulator,

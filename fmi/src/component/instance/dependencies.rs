@@ -1,4 +1,4 @@
-//! What depends on what in the present contact.
+//! Dependencies of variables in the present contact.
 
 use super::events::Present;
 use super::{Engine, Instance, Outcome};
@@ -15,12 +15,12 @@ use vibro_impact::simulator::{Contact, State};
 const CONTACTS: [Contact; 3] = [Contact::Flight, Contact::RestUpper, Contact::RestLower];
 
 impl Instance {
-    /// What a variable depends on: before the end of initialization that of its initial value;
-    /// later what it depends on in the present contact, which is less than what is declared: at
-    /// rest box and block feel each other's loads, in flight not.
+    /// Dependencies of a variable: before the end of initialization those of its initial value,
+    /// later those in the present contact. They are a subset of the declared ones: box and block
+    /// depend on each other's loads in rest, but not in flight.
     ///
     /// # Errors
-    /// [`Reference`](fmi_doors::Problem::Reference) when there is no such variable.
+    /// [`Reference`](fmi_doors::Problem::Reference) if no variable has the reference.
     pub(super) fn present_dependencies(&self, reference: u32) -> Outcome<Vec<Dependency>> {
         let variable = self.variable_of(reference)?;
         let place = self.numbering.place(reference);
@@ -37,7 +37,7 @@ impl Instance {
             None if variable.dimensions.is_empty() => Vec::new(),
             None => structure::declared(variable),
         };
-        // At an event that after it, as it is shown.
+        // At an event the contact after the event, as it is shown.
         let contact = match self.present() {
             Ok(Present::Simulation(simulator)) => Some(simulator.contact()),
             Ok(Present::Continuous(continuous)) => Some(continuous.contact()),
@@ -55,7 +55,8 @@ impl Instance {
                 }
                 (Access::Output(reading), Some(contact)) => {
                     let depends = |contact| matters(&reading.value, &VARIABLES[known], contact);
-                    // What has no such dependence in any contact has grown up in time.
+                    // A dependency that exists in no contact at a given time comes from
+                    // accumulation in time, and is kept.
                     if depends(contact) || !CONTACTS.into_iter().any(depends) {
                         found.push(entry(0));
                     }
@@ -67,7 +68,8 @@ impl Instance {
     }
 }
 
-/// Whether a value changes with a known in a contact, at a point where nothing cancels.
+/// Whether a value changes with a known in a contact, evaluated at a point without accidental
+/// cancellation.
 fn matters(value: &dyn Fn(&OutputValues) -> f64, known: &Variable, contact: Contact) -> bool {
     const NUDGE: f64 = 0.01;
     const ROUNDING: f64 = 1e-10; // all factors at that point are above 0.01

@@ -15,24 +15,25 @@ use vibro_impact::model::Model;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{self, Contact};
 
-/// Step of differences, in parts of what a known is measured by ([`measure`](Instance::measure)):
-/// the fourth-order formula leaves about its fourth power of truncation, over as high a power of
-/// the width of a resonance, and 1e-16 over it of rounding.
+/// Step of differences, relative to the scale of a known ([`measure`](Instance::measure)). The
+/// truncation error of the fourth-order formula is about the fourth power of the ratio of the step
+/// to the relative width of a resonance; the rounding error is about 1e-16 divided by the step.
 const STEP: f64 = 1e-4;
-/// What a stiffness or a damper is measured by at least, in parts of what is of that kind in the
-/// machine: a resonance is narrow where it is small.
+/// Smallest scale of a stiffness or a damping, relative to mass·rate² or mass·rate: a resonance is
+/// narrow if these are small.
 const LEAST: f64 = 0.1;
-/// And the rate by which that is measured at least, in parts of the fastest.
+/// Smallest rate in these products, relative to the fastest rate.
 const SLOWEST: f64 = 1e-2;
-/// What the drive's frequency is measured by at least, in parts of the fastest rate, and its
-/// amplitude, in parts of the forces on the box: a steady state at the frequency of a slow drive
-/// knows nothing of a part that is much faster.
+/// Smallest scale of the drive's frequency, relative to the fastest rate, and of its amplitude,
+/// relative to the forces on the box. A steady state at the frequency of a slow drive hardly
+/// depends on much faster modes.
 const FAINT: (f64, f64) = (1e-6, 1e-3);
-/// By how much the drive may turn since the time 0 where a measure of its frequency is added, rad.
+/// Largest change of the drive's phase since time 0 by a change of its frequency by its scale, rad.
 const TURN: f64 = 10.0;
-/// Shorter steps of a closed form, in parts of that, where neither side is free of impacts: they
-/// leave 1e-10 of rounding. With each how far from now samples are taken, in periods: where no step
-/// will do, the derivative is drawn out from there, which leaves the square of that.
+/// Attempts at a difference: the factor of the step, and the distance in time of the samples from
+/// now, in periods. If impacts lie within the step on both sides, a shorter step is tried, whose
+/// rounding error is 1e-10. If that fails, the derivative is extrapolated from later or earlier
+/// samples, with an error of the square of the distance.
 const ATTEMPTS: [(f64, f64); 6] =
     [(1.0, 0.0), (1e-2, 0.0), (1e-2, 1e-5), (1e-2, -1e-5), (1e-2, 1e-3), (1e-2, -1e-3)];
 
@@ -40,15 +41,18 @@ const ATTEMPTS: [(f64, f64); 6] =
 type Sample = (OutputValues, Derived);
 
 impl Instance {
-    /// The derivative of unknowns along `seed` in the space of knowns. Once there is a motion: of
-    /// Real outputs and state derivatives with respect to inputs and continuous states, and in an
-    /// extended description to tunable parameters and time, exactly (of a closed form with respect
-    /// to parameters by differences of fourth order). Before: of calculated outputs and parameters
-    /// with respect to inputs and Reals whose initial value is exact, by such differences.
+    /// The derivative of unknowns along `seed` in the space of knowns. After initialization the
+    /// unknowns are Real outputs and state derivatives; the knowns are inputs and continuous
+    /// states, and in an extended description also tunable parameters and time. These derivatives
+    /// are exact, except that those of a closed form with respect to parameters are differences of
+    /// fourth order. Before the end of initialization the unknowns are calculated outputs and
+    /// parameters; the knowns are inputs and Reals whose initial value is exact. These derivatives
+    /// are differences of fourth order.
     ///
     /// # Errors
-    /// A reference that is no unknown or known here, a seed or a derivative that is not finite, or
-    /// that overflows on the way, as with seeds near the largest doubles; nothing is written then.
+    /// If a reference is not an unknown or a known here, or a seed or a derivative is not finite,
+    /// or an intermediate value overflows, as with seeds near the largest doubles. Nothing is
+    /// written then.
     pub(super) fn derivative_along(
         &mut self,
         unknowns: &[u32],
@@ -102,7 +106,7 @@ impl Instance {
         Ok(())
     }
 
-    /// What the outputs read at the present point, and how it varies along the seed.
+    /// Values of the outputs at the present point, with their derivatives along the seed.
     fn varied(&self, knowns: &[u32], seed: &[f64]) -> Outcome<OutputValues<Varied>> {
         // Settings serve as the vector of states, loads and parameters.
         let mut direction = Settings { start: simulator::State::default(), ..Settings::default() };
@@ -126,14 +130,14 @@ impl Instance {
                 variation(&model, p, simulator.contact(), &simulator.state(), drive, &along)
             }
             Present::Continuous(continuous) => continuous.variation(&along),
-            // A closed form follows time, and parameters by `samples_of_form`.
+            // A closed form depends on time, and on parameters by `samples_of_form`.
             Present::Closed(_) if time != 0.0 => self.jets()?.rates(time),
             Present::Closed(_) | Present::None => OutputValues::default(),
         };
         Ok(self.present_values()?.varied(&rates))
     }
 
-    /// Of a closed form that parameters of the seed change, weighted samples; else none.
+    /// Weighted samples of a closed form if the seed changes parameters; otherwise empty.
     fn samples_of_form(&self, knowns: &[u32], seed: &[f64]) -> Outcome<Vec<(f64, Sample)>> {
         if !matches!(self.engine, Engine::Closed(_)) {
             return Ok(Vec::new());
@@ -148,10 +152,10 @@ impl Instance {
         self.differences(&parameters, &along)
     }
 
-    /// Weighted samples whose sum is the derivative: central differences, or one-sided where a
-    /// range ends, or where an impact of a closed form lies between, which jumps: beside it samples
-    /// on one side have it on the same side. Where a range ends just there, the derivative is drawn
-    /// out from two moments a little away from the impact.
+    /// Weighted samples whose sum is the derivative. The formula is a central difference. It is
+    /// one-sided if a range ends within the step, or if an impact of a closed form lies between the
+    /// samples, since the values jump there. If neither side is possible, the derivative is
+    /// extrapolated from two times a little away from the impact.
     fn differences(&self, knowns: &[u32], seed: &[f64]) -> Outcome<Vec<(f64, Sample)>> {
         const FORMULAS: [&[(f64, f64)]; 3] = [
             &[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)],
@@ -205,8 +209,8 @@ impl Instance {
         Err(refused.unwrap_or_else(|| ComponentProblem::sequence("there is nothing to differentiate")))
     }
 
-    /// What a known is measured by: its value, or where that is less what is of its kind in this
-    /// machine. An angle is measured by one radian, however many turns it has.
+    /// Scale of a known: its absolute value, but at least a reference value of the same dimension
+    /// from this machine. The scale of an angle is one radian, whatever its value.
     fn measure(&self, variable: &Variable) -> f64 {
         let (p, at_start) = (&self.settings.parameters, matches!(self.engine, Engine::None));
         let fastest = Model::new(p).map_or(1.0, |model| model.rate);
@@ -233,7 +237,7 @@ impl Instance {
         if size > 0.0 && size.is_finite() { size } else { 1.0 }
     }
 
-    /// The closed form that is played, or that would be from the start.
+    /// The closed form that is played, or before the end of initialization the one at the start.
     fn form(&self) -> Outcome<Option<ClosedForm>> {
         match self.present()? {
             Present::Closed(form) => Ok(Some(form.into_owned())),
@@ -244,7 +248,7 @@ impl Instance {
         }
     }
 
-    /// What is read with other settings, of a closed form some time from now.
+    /// Values with other settings; those of a closed form at the time `away` (s) from now.
     fn sample(&self, settings: &Settings, contact: Contact, away: f64) -> Outcome<Sample> {
         if let Some(form) = self.form()? {
             let (side, initial) = (form.counted_side(), matches!(self.engine, Engine::None));
@@ -278,17 +282,17 @@ impl Instance {
     }
 }
 
-/// A difference would reach over a jump.
+/// The error for samples on both sides of a jump.
 fn over_an_impact() -> ComponentProblem {
     ComponentProblem::sequence("an impact is as near as a difference is wide")
 }
 
-/// Whether a variable is the derivative of a state and nothing else.
+/// Whether a variable exists only as the derivative of a state.
 fn is_derivative(variable: &Variable) -> bool {
     EXTENDED_DERIVATIVES.contains(&variable.name)
 }
 
-/// Whether a variable is a known beside inputs and states: time and what may be tuned.
+/// Whether a variable is a known in addition to inputs and states: time or a tunable parameter.
 fn is_further_known(variable: &Variable) -> bool {
     let tunable = variable.causality == Causality::Parameter && variable.variability == Variability::Tunable;
     tunable || variable.causality == Causality::Independent
@@ -312,8 +316,8 @@ fn add(settings: &mut Settings, variable: &Variable, value: f64) {
     }
 }
 
-/// The derivative of a variable from what varies; what changes at events only, and what is set,
-/// does not.
+/// The derivative of a variable from the varied values; 0 for variables that are set or change at
+/// events only.
 fn rate(variable: &Variable, values: &OutputValues<Varied>) -> f64 {
     match variable.access {
         Access::Output(reading) | Access::Start { now: reading, .. } => {

@@ -1,6 +1,6 @@
-//! Events of co-simulation as a host sees them that handles them itself: the component pauses
-//! before an event, shows both of its limits, and applies its law when it is told to. A solver's
-//! events (Model Exchange) are handled in the same two calls.
+//! Events of Co-Simulation for a host that handles them itself. The component pauses before an
+//! event, shows the limits before and after it, and applies the law when the host calls for it.
+//! Events in Model Exchange are handled by the same two calls.
 
 use super::arrival::take_back;
 use super::{ComponentProblem, Engine, Instance, Outcome, Phase};
@@ -13,7 +13,8 @@ use std::borrow::Cow;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, DueEvent, Event, ImpactRecord, Loads, Simulator};
 
-/// What moves, as it is to be read now: at an event the host handles, a copy after the event.
+/// The motion from which values are read now: at an event that the host handles, a copy after the
+/// event.
 #[allow(clippy::large_enum_variant)] // it lives while it is read, and boxes would allocate
 pub(super) enum Present<'a> {
     None,
@@ -22,7 +23,7 @@ pub(super) enum Present<'a> {
     Continuous(Cow<'a, Continuous>),
 }
 
-/// What a step or an event is to take over from the settings.
+/// Settings that a step or an event takes over.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Changes<'a> {
     pub(super) parameters: Option<&'a Parameters>,
@@ -30,7 +31,7 @@ pub(super) struct Changes<'a> {
 }
 
 impl<'a> Changes<'a> {
-    /// Of settings of which parameters or loads were set.
+    /// Changes of settings; the flags tell whether parameters and loads were set.
     pub(super) fn of(settings: &'a Settings, (parameters, loads): (bool, bool)) -> Self {
         Self {
             parameters: parameters.then_some(&settings.parameters),
@@ -45,7 +46,7 @@ impl<'a> Changes<'a> {
     /// Lets the simulator take them over.
     ///
     /// # Errors
-    /// As the simulator's; the first may have been taken over then.
+    /// Those of the simulator. The parameters may have been taken over then.
     pub(super) fn put(&self, simulator: &mut Simulator) -> Result<(), vibro_impact::Error> {
         if let Some(parameters) = self.parameters {
             simulator.set_parameters(parameters)?;
@@ -57,7 +58,7 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// Reports the rest or release that has come of what was set from outside, if there was one.
+/// Reports the rest or release that values set from outside have caused, if any.
 pub(super) fn report_contact(before: Contact, simulator: &Simulator, report: &mut dyn FnMut(&Event)) {
     let (time, now) = (simulator.time(), simulator.contact());
     if now != before {
@@ -68,7 +69,7 @@ pub(super) fn report_contact(before: Contact, simulator: &Simulator, report: &mu
     }
 }
 
-/// Tells events where that is wanted.
+/// Logs events if the category of events is enabled.
 pub(super) fn teller<'a>(log: &'a mut dyn Log) -> impl FnMut(&Event) + 'a {
     let wanted = log.wants(Category::Events);
     move |event| {
@@ -84,20 +85,20 @@ fn impacts(record: &ImpactRecord) -> u64 {
 }
 
 impl Instance {
-    /// What was set and not yet taken over.
+    /// Settings that are not taken over yet.
     pub(super) fn changes(&self) -> Changes<'_> {
         Changes::of(&self.settings, (self.parameters_set, self.loads_set))
     }
 
-    /// Whether what is read now is what comes after the event at which the host stands.
+    /// Whether the values shown are those after the present event.
     pub(super) fn looks_past_the_event(&self) -> bool {
         self.life.phase == Phase::Event && self.life.handling.event_mode && !self.events.carried_out
     }
 
-    /// What is to be read now.
+    /// The motion from which values are read now.
     ///
     /// # Errors
-    /// When what was set is not possible.
+    /// If a value that was set is not possible.
     pub(super) fn present(&self) -> Outcome<Present<'_>> {
         let past = self.looks_past_the_event();
         Ok(match &self.engine {
@@ -132,10 +133,10 @@ impl Instance {
         })
     }
 
-    /// The clock of impacts ticks at an event at which more impacts are counted than were `shown`;
-    /// `side` is the stop of the last one that a step has passed over, or 0.
+    /// The clock of impacts ticks at an event if the number of impacts is larger than `shown`.
+    /// `side` is the stop of the last impact that a step has passed over, or 0.
     pub(super) fn begin_tick(&mut self, shown: u64, side: i8) {
-        // Where the values cannot be had, getters will say why.
+        // If the values cannot be computed, the getters return the error.
         if self.refresh_values().is_ok() {
             self.tick.active = impacts(&self.values.impacts) > shown;
             if self.tick.active {
@@ -145,7 +146,7 @@ impl Instance {
         }
     }
 
-    /// Impacts that are counted so far, as it is shown.
+    /// Number of impacts shown so far.
     pub(super) fn impacts_shown(&self) -> u64 {
         match (&self.events.latched, &self.engine) {
             (Some(shown), _) => impacts(&shown.impacts),
@@ -156,8 +157,8 @@ impl Instance {
         }
     }
 
-    /// What the clock of impacts shows, the values being up to date: while it ticks, the impact
-    /// after the event; else that of the last tick.
+    /// Values of the clock of impacts; `values` must be up to date. While the clock ticks they are
+    /// those of the impact at the event, otherwise those of the last tick.
     pub(super) fn present_tick(&self) -> Tick {
         if !self.tick.active {
             return self.tick;
@@ -167,7 +168,7 @@ impl Instance {
         Tick { time, impulse, speed, ..self.tick }
     }
 
-    /// Ends the tick; what it has shown stays.
+    /// Ends the tick; the values that it has shown remain.
     pub(super) fn end_tick(&mut self) -> Outcome {
         if self.tick.active {
             self.refresh_values()?;
@@ -176,12 +177,12 @@ impl Instance {
         Ok(())
     }
 
-    /// The impact law, rest or release where the present point calls for it, with inputs and
-    /// parameters as set now; whether states have changed. One call does all that happens at an
-    /// instant; a further one does nothing.
+    /// Applies the impact law, rest or release that is due at the present point, with the inputs
+    /// and parameters set now. Returns whether states have changed. One call carries out everything
+    /// due at the present time; a further call does nothing.
     ///
     /// # Errors
-    /// What was set and is not possible; nothing has changed then.
+    /// If a value that was set is not possible; nothing has changed then.
     pub(super) fn apply_event(&mut self, log: &mut dyn Log) -> Outcome<bool> {
         let mut report = teller(log);
         let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
@@ -211,7 +212,7 @@ impl Instance {
     }
 }
 
-/// The steady state after the impact at which it stands, with parameters that were set since.
+/// The steady state after the impact that is due, if any, with the parameters set since.
 fn after_event(
     form: &ClosedForm,
     parameters: Option<&Parameters>,
@@ -226,7 +227,7 @@ fn after_event(
     Ok(ahead)
 }
 
-/// Tells how many impacts of a steady state a long step has not listed.
+/// Logs the number of impacts of a steady state that a long step has not listed.
 pub(super) fn log_left_out(impacts: f64, end: f64, log: &mut dyn Log) {
     if impacts > 0.0 && log.wants(Category::Events) {
         let message = format!("{impacts} more impacts up to t = {end} s are not listed one by one");

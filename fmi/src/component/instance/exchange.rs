@@ -7,8 +7,8 @@ use crate::component::continuous::Continuous;
 use fmi_doors::Model as _;
 
 impl Instance {
-    /// Whether the nominal values differ from those at the last event, which are from now on the
-    /// present ones. Of interest to a host's solver alone.
+    /// Whether the nominal values differ from those reported last; records the present values as
+    /// reported. Only a host's solver needs them.
     pub(super) fn nominals_changed(&mut self) -> bool {
         if self.life.interface != Interface::ModelExchange {
             return false;
@@ -25,8 +25,7 @@ impl Instance {
         }
     }
 
-    /// Evaluates numbers of the model; in initialization at the start. None of them is ever not
-    /// finite.
+    /// Evaluates numbers of the model; in initialization at the start. All of them are finite.
     pub(super) fn with_continuous<const N: usize>(
         &self,
         names: [&'static str; N],

@@ -1,18 +1,17 @@
-//! A machine of which a host has set a part: the rest has start values that belong to another
-//! machine.
+//! A warning if a host has set only a part of the machine's parameters: the others keep the start
+//! values of another machine.
 
 use vibro_impact::parameters::{FIELDS, Parameters};
 
-/// The parameters that give a machine its scales of mass, time and length: who sets another value
-/// means another machine.
+/// The parameters that determine a machine's scales of mass, time and length. A host that changes
+/// one of them describes another machine.
 const SCALES: [&str; 3] = ["box.m", "box.k", "stop.gap"];
-/// Parameters without a dimension of length, mass or time to carry over, and what one may leave as
-/// it is.
+/// Parameters that need not be set with the others: they are dimensionless or angles.
 const FREE: [&str; 2] = ["stop.restitution", "drive.phase"];
 
-/// What is to be told of a machine whose scales were set while other parameters were not; nothing
-/// where all was set that has a dimension. Of a secondary oscillator that is coupled to nothing
-/// nothing is asked, nor of the frequency of a drive without force.
+/// The warning if a scale was changed but other parameters with a dimension were not set; `None` if
+/// all of them were set. The parameters of an uncoupled secondary oscillator and the frequency of a
+/// drive without force are not required.
 pub(super) fn half_a_machine(parameters: &Parameters, given: u16) -> Option<String> {
     let standard = Parameters::default();
     let scaled = FIELDS.iter().any(|f| SCALES.contains(&f.name) && (f.get)(parameters) != (f.get)(&standard));

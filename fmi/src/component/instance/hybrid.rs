@@ -1,5 +1,5 @@
-//! The motion as the hybrid layer of the doors asks for it: a simulator or a closed form that steps
-//! itself, or the model for a host's solver.
+//! The motion for the hybrid layer of the doors: a simulator or a closed form that makes its own
+//! steps, or the model for a host's solver.
 
 use super::arrival::{advance, is_at_end, rounding, take_back};
 use super::events::{Changes, describe, log_left_out, report_contact, teller};
@@ -16,7 +16,7 @@ use vibro_impact::error::Error;
 use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator};
 
-/// What brings a closed form back to where a step began; a simulator goes back to the begin of its
+/// Data by which a step of a closed form is undone. A simulator goes back to the beginning of its
 /// [`LastStep`].
 #[derive(Debug)]
 pub struct Undo(Option<Box<Data>>);
@@ -71,9 +71,9 @@ impl Hybrid for Instance {
         self.settings.stop_at_impact
     }
 
-    /// A block that an input has let go of, or pressed on, is an event of its own. Loads that the
-    /// host's callback has given for a step so short that their slopes are out of all proportion
-    /// are held.
+    /// A release or a rest that a changed input causes is a separate event. Loads that the host's
+    /// callback has set in a step so short that their slopes are excessively large are held
+    /// constant.
     #[inline]
     fn take_over(&mut self, _: StepEnd, log: &mut dyn Log) -> Outcome<(Undo, bool)> {
         let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
@@ -127,7 +127,7 @@ impl Hybrid for Instance {
         };
         let counts = wanted || self.life.handling.event_mode;
         let report: EventObserver = if counts { Some(&mut show) } else { None };
-        // A host of the protocol with early return stops at releases too.
+        // With early return a step also ends at releases.
         let every = self.life.handling.early_return;
         let met = match &mut self.engine {
             Engine::Simulation(simulator) => run(simulator, end, (until, every), report)?,
@@ -190,12 +190,12 @@ impl Hybrid for Instance {
         self.events.latched = shown;
     }
 
-    /// Loads that have followed polynomials hold their present values from here on; where the step
-    /// has stopped before its end they go on.
+    /// Loads that have followed polynomials keep their present values from here on. If the step has
+    /// stopped before its end, they continue to follow the polynomials.
     fn end_step(&mut self, ended: Ended) {
         self.events.pending = ended.event;
         if ended.due || !self.life.handling.event_mode {
-            self.events.side = 0; // one that is due comes last; of others no host is told
+            self.events.side = 0; // a due event is the last one; without Event Mode it is unused
         }
         let Engine::Simulation(simulator) = &self.engine else { return };
         for (body, load) in self.settings.loads.derivatives.iter_mut().enumerate() {
@@ -232,7 +232,7 @@ impl Hybrid for Instance {
         Ok(Handled { states, nominals: self.nominals_changed() })
     }
 
-    /// An event that the host has not carried out is, with a warning.
+    /// Carries out an event that the host has not carried out, and logs a warning.
     fn go_on(&mut self, log: Option<&mut dyn Log>) -> Outcome {
         let Some(log) = log.filter(|_| !self.events.carried_out) else { return Ok(()) };
         self.carry_out(log)?;
@@ -244,9 +244,9 @@ impl Hybrid for Instance {
         Ok(())
     }
 
-    /// At the end an event that has been shown but not been updated has taken place, so that what
-    /// was read stays and is saved; one that is not possible has not. After an error it has not
-    /// taken place, neither here nor in a state saved now; a clock that ticks there has ticked.
+    /// An event that has been shown but not carried out is applied at the end, so that the values
+    /// read remain and are saved. An event that is not possible is not applied. After an error the
+    /// event is not applied, neither here nor in a state saved now; a tick of the clock ends.
     fn end(&mut self, failed: bool) {
         if failed && self.end_tick().is_err() {
             self.tick.active = false;
@@ -262,7 +262,7 @@ impl Hybrid for Instance {
         Ok(())
     }
 
-    /// The energy accounts are carried on.
+    /// Updates the energy accounts to the present point.
     fn accept(&mut self) -> Outcome<bool> {
         let continuous = self.continuous_mut()?;
         continuous.accept();
@@ -272,7 +272,7 @@ impl Hybrid for Instance {
     }
 }
 
-/// The stop of an event that is an impact; else what it was before.
+/// The stop of an impact; for any other event, `before`.
 fn side_of(event: &Event, before: i8) -> i8 {
     match event {
         Event::Impact { side, .. } => *side,
@@ -280,8 +280,8 @@ fn side_of(event: &Event, before: i8) -> i8 {
     }
 }
 
-/// Runs a simulator; with `every` a step that ends after an event does so after any, else after an
-/// impact.
+/// Runs a simulator. A step that ends after an event ends after any event if `every` is true,
+/// otherwise after an impact only.
 fn run(
     simulator: &mut Simulator,
     end: StepEnd,
@@ -318,7 +318,7 @@ fn run(
                 if is_before(simulator) {
                     return Ok(stopped);
                 }
-                // At the end but for rounding.
+                // The event is at the end up to rounding.
                 advance(simulator, to, Pause::Never, report)?;
             }
         }
@@ -326,8 +326,8 @@ fn run(
     Ok(Met { due: !end.is_chosen() && is_at_end(simulator, last)?, ..Met::default() })
 }
 
-/// Plays a steady state, of which a long run does not report all impacts: also how many it has left
-/// out.
+/// Plays a steady state. A long run does not report all impacts; the number of impacts left out is
+/// returned as well.
 fn play(
     form: &mut ClosedForm,
     end: StepEnd,

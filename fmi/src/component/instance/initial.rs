@@ -1,4 +1,4 @@
-//! What an instance starts from.
+//! The start of an instance.
 
 use super::access::NO_LOADS;
 use super::{ComponentProblem, Engine, Instance, Interface, Outcome};
@@ -11,10 +11,10 @@ use crate::component::variables::Edition;
 use vibro_impact::simulator::{Simulator, State};
 
 impl Instance {
-    /// What will move, with what speaks against a steady state that is played or started on.
+    /// The motion at the start, with the objections to a steady state that is played or started on.
     ///
     /// # Errors
-    /// When start values, parameters or mode are not possible.
+    /// If start values, parameters or mode are not possible.
     pub(super) fn initial_engine(&self) -> Outcome<(Engine, Option<String>)> {
         let settings = &self.settings;
         if settings.mode == SolutionMode::EventDriven {
@@ -30,7 +30,7 @@ impl Instance {
         if self.life.interface == Interface::ModelExchange {
             const ALLOWED: &str =
                 "1 (EventDriven) in Model Exchange: a closed form has no derivatives to integrate";
-            // In later descriptions it is a mistake in the call, and not of a value.
+            // In later descriptions the refusal is an error of the call, not of a value.
             return Err(match self.edition {
                 Edition::Every => ComponentProblem::value("mode", f64::from(settings.mode.number()), ALLOWED),
                 _ => fmi_doors::Problem::Sequence { what: format!("mode must be {ALLOWED}").into() }.into(),
@@ -41,7 +41,7 @@ impl Instance {
         Ok((Engine::Closed(Box::new(form)), objections))
     }
 
-    /// What the outputs read at the start.
+    /// Values of the outputs at the start.
     pub(super) fn initial_values(&self, settings: &Settings) -> Outcome<OutputValues> {
         match settings.mode {
             SolutionMode::EventDriven => Ok(OutputValues::of(&self.initial_simulator(settings)?.0)),

@@ -1,4 +1,4 @@
-//! The last step, kept so that its derivatives can be had when they are asked for.
+//! The last step, kept so that its derivatives can be computed on request.
 
 use super::events::{Changes, Present};
 use super::{Engine, Instance};
@@ -7,7 +7,7 @@ use crate::component::values::StepMatrices;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Loads, Simulator, Snapshot};
 
-/// Where the last step began, and what it took over there.
+/// State at the beginning of the last step, and the settings that it took over there.
 #[derive(Clone, Debug)]
 pub(super) struct LastStep {
     pub(super) before: Snapshot,
@@ -16,8 +16,8 @@ pub(super) struct LastStep {
 }
 
 impl LastStep {
-    /// Keeps where a step begins. It is written in its place, since a step without an event takes
-    /// little longer than a copy of it would.
+    /// Saves the beginning of a step. The snapshot is written in place, since a step without an
+    /// event takes little longer than a copy of the snapshot.
     #[inline]
     pub(super) fn begin<'a>(
         place: &'a mut Option<Self>,
@@ -33,9 +33,9 @@ impl LastStep {
 }
 
 impl Instance {
-    /// Brings the derivatives over the last step up to date, with the law of an impact at its end
-    /// once that is shown. Without such a step, of a closed form, and where the motion cannot be
-    /// replayed, they are those of a step without length.
+    /// Brings the derivatives over the last step up to date. They include the law of an impact at
+    /// the end of the step once the impact is shown. Without a last step, for a closed form, or if
+    /// the motion cannot be replayed, they are those of a step of length zero.
     pub(super) fn refresh_step_matrices(&mut self) {
         if self.step_matrices.is_none() {
             self.step_matrices = Some(self.last_step_matrices().unwrap_or_default());

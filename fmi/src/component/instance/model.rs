@@ -1,4 +1,4 @@
-//! Variables, continuous states and saved states, as the doors ask for them.
+//! Variables, continuous states and saved states: the component's [`Model`](fmi_doors::Model).
 
 use super::access::{check_order, jet_of, no_such};
 use super::{ComponentProblem, Engine, Instance, Outcome};

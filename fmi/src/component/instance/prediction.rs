@@ -1,4 +1,4 @@
-//! What is known of the event that is to come.
+//! The prediction of the next event.
 
 use super::{Engine, Instance, Interface, Outcome, SolutionMode};
 use crate::component::closed_form::ClosedForm;
@@ -8,11 +8,11 @@ use vibro_impact::model::Model;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Event, Simulator};
 
-/// How far a prediction looks, in drive periods: motions near the two-impact orbit have four
+/// Length of the predicted interval, in drive periods. Motions near the two-impact orbit have four
 /// impacts in it.
 const PERIODS: f64 = 2.0;
-/// How far a prediction looks at the most, in the system's fastest time constant, where the drive
-/// is very slow or stands still: a later event is not worth the search.
+/// Largest length of the predicted interval, in units of the system's fastest time constant. It
+/// applies if the drive is very slow or stands still, and bounds the cost of the search.
 const TIME_CONSTANTS: f64 = 1e4;
 
 impl Instance {
@@ -29,9 +29,9 @@ impl Instance {
         }
     }
 
-    /// The next impact, rest or release with the inputs and parameters as they are set. A host's
-    /// solver makes its own motion, so in Model Exchange nothing is predicted; nor is it where the
-    /// motion ahead cannot be computed.
+    /// The next impact, rest or release with the inputs and parameters as they are set. There is no
+    /// prediction in Model Exchange, where the host's solver computes the motion, nor if the motion
+    /// ahead cannot be computed.
     fn predict(&self) -> Prediction {
         let now = self.time();
         let horizon = now + span(&self.settings.parameters);
@@ -76,9 +76,9 @@ fn time_of_impact(mut form: ClosedForm, parameters: &Parameters) -> Outcome<Opti
     Ok(Some(form.next_impact()))
 }
 
-/// How far to look, s: a finite number > 0.
+/// Length of the predicted interval, s: a finite number > 0.
 fn span(parameters: &Parameters) -> f64 {
     let fastest = Model::new(parameters).map_or(1.0, |model| model.rate);
-    // A frequency may be -0, which is none.
+    // A frequency of -0 counts as 0.
     (PERIODS * parameters.period().abs()).min(TIME_CONSTANTS / fastest)
 }

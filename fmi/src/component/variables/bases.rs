@@ -2,7 +2,8 @@
 
 pub use fmi_doors::{Base, Bases};
 
-/// The descriptions that have a variable. Each has those of the ones before it.
+/// The descriptions that contain a variable. Each edition contains the variables of the editions
+/// before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Edition {
     /// Every description.

@@ -1,4 +1,4 @@
-//! A row of the table and its columns: what can be said of a variable.
+//! A row of the table and its columns, the properties of a variable.
 
 use super::bases::{Base, Edition};
 use super::sections::Section;
@@ -17,7 +17,8 @@ pub enum Kind {
     Real {
         /// Declared type, which gives quantity, unit and display unit.
         declared: RealType,
-        /// Allowed values of what is set; every number for what is only read.
+        /// Allowed values of a variable that can be set; all numbers for a variable that is only
+        /// read.
         range: Range,
         /// Nominal value.
         nominal: Option<f64>,
@@ -87,14 +88,14 @@ pub enum Access {
 /// Knowns by name, and how an unknown depends on each.
 pub type Knowns = &'static [(&'static str, DependencyKind)];
 
-/// What a variable depends on: an output at any one moment on inputs, continuous states and time; a
+/// What a variable depends on at a given time: an output on inputs, continuous states and time, a
 /// calculated parameter on parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dependencies {
-    /// It is no unknown of the model's structure: it is set, it is time, or it tells of the last
-    /// step or of what is to come.
+    /// The variable is not an unknown of the model's structure: it is set, it is time, or its value
+    /// belongs to the last step or to the next event.
     NotUnknown,
-    /// On these and no others.
+    /// The variable depends on these knowns only.
     On(Knowns),
 }
 
@@ -102,28 +103,28 @@ pub enum Dependencies {
 /// are the knowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Initially {
-    /// On what it depends on at any other time.
+    /// The dependencies after initialization.
     AsLater,
-    /// Beside that on all that a closed form follows, [`START`](super::START), since the start may
-    /// be taken from one, and on these.
+    /// In addition to those, the variables named here and all variables that determine a closed
+    /// form, [`START`](super::START), since the start may be taken from a closed form.
     OnStartAnd(&'static [&'static str]),
-    /// On these alone.
+    /// The variables named here only.
     On(&'static [&'static str]),
 }
 
-/// One variable: every column of its row. Who needs to know something of a variable reads a column;
-/// nothing is told from a name.
+/// One variable: every column of its row. Code that needs a property of a variable reads a column;
+/// it never derives the property from the name.
 #[derive(Clone, Copy, Debug)]
 pub struct Variable {
-    /// Value reference: given once, in the table, and never to another variable.
+    /// Value reference, given in the table. It is never given to another variable.
     pub reference: u32,
     /// Structured name: identifiers with dots between them.
     pub name: &'static str,
-    /// What it is, with the sign where it has one.
+    /// Description, with the sign convention if there is one.
     pub description: &'static str,
     /// Section of the documentation.
     pub section: Section,
-    /// The descriptions that have it.
+    /// The descriptions that contain the variable.
     pub edition: Edition,
     /// Lengths of an array, the slowest index first; none of a scalar.
     pub dimensions: &'static [usize],
@@ -141,12 +142,13 @@ pub struct Variable {
     pub access: Access,
     /// What it depends on.
     pub dependencies: Dependencies,
-    /// Names of further knowns, in descriptions that count parameters, and what decides on contact
-    /// at an event, among them.
+    /// Names of further knowns in later descriptions, whose knowns include parameters and the
+    /// variables that decide the contact at an event.
     pub further: &'static [&'static str],
     /// What it depends on in initialization.
     pub initially: Initially,
-    /// Of an input, the body it acts on: 0 the box, 1 the block, 2 the secondary oscillator.
+    /// The body on which an input acts: 0 the box, 1 the block, 2 the secondary oscillator. `None`
+    /// for other variables.
     pub body: Option<usize>,
 }
 
@@ -193,13 +195,13 @@ impl Variable {
         }
     }
 
-    /// Smallest and largest allowed value of a Real, where there is one.
+    /// Smallest and largest allowed value of a Real; `None` without a bound.
     pub fn bounds(&self) -> (Option<f64>, Option<f64>) {
         let Kind::Real { range, .. } = self.kind else { return (None, None) };
         (Some(range.min).filter(|x| x.is_finite()), Some(range.max).filter(|x| x.is_finite()))
     }
 
-    /// What a set value may be, in words.
+    /// The values that may be set, in words.
     pub fn allowed(&self) -> &'static str {
         match self.kind {
             Kind::Real { range, .. } => range.allowed,

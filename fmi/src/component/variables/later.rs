@@ -1,5 +1,5 @@
-//! Constructors of rows that came after the first version: of what is no output, and of what one
-//! description alone has.
+//! Constructors of rows added after the first version: variables that are not outputs, and
+//! variables of later descriptions only.
 
 use super::bases::Edition;
 use super::columns::{Access, Causality, Dependencies, Kind, Knowns, Reading, Variability, Variable};
@@ -8,7 +8,7 @@ use super::sections::Section;
 use crate::component::units::{self, RealType};
 use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick};
 
-/// A variable that is read, but is no output.
+/// A variable that is read but is not an output.
 const fn local(
     section: Section,
     name: &'static str,
@@ -20,7 +20,7 @@ const fn local(
     Variable { causality: Causality::Local, ..row(section, name, description, kind, access, dependencies) }
 }
 
-/// What is read of the event that is to come. It is computed when it is read.
+/// A variable about the next event. It is computed when it is read.
 pub(super) const fn prediction(
     name: &'static str,
     description: &'static str,
@@ -46,7 +46,8 @@ const fn structural(
     Variable { edition: Edition::Extended, ..row }
 }
 
-/// The derivative of a body's displacement as a variable beside the state that it is.
+/// The derivative of a body's displacement, as a variable in addition to the velocity state with
+/// the same value.
 pub(super) const fn rate<const BODY: usize>(
     name: &'static str,
     of: &'static str,
@@ -93,7 +94,7 @@ pub(super) const fn step_matrix(
     Variable { edition: Edition::Arrays, dimensions, ..row }
 }
 
-/// The clock of impacts, or what is read while it ticks.
+/// The clock of impacts, or a variable of this clock.
 pub(super) const fn tick(
     name: &'static str,
     description: &'static str,

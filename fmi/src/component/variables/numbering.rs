@@ -1,9 +1,9 @@
 //! Value references of a description: which variable each stands for.
 //!
-//! A variable's own reference is a column of the table, [`Variable::reference`]: it is given once
-//! and never to another variable, also when the first has been taken out. A description either has
-//! these, or counts its variables in their order, for importers that take a reference for a place;
-//! then it may change with every build, as places do.
+//! The reference of a variable in the table is the column [`Variable::reference`]. It is never
+//! given to another variable, even after the variable has been removed. A description either uses
+//! these references, or counts its variables in their order, for importers that take a reference
+//! for an index. Counted references may change with every build.
 
 use super::bases::Edition;
 use super::columns::Variable;
@@ -21,10 +21,10 @@ const LARGEST: u32 = {
     largest
 };
 
-/// One more than any reference of any numbering.
+/// Largest reference of any numbering, plus one.
 const LENGTH: usize = if LARGEST as usize > COUNT { LARGEST as usize + 1 } else { COUNT + 1 };
 
-/// No variable.
+/// Entry of a reference without a variable.
 const NONE: u16 = u16::MAX;
 
 /// The value references of one description.
@@ -37,10 +37,10 @@ pub struct Numbering {
 impl Numbering {
     /// Every variable by the table's own reference.
     pub const ALL: Self = Self { places: &const { own(&VARIABLES, Edition::Clocked) } };
-    /// Those of an edition by the table's own references.
+    /// The variables of an edition by the table's own references.
     pub const EVERY: Self = Self { places: &const { own(&VARIABLES, Edition::Every) } };
 
-    /// Those of an edition counted from 1 in the order of the table, without a gap.
+    /// The variables of an edition, counted from 1 in the order of the table without gaps.
     pub const fn counted(edition: Edition) -> Self {
         Self {
             places: match edition {
@@ -52,8 +52,8 @@ impl Numbering {
         }
     }
 
-    /// Place of the variable that a reference stands for; [`COUNT`] or more where it stands for
-    /// none.
+    /// Place of the variable that a reference stands for; [`COUNT`] or more if no variable has the
+    /// reference.
     #[inline]
     pub(crate) fn place(self, reference: u32) -> usize {
         match self.places.get(reference as usize) {
@@ -67,12 +67,12 @@ impl Numbering {
         VARIABLES.get(self.place(reference))
     }
 
-    /// The reference of the variable at a place; none where it is left out.
+    /// The reference of the variable at a place; `None` if the description leaves the variable out.
     pub fn reference(self, place: usize) -> Option<u32> {
         (0..).zip(self.places).find(|(_, p)| usize::from(**p) == place).map(|(reference, _)| reference)
     }
 
-    /// The references of all its variables with these, in the order of the table.
+    /// All variables of the numbering with their references, in the order of the table.
     pub fn variables(self) -> impl Iterator<Item = (u32, &'static Variable)> {
         let with = move |(place, variable)| Some((self.reference(place)?, variable));
         VARIABLES.iter().enumerate().filter_map(with)

@@ -1,4 +1,4 @@
-//! The table of variables as getters and setters need it: packed, made at compile time.
+//! The table of variables in packed form for getters and setters, made at compile time.
 
 use super::bases::{Base, Bases};
 use super::columns::{Access, Causality, Initial, Kind, Variability, Variable};
@@ -17,15 +17,15 @@ pub(crate) enum Get {
     Start(fn(&Settings) -> f64, fn(&OutputValues) -> f64),
     /// From the motion.
     Output(fn(&OutputValues) -> f64),
-    /// From what follows from the parameters.
+    /// From the values that follow from the parameters.
     Derived(fn(&Derived) -> f64),
-    /// From the event that is to come.
+    /// From the prediction of the next event.
     Prediction(fn(&Prediction) -> f64),
     /// What the clock of impacts shows.
     Tick(fn(&Tick) -> f64),
-    /// From the motion, so many elements.
+    /// An array with this number of elements, from the motion.
     Elements(usize, fn(&OutputValues, usize) -> f64),
-    /// From the derivatives over the last step, so many elements.
+    /// An array with this number of elements, from the derivatives over the last step.
     Step(usize, fn(&StepMatrices, usize) -> f64),
 }
 
@@ -40,12 +40,14 @@ pub(crate) enum Set {
     Never,
 }
 
-/// What a getter needs of a variable, packed: ten of them fit into a few cache lines.
+/// The properties of a variable that a getter needs, packed: ten variables fit into a few cache
+/// lines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reader {
     /// Base type.
     pub(crate) base: Base,
-    /// What must be up to date to read it: one of the bits below, or none.
+    /// The quantity that must be up to date before the variable is read: one of the bits below, or
+    /// none.
     pub(crate) needs: u8,
     /// How to read it.
     pub(crate) get: Get,
@@ -56,9 +58,9 @@ impl Reader {
     pub(crate) const MOTION: u8 = 1;
     /// Needs the motion once there is one.
     pub(crate) const START: u8 = 2;
-    /// Needs what follows from the parameters.
+    /// Needs the values that follow from the parameters.
     pub(crate) const DERIVED: u8 = 4;
-    /// Needs the event that is to come.
+    /// Needs the prediction of the next event.
     pub(crate) const PREDICTION: u8 = 8;
     /// Needs the derivatives over the last step.
     pub(crate) const STEP: u8 = 16;
@@ -89,7 +91,7 @@ pub(crate) static READERS: [Reader; COUNT] = {
     readers
 };
 
-/// What a setter needs of a variable, packed.
+/// The properties of a variable that a setter needs, packed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Writer {
     /// Base type.
@@ -98,12 +100,12 @@ pub(crate) struct Writer {
     when: u8,
     /// Whether it is an input.
     pub(crate) input: bool,
-    /// Smallest and largest value that needs no closer look; the smallest is above the largest
-    /// where every value does.
+    /// Smallest and largest value that needs no further check. The smallest is above the largest if
+    /// every value needs one.
     range: (f64, f64),
     /// How to write it.
     pub(crate) set: Set,
-    /// Of a physical parameter, its bit in the order of `FIELDS`; else 0.
+    /// Bit of a physical parameter in the order of `FIELDS`; 0 for other variables.
     pub(crate) given: u16,
 }
 
@@ -114,12 +116,12 @@ impl Writer {
     pub(crate) const CONTINUOUS: u8 = 2;
     /// At communication points and events.
     pub(crate) const EVENT: u8 = 4;
-    /// At events of a host's solver, in protocols that let it set the states there that events do
-    /// not change.
+    /// At events in Model Exchange, for states that events do not change, in protocols that allow
+    /// it.
     pub(crate) const UNCHANGED_STATES: u8 = 8;
 
-    /// What may be set when. Inputs are also taken before initialization, where the standards have
-    /// their start values stand: several hosts set them there.
+    /// When a variable may be set. Inputs are also accepted before initialization, although the
+    /// standards keep their start values there: several hosts set them there.
     const fn of(variable: &Variable) -> Self {
         let input = matches!(variable.causality, Causality::Input);
         let parameter = matches!(variable.causality, Causality::Parameter);
@@ -159,12 +161,12 @@ impl Writer {
         Self { base: variable.base(), when, input, range, set, given }
     }
 
-    /// Whether it may be set now, by the bit.
+    /// Whether the variable may be set in the phase of the bit `when`.
     pub(crate) fn settable(&self, when: u8) -> bool {
         self.when & when != 0
     }
 
-    /// Whether a value may be set now without a closer look.
+    /// Whether a value may be set in the phase of the bit `when` without a further check.
     #[inline]
     pub(crate) fn takes(&self, bases: Bases, when: u8, value: f64) -> bool {
         bases.contains(self.base) && self.settable(when) && self.range.0 <= value && value <= self.range.1

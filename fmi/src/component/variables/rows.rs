@@ -1,5 +1,5 @@
-//! Constructors of the table's rows. Each asks for every column that its kind of variable must
-//! have, so that a row that leaves one out does not compile.
+//! Constructors of the table's rows. Each has a parameter for every column that its kind of
+//! variable needs, so a row without such a column does not compile.
 
 use super::bases::Edition;
 use super::columns::DependencyKind::Dependent;
@@ -12,8 +12,8 @@ use crate::component::units::{self, RealType};
 use crate::component::values::OutputValues;
 use vibro_impact::parameters::{FIELDS, Range};
 
-/// An output's [`Reading`] from one expression: `reading!(|m| m.contact_force * m.v[1])`. It may
-/// add, subtract and multiply.
+/// An output's [`Reading`] from one expression: `reading!(|m| m.contact_force * m.v[1])`. The
+/// expression may add, subtract and multiply.
 macro_rules! reading {
     (|$m:ident| $value:expr) => {
         $crate::component::variables::columns::Reading {
@@ -27,7 +27,7 @@ macro_rules! reading {
 }
 pub(super) use reading;
 
-/// Parameters, by name, that a group is made of.
+/// The parameters of a dimensionless group, by name.
 macro_rules! of {
     ($($name:literal),*) => { &[$(($name, $crate::component::variables::columns::DependencyKind::Dependent)),*] };
 }
@@ -42,7 +42,7 @@ pub(super) const fn derivative_of(declared: RealType, of: &'static str) -> Kind 
     Kind::Real { declared, range: Range::FINITE, nominal: None, derivative_of: Some(of), reinit: false }
 }
 
-/// A continuous state; its nominal value is that of all states.
+/// A continuous state, with the nominal value of all states.
 const fn state(declared: RealType, derivative_of: Option<&'static str>, reinit: bool) -> Kind {
     Kind::Real { declared, range: Range::FINITE, nominal: Some(1.0), derivative_of, reinit }
 }
@@ -50,7 +50,7 @@ const fn state(declared: RealType, derivative_of: Option<&'static str>, reinit: 
 /// The reference of a row before the table numbers it.
 pub(super) const UNNUMBERED: u32 = u32::MAX;
 
-/// What is read and changes any time, a scalar in every description.
+/// A scalar that is read, changes at any time and is in every description.
 pub(super) const fn row(
     section: Section,
     name: &'static str,
@@ -79,7 +79,7 @@ pub(super) const fn row(
     }
 }
 
-/// What comes from outside: it follows from nothing.
+/// A variable that is set from outside; it has no dependencies.
 const fn given(
     section: Section,
     name: &'static str,
@@ -200,8 +200,8 @@ const fn moving(
     output(Section::Motion, name, description, kind, reading, knowns)
 }
 
-/// An output that changes any time. `knowns` are the inputs, continuous states and time it depends
-/// on; its derivatives follow from its reading.
+/// An output that changes at any time. `knowns` are the inputs, continuous states and time on which
+/// it depends. Its derivatives follow from its reading.
 pub(super) const fn output(
     section: Section,
     name: &'static str,
@@ -213,8 +213,8 @@ pub(super) const fn output(
     row(section, name, description, kind, Access::Output(reading), Dependencies::On(knowns))
 }
 
-/// An output that changes at events only: it holds what the last event made of it, and depends on
-/// nothing else.
+/// An output that changes at events only. It keeps its value from the last event and has no
+/// dependencies.
 pub(super) const fn event_output(
     section: Section,
     name: &'static str,
@@ -227,7 +227,7 @@ pub(super) const fn event_output(
     Variable { variability: Variability::Discrete, initially: Initially::On(&[]), ..output }
 }
 
-/// What follows from the parameters.
+/// A variable that follows from the parameters.
 const fn derived(
     section: Section,
     name: &'static str,
@@ -266,7 +266,7 @@ pub(super) const fn fixed_group(
     Variable { variability: Variability::Fixed, ..group(name, description, get, knowns) }
 }
 
-/// A number of the steady state, 0 where there is none; it depends on [`DECIDING`] parameters.
+/// A number of the steady state, 0 if none exists. It depends on the [`DECIDING`] parameters.
 pub(super) const fn steady(
     name: &'static str,
     description: &'static str,
@@ -319,8 +319,8 @@ pub(super) const fn join<const N: usize>(lists: &[&[&'static str]]) -> [&'static
     all
 }
 
-/// The parameters that decide on a steady state: all but the drive's phase, which only says when it
-/// passes where.
+/// The parameters that determine a steady state: all except the drive's phase, which only shifts
+/// the motion in time.
 const DECIDING: [&str; 12] =
     join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_STOPS, &["drive.amplitude", "drive.frequency"]]);
 
@@ -335,11 +335,11 @@ const STEADY: Knowns = &{
     knowns
 };
 
-/// What a closed form follows: in its modes, and with `startOnOrbit`, these decide on the start,
-/// and not the start values.
+/// Variables that determine a closed form. In the closed-form modes and with `startOnOrbit` they
+/// determine the start; the start values have no effect.
 pub const START: &[&str] = &join::<16>(&[&DECIDING, &["time", "drive.phase", "mode", "startOnOrbit"]]);
 
-/// Everything: accumulated work and energies.
+/// All knowns: those of accumulated work and energies.
 pub(super) const ALL: Knowns = &[
     ("time", Dependent),
     ("box.f", Dependent),
@@ -353,5 +353,5 @@ pub(super) const ALL: Knowns = &[
     ("secondary.v", Dependent),
 ];
 
-/// The bodies' places and velocities, the last six of [`ALL`].
+/// The bodies' displacements and velocities, the last six of [`ALL`].
 pub(super) const STATES: Knowns = ALL.split_at(4).1;

@@ -16,7 +16,8 @@ use crate::component::units;
 use vibro_impact::parameters::Groups;
 use vibro_impact::simulator::Contact;
 
-/// What box and block feel, in flight or as one body in rest: the factors change with the contact.
+/// Knowns of the accelerations of box and block, in flight or as one body in rest. The factors
+/// change with the contact.
 const PAIR: Knowns = &[
     ("time", Dependent),
     ("box.f", AtEvents),
@@ -27,7 +28,7 @@ const PAIR: Knowns = &[
     ("secondary.s", AtEvents),
 ];
 
-/// What decides on contact in flight.
+/// Knowns that decide the contact in flight.
 const GAP: Knowns = &[("box.s", AtEvents), ("block.s", AtEvents)];
 
 /// What the accelerations of the three bodies depend on.
@@ -43,7 +44,7 @@ const ACCELERATIONS: Knowns = &[
     ("secondary.v", OfTunable),
 ];
 
-/// What the secondary oscillator feels.
+/// Knowns of the acceleration of the secondary oscillator.
 const SECONDARY: Knowns = &[
     ("secondary.f", OfFixed),
     ("block.s", OfTunable),
@@ -51,24 +52,25 @@ const SECONDARY: Knowns = &[
     ("secondary.v", OfTunable),
 ];
 
-/// The parameters in the box's acceleration: in rest those of both bodies, by multiple scales those
-/// of its amplitude.
+/// Parameters of the box's acceleration: in rest those of both bodies, in multiple scales those of
+/// the amplitude.
 const BOX: [&str; 11] = join(&[&OF_PAIR, &OF_COUPLING, &OF_STOPS, &OF_DRIVE, &["mode"]]);
 
-/// The parameters in the block's acceleration: in rest those of both bodies; by multiple scales it
-/// is zero.
+/// Parameters of the block's acceleration: in rest those of both bodies. In multiple scales this
+/// acceleration is zero.
 const BLOCK: [&str; 9] = join(&[&OF_PAIR, &OF_COUPLING, &OF_DRIVE, &["mode"]]);
 
 /// The parameters in the contact force.
 const PRESSING: [&str; 8] = join(&[&OF_PAIR, &OF_COUPLING, &OF_DRIVE]);
 
-/// The parameters in the pressing acceleration: those of the force, and the gap as unit of length.
+/// Parameters of the pressing acceleration: those of the contact force, and the gap as the unit of
+/// length.
 const PRESSED: [&str; 9] = join(&[&OF_PAIR, &OF_COUPLING, &["stop.gap"], &OF_DRIVE]);
 
 /// The parameters in the accelerations of all three bodies.
 const BODIES: [&str; 14] = join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_STOPS, &OF_DRIVE, &["mode"]]);
 
-/// What decides on contact at an event.
+/// Knowns that decide the contact at an event.
 const CONTACT: [&str; 18] = join(&[
     &["time"],
     &OF_PAIR,
@@ -81,17 +83,17 @@ const CONTACT: [&str; 18] = join(&[
 /// The parameters of an impact.
 const OF_IMPACT: &[&str] = &["box.m", "block.m", "stop.restitution"];
 
-/// The parameters in the dampers' work since the last accepted step of a host's solver; with them,
-/// in the work of the inputs.
+/// Parameters of the dampers' work since the last accepted step of a host's solver, and thus of the
+/// work of the inputs.
 const DAMPED: [&str; 11] = join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_DRIVE]);
 
-/// At the start the block's velocity too decides on accelerations and contact force: with it the
-/// block rests, or leaves.
+/// At the start accelerations and contact force depend on the block's velocity, too: it decides
+/// whether the block rests at a stop or leaves it.
 const MOTION_AT_START: Initially = Initially::OnStartAnd(&["block.v"]);
 
-/// Where box and block stand still beside each other at a stop without a pressing force, the first
-/// derivative that is not zero decides whether they stay so, and in the higher ones stands
-/// everything that moves.
+/// If the block is at a stop with zero relative velocity and zero pressing force, the first
+/// derivative of the pressing force that is not zero decides the contact. The higher derivatives
+/// depend on all states and loads.
 const CONTACT_AT_START: Initially = Initially::OnStartAnd(&[
     "box.f",
     "block.f",
@@ -109,7 +111,7 @@ fn value(derived: &Derived, get: fn(&Groups) -> f64) -> f64 {
     get(&derived.groups)
 }
 
-/// A count as a C int, saturating: 2^31 impacts take years of computing.
+/// A count as a C int, saturating; 2^31 impacts would take years to compute.
 fn count(value: u64) -> f64 {
     f64::from(i32::try_from(value).unwrap_or(i32::MAX))
 }
