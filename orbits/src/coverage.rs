@@ -71,7 +71,7 @@ impl Tree {
     /// The orbits of all branches at a value of the parameter, in the order of the branches.
     ///
     /// # Errors
-    /// What the machine refuses.
+    /// The error of [`Family::system`] at `value`.
     pub fn orbits_at(&self, family: &Family, value: f64) -> Result<Vec<TreeOrbit>> {
         let system = family.system(&[value])?;
         let of = |branch: &Branch| {
@@ -118,7 +118,7 @@ impl Tree {
     /// ```
     ///
     /// # Errors
-    /// What the machine refuses.
+    /// The error of [`Family::system`] at `value`.
     pub fn covering(&self, family: &Family, value: f64, attractor: &Attractor) -> Result<Option<Covering>> {
         if attractor.period.is_none() || attractor.rests {
             return Ok(None);

@@ -10,7 +10,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use vibro_analysis::Result;
 use vibro_impact::numerics::roots::brent;
 
-/// Values over the range at which the clearance is computed, and points of a branch.
+/// Number of equal parts of the range. Their ends are the values at which the clearance is
+/// computed, and the points of a branch.
 const NODES: usize = 200;
 
 /// Accuracy of a touch's place in parts of the range.

@@ -28,7 +28,7 @@ pub(super) struct Departure {
     /// The special point at which the path begins: a birth or a touch. That point is not certified
     /// itself.
     pub special: Option<Special>,
-    /// The multipliers there, where the cycle does not give them: at a touch.
+    /// The multipliers at a touch, where the cycle does not give them.
     pub multipliers: Option<[Complex<f64>; 6]>,
 }
 
@@ -158,8 +158,8 @@ pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Ob
 }
 
 /// Departure of the branch born by doubling, from a point with a multiplier -1 along the variation
-/// that closes with the opposite sign. One side suffices: the other holds the same orbits half a
-/// span later.
+/// that closes with the opposite sign. One direction suffices: the opposite direction leads to the
+/// same orbits, half a span later.
 pub(super) fn doubled(
     family: &Family,
     word: &OrbitWord,
