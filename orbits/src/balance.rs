@@ -29,8 +29,8 @@ impl ConstantLoads {
     }
 }
 
-/// Stiffness, in parts of mass times ω1², up to which a spring counts as soft: without an anchor
-/// the equations of an orbit lose three digits and more there.
+/// Largest stiffness, relative to mass times ω1², at which a spring counts as soft. Without an
+/// anchor the equations of an orbit lose three or more digits there.
 const SOFT: f64 = 1e-2;
 
 /// Body or bodies whose position a missing or soft spring does not determine, docs/theory.md (112).
@@ -56,7 +56,7 @@ impl Anchor {
         (self == Self::Pair).then_some(2)
     }
 
-    /// All anchors, each with the stiffness that holds it in parts of mass times ω1².
+    /// All anchors, each with the stiffness that holds it, relative to mass times ω1².
     pub(super) fn held(p: &Parameters) -> [(Self, f64); 3] {
         let part = |stiffness: f64, mass: f64| stiffness / (mass * p.drive_frequency.powi(2));
         [

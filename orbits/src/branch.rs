@@ -11,7 +11,7 @@ use vibro_analysis::Result;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Label {
-    /// LP: the branch turns round in the parameter.
+    /// LP: a fold, at which the parameter has an extremum along the branch.
     Fold,
     /// BP: two branches cross. On a symmetric orbit the symmetry breaks.
     BranchPoint,
@@ -73,7 +73,7 @@ pub struct Special {
     /// At a touch: the word that lists it.
     pub longer: Option<OrbitWord>,
     /// At a touch: whether the orbits with and without the impact exist on the same side of it, so
-    /// that the family turns round.
+    /// that the touch is a fold of the family.
     pub fold: Option<bool>,
 }
 

@@ -217,7 +217,7 @@ impl Branch {
                 let phases = newton(system, &self.word, guess).ok().filter(|phases| near(phases))?;
                 Orbit::at(system, &self.word, &phases).ok().filter(Orbit::is_certified)
             };
-            // Two pieces that meet at the value have one orbit there.
+            // Two pieces that meet at the value share one orbit, which is kept once.
             found.extend(
                 guesses
                     .iter()

@@ -21,7 +21,8 @@ const LOCATION: f64 = 1e-14;
 /// range.
 const SIDE: f64 = 1e-6;
 
-/// Clearance of the block from the nearer stop, units of L; NaN where there is no such motion.
+/// Clearance of the block from the nearer stop, units of L; NaN if there is no motion without
+/// impacts.
 fn clearance(family: &Family, value: f64) -> f64 {
     family.system(&[value]).ok().and_then(|s| s.clearance()).unwrap_or(f64::NAN)
 }

@@ -42,7 +42,7 @@ pub struct LocusPoint {
     pub phases: Vec<f64>,
     /// For Neimark-Sacker points the angle of the multipliers, rad.
     pub angle: Option<f64>,
-    /// End of the curve here, if it is one.
+    /// Type of end, if the point is one.
     pub end: Option<LocusEnd>,
 }
 
@@ -53,7 +53,7 @@ pub enum LocusEnd {
     Range,
     /// GR: beyond it the block would pass a stop, or an impact would have no speed.
     Touch,
-    /// CP: a cusp, both parameters turn round.
+    /// CP: a cusp, at which both parameters reverse their direction.
     Cusp,
     /// R1 or R2: the multipliers of a Neimark-Sacker point meet at 1 or -1.
     Resonance(i8),

@@ -17,7 +17,8 @@ pub(super) use vibro_impact::steady::exact_orbit::eigenvalues;
 /// that would change the order of impacts are shortened.
 const STEPS: usize = 40;
 
-/// Relative size of a Newton step below which the iteration has converged: the next is rounding.
+/// Relative size of a Newton step below which the iteration has converged: the next step is
+/// rounding.
 pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
 /// Size of a Newton step, rad, below which a step longer than half of the previous one counts as

@@ -32,9 +32,9 @@ const MANY: usize = 512;
 /// Limits within which a motion is followed to its return.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Most drive periods.
+    /// Largest number of drive periods.
     pub periods: u32,
-    /// Most impacts.
+    /// Largest number of impacts.
     pub impacts: usize,
 }
 

@@ -64,7 +64,7 @@ impl FlightTouch {
         let shorter = OrbitWord::of(letters, touch.longer.closing(), touch.longer.half_periods());
         let phases: Vec<f64> = kept.iter().map(|i| touch.u[*i]).collect();
         let (reduced, phases) = shorter.reduced(&phases, family.is_symmetric(), REPETITION);
-        // A touch before the first impact equals a touch after the last impact, a round later.
+        // A touch before the first impact equals a touch after the last impact, one passage later.
         let (flight, phase, side) = match kept.iter().filter(|i| **i < touch.index).count() {
             0 => (n - 1, phase + shorter.span(), side * shorter.closing()),
             before => (before - 1, phase, side),
@@ -206,7 +206,7 @@ pub(super) fn both_ways(
 }
 
 /// A departure in the shortest word of its orbit. If an orbit passed several times touches a stop
-/// in each round, the branch that lists all these touches also repeats the branch of a shorter
+/// in each passage, the branch that lists all these touches also repeats the branch of a shorter
 /// word.
 pub(super) fn reduced_departure(
     family: &Family,

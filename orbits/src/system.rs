@@ -70,9 +70,10 @@ impl System {
         self.anchor
     }
 
-    /// Anchors that may be needed next to the resonance of a mode with hardly any damping. Over a
-    /// word of that length the free flight takes box, or block and secondary oscillator, nearly
-    /// back to where they were; impacts move what is left by its square.
+    /// Anchors that may be needed next to the resonance of a mode with hardly any damping. There
+    /// the free flight over the span of the word returns the box, or the block and the secondary
+    /// oscillator, nearly to the initial state. The matrix σI - M is then singular except for the
+    /// square of the distance of the mode's frequency from resonance (docs/theory.md, section 14).
     pub(super) fn resonant_anchors(&self, word: &OrbitWord) -> [Option<Anchor>; 2] {
         let Transition { one, pair } = self.flight.transition(word.span());
         let sigma = f64::from(word.closing());

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::{Error, Result};
 
-/// Difference of phases, rad, up to which passages or halves of an orbit are equal.
+/// Largest difference of phases, rad, at which passages or halves of an orbit count as equal.
 pub(super) const REPETITION: f64 = 1e-8;
 
 /// Largest numbers of letters and half periods of a word that is read: the memory that the
@@ -354,7 +354,7 @@ mod tests {
         let (least, one) = word.reduced(&phases, true, 1e-9);
         assert_eq!((least.to_string(), least.closing(), least.half_periods()), ("U".into(), -1, 1));
         assert_eq!(one, [0.4]);
-        // With loads there is no symmetry, only repetition.
+        // With loads an orbit may repeat but is not symmetric.
         assert_eq!(word.reduced(&phases, false, 1e-9).0, OrbitWord::new("UL", 1, 2).unwrap());
         let unequal: Vec<f64> = phases.iter().map(|p| p + 0.01 * p.sin()).collect();
         assert_eq!(word.reduced(&[&unequal[..2], &phases[2..]].concat(), true, 1e-9).0, word);

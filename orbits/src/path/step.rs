@@ -102,7 +102,7 @@ impl Follower<'_> {
         };
         let located = touches.iter().filter_map(|touch| grazing::locate(self.family, touch).ok());
         let placed = located.filter_map(|touch| Some((arc(&touch)?, touch)));
-        // Of two touches at one point (a repeated orbit touches in each round) the one that the
+        // Of two touches at one point (a repeated orbit touches in each passage) the one that the
         // word lists is chosen.
         let order = |a: &(f64, Touch), b: &(f64, Touch)| {
             if (a.0 - b.0).abs() < LEAST_STEP {
