@@ -11,7 +11,7 @@ use vibro_analysis::Result;
 use vibro_impact::numerics::roots::brent;
 
 /// Number of equal parts of the range. Their ends are the values at which the clearance is
-/// computed, and the points of a branch.
+/// computed, and, with touches and marks, the points of a branch.
 const NODES: usize = 200;
 
 /// Accuracy of a touch's place in parts of the range.

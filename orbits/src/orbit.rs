@@ -69,9 +69,9 @@ impl Orbit {
     /// # Errors
     /// [`Error::NoOrbit`] if Newton's method does not converge, if the number of phases in `guess`
     /// differs from the number of letters in `word`, if `word` closes with -1 and the machine has
-    /// loads, or if the impulses of `word` cannot balance a load on a body without a spring. An
-    /// error that names the parameter if phases do not determine the orbit, as for two bodies
-    /// without springs or an undamped mode in resonance.
+    /// loads, or if the impulses of `word` cannot balance on a body without a spring. An error that
+    /// names the parameter if phases do not determine the orbit, as for two bodies without springs
+    /// or an undamped mode in resonance.
     pub fn find(system: &System, word: &OrbitWord, guess: &[f64]) -> Result<Self, Error> {
         let found = || {
             if guess.len() != word.len() {
@@ -292,9 +292,9 @@ impl Orbit {
         found
     }
 
-    /// Whether another orbit of the same machine is this orbit. Both orbits then have the same
-    /// canonical word, and their phases agree to `tolerance` (rad) for some choice of the first
-    /// letter. Without loads an orbit also equals its mirror image.
+    /// Whether another orbit of the same machine is this orbit: both have the same canonical word,
+    /// and their phases agree to `tolerance` (rad) for some choice of the first letter. Without
+    /// loads an orbit also equals its mirror image.
     pub fn is_same(&self, other: &Self, tolerance: f64) -> bool {
         let mirror = self.system.is_symmetric();
         let [own, their] = [self, other].map(|o| canonical(&o.word, &o.phases, mirror));
@@ -330,8 +330,8 @@ pub(super) fn repeated_phases(word: &OrbitWord, phases: &[f64], k: usize) -> Vec
     (0..k).flat_map(|round| phases.iter().map(move |phase| phase + round as f64 * word.span())).collect()
 }
 
-/// A phase, rad. A phase above a thousand radians is reduced by multiples of `periods` drive
-/// periods, since its differences from other phases would keep few digits.
+/// The phase `theta`, rad. If it exceeds a thousand radians in modulus it is reduced by multiples
+/// of `periods` drive periods, since its differences from other phases would keep few digits.
 fn within(theta: f64, periods: u32) -> f64 {
     const MANY: f64 = 1e3;
     if theta.abs() <= MANY {

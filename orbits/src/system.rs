@@ -45,7 +45,8 @@ impl System {
     ///
     /// # Errors
     /// The errors of [`Flight::new`]; an error if the undamped box is at resonance, if a load acts
-    /// on a box or a secondary oscillator that no spring holds, or if a load is not finite.
+    /// on a box or a secondary oscillator that no spring holds, if a load is not finite, or if a
+    /// spring would hold a load farther than 1e100 L away.
     pub fn new(parameters: &Parameters) -> Result<Self> {
         let loads = ConstantLoads { forces: parameters.constant_loads };
         let parameters = &Parameters { constant_loads: [0.0; 3], ..*parameters };
