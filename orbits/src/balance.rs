@@ -29,12 +29,11 @@ impl ConstantLoads {
     }
 }
 
-/// Stiffness, in parts of mass times ω1², up to which a spring counts as soft: without an anchor
-/// the equations of an orbit lose three digits and more there.
+/// Largest stiffness, relative to mass times ω1², at which a spring counts as soft. Without an
+/// anchor the equations of an orbit lose three or more digits there.
 const SOFT: f64 = 1e-2;
 
-/// Body or bodies that a missing or soft spring leaves without a place of their own, docs/theory.md
-/// (112).
+/// Body or bodies whose position a missing or soft spring does not determine, docs/theory.md (112).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     /// The box, without a spring to the ground.
@@ -51,13 +50,13 @@ impl Anchor {
         usize::from(self != Self::Box)
     }
 
-    /// Index of the displacement that moves along with the first: its return is asked for beside
-    /// that of the first.
+    /// Index of the displacement that moves along with the anchored one. The equations contain the
+    /// return of the difference of both.
     pub(super) fn follower(self) -> Option<usize> {
         (self == Self::Pair).then_some(2)
     }
 
-    /// All anchors, each with the stiffness that holds it in parts of mass times ω1².
+    /// All anchors, each with the stiffness that holds it, relative to mass times ω1².
     pub(super) fn held(p: &Parameters) -> [(Self, f64); 3] {
         let part = |stiffness: f64, mass: f64| stiffness / (mass * p.drive_frequency.powi(2));
         [
@@ -67,7 +66,8 @@ impl Anchor {
         ]
     }
 
-    /// The anchor with the least stiffness in any of some machines; `None` unless that is soft.
+    /// The anchor with the least stiffness in any of the given machines; `None` unless that
+    /// stiffness is soft.
     pub(super) fn of<'a>(machines: impl Iterator<Item = &'a Parameters>) -> Option<Self> {
         let least = machines.flat_map(Self::held).min_by(|a, b| a.1.total_cmp(&b.1));
         least.filter(|(_, stiffness)| *stiffness <= SOFT).map(|(anchor, _)| anchor)
@@ -113,8 +113,8 @@ impl Balance {
 /// The balance of a machine under loads.
 ///
 /// # Errors
-/// A load that is not finite, on what no spring holds, or on what a spring holds farther away than
-/// numbers tell.
+/// An error if a load is not finite, if it acts on a body that no spring holds, or if a spring
+/// would hold it farther than 1e100 L away.
 pub(super) fn balance(p: &Parameters, loads: ConstantLoads) -> Result<Balance> {
     let held = rest(p, loads)?;
     let anchor = Anchor::of(std::iter::once(p)).filter(|_| (held[1] - held[0]).abs() > FAR);
@@ -134,7 +134,7 @@ pub(super) fn balance(p: &Parameters, loads: ConstantLoads) -> Result<Balance> {
     Ok(Balance { places, push, held })
 }
 
-/// Reference places near each other at which all bodies but the softly held ones are in balance.
+/// Reference places near each other at which all bodies except the softly held ones are in balance.
 fn near(p: &Parameters, loads: ConstantLoads, [x1, x2, x3]: [f64; 3], anchor: Anchor) -> [f64; 3] {
     let [_, f2, f3] = loads.forces.map(|force| force / p.stop_gap);
     let (coupling, ground) = (p.coupling_stiffness, p.secondary_stiffness);
@@ -179,7 +179,7 @@ fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
         (2, "secondary.k", p.secondary_stiffness),
         (1, "coupling.k", p.coupling_stiffness),
     ];
-    // NaN is within no range.
+    // False for NaN.
     let told = |place: f64| (-FARTHEST..=FARTHEST).contains(&place);
     match springs.into_iter().find(|(body, ..)| !told(places[*body])) {
         None => Ok(places),

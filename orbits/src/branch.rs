@@ -11,7 +11,7 @@ use vibro_analysis::Result;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Label {
-    /// LP: the branch turns round in the parameter.
+    /// LP: a fold, at which the parameter has an extremum along the branch.
     Fold,
     /// BP: two branches cross. On a symmetric orbit the symmetry breaks.
     BranchPoint,
@@ -27,7 +27,8 @@ pub enum Label {
     NoConvergence,
     /// UZ: a value of the parameter that was asked for.
     UserValue,
-    /// CH: an impact with speed zero after which the block stays on its stop; beyond it is chatter.
+    /// CH: an impact with speed zero after which the block stays on its stop. Beyond this point the
+    /// motion chatters.
     Chatter,
 }
 
@@ -72,7 +73,7 @@ pub struct Special {
     /// At a touch: the word that lists it.
     pub longer: Option<OrbitWord>,
     /// At a touch: whether the orbits with and without the impact exist on the same side of it, so
-    /// that the family turns round.
+    /// that the touch is a fold of the family.
     pub fold: Option<bool>,
 }
 
@@ -89,7 +90,7 @@ pub struct OrbitPoint {
     pub value: f64,
     /// Phases of the drive at the impacts, rad.
     pub phases: Vec<f64>,
-    /// The multipliers, largest first; at a touch those of the orbit without it.
+    /// The multipliers, largest first; at a touch those of the orbit without the touching impact.
     #[serde(with = "super::stored::multipliers")]
     pub multipliers: [Complex<f64>; 6],
     /// Whether the piece of the branch from here to the next point is stable; at the last point the
@@ -112,7 +113,7 @@ pub struct Branch {
     /// Index in the tree.
     pub id: usize,
     /// Index of the parent branch and of its point at which this branch begins; `None` for a branch
-    /// that was entered from a simulated motion.
+    /// that starts from a simulated motion.
     pub parent: Option<(usize, usize)>,
     /// Number of switches of branches since a simulated motion.
     pub depth: u32,
@@ -128,14 +129,15 @@ impl Branch {
     /// The orbit of one of its points.
     ///
     /// # Errors
-    /// What the machine refuses.
+    /// The error of [`Family::system`] at the point; an error if the phases of the point do not
+    /// give an orbit.
     pub fn orbit(&self, family: &Family, point: &OrbitPoint) -> Result<Orbit> {
         let system = family.system(&[point.value])?;
         Orbit::at(&system, &self.word, &point.phases).map_err(|obstacle| obstacle.error(&system, &self.word))
     }
 
-    /// The local maxima of a displacement with weights of x1, x2, x3 at each point, units of L, the
-    /// largest first; none where the orbit cannot be computed.
+    /// The local maxima, at each point, of the sum of x1, x2, x3 with the given weights, units of
+    /// L, the largest first. The list of a point is empty if its orbit cannot be computed.
     pub fn maxima(&self, family: &Family, weights: [f64; 3]) -> Vec<Vec<f64>> {
         let at = |point: &OrbitPoint| {
             let mut found = self.orbit(family, point).map_or(Vec::new(), |orbit| orbit.maxima(weights));

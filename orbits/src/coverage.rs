@@ -1,4 +1,4 @@
-//! Which orbits a tree holds: whether a branch passes an orbit, and on which branch a settled
+//! Which orbits a tree holds: whether a branch contains an orbit, and on which branch a settled
 //! motion lies.
 
 use super::branch::{Branch, OrbitPoint};
@@ -14,10 +14,12 @@ use vibro_analysis::Result;
 use vibro_analysis::attractor::Attractor;
 use vibro_analysis::stroboscopic::{StroboscopicState, dimensionless};
 
-/// Differences of phases, rad, up to which two orbits at one value of the parameter are one.
+/// Largest difference of phases, rad, at which two orbits at one value of the parameter count as
+/// equal.
 const SAME_ORBIT: f64 = 1e-6;
 
-/// Distance of interpolated phases from an orbit's, rad, up to which Newton's method is tried.
+/// Largest distance, rad, between interpolated phases and those of an orbit at which Newton's
+/// method is tried.
 const NEAR_ORBIT: f64 = 0.2;
 
 /// An orbit of a tree at a value of the parameter.
@@ -36,18 +38,18 @@ pub struct Covering {
     pub branch: usize,
     /// The stable orbit of the branch at the motion's value of the parameter.
     pub orbit: Orbit,
-    /// The largest difference of a coordinate of their states at whole drive periods, units of L
-    /// and L ω10: what is left of the motion's transient.
+    /// The largest difference of a coordinate between the states of the motion and of the orbit at
+    /// whole drive periods, units of L and L ω10. It is the rest of the motion's transient.
     pub distance: f64,
 }
 
 impl Tree {
     /// The largest [`distance`](Covering::distance) at which a motion counts as settled on an
-    /// orbit. States of one attractor that were reached in different ways agree to it; distinct
-    /// orbits differ by more.
+    /// orbit. States of one attractor that were reached from different starts differ by less;
+    /// distinct orbits differ by more.
     pub const SETTLED_DISTANCE: f64 = 1e-3;
 
-    /// The branch that passes an orbit, if one does.
+    /// The branch that contains an orbit, if there is one.
     pub fn passing(
         &self,
         family: &Family,
@@ -69,7 +71,7 @@ impl Tree {
     /// The orbits of all branches at a value of the parameter, in the order of the branches.
     ///
     /// # Errors
-    /// What the machine refuses.
+    /// The error of [`Family::system`] at `value`.
     pub fn orbits_at(&self, family: &Family, value: f64) -> Result<Vec<TreeOrbit>> {
         let system = family.system(&[value])?;
         let of = |branch: &Branch| {
@@ -83,13 +85,13 @@ impl Tree {
     }
 
     /// The stable orbit of the tree on which a simulated motion has settled at a value of the
-    /// parameter: the nearest one, if the motion is within
-    /// [`SETTLED_DISTANCE`](Self::SETTLED_DISTANCE) of it. The orbit's mirror image counts as the
-    /// orbit where the machine is symmetric.
+    /// parameter. It is the nearest stable orbit, if the motion is within
+    /// [`SETTLED_DISTANCE`](Self::SETTLED_DISTANCE) of it. If the machine is symmetric, the mirror
+    /// image of an orbit counts as the orbit.
     ///
-    /// A motion is compared by its states at whole drive periods, one for each drive period of its
-    /// own period, which must be a multiple of the orbit's. `None` says that no stable branch of
-    /// the tree accounts for the motion: it is not periodic, rests at a stop, is still transient,
+    /// The motion is compared by its states at whole drive periods over one period of the motion,
+    /// which must be a multiple of the orbit's period. The result is `None` if no stable orbit of
+    /// the tree is the motion: the motion is not periodic, rests at a stop or is still transient,
     /// or its branch is missing. The share of a simulated diagram that the tree explains is the
     /// number of covered rows over that of periodic rows without rest.
     ///
@@ -116,7 +118,7 @@ impl Tree {
     /// ```
     ///
     /// # Errors
-    /// What the machine refuses.
+    /// The error of [`Family::system`] at `value`.
     pub fn covering(&self, family: &Family, value: f64, attractor: &Attractor) -> Result<Option<Covering>> {
         if attractor.period.is_none() || attractor.rests {
             return Ok(None);
@@ -134,9 +136,10 @@ impl Tree {
     }
 }
 
-/// The largest difference of a coordinate between an orbit at whole drive periods and the states of
-/// a motion, for the period of the orbit in which the motion begins, or that of its mirror image,
-/// at which it is least; `None` unless the motion's period is a multiple of the orbit's.
+/// The largest difference of a coordinate between the states of an orbit and of a motion at whole
+/// drive periods. The motion may begin in any drive period of the orbit or, for a symmetric
+/// machine, of its mirror image; the result is the least value over these beginnings. `None` unless
+/// the motion's period is a multiple of the orbit's.
 fn distance(orbit: &Orbit, states: &[StroboscopicState]) -> Option<f64> {
     let p = orbit.system().parameters();
     let period = orbit.word().period() as usize;
@@ -158,7 +161,7 @@ fn distance(orbit: &Orbit, states: &[StroboscopicState]) -> Option<f64> {
 }
 
 impl Branch {
-    /// Whether it passes an orbit, which is of the family at a value of the parameter.
+    /// Whether the branch contains an orbit of the family's machine at a value of the parameter.
     pub fn holds(&self, family: &Family, orbit: &Orbit, value: f64) -> bool {
         let mirror = family.is_symmetric();
         let (word, phases) = orbit.word().reduced(orbit.phases(), mirror, REPETITION);
@@ -175,8 +178,8 @@ impl Branch {
         self.points.windows(2).map(|pair| [&pair[0], &pair[1]]).filter(inside)
     }
 
-    /// Guesses of the phases of an orbit between two points: those in between and, since next to a
-    /// fold or a birth the interpolation is poor, those of the points.
+    /// Guesses of the phases of an orbit between two points: the interpolated phases, and the
+    /// phases of both points, since the interpolation is poor next to a fold or a birth.
     fn guesses(value: f64, [a, b]: [&OrbitPoint; 2]) -> [Vec<f64>; 3] {
         let way = b.value - a.value;
         let part = if way == 0.0 { 0.5 } else { ((value - a.value) / way).clamp(0.0, 1.0) };
@@ -184,7 +187,7 @@ impl Branch {
         [between, a.phases.clone(), b.phases.clone()]
     }
 
-    /// Whether the branch passes an orbit of its word.
+    /// Whether the branch contains an orbit of its word with given phases.
     fn passes(&self, family: &Family, phases: &[f64], value: f64, mirror: bool) -> bool {
         if self.word.is_empty() {
             return self.pieces_around(value).next().is_some();
@@ -202,8 +205,8 @@ impl Branch {
         })
     }
 
-    /// Certified orbits of the branch in the machine at a value of the parameter, on the pieces
-    /// that begin at points of a kind.
+    /// Certified orbits of the branch in the machine at a value of the parameter. Only pieces whose
+    /// first point satisfies `begins` are searched.
     fn orbits_in(&self, system: &System, value: f64, begins: impl Fn(&OrbitPoint) -> bool) -> Vec<Orbit> {
         let mut found: Vec<Orbit> = Vec::new();
         for pair in self.pieces_around(value).filter(|pair| begins(pair[0])) {
@@ -214,7 +217,7 @@ impl Branch {
                 let phases = newton(system, &self.word, guess).ok().filter(|phases| near(phases))?;
                 Orbit::at(system, &self.word, &phases).ok().filter(Orbit::is_certified)
             };
-            // Two pieces that meet at the value have one orbit there.
+            // Two pieces that meet at the value share one orbit, which is kept once.
             found.extend(
                 guesses
                     .iter()

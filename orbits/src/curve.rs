@@ -6,11 +6,11 @@ use super::obstacle::Obstacle;
 use super::orbit::{STEP_ROUNDING, STEP_STALLED};
 use nalgebra::{ComplexField, DMatrix, DVector};
 
-/// Most Newton steps of a correction of continuation.
+/// Largest number of Newton steps of a correction in continuation.
 const STEPS: usize = 8;
 
-/// Most Newton steps towards a point that one further condition determines; they start farther
-/// away.
+/// Largest number of Newton steps towards a point that one further condition determines. Such steps
+/// start farther away.
 const CONDITION_STEPS: usize = 20;
 
 /// Longest Newton step towards such a point; longer ones are shortened to it.
@@ -28,7 +28,7 @@ pub(super) trait Equations {
     /// at a neighbouring point.
     ///
     /// # Errors
-    /// Where the equations are not defined.
+    /// An obstacle if the equations are not defined at `u`.
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle>;
 }
 
@@ -57,7 +57,8 @@ pub(super) fn correct(
 ) -> Result<CurvePoint, Obstacle> {
     let mut u = predicted.clone();
     let mut known: Option<DMatrix<f64>> = None;
-    // The first step that may be rounding (STEP_STALLED): an easy correction counts as taken there.
+    // The number of steps after which all further ones may be rounding (STEP_STALLED). The
+    // correction counts as converged there.
     let (mut stalled, mut before) = (None, f64::INFINITY);
     for steps in 1..=STEPS {
         let Linearization { value, matrix } = equations.linearize(&u, known.as_ref())?;
@@ -83,8 +84,8 @@ pub(super) fn correct(
             stalled.get_or_insert(steps);
         }
         before = size;
-        // Under a load that a soft spring holds far away, and next to where branches cross,
-        // rounding is a longer step.
+        // Rounding leaves longer steps under a load that a soft spring holds far away, and next to
+        // a crossing of branches.
         let last = if steps == STEPS { stalled } else { None };
         if size < STEP_ROUNDING * (1.0 + u.norm()) || last.is_some() {
             let tangent = right.column(1).normalize();
@@ -95,7 +96,7 @@ pub(super) fn correct(
 }
 
 /// The tangent at a point of the curve on the side of `towards`: the null vector of the
-/// derivatives. Either sign where `towards` is perpendicular to it.
+/// derivatives. Its sign is arbitrary if `towards` is perpendicular to it.
 pub(super) fn tangent(
     equations: &impl Equations,
     u: &DVector<f64>,
@@ -147,11 +148,11 @@ pub(super) fn meet(
     })
 }
 
-/// Most sweeps of a singular value decomposition: a few for each value suffice.
+/// Largest number of sweeps of a singular value decomposition; a few for each value suffice.
 const SWEEPS: usize = 100_000;
 
 /// The left and the right singular vector of the least singular value of a square matrix: the null
-/// vectors where it is singular. `None` where numbers are not finite, on which the sweeps would not
+/// vectors if the matrix is singular. `None` if an entry is not finite, since the sweeps would not
 /// end.
 pub(super) fn least_vectors<T: ComplexField<RealField = f64>>(
     matrix: DMatrix<T>,
@@ -170,11 +171,11 @@ pub(super) fn axis(length: usize, index: usize) -> DVector<f64> {
     DVector::from_fn(length, |i, _| if i == index { 1.0 } else { 0.0 })
 }
 
-/// The derivative at 0 by differences: central where the function is defined on both sides, and
-/// else to the side where it is.
+/// The derivative at 0 by differences: central if the function is defined on both sides, one-sided
+/// if it is defined on one side.
 ///
 /// # Errors
-/// Where it is defined on neither.
+/// An obstacle if the function is defined on neither side.
 pub(super) fn slope(
     step: f64,
     at: impl Fn(f64) -> Result<Vec<f64>, Obstacle>,

@@ -10,11 +10,11 @@ use super::word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix6, SMatrix};
 use vibro_impact::steady::exact_orbit::{Transition, Vector6};
 
-/// Least ratio of the diagonal entries of an LU decomposition of σI - M that still counts as
-/// regular: beyond it the state keeps fewer than six digits.
+/// Least ratio of the diagonal entries of an LU decomposition of σI - M at which the matrix counts
+/// as regular: below this ratio the state keeps fewer than six digits.
 const REGULAR: f64 = 1e-10;
 
-/// w as a row of a state.
+/// The row whose product with a state is w.
 const GAP: Vector6 = Vector6::new(-1.0, 1.0, 0.0, 0.0, 0.0, 0.0);
 
 /// Quantity at the ends of the flights that is differentiated.
@@ -48,25 +48,26 @@ pub(super) struct Cycle<'a> {
     /// The derivatives of w and of w' at the end of each flight with respect to the state at the
     /// start.
     rows: Vec<[Vector6; 2]>,
-    /// z: the state less the motion without impacts. `start` is just after the first impact;
+    /// z, the state minus the motion without impacts. `start` is just after the first impact;
     /// `before` and `after` are around the impact at the end of each flight.
     pub start: Vector6,
     pub before: Vec<Vector6>,
     pub after: Vec<Vector6>,
-    /// w - s at the end of each flight. Of an anchored system the last entry is by how much the
-    /// anchored displacement misses its return.
+    /// w - s at the end of each flight. For an anchored system the last entry is the error of
+    /// return of the anchored displacement.
     pub residual: Vec<f64>,
     /// w'⁻ at the end of each flight.
     pub rates: Vec<f64>,
 }
 
-/// Phase of the impact at the end of a flight, which starts the next one.
+/// Phase of the impact at the end of a flight, where the next flight starts.
 fn arrival(word: &OrbitWord, phases: &[f64], flight: usize) -> f64 {
     phases.get(flight + 1).copied().unwrap_or(phases[0] + word.span())
 }
 
-/// Replaces, in the matrix of the equations for a state, the return of the anchored displacement by
-/// the first contact. The displacement that moves along with it returns beside it.
+/// In the matrix of the equations for a state, replaces the row for the return of the anchored
+/// displacement by the row of the first contact. The row of a displacement that moves along with
+/// the anchored one is replaced by the return of the difference of both.
 fn anchor_rows<T: ComplexField<RealField = f64>>(closed: &mut SMatrix<T, 6, 6>, anchor: Anchor) {
     let place = anchor.place();
     if let Some(follower) = anchor.follower() {
@@ -76,8 +77,8 @@ fn anchor_rows<T: ComplexField<RealField = f64>>(closed: &mut SMatrix<T, 6, 6>, 
     closed.set_row(place, &GAP.transpose().map(T::from_real));
 }
 
-/// Replaces, in the right side of those equations, the return of the anchored displacement by the
-/// value of the first contact.
+/// In the right side of those equations, replaces the entry for the return of the anchored
+/// displacement by the value of the first contact.
 fn anchor_right<T: ComplexField<RealField = f64>>(right: &mut SMatrix<T, 6, 1>, anchor: Anchor, contact: T) {
     let place = anchor.place();
     if let Some(follower) = anchor.follower() {
@@ -172,8 +173,8 @@ impl<'a> Cycle<'a> {
         f64::from(self.word.closing())
     }
 
-    /// The matrix of the equations for the state, or for its variations that close with `factor`
-    /// times the word's sign.
+    /// The matrix of the equations for the state (`factor` 1), or for variations of the state that
+    /// close with `factor` times the word's sign.
     fn closed<T: ComplexField<RealField = f64>>(&self, factor: &T) -> SMatrix<T, 6, 6> {
         let factor = factor.clone() * T::from_real(self.sigma());
         let mut closed = SMatrix::<T, 6, 6>::identity() * factor - self.map.map(T::from_real);
@@ -209,7 +210,7 @@ impl<'a> Cycle<'a> {
         if flight == 0 { &self.start } else { &self.after[flight - 1] }
     }
 
-    /// Misses of contact at the start and at the end of a flight, units of L; those of an orbit are
+    /// Misses of contact at the start and at the end of a flight, units of L. At an orbit they are
     /// rounding.
     pub fn contact_errors(&self, flight: usize) -> [f64; 2] {
         let off = |z: &Vector6, phase: f64, impact: usize| {
@@ -274,7 +275,8 @@ impl<'a> Cycle<'a> {
         let contacts = if returns.is_some() { n - 1 } else { n };
         let mut matrix = direct.map(T::from_real);
         for k in 0..n {
-            // The first impact is varied at the end alone, where variations have the factor.
+            // The first impact is varied only at the end of the word, where variations have the
+            // factor.
             let part = if k == 0 { factor.clone() } else { T::one() };
             let end = ends[k].map(|x| T::from_real(x) * part.clone());
             let mut right = end.clone();
@@ -305,7 +307,7 @@ impl<'a> Cycle<'a> {
         Some(matrix)
     }
 
-    /// w'⁺ of the first impact, by the state after it.
+    /// w'⁺ of the first impact, from the state after it.
     fn departure_rate(&self) -> f64 {
         Functional::Rate.of(&self.start) + self.system.forced_gap(self.phases[0])[1]
     }
@@ -317,7 +319,8 @@ impl<'a> Cycle<'a> {
         let mut direct = DMatrix::zeros(n, n);
         let mut first = self.delay(n - 1);
         if self.system.anchor().is_some() {
-            // The state at the end is not yet that at the start.
+            // Before convergence the state at the end of the word does not return to that at the
+            // start.
             first += self.system.rate(&self.after[n - 1]) - self.system.rate(&self.start) * self.sigma();
         }
         let mut ends = vec![first];
@@ -335,7 +338,7 @@ impl<'a> Cycle<'a> {
 
     /// The map of variations from just after the first impact to just after the one that closes the
     /// word, with the closing sign: docs/theory.md (106). Its eigenvalues are the multipliers. Each
-    /// impact must have a speed.
+    /// impact must have an approach speed other than zero.
     pub fn monodromy(&self) -> Matrix6<f64> {
         let mut map = Matrix6::identity();
         for (i, transition) in self.transitions.iter().enumerate() {

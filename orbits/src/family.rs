@@ -33,8 +33,8 @@ impl Span {
     /// A range of a parameter.
     ///
     /// # Errors
-    /// [`Error::Form`] for a range that is empty or not finite; the error of [`Name::check`] for an
-    /// end that the parameter may not have.
+    /// [`Error::Form`] if the range is empty or not finite; the error of [`Name::check`] if the
+    /// parameter may not have the value of an end.
     pub fn new(name: impl Into<Name>, from: f64, to: f64) -> Result<Self, Error> {
         let name = name.into();
         if !(from < to && (to - from).is_finite()) {
@@ -74,7 +74,7 @@ impl Family {
     /// The machines over two parameters.
     ///
     /// # Errors
-    /// As [`new`](Self::new); [`Error::Form`] when one parameter is the other by another name.
+    /// As [`new`](Self::new); [`Error::Form`] if both names denote one parameter.
     pub fn over_two(set: &ParameterSet, first: Span, second: Span) -> Result<Self, Error> {
         if first.name.is_same_quantity(second.name) {
             let text = format!("{},{}", first.name.name(), second.name.name());
@@ -107,7 +107,7 @@ impl Family {
     /// The parameters of a machine of the family.
     ///
     /// # Errors
-    /// The error for a value outside its parameter's range.
+    /// An error if a parameter may not have its value.
     pub fn parameter_set(&self, values: &[f64]) -> Result<ParameterSet, Error> {
         let mut set = self.set.clone();
         for (span, value) in self.spans.iter().zip(values) {
@@ -129,8 +129,8 @@ impl Family {
         self.set.parameters().constant_loads == [0.0; 3] && !self.spans.iter().any(|span| span.name.is_load())
     }
 
-    /// The shortest word of an orbit in the family, with its phases. A half word is taken only
-    /// where no machine of the family has loads.
+    /// The shortest word of an orbit in the family, with its phases. A symmetric orbit is reduced
+    /// to half of its word only if no machine of the family has loads.
     pub(super) fn shortest(&self, orbit: &Orbit) -> (OrbitWord, Vec<f64>) {
         let (word, phases) = (orbit.word(), orbit.phases());
         let mirror = self.is_symmetric();
@@ -187,8 +187,8 @@ pub(super) struct ContactEquations<'a> {
 }
 
 impl ContactEquations<'_> {
-    /// Value and derivative of the residual. The parameters' columns are taken from `known` where
-    /// given.
+    /// Value and derivative of the residual. The columns of the parameters are taken from `known`
+    /// if it is given.
     pub fn linearize(
         &self,
         cycle: &Cycle,

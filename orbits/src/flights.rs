@@ -9,7 +9,7 @@ use vibro_impact::steady::exact_orbit::{Clearance, Flight, Vector6};
 
 /// Parts into which a piece is divided to search its extrema. Over a piece the fastest mode turns
 /// by 0.75 rad, so that the slope changes its sign at most once in a part, except next to an
-/// inflection, which is therefore looked at too.
+/// inflection, which is therefore examined too.
 const PARTS: usize = 8;
 
 /// Accuracy of an extremum's place in a piece; its value is then exact to round-off.
@@ -48,7 +48,7 @@ pub(super) fn pieces(
             x.iter_mut().zip(fallen).for_each(|(x, fallen)| *x += fallen);
         }
         z = Flight::state(&x, 1.0, length);
-        // The box swings against the gap.
+        // In the motion without impacts the box moves opposite to the gap.
         add_sine(&mut x[0], -amplitude, length, phase + angle);
         x.iter_mut().zip(rest).for_each(|(x, rest)| x[0] += rest);
         TaylorPiece { phase, length, x }

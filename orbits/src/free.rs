@@ -10,7 +10,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use vibro_analysis::Result;
 use vibro_impact::numerics::roots::brent;
 
-/// Values over the range at which the clearance is computed, and points of a branch.
+/// Number of equal parts of the range. Their ends are the values at which the clearance is
+/// computed, and, with touches and marks, the points of a branch.
 const NODES: usize = 200;
 
 /// Accuracy of a touch's place in parts of the range.
@@ -20,7 +21,8 @@ const LOCATION: f64 = 1e-14;
 /// range.
 const SIDE: f64 = 1e-6;
 
-/// Clearance of the block from the nearer stop, units of L; NaN where there is no such motion.
+/// Clearance of the block from the nearer stop, units of L; NaN if there is no motion without
+/// impacts.
 fn clearance(family: &Family, value: f64) -> f64 {
     family.system(&[value]).ok().and_then(|s| s.clearance()).unwrap_or(f64::NAN)
 }

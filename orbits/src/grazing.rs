@@ -21,7 +21,7 @@ pub(super) struct Touch {
     #[serde(with = "super::stored::vector")]
     pub u: DVector<f64>,
     /// Other impacts of the word with speed zero there: a repeated orbit touches a stop in each
-    /// round.
+    /// passage.
     pub also: Vec<usize>,
     /// Whether the branch that was followed lists the touch.
     pub from_longer: bool,

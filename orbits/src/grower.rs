@@ -16,8 +16,8 @@ use super::word::OrbitWord;
 /// of threads.
 const TOGETHER: usize = 16;
 
-/// Differences of the parameter, in its curve unit, up to which two special points of one kind are
-/// one.
+/// Largest difference of the parameter, in its curve unit, at which two special points of one kind
+/// count as one.
 pub(super) const SAME_PLACE: f64 = 1e-7;
 
 /// A start from which a branch may be traced.
@@ -32,7 +32,8 @@ pub(super) struct BranchStart {
     pub island: bool,
 }
 
-/// Depth in the queue of a start at an orbit near which a motion passed: after all others.
+/// Depth in the queue of starts at orbits near which motions passed. They come after all other
+/// starts.
 const LAST: u32 = u32::MAX;
 
 /// The tree as far as it has grown.
@@ -42,7 +43,7 @@ pub(super) struct Grower<'a> {
     pub path: PathOptions,
     pub tree: Tree,
     pub queue: Vec<BranchStart>,
-    /// Traced branches that are stable nowhere, so that they are no islands.
+    /// Traced branches that are not islands, since they are stable nowhere.
     left_out: Tree,
     /// Special points from which branches were traced or at which they end: label, canonical word,
     /// parameter.
@@ -56,8 +57,8 @@ impl<'a> Grower<'a> {
         Self { family, options, path, tree, left_out, queue: Vec::new(), known: Vec::new() }
     }
 
-    /// Queues the orbits found by simulation: those on which motions settled first, those near
-    /// which motions passed last.
+    /// Queues the orbits found by simulation: first those on which motions settled, last those near
+    /// which motions passed.
     pub fn plant(&mut self, seeds: Seeds) {
         let Seeds { settled, passed, searched } = seeds;
         self.tree.searched = searched;
@@ -74,8 +75,8 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// The next batch of the queue, which is ordered by depth and then by discovery. Of starts with
-    /// one word only the first is taken, since the others may lie on its branch.
+    /// The next batch of the queue, which is ordered by depth and then by discovery. Of several
+    /// starts with the same word only the first is taken, since the others may lie on its branch.
     pub fn next_batch(&mut self) -> Vec<BranchStart> {
         let (mut batch, mut rest): (Vec<BranchStart>, Vec<BranchStart>) = (Vec::new(), Vec::new());
         for start in self.queue.drain(..) {
@@ -115,7 +116,7 @@ impl<'a> Grower<'a> {
         }
         let depth = if island { 0 } else { depth };
         let born = departures.len() == 1;
-        // Away from the ends, next to which several branches lie close together.
+        // The probe is away from the ends, where several branches lie close together.
         let middle = points.len() / 2;
         let probe = points[middle..].iter().find(|p| p.special.is_none()).unwrap_or(&points[middle]);
         if self.tree.passing(self.family, &word, &probe.phases, probe.value).is_some() {

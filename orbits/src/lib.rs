@@ -1,15 +1,16 @@
 //! Periodic orbits with any impact word, stable or not, followed along a parameter with their
 //! bifurcations (docs/theory.md, section 14).
 //!
-//! For given impact phases the motion is linear, so that an orbit of n impacts has n unknowns,
-//! whatever it does in between.
+//! For given impact phases the motion is linear. An orbit of n impacts therefore has n unknowns,
+//! its impact phases.
 //!
 //! The way from a word to a tree of branches:
 //!
 //! - `system` is the machine in an orbit's units, `cycle` the linear part for given phases, `orbit`
 //!   Newton's method and the certificate that no other impact occurs.
 //! - `family`, `curve` and `path` follow orbits along a parameter; `special` and `grazing` locate
-//!   bifurcations and touches by equations that are regular there; `switching` leaves them.
+//!   bifurcations and touches by equations that are regular there; `switching` starts branches at
+//!   them.
 //! - `seeds`, `grower` and `trace` grow the tree; `ranges` and `coverage` read it; `locus` follows
 //!   a special point in two parameters.
 //!

@@ -17,9 +17,10 @@ use vibro_analysis::{Error, Result as Outcome};
 /// First, least and longest step, in rad and curve units of the parameters (fifths of their
 /// ranges).
 const STEPS: [f64; 3] = [5e-3, 1e-5, 0.05];
-/// Most points in one direction.
+/// Largest number of points in one direction.
 const MOST_POINTS: usize = 600;
-/// Largest correction of a step in parts of the step, and least cosine of the tangent's turn in it.
+/// Largest correction of a step relative to its length, and least cosine of the angle by which the
+/// tangent turns in a step.
 const CORRECTION: f64 = 0.3;
 const COSINE: f64 = 0.9;
 /// Points after which a curve may have closed, and distance from its first point, in steps, at
@@ -28,8 +29,8 @@ const SHORTEST_LOOP: usize = 10;
 const CLOSED: f64 = 0.1;
 
 /// Angle of multipliers, rad, from 1 or -1 within which a curve that cannot be continued ends at
-/// that resonance. At the resonance itself one of the equations is void, so that only a step across
-/// meets it.
+/// that resonance. At the resonance itself one of the equations is satisfied identically, so that
+/// only a step across the resonance detects it.
 const RESONANT: f64 = 1e-2;
 
 /// A point of a curve in two parameters.
@@ -41,7 +42,7 @@ pub struct LocusPoint {
     pub phases: Vec<f64>,
     /// For Neimark-Sacker points the angle of the multipliers, rad.
     pub angle: Option<f64>,
-    /// End of the curve here, if it is one.
+    /// Type of end, if the point is one.
     pub end: Option<LocusEnd>,
 }
 
@@ -52,7 +53,7 @@ pub enum LocusEnd {
     Range,
     /// GR: beyond it the block would pass a stop, or an impact would have no speed.
     Touch,
-    /// CP: a cusp, both parameters turn round.
+    /// CP: a cusp, at which both parameters reverse their direction.
     Cusp,
     /// R1 or R2: the multipliers of a Neimark-Sacker point meet at 1 or -1.
     Resonance(i8),
@@ -98,8 +99,8 @@ impl LocusEnd {
 /// ```
 ///
 /// # Errors
-/// [`Error::Form`] for a label that defines no curve and for a start outside the ranges;
-/// [`Error::NoOrbit`] when no such point is near the start.
+/// [`Error::Form`] if the label defines no curve or if the start is outside the ranges;
+/// [`Error::NoOrbit`] if there is no such point near the start.
 pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
     let [first, second] = family.spans() else {
         let text = format!("{} parameters", family.spans().len());
@@ -125,7 +126,7 @@ pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
     let mut points: Vec<LocusPoint> = backward.into_iter().rev().collect();
     points.push(point(&locus, &u, None));
     points.extend(forward);
-    // Where no step could be taken the start itself is an end.
+    // If no step succeeds in a direction, the start itself is the end in that direction.
     let last = points.len() - 1;
     points[0].end = Some(begin);
     points[last].end = Some(end);
@@ -173,7 +174,7 @@ fn follow(locus: &Locus, start: &DVector<f64>, along: DVector<f64>) -> (Vec<Locu
     (points, LocusEnd::NoConvergence)
 }
 
-/// The resonance at which a curve of Neimark-Sacker points ends, if it has come to one.
+/// The resonance at which a curve of Neimark-Sacker points ends, if its last point is near one.
 fn resonance(locus: &Locus, u: &DVector<f64>) -> Option<LocusEnd> {
     let angle = matches!(locus.condition, Condition::Complex(_)).then(|| u[locus.n()])?;
     if angle < RESONANT {
@@ -185,7 +186,8 @@ fn resonance(locus: &Locus, u: &DVector<f64>) -> Option<LocusEnd> {
     }
 }
 
-/// One step of continuation; a point that is no orbit of the machine counts as out of order.
+/// One step of continuation. The error is `Obstacle::Order` if the point reached within the ranges
+/// is not an orbit of the machine.
 fn advance(locus: &Locus, last: &CurvePoint, step: f64) -> Result<(CurvePoint, Option<LocusEnd>), Obstacle> {
     let predicted = &last.u + &last.tangent * step;
     let columns = predicted.len();

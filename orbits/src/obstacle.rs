@@ -19,7 +19,7 @@ pub(super) enum Obstacle {
     NoConvergence,
     /// The phases given for a special point are far from those of any orbit of the machine.
     OtherMachine,
-    /// The parameters make no machine.
+    /// The parameters are refused with an error.
     Refused(Error),
 }
 
@@ -30,11 +30,12 @@ impl From<Error> for Obstacle {
 }
 
 impl Obstacle {
-    /// Refuses a word that no orbit of a machine has, whatever its phases are.
+    /// Refuses a word that no orbit of a machine can have, for any phases.
     ///
     /// # Errors
-    /// [`Asymmetric`](Self::Asymmetric) for half a symmetric orbit under loads,
-    /// [`Unbalanced`](Self::Unbalanced) for impulses that cannot balance.
+    /// [`Asymmetric`](Self::Asymmetric) if the word is half of a symmetric orbit and the machine
+    /// has loads; [`Unbalanced`](Self::Unbalanced) if the impulses of the word cannot balance the
+    /// load.
     pub fn check(system: &System, word: &OrbitWord) -> Result<(), Self> {
         if word.closing() < 0 && !system.is_symmetric() {
             return Err(Self::Asymmetric);
@@ -42,7 +43,7 @@ impl Obstacle {
         if system.balances(word) { Ok(()) } else { Err(Self::Unbalanced) }
     }
 
-    /// The error of a search for an orbit that failed so.
+    /// The error of a search for an orbit that failed for this reason.
     pub fn error(self, system: &System, word: &OrbitWord) -> Error {
         let no_orbit = |reason: &str| word.no_orbit(reason);
         match self {

@@ -13,21 +13,23 @@ use vibro_impact::State;
 use vibro_impact::steady::exact_orbit::Vector6;
 pub(super) use vibro_impact::steady::exact_orbit::eigenvalues;
 
-/// Most Newton steps: a fair guess needs four or five. Steps that would change the order of impacts
-/// are shortened.
+/// Largest number of Newton steps. A fair guess needs four or five. More are allowed, since steps
+/// that would change the order of impacts are shortened.
 const STEPS: usize = 40;
 
-/// Relative size of a Newton step below which the iteration has converged: the next is rounding.
+/// Relative size of a Newton step below which the iteration has converged: the next step is
+/// rounding.
 pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
-/// Size of a Newton step, rad, below which one that is not half of the last is rounding: the
-/// equations of many fast impacts leave phases fewer digits.
+/// Size of a Newton step, rad, below which a step longer than half of the previous one counts as
+/// rounding. The equations of many fast impacts determine the phases to fewer digits.
 pub(super) const STEP_STALLED: f64 = 1e-9;
 
-/// Longest Newton step, rad: next to a fold they are much longer and lead anywhere.
+/// Largest change of a phase in one Newton step, rad. Next to a fold, unlimited steps are much
+/// longer and lead to arbitrary phases.
 const LONGEST_STEP: f64 = 1.0;
 
-/// Largest residual, units of L, of phases that count as those of an orbit.
+/// Largest residual, units of L, at which phases count as those of an orbit.
 const RESIDUAL: f64 = 1e-9;
 
 /// Largest part of a flight by which one step may shorten it.
@@ -52,7 +54,7 @@ pub struct Orbit {
     system: System,
     word: OrbitWord,
     phases: Vec<f64>,
-    /// z, the state less the motion without impacts, after each impact.
+    /// z, the state minus the motion without impacts, after each impact.
     departures: Vec<Vector6>,
     speeds: Vec<f64>,
     multipliers: [Complex<f64>; 6],
@@ -65,10 +67,11 @@ impl Orbit {
     /// tells whether it is an orbit of the machine.
     ///
     /// # Errors
-    /// [`Error::NoOrbit`] when Newton's method does not converge, for a guess with another number
-    /// of phases than the word has letters, and for a symmetric orbit of a machine under loads; an
-    /// error with the parameter's name where phases do not determine the orbit: a block without a
-    /// spring, an undamped mode in resonance.
+    /// [`Error::NoOrbit`] if Newton's method does not converge, if the number of phases in `guess`
+    /// differs from the number of letters in `word`, if `word` closes with -1 and the machine has
+    /// loads, or if the impulses of `word` cannot balance on a body without a spring. An error that
+    /// names the parameter if phases do not determine the orbit, as for two bodies without springs
+    /// or an undamped mode in resonance.
     pub fn find(system: &System, word: &OrbitWord, guess: &[f64]) -> Result<Self, Error> {
         let found = || {
             if guess.len() != word.len() {
@@ -134,14 +137,15 @@ impl Orbit {
         &self.phases
     }
 
-    /// Approach speeds |w'⁻| of the impacts in units of ω1 L; one that is not positive is no impact
-    /// of the machine.
+    /// Approach speeds s w'⁻ of the impacts, units of ω1 L, where s = ±1 is the stop. The machine
+    /// can only have impacts with a positive approach speed.
     pub fn speeds(&self) -> &[f64] {
         &self.speeds
     }
 
-    /// The six multipliers, docs/theory.md (106), largest modulus first: those of half a period for
-    /// a symmetric orbit (closing -1), whose squares are those of the period.
+    /// The six multipliers, docs/theory.md (106), largest modulus first. For a symmetric orbit
+    /// (closing -1) they are those of half a period; their squares are the multipliers of the
+    /// period.
     pub fn multipliers(&self) -> [Complex<f64>; 6] {
         self.multipliers
     }
@@ -151,19 +155,19 @@ impl Orbit {
         self.multipliers[0].norm()
     }
 
-    /// Whether the orbit is proved to be one of the machine: each impact approaches its stop,
-    /// without restitution the block does not stay there, and in between it keeps within the stops,
-    /// so that there is no impact that the word does not list. The proof allows 1e-12 L, the misses
-    /// of contact of the impacts (at most 1e-9 L), and the rounding of the flights, which is larger
-    /// where a mode is thousands of times faster than the drive or the undamped box is near
-    /// resonance.
+    /// Whether the orbit is proved to be an orbit of the machine: each impact approaches its stop,
+    /// the block does not stay on a stop after an impact without restitution, and the block keeps
+    /// within the stops between impacts, so that the word lists all impacts. The proof allows a
+    /// penetration of a stop by 1e-12 L, by the misses of contact at the impacts (at most 1e-9 L),
+    /// and by the rounding of the flights. That rounding is larger if a mode is thousands of times
+    /// faster than the drive or if the undamped box is near resonance.
     pub fn is_certified(&self) -> bool {
         self.clear && self.speeds.iter().all(|speed| *speed > 0.0)
     }
 
-    /// Whether the orbit attracts its neighbourhood. Without impacts the machine decides, since the
-    /// multipliers of a body that no spring holds or nothing damps have modulus 1 except for
-    /// rounding.
+    /// Whether the orbit attracts its neighbourhood. For an orbit without impacts this follows from
+    /// the springs and dampers of the machine: the multipliers of a body without a spring or a
+    /// damper have modulus 1 except for rounding.
     pub fn is_stable(&self) -> bool {
         if self.word.is_empty() { self.system.holds_and_damps() } else { self.spectral_radius() < 1.0 }
     }
@@ -178,10 +182,10 @@ impl Orbit {
         Self::at(&self.system, &word, &phases).map_err(|obstacle| obstacle.error(&self.system, &word))
     }
 
-    /// The shortest word of this orbit, and how often this one's word passes it. A motion of two
-    /// drive periods may be one of a single period passed twice, and one whose second half is the
-    /// mirror image of its first is a symmetric orbit, which closes with -1. The multipliers are
-    /// those of the shortest word.
+    /// This orbit in its shortest word, and the number of passages of that word in the word of
+    /// `self`. An orbit over two drive periods may be an orbit of one period passed twice. An orbit
+    /// whose second half is the mirror image of its first half is symmetric, and its shortest word
+    /// closes with -1. The multipliers are those of the shortest word.
     ///
     /// ```
     /// use vibro_orbits::{Orbit, OrbitWord, System};
@@ -216,9 +220,9 @@ impl Orbit {
         0.5 * f64::from(self.word.half_periods())
     }
 
-    /// The state at phase θ (rad) of the drive; at an impact, the one just after it. A motion of
-    /// several drive periods has as many states at one phase of the drive, so θ, which must be
-    /// finite, counts from the first period of its [`phases`](Self::phases).
+    /// The state at phase θ (rad) of the drive; at an impact, the state just after it. θ must be
+    /// finite. An orbit of several drive periods passes each phase of the drive in several states,
+    /// so θ is counted from the first period of its [`phases`](Self::phases).
     pub fn state(&self, theta: f64) -> State {
         self.system.si(&self.dimensionless_state(theta))
     }
@@ -246,16 +250,16 @@ impl Orbit {
         self.state(self.system.parameters().drive_phase)
     }
 
-    /// The flights from each impact: the free part of the state after it, its phase and the span to
-    /// the next.
+    /// The flight after each impact: the free part of the state after the impact, the phase of the
+    /// impact, and the span to the next impact.
     fn flights(&self) -> impl Iterator<Item = (&Vector6, f64, f64)> {
         let end = self.phases.first().map(|first| first + self.word.span());
         let ends = self.phases.iter().skip(1).copied().chain(end);
         self.departures.iter().zip(&self.phases).zip(ends).map(|((z, phase), end)| (z, *phase, end - phase))
     }
 
-    /// Local maxima of a displacement with weights of x1, x2, x3 over the orbit's period, units of
-    /// L: extrema of the flights, and corners where an impact reverses the rate.
+    /// Local maxima, over the orbit's period, of the sum of x1, x2, x3 with the given weights,
+    /// units of L: extrema within flights, and corners at which an impact reverses the rate.
     pub fn maxima(&self, weights: [f64; 3]) -> Vec<f64> {
         let mut found = self.half_maxima(weights);
         if self.word.closing() < 0 {
@@ -288,8 +292,9 @@ impl Orbit {
         found
     }
 
-    /// Whether another orbit of the same machine is this one: the same word, and phases equal to
-    /// `tolerance` (rad) for some first letter and, without loads, for the mirror image too.
+    /// Whether another orbit of the same machine is this orbit: both have the same canonical word,
+    /// and their phases agree to `tolerance` (rad) for some choice of the first letter. Without
+    /// loads an orbit also equals its mirror image.
     pub fn is_same(&self, other: &Self, tolerance: f64) -> bool {
         let mirror = self.system.is_symmetric();
         let [own, their] = [self, other].map(|o| canonical(&o.word, &o.phases, mirror));
@@ -325,8 +330,8 @@ pub(super) fn repeated_phases(word: &OrbitWord, phases: &[f64], k: usize) -> Vec
     (0..k).flat_map(|round| phases.iter().map(move |phase| phase + round as f64 * word.span())).collect()
 }
 
-/// A phase reduced to some drive periods, rad, where it has so many turns that differences from
-/// others would keep few digits.
+/// The phase `theta`, rad. If it exceeds a thousand radians in modulus it is reduced by multiples
+/// of `periods` drive periods, since its differences from other phases would keep few digits.
 fn within(theta: f64, periods: u32) -> f64 {
     const MANY: f64 = 1e3;
     if theta.abs() <= MANY {
@@ -348,7 +353,7 @@ pub(super) fn is_clear(cycle: &Cycle) -> bool {
     })
 }
 
-/// exp(A Θ), the map of the motion without impacts until it closes.
+/// exp(A Θ), the map of the flight without impacts over the span Θ of the word.
 fn free_map(system: &System, word: &OrbitWord) -> Matrix6<f64> {
     let transition = system.flight.transition(word.span());
     let columns = [0, 1, 2, 3, 4, 5].map(|i| transition.apply(&Vector6::ith(i, 1.0)));

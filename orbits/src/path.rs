@@ -29,7 +29,7 @@ const REDUCTION: f64 = 1.5;
 const SHORTEST_LOOP: usize = 10;
 /// Distance from the first point, in steps, at which a branch counts as closed.
 const CLOSED: f64 = 0.05;
-/// Difference of two values of the parameter, in its curve unit, that is rounding.
+/// Largest difference of two values of the parameter, in its curve unit, that counts as rounding.
 const MARK: f64 = 1e-12;
 
 /// Options of following a branch.
@@ -37,14 +37,15 @@ const MARK: f64 = 1e-12;
 pub struct PathOptions {
     /// The longest step along a branch: phases in rad, the parameter in fifths of its range.
     pub longest_step: f64,
-    /// Most points of a branch in one direction.
+    /// Largest number of points of a branch in one direction.
     pub most_points: usize,
 }
 
 impl PathOptions {
-    /// Allowed longest steps; shorter ones are those at which a path counts as stuck. In a step of
-    /// any length two special points of one kind may hide each other, and a pair of multipliers may
-    /// cross the unit circle beside a fold unseen: both are more frequent with longer steps.
+    /// Allowed values of the longest step. Shorter steps are near those at which a path counts as
+    /// stuck. A step of any length can miss two special points of one kind, and can miss a pair of
+    /// multipliers that crosses the unit circle next to a fold. Both are more frequent with longer
+    /// steps.
     pub const STEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.2;
 
     /// Refuses a longest step outside [`STEPS`](Self::STEPS).
@@ -72,8 +73,8 @@ pub(super) enum PathEnd {
     Closed,
     /// At a touch.
     Touch(Box<Touch>),
-    /// At the branch from which it is born by doubling; the word, phases and parameter on that
-    /// branch.
+    /// At the branch from which this branch is born by doubling, with the word, phases and
+    /// parameter on that branch.
     Primary(OrbitWord, #[serde(with = "super::stored::vector")] DVector<f64>),
 }
 
@@ -240,7 +241,7 @@ impl Follower<'_> {
     }
 
     /// Properties of a point within a step between two certified points. If it is not certified,
-    /// stops are touched twice in the step, which is too long.
+    /// the block touches stops twice in the step, and the step is too long.
     fn look_certified(&self, curve: CurvePoint) -> Result<Position, Obstacle> {
         let (position, touches) = self.look(curve)?;
         if touches.is_some() { Err(Obstacle::NoConvergence) } else { Ok(position) }

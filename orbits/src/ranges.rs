@@ -3,8 +3,8 @@
 use super::branch::{Branch, Label, OrbitPoint};
 use super::orbit::Orbit;
 
-/// Differences of the parameter, relative to its size, up to which two points are one: a branch and
-/// the one born on it locate their common point each for itself, to rounding.
+/// Largest difference of the parameter, relative to its size, at which two points count as one. A
+/// branch and the branch born on it locate their common point separately, to rounding.
 const SAME_PLACE: f64 = 1e-9;
 
 /// An end of a stable range.
@@ -14,12 +14,11 @@ pub struct RangeEnd {
     pub value: f64,
     /// Label of the point; `None` only where the branch could not be continued.
     pub label: Option<Label>,
-    /// Whether the branch itself ends here. A PD or BP is then where it is born from another
-    /// branch; otherwise another one is born from it.
+    /// Whether the branch itself ends here. At a PD or BP this branch is then born from another
+    /// one; if the branch goes on, another one is born from it there.
     pub is_branch_end: bool,
 }
 
-/// Maximal piece of a branch that is stable throughout. The parameter is monotone along it, since
 /// Maximal piece of a branch that is stable throughout. The parameter is monotone along it, since
 /// it turns only at folds, where stability changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,9 +45,9 @@ pub struct Doubling {
     pub value: f64,
     /// PD, or BP where the symmetry breaks.
     pub label: Label,
-    /// Period of the orbit before, in drive periods.
+    /// Period of the orbit that is replaced, in drive periods.
     pub period: u32,
-    /// Index of the branch before.
+    /// Index of the branch of that orbit.
     pub branch: usize,
 }
 
@@ -82,8 +81,9 @@ impl Branch {
     }
 
     /// The stable range on which a stable orbit of the branch lies at a value of the parameter. If
-    /// two ranges contain the value, it is the one with the nearest flight times; these are sorted,
-    /// so that neither the first letter of the word nor the mirror image matters.
+    /// two ranges contain the value, the result is the range whose flight times are nearest to
+    /// those of the orbit. Flight times are sorted before they are compared, so that neither the
+    /// first letter of the word nor the mirror image matters.
     pub fn stable_range_of(&self, orbit: &Orbit, value: f64) -> Option<StableRange> {
         let room = SAME_PLACE * value.abs().max(1.0);
         let inside = |r: &StableRange| (r.from.value - room..=r.to.value + room).contains(&value);
@@ -110,8 +110,8 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
 }
 
 /// Sequences of doublings, ordered by period and then by least value. Each begins with a stable
-/// range that is not born at a doubling, and goes on while the branch born at a doubling is stable
-/// from there on; folds may lie between that branch's birth and its own doubling.
+/// range that is not born at a doubling, and continues as long as the branch born at a doubling is
+/// stable next to its birth; folds may lie between that branch's birth and its own doubling.
 ///
 /// ```
 /// use vibro_orbits::{Family, Span, TreeOptions, doubling_sequences, tree};
@@ -169,9 +169,10 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
     found
 }
 
-/// Of a range born at a doubling, the range with the next doubling and that end: itself if it ends
-/// so, else the first one further along its branch, beyond folds. Without one, itself with its
-/// other end.
+/// The range in which the next doubling follows on a range born at a doubling, and the end of that
+/// doubling. It is the given range if that ends at a doubling, else the first such range further
+/// along its branch, beyond folds. If there is none, the result is the given range with its other
+/// end.
 fn next_doubling(ranges: &[StableRange], born: usize, at: RangeEnd) -> (usize, RangeEnd) {
     let own = &ranges[born];
     let doubles = |r: &StableRange| [r.to, r.from].into_iter().find(|end| is_doubling(*end));

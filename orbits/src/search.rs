@@ -6,17 +6,17 @@ use super::system::System;
 use super::word::OrbitWord;
 use vibro_analysis::{Error, Result};
 
-/// Differences of phases, rad, up to which two orbits are one.
+/// Largest difference of phases, rad, at which two orbits count as one.
 const SAME: f64 = 1e-6;
 
 /// The certified orbits of a word that Newton's method finds from `tries` guesses, which fill the
-/// space of phases evenly (additive recurrence of the generalized golden ratio). There may be
-/// others. Orbits that a shorter word has too come last: one passed several times, or a symmetric
-/// one ([`Orbit::shortest`]).
+/// space of phases evenly (additive recurrence of the generalized golden ratio). The word may have
+/// further orbits. Orbits that also have a shorter word come last: orbits passed several times, and
+/// symmetric orbits ([`Orbit::shortest`]).
 ///
 /// # Errors
-/// [`Error::NoOrbit`] when none is found; what [`Orbit::find`] says of a machine whose orbits
-/// phases do not determine.
+/// [`Error::NoOrbit`] if none is found; the error of [`Orbit::find`] if phases do not determine the
+/// orbits of the machine.
 pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit>> {
     let none = || {
         word.no_orbit(format!(
@@ -33,7 +33,7 @@ pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit
     let mut found: Vec<Orbit> = Vec::new();
     for k in 1..=tries {
         let part = |i: usize| (f64::from(k) * ratio.powi(-(i as i32) - 1)).fract();
-        // The first phase anywhere in a drive period, the others after it in order.
+        // The first phase is anywhere in a drive period; the others follow it in order.
         let mut rest: Vec<f64> = (1..n).map(part).collect();
         rest.sort_by(f64::total_cmp);
         let first = std::f64::consts::TAU * part(0);

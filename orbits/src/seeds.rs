@@ -1,5 +1,5 @@
 //! Orbits from which a tree grows: those on which motions settle with the parameter rising and
-//! falling, and those near which motions from starts all over the visited states pass
+//! falling, and those near which motions pass whose starts are spread over the visited states
 //! (docs/theory.md, section 14).
 
 use super::family::Family;
@@ -19,8 +19,8 @@ use vibro_impact::simulator::{Event, Simulator, State};
 
 /// Drive periods over which the states of a settled motion are recorded.
 const VISITED: u32 = 64;
-/// Neighbouring values in each direction whose visited states make up the box of starts of a value,
-/// and the factor by which that box is widened.
+/// Number of neighbouring values in each direction whose visited states make up the box of starts
+/// of a value, and the factor by which that box is widened.
 const NEIGHBOURS: usize = 2;
 const WIDER: f64 = 1.5;
 /// Part of the gap within which the block starts.
@@ -31,11 +31,10 @@ pub(super) const PERIODS: u32 = 300;
 pub(super) const LONGEST: usize = 4;
 /// Largest change of a coordinate (units of L and L ω1) in a near return.
 const RETURN: f64 = 0.04;
-/// Largest change of a phase, rad, by which Newton's method may come from a near return to an
-/// orbit.
+/// Largest change of a phase, rad, that Newton's method may make from a near return to an orbit.
 const MOVE: f64 = 0.4;
-/// Number of parts of the range; in each only one unstable orbit of a word is kept, since others
-/// mostly lie on its branch.
+/// Number of parts of the range; in each part only one unstable orbit of a word is kept, since
+/// other orbits of that word mostly lie on its branch.
 const RANGE_PARTS: f64 = 30.0;
 
 /// An orbit found by simulation: word, phases and parameter.
@@ -53,7 +52,7 @@ pub struct SearchedValue {
     /// The parameter.
     pub value: f64,
     /// The period, in drive periods, of the orbit on which the motion settled with the parameter
-    /// rising; `None` where it settled on none that was found stable within the tree's limits.
+    /// rising; `None` if no stable orbit within the tree's limits was found.
     pub rising: Option<u32>,
     /// As `rising`, with the parameter falling.
     pub falling: Option<u32>,
@@ -73,7 +72,7 @@ pub struct Searched {
     pub periods: u32,
     /// Branches traced from orbits near which such motions passed.
     pub followed: usize,
-    /// Those of `followed` that are stable somewhere and not known, which were kept.
+    /// Number of those branches that were kept, since they are stable somewhere and were not known.
     pub islands: usize,
 }
 
@@ -85,7 +84,7 @@ pub(super) struct Seeds {
     pub searched: Searched,
 }
 
-/// A box of states by its ends.
+/// A box of states: the least and the greatest value of each coordinate.
 type Hull = [(f64, f64); 6];
 
 const NOTHING: Hull = [(f64::INFINITY, f64::NEG_INFINITY); 6];
@@ -147,7 +146,7 @@ fn chain(
         let system = family.system(&[value])?;
         let p = system.parameters();
         let start = last.map_or_else(|| moving_block(p), |(state, gap)| within_gap(state, gap, p.stop_gap));
-        // Where the simulator refuses, the next value starts anew.
+        // If the simulator returns an error, the motion at the next value starts anew.
         let settled = settled::settle(&system, &start, options.settle).ok();
         last = settled.map(|state| (state, p.stop_gap));
         let Some(state) = settled else { continue };
@@ -252,7 +251,8 @@ fn wide(
 }
 
 /// The orbits near which a motion passes, each once in its shortest canonical word: those that
-/// Newton's method finds from near returns, and the one on which it has settled in the end.
+/// Newton's method finds from near returns, and the orbit on which the motion has settled at its
+/// end.
 fn passes(
     family: &Family,
     value: f64,

@@ -14,28 +14,27 @@ use vibro_impact::simulator::{Contact, Event, Simulator, State};
 /// Longest period that is sought, in drive periods.
 pub(super) const LONGEST: u32 = 32;
 
-/// Largest change of a coordinate (units of L and L ω1) in a near return. Newton's method does the
-/// rest.
+/// Largest change of a coordinate (units of L and L ω1) in a near return. Newton's method removes
+/// this difference.
 const RETURN: f64 = 2e-3;
 
-/// Largest change of a phase, rad, by which Newton's method may come from a near return to an
-/// orbit.
+/// Largest change of a phase, rad, that Newton's method may make from a near return to an orbit.
 const MOVE: f64 = 0.05;
 
 /// Difference of the phases of two passages, rad, that Newton's method may leave next to a period
 /// doubling.
 const ALIKE: f64 = 1e-5;
 
-/// Most impacts of a word that is tried after a shorter one. The work grows with the cube of their
-/// number, to a second at this one.
+/// Largest number of impacts of a word that is tried after a shorter word. The work grows with the
+/// cube of the number of impacts; it takes about a second at this number.
 const MANY: usize = 512;
 
 /// Limits within which a motion is followed to its return.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Most drive periods.
+    /// Largest number of drive periods.
     pub periods: u32,
-    /// Most impacts.
+    /// Largest number of impacts.
     pub impacts: usize,
 }
 
@@ -43,14 +42,14 @@ impl Limits {
     const WIDEST: Self = Self { periods: LONGEST, impacts: MOST_LETTERS };
 }
 
-/// Phase of the drive at time 0, rad, without whole turns: many of them would leave the phases of
-/// impacts few digits.
+/// Phase of the drive at time 0, rad, reduced by whole turns: with many turns the phases of impacts
+/// would keep few digits.
 pub(super) fn first_phase(p: &Parameters) -> f64 {
     let phase = p.drive_phase;
     if phase.abs() <= TAU { phase } else { phase.sin().atan2(phase.cos()) }
 }
 
-/// A state in units of L and L ω1. In these, speeds are of the size of displacements even where
+/// A state in units of L and L ω1. In these units speeds are of the size of displacements, even if
 /// hardly any spring holds the box.
 pub(super) fn in_drive_units(p: &Parameters, state: &State) -> StroboscopicState {
     let speed = p.stop_gap * p.drive_frequency;
@@ -58,13 +57,13 @@ pub(super) fn in_drive_units(p: &Parameters, state: &State) -> StroboscopicState
     [x[0], x[1], x[2], v[0], v[1], v[2]]
 }
 
-/// A state in SI from one in units of L and L ω1.
+/// A state in SI units from a state in units of L and L ω1.
 pub(super) fn from_drive_units(p: &Parameters, s: &StroboscopicState) -> State {
     let speed = p.stop_gap * p.drive_frequency;
     State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
 }
 
-/// A simulator of a machine with its loads from a state on at time 0.
+/// A simulator of a machine with its loads that starts from a state at time 0.
 pub(super) fn simulator(system: &System, state: &State) -> Result<Simulator> {
     let mut simulator = Simulator::new(system.parameters(), state, 0.0)?.without_energy_accounts();
     simulator.set_loads(&system.loads().loads())?;
@@ -74,7 +73,7 @@ pub(super) fn simulator(system: &System, state: &State) -> Result<Simulator> {
 /// The state after a number of drive periods, in which a transient dies out.
 ///
 /// # Errors
-/// What the simulator refuses.
+/// An error of the simulator.
 pub fn settle(system: &System, start: &State, periods: u32) -> Result<State> {
     let mut simulator = simulator(system, start)?;
     simulator.advance_to(f64::from(periods) * system.parameters().period())?;
@@ -83,16 +82,17 @@ pub fn settle(system: &System, start: &State, periods: u32) -> Result<State> {
 
 /// The periodic orbit on which a motion through a state at time 0 has settled.
 ///
-/// Chaos comes near its unstable orbits too, so that the orbit need not be stable; its multipliers
-/// tell. A stable orbit is preferred: next to a period doubling a settled motion nearly returns in
-/// half of its period by the orbit that has just become unstable. Words of more than 1024 impacts
-/// are not tried, and after the first near return none of more than 512.
+/// The orbit can be unstable, since a chaotic motion also nearly returns next to unstable orbits;
+/// the multipliers tell whether it is stable. A stable orbit is preferred: next to a period
+/// doubling a settled motion nearly returns after half of its period, near the orbit that has just
+/// become unstable. Words of more than 1024 impacts are not tried; after the first near return the
+/// limit is 512 impacts.
 ///
 /// # Errors
-/// [`Error::NoPeriodicMotion`] when the block comes to rest at a stop in its course, when the
-/// motion does not return in up to 32 drive periods and 1024 impacts, and when it does but no orbit
-/// is found there; an error with the parameter's name where phases do not determine the orbit, as
-/// where springs are missing; what the simulator refuses.
+/// [`Error::NoPeriodicMotion`] if the block comes to rest at a stop during the motion, if the
+/// motion does not return within 32 drive periods and 1024 impacts, or if it returns but no orbit
+/// is found there. An error that names the parameter if phases do not determine the orbit, as
+/// without springs. An error of the simulator.
 pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
     orbit_within(system, state, Limits::WIDEST)
 }
@@ -124,7 +124,7 @@ pub(super) fn orbit_within(system: &System, state: &State, limits: Limits) -> Re
             break;
         }
         if distance(&start, &in_drive_units(p, &simulator.state())) < RETURN {
-            // The first near return of each kind tells most: later ones pass the same orbit again.
+            // The first near return of each kind is kept: later ones repeat the same orbit.
             match near(system, &letters, &phases, q, MOVE) {
                 Ok(orbit) if orbit.is_stable() => return Ok(orbit),
                 Ok(orbit) => unstable = unstable.or(Some(orbit)),
@@ -165,12 +165,12 @@ fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, m
 }
 
 /// The certified orbit near the impacts of q drive periods, in its shortest word; its phases differ
-/// from theirs by `most` at most.
+/// from those of the impacts by at most `most`.
 ///
 /// Next to a period doubling the equations of a word passed twice are nearly singular: Newton's
-/// method converges so slowly to an orbit passed twice that it stops short, with the passages
-/// apart. The word passed once is therefore tried too. Where the passages are apart, its orbit is
-/// taken only if it is stable.
+/// method converges so slowly to an orbit passed twice that it stops early, with different phases
+/// in the two passages. The word passed once is therefore tried too. If the two passages differ,
+/// the orbit of the word passed once is taken only if it is stable.
 pub(super) fn near(
     system: &System,
     letters: &[i8],
@@ -199,7 +199,7 @@ pub(super) fn near(
     certified(Orbit::at(system, &word, &phases)?)
 }
 
-/// Phases of an orbit that differ from a guess by `most` at most.
+/// Phases of an orbit that differ from a guess by at most `most`.
 fn newton_near(
     system: &System,
     word: &OrbitWord,

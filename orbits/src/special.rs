@@ -11,7 +11,7 @@ use nalgebra::DVector;
 use std::cell::Cell;
 use vibro_impact::numerics::roots::brent;
 
-/// Difference of the halves of an orbit, rad, that is rounding.
+/// Largest difference of the halves of an orbit, rad, that counts as rounding.
 const BIRTH: f64 = 1e-9;
 
 /// Step of the differences of a test function. It sets the speed of convergence of its zero and
@@ -96,8 +96,8 @@ pub(super) fn primary(
         return Ok(None);
     };
     let [a, b] = [last, next].map(|u| halves(word, u));
-    // The first point of a branch born here has halves that are equal except for rounding. So has a
-    // point past the birth if the corrector ended on the other branch.
+    // The first point of a branch born here has halves that are equal except for rounding. A point
+    // past the birth has such halves too if the corrector ended on the other branch.
     let passes = a.dot(&b) < 0.0 || b.norm() < BIRTH;
     if !passes || a.norm() < BIRTH {
         return Ok(None);
@@ -110,7 +110,7 @@ pub(super) fn primary(
     let unit = {
         let system = family.system_at(&guess)?;
         let cycle = Cycle::new(&system, &folded, &guess.as_slice()[..h])?;
-        // The test's size is that of another test, since here it is nearly zero.
+        // The scale is that of another test function, since this one is nearly zero here.
         let log = test(&cycle, super::test_functions::UNIT).ok_or(Obstacle::NoConvergence)?.log;
         SignedLog { sign: 1.0, log }
     };

@@ -28,7 +28,7 @@ pub(super) struct Departure {
     /// The special point at which the path begins: a birth or a touch. That point is not certified
     /// itself.
     pub special: Option<Special>,
-    /// The multipliers there, where the cycle does not give them: at a touch.
+    /// The multipliers at a touch, where the cycle does not give them.
     pub multipliers: Option<[Complex<f64>; 6]>,
 }
 
@@ -64,7 +64,7 @@ impl FlightTouch {
         let shorter = OrbitWord::of(letters, touch.longer.closing(), touch.longer.half_periods());
         let phases: Vec<f64> = kept.iter().map(|i| touch.u[*i]).collect();
         let (reduced, phases) = shorter.reduced(&phases, family.is_symmetric(), REPETITION);
-        // A touch before the first impact equals a touch after the last impact, a round later.
+        // A touch before the first impact equals a touch after the last impact, one passage later.
         let (flight, phase, side) = match kept.iter().filter(|i| **i < touch.index).count() {
             0 => (n - 1, phase + shorter.span(), side * shorter.closing()),
             before => (before - 1, phase, side),
@@ -158,8 +158,8 @@ pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Ob
 }
 
 /// Departure of the branch born by doubling, from a point with a multiplier -1 along the variation
-/// that closes with the opposite sign. One side suffices: the other holds the same orbits half a
-/// span later.
+/// that closes with the opposite sign. One direction suffices: the opposite direction leads to the
+/// same orbits, half a span later.
 pub(super) fn doubled(
     family: &Family,
     word: &OrbitWord,
@@ -206,7 +206,7 @@ pub(super) fn both_ways(
 }
 
 /// A departure in the shortest word of its orbit. If an orbit passed several times touches a stop
-/// in each round, the branch that lists all these touches also repeats the branch of a shorter
+/// in each passage, the branch that lists all these touches also repeats the branch of a shorter
 /// word.
 pub(super) fn reduced_departure(
     family: &Family,

@@ -23,28 +23,30 @@ pub struct System {
     response: Complex<f64>,
     /// The reference places of states, and what pushes the bodies there.
     balance: Balance,
-    /// Acceleration under its load of a block without a spring, docs/theory.md (111); 0 where a
-    /// spring holds it.
+    /// Acceleration of a block without a spring under its load, docs/theory.md (111); 0 if a spring
+    /// holds the block.
     pull: f64,
-    /// The anchor where a spring hardly holds a body: the state is found with the first contact in
-    /// place of its return, docs/theory.md (112).
+    /// The anchor, if a spring hardly holds a body: the equations for the state then contain the
+    /// first contact instead of the return of that body, docs/theory.md (112).
     anchor: Option<Anchor>,
 }
 
-/// Stiffness of a second spring, in parts of mass times ω1², below which states keep so few digits
-/// that their equations may count as singular.
+/// Stiffness of a second soft spring, relative to mass times ω1², below which states keep so few
+/// digits that their equations may count as singular.
 const NEUTRAL: f64 = 1e-8;
 
-/// Determinant of the free flight over a word less its return, below which a mode is next to a
-/// resonance: relative to the word's, its frequency is off by about the root of it.
+/// Determinant of σI minus the map of the free flight over a word, below which a mode counts as
+/// next to a resonance. The relative distance of the mode's frequency from the resonance is about
+/// the square root of this determinant.
 const RESONANT: f64 = 1e-4;
 
 impl System {
     /// A machine under its drive and its constant loads.
     ///
     /// # Errors
-    /// As [`Flight::new`], and for an undamped box at resonance; a load on box or secondary
-    /// oscillator that no spring holds; one that is not finite.
+    /// The errors of [`Flight::new`]; an error if the undamped box is at resonance, if a load acts
+    /// on a box or a secondary oscillator that no spring holds, if a load is not finite, or if a
+    /// spring would hold a load farther than 1e100 L away.
     pub fn new(parameters: &Parameters) -> Result<Self> {
         let loads = ConstantLoads { forces: parameters.constant_loads };
         let parameters = &Parameters { constant_loads: [0.0; 3], ..*parameters };
@@ -64,14 +66,15 @@ impl System {
         Self { anchor, ..self }
     }
 
-    /// The anchor: what the first contact holds.
+    /// The anchor: the body or bodies that the first contact holds in the equations for the state.
     pub(super) fn anchor(&self) -> Option<Anchor> {
         self.anchor
     }
 
-    /// Anchors that may be needed next to the resonance of a mode with hardly any damping. Over a
-    /// word of that length the free flight takes box, or block and secondary oscillator, nearly
-    /// back to where they were; impacts move what is left by its square.
+    /// Anchors that may be needed next to the resonance of a mode with hardly any damping. There
+    /// the free flight over the span of the word returns the box, or the block and the secondary
+    /// oscillator, nearly to the initial state. The matrix σI - M is then singular except for the
+    /// square of the distance of the mode's frequency from resonance (docs/theory.md, section 14).
     pub(super) fn resonant_anchors(&self, word: &OrbitWord) -> [Option<Anchor>; 2] {
         let Transition { one, pair } = self.flight.transition(word.span());
         let sigma = f64::from(word.closing());
@@ -87,14 +90,14 @@ impl System {
         self.parameters.coupling_stiffness == 0.0
     }
 
-    /// Acceleration under its load of a block without a spring, units of ω1² L.
+    /// Acceleration of a block without a spring under its load, units of ω1² L.
     pub(super) fn pull(&self) -> f64 {
         self.pull
     }
 
-    /// Whether the impulses of a word can balance, over a round, the load on what no spring holds
-    /// (docs/theory.md (113)): without a load the word needs both stops, with one the stop towards
-    /// which the load pulls.
+    /// Whether the impulses of a word can balance, over one passage of the word, the load on a body
+    /// that no spring holds (docs/theory.md (113)). Without a load the word needs both stops; with
+    /// a load it needs the stop towards which the load pulls.
     pub(super) fn balances(&self, word: &OrbitWord) -> bool {
         let p = &self.parameters;
         let has = |side: i8| word.letters().contains(&side);
@@ -138,13 +141,13 @@ impl System {
         self.balance.offset()
     }
 
-    /// This machine with the rest positions as reference places, however far they are: a motion
-    /// without impacts is about there.
+    /// This machine with the rest positions as reference places, however far away they are: a
+    /// motion without impacts oscillates about them.
     pub(super) fn at_rest(self) -> Self {
         Self { balance: self.balance.at_rest(), ..self }
     }
 
-    /// Whether the mirror image of a motion is one too: without loads.
+    /// Whether the mirror image of each motion is a motion too, as without loads.
     pub fn is_symmetric(&self) -> bool {
         self.loads == ConstantLoads::default()
     }
@@ -160,7 +163,7 @@ impl System {
         (self.response.norm(), (-self.response).arg())
     }
 
-    /// The gap w, its rate w' and w'' of the motion without impacts at a phase.
+    /// w, w' and w'' of the motion without impacts at a phase.
     pub(super) fn forced_gap(&self, phase: f64) -> [f64; 3] {
         let turned = -self.response * Complex::cis(phase);
         let [x1, x2, _] = self.balance.places;
@@ -180,8 +183,8 @@ impl System {
         self.balance.places
     }
 
-    /// Clearance of the block from the nearer stop without impacts, units of L; `None` where there
-    /// is no such motion, since a block without a spring falls.
+    /// Clearance of the block from the nearer stop without impacts, units of L; `None` if a block
+    /// without a spring falls under a load, so that there is no such motion.
     pub(super) fn clearance(&self) -> Option<f64> {
         (self.pull == 0.0).then(|| 1.0 - self.amplitude() - self.offset().abs())
     }
@@ -192,7 +195,7 @@ impl System {
         self.flight.rate_of(z, 0.0) + self.balance.push
     }
 
-    /// The free part of a state after a flight of a span, whose map is given.
+    /// The free part of a state after a flight with a given span and map.
     pub(super) fn state_after(&self, transition: &Transition, span: f64, z: &Vector6) -> Vector6 {
         let after = transition.apply(z);
         if self.balance.push == Vector6::zeros() || span == 0.0 { after } else { after + self.fall(span) }
@@ -208,8 +211,8 @@ impl System {
         (0..pieces).fold(Vector6::zeros(), |fallen, _| transition.apply(&fallen) + step)
     }
 
-    /// The fall over a Taylor piece as polynomials. Under a constant d in z' = A z + d the state
-    /// from rest is the integral of the one that flies freely from d.
+    /// The fall over a Taylor piece as polynomials. For z' = A z + d with constant d, the state
+    /// that starts from z = 0 is the integral of the free flight that starts from d.
     pub(super) fn fall_piece(&self, length: f64) -> [Polynomial; 3] {
         let free = self.flight.piece(&self.balance.push, 0.0, length, 0.0);
         free.map(|x| {
@@ -225,19 +228,19 @@ impl System {
         self.state_after(&self.flight.transition(span), span, z)
     }
 
-    /// The SI state of one in units of L and ω1 L.
+    /// A state in SI units from a state in units of L and ω1 L.
     pub(super) fn si(&self, y: &Vector6) -> State {
         let length = self.parameters.stop_gap;
         let speed = length * self.parameters.drive_frequency;
         State { x: [0, 1, 2].map(|i| length * y[i]), v: [3, 4, 5].map(|i| speed * y[i]) }
     }
 
-    /// The error that names the parameter by which the periodic response to impulses is singular:
-    /// the motion without impacts then has a neutral direction.
+    /// The error that names the parameter because of which the periodic response to impulses is
+    /// singular: the motion without impacts then has a neutral direction.
     pub(super) fn singular(&self) -> vibro_impact::Error {
         let p = &self.parameters;
         let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";
-        // The first contact holds one body that a spring hardly holds, but not two.
+        // The first contact can replace the return of one softly held body, but not of two.
         let soft: Vec<Anchor> = Anchor::held(p)
             .into_iter()
             .filter(|(_, part)| *part <= NEUTRAL)

@@ -60,7 +60,8 @@ fn breaking(cycle: &Cycle, factor: f64) -> Option<SignedLog> {
     Some(SignedLog { sign: sign * anchor.sign, log: log + anchor.log })
 }
 
-/// t_NS of docs/theory.md (81), each factor over 1 + |μᵢ μⱼ|, which changes no zero.
+/// t_NS of docs/theory.md (81), with each factor divided by 1 + |μᵢ μⱼ|, which leaves the zeros
+/// unchanged.
 pub(super) fn pair_test(multipliers: &[Complex<f64>; 6]) -> SignedLog {
     let (mut product, mut log) = (Complex::new(1.0, 0.0), 0.0);
     for (i, a) in multipliers.iter().enumerate() {
@@ -78,8 +79,8 @@ pub(super) fn pair_test(multipliers: &[Complex<f64>; 6]) -> SignedLog {
 /// orbit.
 const ON_CIRCLE: f64 = 1e-5;
 
-/// Whether a complex multiplier is on the unit circle. A zero of the pair's test without one is a
-/// neutral saddle, which is no bifurcation.
+/// Whether a complex multiplier is on the unit circle. If none is, a zero of the pair's test is a
+/// neutral saddle, which is not a bifurcation.
 pub(super) fn is_on_circle(multipliers: &[Complex<f64>; 6]) -> bool {
     multipliers.iter().any(|m| m.im != 0.0 && (m.norm() - 1.0).abs() < ON_CIRCLE)
 }

@@ -19,11 +19,12 @@ use vibro_analysis::Error;
 use vibro_analysis::parts::{NoStore, PartStore, Task};
 
 /// Traces the tree of a family with one parameter. `done` receives the number of traced starts and
-/// of those known to wait, which may grow.
+/// the number of waiting starts, which may grow.
 ///
 /// # Errors
-/// [`Error::Form`] for a step outside [`PathOptions::STEPS`], repetitions outside 1 to 64, more
-/// than 1024 letters, and periods above 4096 drive periods; what the machines of the family refuse.
+/// [`Error::Form`] if the longest step is outside [`PathOptions::STEPS`], if the repetitions are
+/// outside 1 to 64, or if the options exceed 1024 letters, 4096 drive periods or 1,000,000 starts;
+/// the error of a machine of the family.
 pub fn tree(
     family: &Family,
     options: &TreeOptions,
@@ -38,7 +39,7 @@ pub fn tree(
 /// these options, and becomes bit-identical to an uninterrupted one.
 ///
 /// # Errors
-/// As [`tree`]; what the store refuses.
+/// The errors of [`tree`]; the error of the store.
 pub fn tree_in_parts(
     family: &Family,
     options: &TreeOptions,
@@ -84,10 +85,10 @@ pub fn tree_in_parts(
 }
 
 /// The branch of one orbit, followed in both directions without switching to others; points at the
-/// values `marks` of the parameter are labelled UZ. Its word is the orbit's shortest. For UL
-/// closing with + on a symmetric orbit that is U closing with -: the symmetry may break there, and
-/// the symmetric orbits are followed beyond. Along a load it stays UL, since under a load no orbit
-/// is symmetric.
+/// values `marks` of the parameter are labelled UZ. Its word is the shortest word of the orbit. A
+/// symmetric orbit given as UL closing with + is followed as U closing with -: the symmetry may
+/// break at a point of the branch, and the symmetric orbits are followed beyond that point. If the
+/// parameter is a load the word stays UL, since no orbit is symmetric under a load.
 ///
 /// ```
 /// use vibro_orbits::{Family, Label, OrbitWord, PathOptions, Span, branch};
@@ -104,9 +105,9 @@ pub fn tree_in_parts(
 /// ```
 ///
 /// # Errors
-/// [`Error::Form`] for a step that is not allowed and a value outside the family's range;
-/// [`Error::NoOrbit`] when there is no orbit near `phases` at the value, or none of the machine;
-/// what the machine refuses.
+/// [`Error::Form`] if the longest step is not allowed or the value is outside the family's range;
+/// [`Error::NoOrbit`] if there is no orbit near `phases` at the value, or if that orbit passes a
+/// stop; the error of the machine at the value.
 pub fn branch(
     family: &Family,
     word: &OrbitWord,

@@ -14,22 +14,22 @@ pub struct TreeOptions {
     /// Drive periods in which transients die out.
     pub settle: u32,
     /// Number of motions from starts spread over the range and over the states that settled motions
-    /// visit. Branches of orbits near which they pass are kept if they are stable somewhere:
-    /// islands that motions followed along the range miss.
+    /// visit. Branches of orbits near which they pass are kept if they are stable somewhere. Such
+    /// branches are islands, which motions followed along the range do not reach.
     #[serde(default)]
     pub starts: usize,
-    /// Most switches of branches in a row since a settled motion.
+    /// Largest number of successive switches of branches since a settled motion.
     pub depth: u32,
     /// The longest period of a branch, in drive periods.
     pub longest_period: u32,
-    /// Most letters of a word.
+    /// Largest number of letters of a word.
     pub most_letters: usize,
     /// The longest step, as [`PathOptions::longest_step`].
     pub longest_step: f64,
-    /// Most points of a branch in one direction.
+    /// Largest number of points of a branch in one direction.
     pub most_points: usize,
-    /// Most passages of the orbit without a touch in words that list the touch in one passage; 1
-    /// leaves only words that list it in every passage.
+    /// Largest number of passages in words that list a touch in only one of them. A value of 1
+    /// leaves only words that list the touch in every passage.
     pub repetitions: u32,
     /// Values of the parameter at which each branch has a point, labelled UZ.
     pub marks: Vec<f64>,

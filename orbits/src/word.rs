@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_analysis::{Error, Result};
 
-/// Difference of phases, rad, up to which passages or halves of an orbit are equal.
+/// Largest difference of phases, rad, at which passages or halves of an orbit count as equal.
 pub(super) const REPETITION: f64 = 1e-8;
 
 /// Largest numbers of letters and half periods of a word that is read: the memory that the
@@ -53,9 +53,9 @@ impl OrbitWord {
     /// A word from its text: letters U (upper stop) and L (lower stop), or `-` for the empty word.
     ///
     /// # Errors
-    /// [`Error::Form`] for other letters, more than 1024 letters or 65,536 half periods, a closing
-    /// sign other than ±1, and half periods that do not fit it: a multiple of two for +1, an odd
-    /// number for -1.
+    /// [`Error::Form`] if `text` has other letters, if there are more than 1024 letters or 65,536
+    /// half periods, if `closing` is not ±1, or if the number of half periods does not fit
+    /// `closing`: it must be even and positive for +1, odd for -1.
     pub fn new(text: &str, closing: i8, half_periods: u32) -> Result<Self> {
         let letter = |c| match c {
             'U' | 'u' => Some(1),
@@ -116,7 +116,7 @@ impl OrbitWord {
         format!("{self}{}", self.sign())
     }
 
-    /// The error that there is no orbit with this word, and why.
+    /// The error for a word without an orbit, with the reason.
     pub(super) fn no_orbit(&self, reason: impl Into<String>) -> Error {
         Error::NoOrbit {
             word: self.to_string(),
@@ -163,7 +163,7 @@ impl OrbitWord {
         Self::of(sides.collect(), self.closing, self.half_periods * k as u32)
     }
 
-    /// The half word whose [unfolded](Self::unfolded) word this one is, if there is one.
+    /// The half word that [unfolds](Self::unfolded) to this word, if there is one.
     #[must_use]
     pub fn folded(&self) -> Option<Self> {
         let (n, half) = (self.len(), self.half_periods / 2);
@@ -178,7 +178,8 @@ impl OrbitWord {
         fits.then(|| Self::of(first.to_vec(), closing, half))
     }
 
-    /// The word whose k-fold passage this one is; for a symmetric orbit k must be odd.
+    /// The word that gives this word when passed k times, if there is one; for a symmetric orbit k
+    /// must be odd.
     fn divided(&self, k: usize) -> Option<Self> {
         let parts = u32::try_from(k).ok()?;
         let n = self.len() / k;
@@ -353,7 +354,7 @@ mod tests {
         let (least, one) = word.reduced(&phases, true, 1e-9);
         assert_eq!((least.to_string(), least.closing(), least.half_periods()), ("U".into(), -1, 1));
         assert_eq!(one, [0.4]);
-        // With loads there is no symmetry, only repetition.
+        // With loads an orbit may repeat but is not symmetric.
         assert_eq!(word.reduced(&phases, false, 1e-9).0, OrbitWord::new("UL", 1, 2).unwrap());
         let unequal: Vec<f64> = phases.iter().map(|p| p + 0.01 * p.sin()).collect();
         assert_eq!(word.reduced(&[&unequal[..2], &phases[2..]].concat(), true, 1e-9).0, word);

@@ -22,7 +22,7 @@ use vibro_analysis::{Error, Result as Outcome};
 const NO_SPEED: f64 = 1e-6;
 /// Distance from a stop, units of L, below which an extremum touches it.
 const NO_DISTANCE: f64 = 1e-6;
-/// Differences of phases (rad) and parameters (in ranges) up to which two starts are one.
+/// Largest differences of phases (rad) and parameters (in ranges) at which two starts count as one.
 const SAME: f64 = 1e-6;
 /// Largest change of a phase, rad, from a start to its point of the curve.
 const NEAR: f64 = 0.2;
@@ -34,8 +34,8 @@ const MISS: f64 = 0.05;
 pub struct LocusStart {
     /// Type of all points of the curve: LP, BP, PD, NS, GR or CH.
     pub label: Label,
-    /// The word of the orbit, or one that passes it several times, such as that of a branch at its
-    /// birth. At a touch the word with or without it.
+    /// The word of the orbit, or a repetition of it, such as the word of a branch at its birth. At
+    /// a touch, the word with or without the touching impact.
     pub word: OrbitWord,
     /// Phases of the impacts near the point.
     pub phases: Vec<f64>,
@@ -61,10 +61,11 @@ impl LocusStart {
         Ok(Self { label, word, phases, values })
     }
 
-    /// Whether another start is the same special point. Where two branches meet, both have it.
+    /// Whether another start is the same special point. A point at which two branches meet is a
+    /// special point of both.
     ///
     /// # Errors
-    /// As [`locus`](super::locus) for the starts themselves.
+    /// The errors of [`locus`](super::locus) for both starts.
     pub fn is_same(&self, other: &Self, family: &Family) -> Outcome<bool> {
         let [own, their] = [Normal::of(family, self)?, Normal::of(family, other)?];
         let mirror = family.is_symmetric();
@@ -88,8 +89,8 @@ pub(crate) enum LocusCondition {
 
 /// A start in the shortest word of its orbit; at a touch in the shortest word that lists it once.
 ///
-/// A branch born by a doubling begins with a word passed twice, where its multiplier is 1 and not
-/// -1. At a touch the words of several branches meet; only the shortest one with the touch has
+/// At its birth, a branch born by a doubling has a word passed twice, with the multiplier 1 instead
+/// of -1. At a touch the words of several branches meet; only the shortest one with the touch has
 /// equations that are regular whatever the symmetry of the orbit.
 #[derive(Debug)]
 pub(crate) struct Normal {
@@ -103,8 +104,8 @@ impl Normal {
     /// The normal form of a start.
     ///
     /// # Errors
-    /// [`Error::Form`] for a label that defines no curve of the word; [`Error::NoOrbit`] where the
-    /// phases are not those of an orbit of the machine.
+    /// [`Error::Form`] if the label defines no curve of the word; [`Error::NoOrbit`] if the phases
+    /// are not those of an orbit of the machine.
     pub fn of(family: &Family, start: &LocusStart) -> Outcome<Self> {
         let LocusStart { label, word, phases, values } = start;
         let form = || {
@@ -176,22 +177,23 @@ fn touch(family: &Family, word: &OrbitWord, phases: &[f64], values: &[f64]) -> R
             let (longer, u) = (word.inserted(index, side), u.insert_row(index, phase));
             Touch { longer, index, u, also: Vec::new(), from_longer: false }
         }
-        // Neither is near: a guess whose slowest impact is meant.
+        // Neither is found. The start is a guess, and its slowest impact is taken as the touch.
         None => listed(),
     })
 }
 
-/// The point of the curve next to a start, with the second parameter held.
+/// The point of the curve next to a start, with the second parameter fixed.
 ///
-/// A located special point is its own guess. At a fold there is no orbit beyond the point, so that
-/// Newton's method at its parameter, whose last digit is off, has nowhere to go; the equations of
-/// the curve are regular there. A rougher guess is first moved to the orbit at its parameters.
+/// A located special point is itself the guess. It is not first moved to an orbit at its
+/// parameters: beyond a fold there is no orbit, and the rounded parameters of the fold may lie
+/// beyond it. The equations of the curve are regular there. A rougher guess is first moved to the
+/// orbit at its parameters.
 pub(crate) fn first_point<'a>(
     family: &'a Family,
     normal: &'a Normal,
 ) -> Result<(Locus<'a>, DVector<f64>), Obstacle> {
     let own = near(family, normal, &normal.phases).and_then(|(locus, u)| {
-        // A point far off is another one, reached from phases of another machine.
+        // A point far away is another special point, reached from phases of another machine.
         let moved = normal.phases.iter().zip(u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         if moved < NEAR { Ok((locus, u)) } else { Err(Obstacle::NoConvergence) }
     });

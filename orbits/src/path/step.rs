@@ -15,7 +15,8 @@ use nalgebra::DVector;
 
 /// Largest correction of a step in parts of the step.
 const CORRECTION: f64 = 0.3;
-/// Distance, in steps, up to which the birth of a branch is sought where it cannot be continued.
+/// Distance, in steps, up to which the birth of a branch is sought if the branch cannot be
+/// continued.
 const BEYOND: f64 = 2.0;
 
 impl Follower<'_> {
@@ -41,8 +42,8 @@ impl Follower<'_> {
         self.arrive(last, curve, None)
     }
 
-    /// A step right to the birth of a branch: next to it the equations are nearly singular, so that
-    /// continuation fails there.
+    /// A step exactly to the birth of a branch: next to it the equations are nearly singular, so
+    /// that continuation fails there.
     pub(super) fn advance_to_birth(&self, last: &Position) -> Result<Advance, Obstacle> {
         let within = self.options.longest_step;
         let beyond = special::beyond_birth(self.word, &last.u, &last.tangent, within)
@@ -101,8 +102,8 @@ impl Follower<'_> {
         };
         let located = touches.iter().filter_map(|touch| grazing::locate(self.family, touch).ok());
         let placed = located.filter_map(|touch| Some((arc(&touch)?, touch)));
-        // Of two touches at one point (a repeated orbit touches in each round) the impact that the
-        // word lists is taken out.
+        // Of two touches at one point (a repeated orbit touches in each passage) the one that the
+        // word lists is chosen.
         let order = |a: &(f64, Touch), b: &(f64, Touch)| {
             if (a.0 - b.0).abs() < LEAST_STEP {
                 b.1.from_longer.cmp(&a.1.from_longer)
