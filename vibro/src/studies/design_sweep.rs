@@ -23,7 +23,7 @@ pub use words::Labelled;
 /// tables.
 ///
 /// # Errors
-/// What the store refuses.
+/// The errors of the store.
 pub fn design_sweep<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,

@@ -162,8 +162,8 @@ impl DrawnMotion<'_> {
     }
 }
 
-/// A state in SI from a stroboscopic one, with the block put between the stops: rounding may place
-/// it beyond by a digit.
+/// A state in SI from a stroboscopic one, with the block moved between the stops, since rounding
+/// may place it slightly beyond.
 fn inside(p: &Parameters, s: &StroboscopicState) -> State {
     let mut state = dimensional(p, s);
     let w = (state.x[1] - state.x[0]).clamp(-p.stop_gap, p.stop_gap);

@@ -25,8 +25,8 @@ pub struct MotionSample {
     pub v: [f64; 5],
 }
 
-/// The steady state of figures: the upper root if it is admissible, else the lower one if that is,
-/// else the upper.
+/// The steady state that figures show: the upper root if it is admissible, else the lower root if
+/// it is admissible, else the upper root.
 #[derive(Clone, Copy, Debug)]
 pub enum SteadyMotion {
     /// Multiple scales: paper, section 3.
