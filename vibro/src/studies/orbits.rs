@@ -11,7 +11,7 @@ use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
 use vibro_orbits::{Branch, Family, Label, Searched, Span};
 
-/// Weights of X1, X2, X3 whose sum is X2.
+/// Weights of X1, X2, X3 in the weighted sum that equals X2.
 const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];
 /// Longest period that has a colour of its own.
 pub(super) const COLOURED: usize = FAMILY.len();
