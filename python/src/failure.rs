@@ -25,11 +25,11 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Reason why one motion has no result, where the motion is to blame; otherwise the failure of
+    /// Reason why one motion has no result, if the motion is the cause; otherwise the failure of
     /// the whole call.
     ///
     /// # Errors
-    /// The failure then.
+    /// The failure of the whole call.
     pub fn reason(self) -> Result<String, Self> {
         match self {
             Self::Library(error) => Ok(words(&error)),
@@ -141,8 +141,8 @@ fn exception(no_answer: bool, message: &str) -> PyErr {
     }
 }
 
-/// A message with parameters, coordinates and loads under the names of Python's arguments: `box_m`
-/// for `box.m`.
+/// A message in which parameters, coordinates and loads have the names of Python's arguments:
+/// `box_m` for `box.m`.
 pub fn in_python(message: &str) -> String {
     const OTHERS: [&str; 9] = [
         "box.s",

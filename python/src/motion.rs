@@ -109,8 +109,8 @@ pub fn simulate<'py>(
     })
 }
 
-/// Samples a motion at ascending times, advancing to each in turn: bit-identical to a host that
-/// steps so.
+/// Samples a motion at ascending times, advancing to each in turn: bit-identical to a host with
+/// these communication points.
 fn sampled(
     control: &Control,
     p: &Parameters,

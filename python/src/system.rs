@@ -16,7 +16,7 @@ use vibro_impact::parameters::{FIELDS, Field};
 #[derive(Clone, Debug)]
 pub struct System {
     parameters: Parameters,
-    /// None without a spring between box and ground, since ω10 scales time.
+    /// `None` without a spring between box and ground, since time is scaled by ω10.
     set: Option<ParameterSet>,
     /// Physical parameters that were not given although others were.
     missing: Vec<Name>,
