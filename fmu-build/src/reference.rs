@@ -175,8 +175,8 @@ fn own_smoke_test() -> String {
     smoke_test(Experiment { step_size, ..experiment }, "1e-8 m")
 }
 
-/// A serialized instance that was initialized with [`SETTLED`]. Its numbers are constants, so that
-/// they do not depend on a processor's rounding.
+/// A serialized instance that was initialized with [`SETTLED`]. None of its digits depends on the
+/// rounding of a processor.
 fn settled_state() -> Vec<u8> {
     let mut instance = Instance::new(Interface::CoSimulation);
     let references = structure::STATES.map(reference);

@@ -55,7 +55,7 @@ struct Assembly<'a> {
 ///
 /// # Errors
 /// [`Error::Release`] if the sources disagree, if the built files disagree, or if a tag is released
-/// and a part is missing. The folder is not changed in case of an error.
+/// and a part is missing. On these errors the folder is unchanged.
 pub fn assemble(
     workspace: &Path,
     intent: &Intent,

@@ -163,7 +163,7 @@ pub fn simulate_many<'py>(
     states(py, &ends)
 }
 
-/// Adds the ends of motions in their order.
+/// Appends the final states of motions in the order of the motions.
 fn together(
     control: &Control,
     starts: &[Start],

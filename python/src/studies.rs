@@ -19,7 +19,7 @@ use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::start::{Coordinate, StartRule};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// A store that keeps nothing and ends the study once the caller has stopped waiting.
+/// A store that keeps no parts and ends the study after the caller has stopped waiting.
 struct Cancelling<'a>(&'a Control);
 
 /// Error that ends a cancelled study.

@@ -59,7 +59,7 @@ pub fn disagreements(dist: &Path, version: &str) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-/// Whether all packages hold one kit, with a library for each platform that the archives are for.
+/// Checks that all packages have the same kit, with a library for each platform of the archives.
 fn same_kits(dist: &Path, kits: &[(Option<Vec<u8>>, String)]) -> Result<Vec<String>> {
     let archive = archive::read_all(&archive_of(dist, Version::Fmi3))?;
     let packed: Vec<&str> = PLATFORMS
@@ -174,12 +174,13 @@ fn native(platform: &WheelPlatform, module: &[u8]) -> std::result::Result<(), St
     }
 }
 
-/// Whether a library needed is the interpreter's, or one of Windows that the standard library uses.
+/// Whether a required library belongs to the interpreter, or is a library of Windows that Rust's
+/// standard library uses.
 fn is_beside_python(library: &str) -> bool {
     const WINDOWS: [&str; 6] =
         ["python3.dll", "userenv.dll", "ws2_32.dll", "dbghelp.dll", "advapi32.dll", "bcryptprimitives.dll"];
-    // On macOS the interpreter's names are looked up when the module is loaded: they come from no
-    // library.
+    // On macOS the interpreter's symbols are looked up when the module is loaded, and not in a
+    // named library.
     library.is_empty() || WINDOWS.contains(&&*library.to_lowercase())
 }
 

@@ -16,7 +16,7 @@ use std::process::Command;
 /// stable interface, "abi3").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WheelPlatform {
-    /// Name of the platform as FMI 3.0 has it.
+    /// Name of the platform in FMI 3.0.
     pub tuple: &'static str,
     /// Target of the Rust compiler.
     pub target: &'static str,
@@ -98,7 +98,8 @@ fn dated(command: &mut Command) -> &mut Command {
     command.env("SOURCE_DATE_EPOCH", EPOCH)
 }
 
-/// Compiler flags: no folder of this machine in the module, as in the archives' libraries.
+/// Compiler flags that keep folders of this machine out of the module, as in the archives'
+/// libraries.
 fn flags(source: &Path) -> Vec<String> {
     let mut flags = vec![remap(source, "/vibro-impact")];
     flags.extend(cargo_home().map(|home| remap(&home, "/cargo")));
