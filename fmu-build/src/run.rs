@@ -195,8 +195,8 @@ fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64))
 }
 
 impl ComparedRun {
-    /// Samples of the last `periods` drive periods, in which the default set's transient has died
-    /// away.
+    /// Samples of the last `periods` drive periods. For the default set, the transient has decayed
+    /// by then.
     pub fn tail(&self, periods: u32) -> &[Sample] {
         let count = (periods.min(self.periods) * STEPS_PER_PERIOD) as usize;
         &self.samples[self.samples.len() - 1 - count..]

@@ -37,7 +37,7 @@ impl Failure {
         }
     }
 
-    /// The failure as that of one of several motions, by its index.
+    /// The failure of one of several motions, with the motion's index.
     pub fn of_motion(self, index: usize) -> Self {
         match self {
             Self::Library(error) => Self::Motion(index, error),
@@ -155,8 +155,8 @@ pub fn in_python(message: &str) -> String {
         "block.f",
         "secondary.f",
     ];
-    // The longest first: `box.c` begins no other name, but `stop.restitution` must not become that
-    // of a shorter one.
+    // The longest names are replaced first, so that a name that begins with a shorter name is not
+    // replaced in part.
     let mut names: Vec<&str> = physical_parameters().map(|f| f.name).chain(OTHERS).collect();
     names.sort_by_key(|name| std::cmp::Reverse(name.len()));
     names.iter().fold(message.to_owned(), |text, name| text.replace(name, &name.replace('.', "_")))

@@ -18,7 +18,7 @@ pub struct System {
     parameters: Parameters,
     /// `None` without a spring between box and ground, since time is scaled by ω10.
     set: Option<ParameterSet>,
-    /// Physical parameters that were not given although others were.
+    /// Physical parameters that were not given, if others were given.
     missing: Vec<Name>,
 }
 

@@ -165,7 +165,7 @@ impl PartFolder {
 /// Read lock: a part is being written. Write lock: no further part may be completed.
 static SAVING: RwLock<()> = RwLock::new(());
 
-/// Prevents that further parts are completed while the returned guard lives, so that a program can
+/// Prevents the completion of further parts while the returned guard lives, so that a program can
 /// count its parts and exit.
 pub fn stop_saving() -> impl Drop {
     SAVING.write().unwrap_or_else(PoisonError::into_inner)

@@ -16,8 +16,8 @@ use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
 pub struct Intent {
     /// The tag that is released, e.g. `v0.1.0`.
     pub tag: Option<String>,
-    /// Whether this only shows what a release would be: the changes are those under "Unreleased",
-    /// and the work tree may have changes that are not committed.
+    /// Whether this is a preview: the changes are those under "Unreleased", and the work tree may
+    /// have uncommitted changes.
     pub preview: bool,
 }
 
@@ -106,7 +106,8 @@ fn packages(folder: &Path, workspace: &Value) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-/// The Python package's version: the workspace's, by way of its crate.
+/// Checks that the Python package has the workspace's version: taken from its crate, or as an equal
+/// text.
 fn python(folder: &Path, version: &str) -> Result<Option<String>> {
     const NAME: &str = "python/pyproject.toml";
     let manifest = toml(folder, NAME)?;

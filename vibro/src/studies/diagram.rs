@@ -30,7 +30,7 @@ const MAX_LISTED: usize = 40;
 /// The two directions through a range of values.
 pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 
-/// How a diagram was computed, in words.
+/// Method by which a diagram was computed, in words.
 pub(super) fn method(sweep: &Sweep) -> String {
     let mut text = format!(
         "{} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",

@@ -32,7 +32,7 @@ const MAX_LISTED: usize = 12;
 /// Decimals of a located value in words: ten digits are certain.
 const DECIMALS: usize = 10;
 
-/// The branch on which a periodic row of a diagram lies, or why it has none.
+/// The branch on which a periodic row of a diagram lies, or the reason why the row has none.
 #[derive(Clone, Debug)]
 pub enum Covering {
     /// The motion lies on a stable branch.
@@ -47,7 +47,7 @@ pub enum Covering {
     /// The block rests at a stop during the motion. An orbit of impacts alone does not describe
     /// such a motion.
     Rests,
-    /// The motion had not settled; later it lies on a stable branch.
+    /// The motion had not settled. After further periods it lies on a stable branch.
     Transient,
     /// No followed branch contains it.
     Missing,
@@ -62,7 +62,7 @@ pub struct CoveredRow {
     pub value: f64,
     /// The motion's class.
     pub class: MotionClass,
-    /// The row's branch, or why it has none.
+    /// The row's branch, or the reason why it has none.
     pub covering: Covering,
 }
 
@@ -336,7 +336,7 @@ fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bo
     Ok(true)
 }
 
-/// The branch on which a periodic motion lies, or why it has none.
+/// The branch on which a periodic motion lies, or the reason why it has none.
 fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering> {
     let value = point.value;
     if point.attractor.rests {

@@ -31,8 +31,8 @@ pub(super) const MARKS: [(Label, &str, Mark); 8] = [
     (Label::UserValue, "UZ value asked for", Mark::Diamond),
 ];
 
-/// The study of branches over the one parameter of a family: `branches`, `special-points`, `search`
-/// of a tree, and a picture.
+/// The study of branches over the one parameter of a family: tables of the branches and special
+/// points, for a tree a table of the search, and a picture.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -73,7 +73,7 @@ pub fn orbits(
     Ok(Study { tables, figure: Some(figure), ..Study::without_figure("orbits", what).with_remarks(told) })
 }
 
-/// Where the orbits of a tree were sought, in words.
+/// Description of the search for the orbits of a tree.
 pub(super) fn search_in_words(searched: &Searched) -> String {
     let Searched { values, periods, followed, islands } = searched;
     let settled = values.iter().flat_map(|v| [v.rising, v.falling]).flatten().count();

@@ -33,8 +33,8 @@ fn steps(from: f64, to: f64, count: u32) -> Vec<f64> {
     (0..=count).map(|i| from + (to - from) * f64::from(i) / f64::from(count)).collect()
 }
 
-/// The least and largest C (A2 in its units) of stable exact orbits along the force. `None` where
-/// there is none.
+/// The least and largest C (A2 in units of C) of stable exact orbits along the force. `None` if
+/// there is no such orbit.
 fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     let along = find_group("f10")?;
     let found = response(set, along, FORCES, Method::ExactOrbit, NODES)?;
@@ -81,7 +81,7 @@ impl Regions {
             Ok(found.into_iter().flatten().collect())
         };
         let (epsilon, motions) = (set.groups().epsilon, own_motions(set)?);
-        // Marks are kept off the panel's edge.
+        // The range is extended, so that marks are not at the panel's edge.
         let largest =
             if motions.is_empty() { LARGEST_EPSILON } else { LARGEST_EPSILON.max((1.2 * epsilon).min(1.0)) };
         Ok(Self {

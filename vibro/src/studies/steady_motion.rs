@@ -10,7 +10,8 @@ use vibro_impact::steady::strong_coupling::{self, StrongPoint};
 
 /// Samples per period of a curve.
 const SAMPLES: usize = 240;
-/// Phase between an impact and the sample before it, rad: far above rounding, far below a pixel.
+/// Phase between an impact and the sample before it, rad. It is far above rounding and far below a
+/// pixel.
 const JUST_BEFORE: f64 = 1e-7;
 
 /// A motion at one time: displacements in units of L, velocities in units of L ω10, with U and W

@@ -150,7 +150,7 @@ pub fn spectra(
         page.header.push("stable orbit between".into());
     }
     let mut remarks = Vec::new();
-    // In a coarse sweep several values may share a nearest point, which is listed once.
+    // In a coarse sweep, several values may have one nearest point, which is listed once.
     let mut points: Vec<_> = values.iter().filter_map(|value| diagram.nearest(*value)).collect();
     points.dedup_by_key(|point| point.value);
     for point in points {
@@ -185,7 +185,7 @@ pub fn spectra(
 /// f10. The maxima are in the sweep's own table.
 ///
 /// # Errors
-/// What the theories refuse, [`Error::Output`](crate::Error::Output).
+/// The errors of the theories; [`Error::Output`](crate::Error::Output) if a table cannot be made.
 pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let axis = &sweep.axis;
     let apart = diagram.apart();

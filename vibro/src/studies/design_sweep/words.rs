@@ -10,7 +10,7 @@ use vibro_figures::canvas::palette::{
 };
 use vibro_figures::chart::{Axis, Colour};
 
-/// A machine whose parameters and measures have names, units and colours in tables and pictures.
+/// A machine with names, units and colours of its parameters and measures for tables and pictures.
 pub trait Labelled: DesignMachine + Subject {
     /// A parameter's symbol in pictures.
     fn symbol(&self, name: &Self::Name) -> String;
@@ -235,8 +235,8 @@ pub struct MeasureUnit {
 }
 
 impl MeasureUnit {
-    /// Lengths in the unit of the machine's lengths, speeds in that of its speeds, all others in
-    /// SI.
+    /// The unit of the machine's lengths for a length, the unit of its speeds for a speed, and SI
+    /// for all other measures.
     fn of(set: &ParameterSet, measure: Measure) -> Self {
         let (p, lengths) = (set.parameters(), LengthUnit::of(set));
         match measure.unit() {

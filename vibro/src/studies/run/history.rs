@@ -85,7 +85,7 @@ fn instant(simulator: &Simulator, row: bool) -> RunInstant {
     RunInstant { time: simulator.time(), x: [x1, x2, x3, w], v: [v1, v2, v3, rate], contact, row }
 }
 
-/// Records a simulator, at time 0, over a duration (s) under loads.
+/// Records the motion of a simulator that is at time 0, over a duration (s) under loads.
 ///
 /// # Errors
 /// As [`Simulator::advance_under`].
