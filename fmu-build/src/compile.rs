@@ -154,8 +154,8 @@ impl From<Product> for Compiler {
 }
 
 impl Compiler {
-    /// A compiler from a workspace folder into a target folder. The compiled files must not depend
-    /// on either folder.
+    /// A compiler that reads the sources from a workspace folder and writes into a target folder.
+    /// The compiled files must not depend on either folder.
     pub fn in_folders(workspace: &Path, target: &Path) -> Self {
         Self { workspace: workspace.into(), target: target.into(), product: Product::Vibro }
     }

@@ -152,7 +152,8 @@ fn add_files(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// Version text of the compiler; empty if it cannot be run; cargo then reports the error.
+/// Version text of the compiler. The text is empty if the compiler cannot be run; cargo then
+/// reports the error.
 fn compiler() -> String {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let asked = Command::new(rustc).arg("-vV").current_dir(workspace()).stderr(Stdio::null()).output();

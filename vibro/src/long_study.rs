@@ -95,7 +95,8 @@ pub enum StudyKind {
         sweep: Sweep,
         /// Values at which spectra are listed and running exponents shown.
         at: Vec<f64>,
-        /// How the branches of periodic orbits over it are followed, if they are.
+        /// Options for following the branches of periodic orbits over the diagram; `None` if they
+        /// are not followed.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         orbits: Option<TreeOptions>,
     },
@@ -109,7 +110,7 @@ pub enum StudyKind {
     Orbits {
         /// The parameter and its range.
         span: Span,
-        /// What is traced.
+        /// Options of the search for branches.
         options: TreeOptions,
     },
 }
