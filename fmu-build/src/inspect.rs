@@ -11,7 +11,7 @@ pub type Result<T> = std::result::Result<T, object::Error>;
 /// Format and processor of a library.
 ///
 /// # Errors
-/// Where it is none.
+/// An error if the file is not a library.
 pub fn kind(bytes: &[u8]) -> Result<(BinaryFormat, Architecture)> {
     let binary = object::File::parse(bytes)?;
     Ok((binary.format(), binary.architecture()))
@@ -46,7 +46,7 @@ pub fn slices(bytes: &[u8]) -> Result<Vec<&[u8]>> {
 /// Exported names. Libraries export by name, not by number.
 ///
 /// # Errors
-/// Where it is none.
+/// An error if the file is not a library.
 pub fn exports(bytes: &[u8]) -> Result<BTreeSet<String>> {
     let binary = object::File::parse(bytes)?;
     if binary.format() == BinaryFormat::MachO {
@@ -68,7 +68,7 @@ pub fn exports(bytes: &[u8]) -> Result<BTreeSet<String>> {
 /// symbols.
 ///
 /// # Errors
-/// Where it is none.
+/// An error if the file is not a library.
 pub fn needs(bytes: &[u8]) -> Result<BTreeSet<String>> {
     match FileKind::parse(bytes)? {
         FileKind::Elf32 => elf_needs::<elf::FileHeader32<Endianness>>(bytes),

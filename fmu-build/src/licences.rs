@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What is linked in besides crates; the texts of the standard library lie in `place`.
+/// List of linked code other than crates; the texts of the standard library are in `place`.
 fn run_time(place: &str) -> String {
     format!(
         "

@@ -23,7 +23,7 @@ use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
 use vibro_impact::quantities::{self, Unit};
 
-/// What is wrong with a parameter file where a machine's file is expected.
+/// Error text for a parameter file in place of a machine's file.
 const PARAMETER_FILE: &str =
     "is a parameter file of the paper's machine: allowed is a machine's file, or this one after --config";
 

@@ -22,7 +22,7 @@ const PART: &str = "part";
 /// Ending of a file that is being written.
 const WRITING: &str = "writing";
 
-/// What a folder holds for a study.
+/// Content of a folder with respect to a study.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Occupancy {
     /// Nothing.
@@ -74,7 +74,7 @@ impl PartFolder {
         Ok(opened)
     }
 
-    /// What a folder holds for the study that `manifest` describes.
+    /// Content of a folder with respect to the study that `manifest` describes.
     ///
     /// # Errors
     /// [`Error::Config`] if the manifest is damaged or is not a manifest of parts, or if the folder

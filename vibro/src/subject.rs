@@ -6,7 +6,7 @@ use vibro_analysis::assembly::{self, Section, SectionRule};
 use vibro_analysis::{GROUPS, Name, ParameterSet, Unit, physical_parameters, significant};
 use vibro_impact::parameters::{FIELDS, LOADS};
 
-/// What manifests, tables and captions need to know of a machine.
+/// Properties of a machine that manifests, tables and captions state.
 pub trait Subject: Sync {
     /// Parameters in SI by name, and dimensionless groups by name.
     fn numbers(&self) -> (BTreeMap<String, f64>, BTreeMap<String, f64>);

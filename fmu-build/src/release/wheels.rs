@@ -127,7 +127,7 @@ fn built() -> PathBuf {
     target().join("dist/cargo")
 }
 
-/// What is missing for wheels.
+/// Advice on tools that are missing for building wheels; `None` if none is missing.
 pub fn missing_tool() -> Option<String> {
     let there = ["maturin", "cargo-zigbuild"].into_iter().all(|tool| runs(tool, &["--version"]));
     (!there).then(|| TOOLS.to_owned())

@@ -124,7 +124,7 @@ pub(super) fn caption_lines(not_compared: Option<&str>) -> Vec<String> {
 /// Figure 8 against the simulation: time histories and phase portraits, and the amplitudes.
 ///
 /// # Errors
-/// What theory or simulator refuse.
+/// The errors of theory and simulator.
 pub fn histories(set: &ParameterSet) -> Result<Study> {
     let p = set.parameters();
     let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else {

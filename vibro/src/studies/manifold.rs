@@ -60,7 +60,7 @@ fn shown(system: &MultipleScales, roots: &[(&'static str, FixedPoint)]) -> (f64,
 /// Figure 2: the sawtooth, the manifold with its minimum and the fixed points, ρ over κ.
 ///
 /// # Errors
-/// What multiple scales refuses.
+/// The errors of multiple scales.
 pub fn shapes(set: &ParameterSet) -> Result<Study> {
     let (system, lengths) = (MultipleScales::new(set.groups())?, Lengths::of(set));
     let m = system.manifold();
@@ -140,7 +140,7 @@ fn stable_fixed_points(system: &MultipleScales) -> [(f64, f64); 2] {
 /// all.
 ///
 /// # Errors
-/// What multiple scales refuses.
+/// The errors of multiple scales.
 pub fn branches(set: &ParameterSet) -> Result<Study> {
     let (system, lengths) = (MultipleScales::new(set.groups())?, Lengths::of(set));
     let m = system.manifold();

@@ -149,7 +149,7 @@ impl ShownAmplitude {
     }
 }
 
-/// What all panels of a figure share.
+/// Data that all panels of a figure use.
 struct Panels<'a> {
     set: &'a ParameterSet,
     lengths: Lengths,
@@ -247,7 +247,7 @@ struct ResponseFigure<'a> {
     range: (f64, f64),
     /// The families of curves: the parameter that differs, its description, its values.
     families: &'a [(Name, &'a str, &'a [f64])],
-    /// The coordinate whose amplitude is shown; the paper's C and A3 where there is none.
+    /// The coordinate whose amplitude is shown; the paper's C and A3 if it is `None`.
     of: Option<Displacement>,
 }
 

@@ -55,7 +55,7 @@ fn own_motions(set: &ParameterSet) -> Result<Vec<FixedPoint>> {
     Ok(roots.filter(|p| p.admissibility.geometric).collect())
 }
 
-/// What figure 5 shows.
+/// Data of figure 5.
 struct Regions {
     /// Manifolds of multiple scales for κ from 0 to 1.
     manifolds: Vec<Manifold>,
@@ -188,7 +188,7 @@ fn region_layers(
 /// of the exact orbit. They hold for all forces; the motions of a force that was set are marked.
 ///
 /// # Errors
-/// What the theories refuse.
+/// The errors of the theories.
 pub fn regions(set: &ParameterSet) -> Result<Study> {
     let regions = Regions::new(set)?;
     let figure = Figure {
@@ -251,7 +251,7 @@ fn own_epsilon(set: &ParameterSet) -> Result<f64> {
 /// 0.01 and m3 = m2, except for those that were set. The scale of ξ is this program's choice.
 ///
 /// # Errors
-/// What the theories refuse.
+/// The errors of the theories.
 pub fn masri(set: &ParameterSet) -> Result<Study> {
     let given = masri_set(set)?;
     let base = *given.groups();

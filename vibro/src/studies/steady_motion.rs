@@ -39,7 +39,7 @@ pub enum SteadyMotion {
 }
 
 impl SteadyMotion {
-    /// The steady state of multiple scales; `None` where it has no motion with impacts.
+    /// The steady state of multiple scales; `None` if it has no motion with impacts.
     ///
     /// # Errors
     /// As [`multiple_scales::fixed_points`].
@@ -49,7 +49,7 @@ impl SteadyMotion {
         Ok(best(positive, |p| p.admissibility.all()).map(Self::MultipleScales))
     }
 
-    /// The steady state of strong coupling; `None` where there is none.
+    /// The steady state of strong coupling; `None` if there is none.
     ///
     /// # Errors
     /// As [`strong_coupling::solve`].
@@ -58,7 +58,7 @@ impl SteadyMotion {
         Ok(best(roots.into_iter().flatten(), |p| p.admissibility.all()).map(Self::Strong))
     }
 
-    /// The exact orbit; `None` where there is none.
+    /// The exact orbit; `None` if there is none.
     ///
     /// # Errors
     /// As [`exact_orbit::solve`].

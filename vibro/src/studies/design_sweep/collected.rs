@@ -8,7 +8,7 @@ use vibro_analysis::significant;
 /// Largest number of designs in a picture.
 const MOST_DRAWN: usize = 100_000;
 
-/// Least and largest value of a measure over the motions of a design; `None` where it has no value.
+/// Least and largest value of a measure over the motions of a design; `None` if it has no value.
 pub(super) type Reach = Option<(f64, f64)>;
 
 /// One measure of all designs.

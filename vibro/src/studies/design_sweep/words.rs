@@ -29,7 +29,7 @@ pub trait Labelled: DesignMachine + Subject {
     fn caption_of_all(&self, names: &[Self::Name]) -> Option<String>;
     /// A measure in words.
     fn words(measure: &Self::Measure) -> String;
-    /// A measure's SI unit; `1` where it has none.
+    /// A measure's SI unit; `1` if it has none.
     fn measure_unit(&self, measure: &Self::Measure) -> &'static str;
     /// The unit in which pictures show a measure.
     fn measure_shown(&self, measure: &Self::Measure) -> MeasureUnit;

@@ -43,7 +43,7 @@ pub struct RunImpact {
     pub impulse: f64,
 }
 
-/// What happened in a run.
+/// Motion, impacts and energies of a run.
 #[derive(Clone, Debug)]
 pub struct History {
     /// The motion between events (impacts and releases), each with its first and last instant.

@@ -318,7 +318,7 @@ impl<'a> RunPicture<'a> {
         (!layers.is_empty()).then(|| titled(title, self.time(0.0), Axis::new("force (N)"), layers))
     }
 
-    /// Sentence on what is not drawn.
+    /// Sentence on the quantities that are not drawn.
     fn told_left_out(&self) -> Option<String> {
         let words = self.left_out.join("; ");
         (!words.is_empty()).then(|| format!("Not drawn, since it does not change: {words}."))
