@@ -1,6 +1,6 @@
 //! Archives of a machine of the user's own: the library that serves all machines, under the
-//! machine's name, and the machine's file in the resources. All but this is generated from the
-//! file, so that nothing is compiled for a machine.
+//! machine's name, and the machine's file in the resources. The rest of the archive is generated
+//! from the file, so that nothing is compiled for a machine.
 
 use crate::archive::{self, Content};
 use crate::error::Result;
@@ -13,13 +13,14 @@ use vibro_pack::Kit;
 /// Content of a version's archive; for [`Version::Arrays`] `plan` must be the one with arrays.
 ///
 /// # Errors
-/// [`Error::Pack`](crate::Error::Pack): only by a defect of this crate.
+/// [`Error::Pack`](crate::Error::Pack): only in case of a defect in this crate.
 pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     Ok(vibro_pack::content(version.fmi(), plan, kit)?)
 }
 
-/// Writes the archives of the machine in a file, that of FMI 2.0 [where `out` says](placed), and
-/// those of FMI 3.0 beside it, the one with arrays where it is asked for; returns their paths.
+/// Writes the archives of the machine in a file and returns their paths. The archive of FMI 2.0 is
+/// [placed at `out`](placed); those of FMI 3.0 are beside it. The archive with arrays is written
+/// only if `arrays` is set.
 ///
 /// # Errors
 /// [`Error::Refusal`](crate::Error::Refusal) with everything that is wrong with the file,

@@ -1,6 +1,6 @@
-//! Own checks of a model description of either version, on the text as written: what the XML schema
-//! cannot say, what importers rely on, and what hosts overlook (start values outside their range,
-//! for one).
+//! This project's checks of the text of a model description, for either version: rules that the XML
+//! schema cannot express, properties on which importers rely, and errors that hosts overlook, such
+//! as start values outside their range.
 
 mod model;
 mod structure;
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 /// Everything wrong with a model description; empty when it is valid.
 ///
 /// # Errors
-/// [`crate::Error::Xml`] when the text is no XML at all.
+/// [`crate::Error::Xml`] if the text is not XML.
 pub fn problems(text: &str, version: Version) -> Result<Vec<String>> {
     Ok(problems_of(&Element::parse(text)?, version))
 }
@@ -131,7 +131,7 @@ fn header(model: &Model, found: &mut Vec<String>) {
         found.push(format!("{token} is empty"));
     }
     for interface in root.all("ModelExchange").chain(root.all("CoSimulation")) {
-        // FMI 2.0, 2.1.1: it becomes part of file and function names.
+        // FMI 2.0, 2.1.1: the identifier becomes part of file and function names.
         let identifier = interface.attribute("modelIdentifier").unwrap_or_default();
         let letters = identifier.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if !letters || identifier.starts_with(|c: char| c.is_ascii_digit()) || identifier.is_empty() {
@@ -182,7 +182,7 @@ fn units(model: &Model, found: &mut Vec<String>) {
     }
 }
 
-/// Unit and display unit of a type or variable, where it has them.
+/// Checks that the unit and display unit of a type or variable, if it has them, are defined.
 fn unit_exists(owner: &str, of: &Element, model: &Model, found: &mut Vec<String>) {
     let Some(unit) = of.attribute("unit") else { return };
     let display = of.attribute("displayUnit");
@@ -215,8 +215,8 @@ fn names(model: &Model, found: &mut Vec<String>) {
     unique("value reference", model.variables.iter().filter_map(|v| v.get("valueReference")), found);
 }
 
-/// FMI 2.0, 2.2.9; FMI 3.0.2, 2.4.7.5.1, as far as our names go: identifiers with dots between
-/// them, and their first derivatives.
+/// FMI 2.0, 2.2.9; FMI 3.0.2, 2.4.7.5.1, restricted to the forms that this project uses:
+/// identifiers separated by dots, and their first derivatives.
 fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
     inner.unwrap_or(name).split('.').all(|part| {
@@ -256,7 +256,7 @@ fn variable(v: &Variable, model: &Model, found: &mut Vec<String>) {
 }
 
 /// FMI 2.0, 2.2.7; FMI 3.0.2, 2.4.7.4: allowed combinations of causality, variability and initial.
-/// Inputs have no `initial` in FMI 3.0 either: some importers refuse one.
+/// Inputs have no `initial` in FMI 3.0 either, since some importers refuse it.
 fn combination(v: &Variable, model: &Model, found: &mut Vec<String>) {
     let (name, initial) = (v.name, v.get("initial"));
     let allowed = match (v.causality, v.variability) {

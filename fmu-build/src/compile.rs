@@ -1,5 +1,5 @@
-//! The library in the archive: the one that cargo compiled together with this packager, or, for
-//! distribution, one that a nested cargo compiles with link-time optimization.
+//! The library in the archive. Cargo compiles it together with this packager; for distribution, a
+//! nested cargo compiles it with link-time optimization.
 
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 pub use vibro_pack::{PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 
 /// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load all of them
-/// by name, also those of capabilities that are not claimed.
+/// by name, including those of capabilities that are not claimed.
 pub const FUNCTIONS: &str = "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment \
     EnterInitializationMode ExitInitializationMode Terminate Reset \
     GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString \
@@ -57,7 +57,7 @@ pub fn target() -> PathBuf {
 /// unwinder (libgcc_s).
 ///
 /// # Errors
-/// [`Error::Cargo`] where the file is missing, for example when the packager was moved out of the
+/// [`Error::Cargo`] if the file is missing, for example because the packager was moved out of the
 /// target folder.
 pub fn at_hand(library: Product) -> Result<PathBuf> {
     let missing = |problem: String| Error::Cargo { command: "cargo build --bin fmu-build".into(), problem };
@@ -72,7 +72,7 @@ pub fn at_hand(library: Product) -> Result<PathBuf> {
     })
 }
 
-/// Where sources come from and where compiled files go.
+/// Folders of the sources and of the compiled files.
 #[derive(Clone, Debug)]
 pub struct Compiler {
     workspace: PathBuf,
@@ -109,7 +109,7 @@ exports:
 ";
 
 impl Product {
-    /// The package that it is made of.
+    /// The package from which it is compiled.
     pub fn package(self) -> &'static str {
         match self {
             Self::Vibro => "vibro-fmi",
@@ -127,11 +127,11 @@ impl Product {
         }
     }
 
-    /// What cargo is to make.
+    /// Arguments that tell cargo what to compile.
     fn made_by(self) -> &'static [&'static str] {
         match self {
-            // `rustc` with the one crate type, since cargo leaves out link-time optimization where
-            // an rlib is made as well.
+            // `rustc` with a single crate type, since cargo leaves out link-time optimization if an
+            // rlib is made as well.
             Self::Vibro | Self::Machine => &["rustc", "--lib", "--crate-type", "cdylib"],
             Self::CommandLine => &["rustc", "--bin", PROGRAM],
         }
@@ -140,7 +140,7 @@ impl Product {
 
 impl Default for Compiler {
     /// The nested cargo has a target folder of its own, so that it never waits for the lock of a
-    /// cargo that runs us.
+    /// cargo that runs this program.
     fn default() -> Self {
         Self { workspace: workspace().into(), target: target().join("fmu"), product: Product::Vibro }
     }
@@ -154,17 +154,17 @@ impl From<Product> for Compiler {
 }
 
 impl Compiler {
-    /// Compiles the workspace in one folder into another one; what comes out must not depend on
-    /// either.
+    /// A compiler that reads the sources from a workspace folder and writes into a target folder.
+    /// The compiled files must not depend on either folder.
     pub fn in_folders(workspace: &Path, target: &Path) -> Self {
         Self { workspace: workspace.into(), target: target.into(), product: Product::Vibro }
     }
 
-    /// Compiles the product for this platform for distribution: with link-time optimization,
-    /// without paths of this machine, needing libc and libm alone.
+    /// Compiles the product for this platform for distribution: with link-time optimization and
+    /// without paths of this machine. The result needs only libc and libm.
     ///
     /// # Errors
-    /// [`Error::Cargo`] when cargo cannot be run or fails.
+    /// [`Error::Cargo`] if cargo cannot be run or fails.
     pub fn library(&self) -> Result<PathBuf> {
         let mut cargo = cargo();
         self.arguments(&mut cargo);
@@ -177,7 +177,7 @@ impl Compiler {
     /// Compiles the product for another target, linked by zig, and returns its path.
     ///
     /// # Errors
-    /// [`Error::Cargo`] when cargo-zigbuild cannot be run or fails.
+    /// [`Error::Cargo`] if cargo-zigbuild cannot be run or fails.
     pub(crate) fn library_for(&self, target: &str) -> Result<PathBuf> {
         let mut zigbuild = Command::new("cargo-zigbuild");
         self.arguments(&mut zigbuild);
@@ -225,8 +225,8 @@ impl Compiler {
         Ok(file)
     }
 
-    /// A folder for the linker with what it needs to know of Apple's frameworks: for tables' time
-    /// stamps chrono asks one for the time zone. Zig has lists of the system's libraries alone, and
+    /// A folder for the linker with stubs of Apple's frameworks. For time stamps of tables, chrono
+    /// calls a framework for the time zone. Zig has stubs only of the system's libraries, and
     /// Apple's own kit is for Macs.
     fn frameworks(&self) -> Result<PathBuf> {
         let folder = self.target.join("frameworks");
@@ -237,15 +237,15 @@ impl Compiler {
         Ok(folder)
     }
 
-    /// A folder for the linker in which the name of GCC's shared run-time library stands for the
-    /// static one: unwinding then needs no library that a host's machine may lack. `None` where
+    /// A folder for the linker in which the name of GCC's shared run-time library refers to the
+    /// static library. Unwinding then needs no library that a host's machine may lack. `None` if
     /// GCC's libraries are not used.
     fn static_unwinder(&self) -> Result<Option<PathBuf>> {
         if !cfg!(all(target_os = "linux", target_env = "gnu")) {
             return Ok(None);
         }
         let asked = Command::new("cc").arg("-print-file-name=libgcc_eh.a").stderr(Stdio::null()).output();
-        // Where the file does not exist, the compiler prints the bare name.
+        // If the file does not exist, the compiler prints only the name.
         let found = asked.is_ok_and(|o| Path::new(String::from_utf8_lossy(&o.stdout).trim()).is_absolute());
         if !found {
             return Ok(None);

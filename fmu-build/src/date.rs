@@ -1,12 +1,12 @@
-//! The date in the model description: of the sources, so that the same sources give the same
-//! archive.
+//! The date in the model description. It is the date of the sources, so that equal sources give
+//! equal archives.
 
 use crate::compile::workspace;
 use std::process::{Command, Stdio};
 
-/// `generationDateAndTime` (xs:dateTime, UTC): of `SOURCE_DATE_EPOCH` (seconds since 1970, as
-/// reproducible-builds.org has it), or of the last commit, where the workspace is a git repository.
-/// Without both there is none, and the attribute is left out.
+/// `generationDateAndTime` (xs:dateTime, UTC): the time of `SOURCE_DATE_EPOCH` (seconds since 1970,
+/// as defined by reproducible-builds.org), else the time of the last commit if the workspace is a
+/// git repository. `None` without both; the attribute is then left out.
 pub fn of_sources() -> Option<String> {
     let given = std::env::var("SOURCE_DATE_EPOCH").ok();
     given.or_else(last_commit).and_then(|seconds| Some(utc(seconds.trim().parse().ok()?)))
@@ -20,8 +20,8 @@ fn last_commit() -> Option<String> {
     String::from_utf8(output.stdout).ok()
 }
 
-/// Seconds since 1970 as date and time. The calendar is counted from a 1st of March, so that a leap
-/// day ends a year: 400 years have 146097 days, and five months from March on have 153.
+/// Seconds since 1970 as date and time. Years are counted from 1 March, so that a leap day is the
+/// last day of a year: 400 years have 146097 days, and five months from March on have 153 days.
 fn utc(seconds: u64) -> String {
     let (days, second) = (seconds / 86_400, seconds % 86_400);
     let since_march_0 = days + 719_468;

@@ -31,7 +31,7 @@ pub enum Error {
     /// The model description contradicts itself or the standard.
     #[error("modelDescription.xml is not valid; correct the table in fmi/src/component/variables:\n  {}", .0.join("\n  "))]
     Invalid(Vec<String>),
-    /// An archive could not be written or read, or a machine's not be made.
+    /// An archive could not be written or read, or the archive of a machine could not be made.
     #[error(transparent)]
     Pack(#[from] vibro_pack::Error),
     /// The packaged binary could not be loaded, or lacks a function.
@@ -86,7 +86,7 @@ pub enum Error {
     /// A picture could not be drawn.
     #[error(transparent)]
     Picture(#[from] vibro_figures::Error),
-    /// A release cannot be made of what is there.
+    /// A release cannot be made from the present files.
     #[error("no release:\n  {}", .0.join("\n  "))]
     Release(Vec<String>),
     /// A command-line option has a value that is not allowed.

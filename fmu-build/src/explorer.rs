@@ -1,6 +1,6 @@
 //! The live page of the archives, made by the program `explorer-build`. A nested cargo compiles and
-//! runs that, so that what it needs (the target wasm32-unknown-unknown, node, the generator of
-//! WebAssembly's doors) is not needed for an archive without the page.
+//! runs this program. Its requirements (the target wasm32-unknown-unknown, node, the generator of
+//! WebAssembly bindings) therefore do not apply to an archive without the page.
 
 use crate::compile::{cargo, target};
 use crate::platforms::LeftOut;
@@ -18,7 +18,8 @@ pub fn page() -> Result<Vec<u8>, LeftOut> {
     let file = target().join("explorer/explorer.html");
     let mut build = cargo();
     build.args(["run", "--package", "explorer-build", "--release", "--locked", "--quiet", "--target-dir"]);
-    // A target folder of its own, so that it never waits for the lock of a cargo that runs us.
+    // The nested cargo has a separate target folder, so that it never waits for the lock of a cargo
+    // that runs this program.
     build
         .arg(target().join("explorer/tool"))
         .args(["--config", "profile.release.lto=false", "--", "--out"])

@@ -1,8 +1,8 @@
 //! A small host of FMI 2.0, and of FMI 3.0 in [`fmi3`]: loads the packaged binary and calls it
 //! through its C ABI, as any importing tool does.
 //!
-//! The only files of this crate with `unsafe`: a shared library's functions can be reached in no
-//! other way.
+//! The host's files are the only ones of this crate with `unsafe`, since the functions of a shared
+//! library cannot be called in another way.
 #![allow(unsafe_code)]
 
 pub mod fmi3;
@@ -18,9 +18,9 @@ type Component = *mut c_void;
 type Environment = *const Log;
 type Logger = unsafe extern "C" fn(Environment, *const c_char, c_int, *const c_char, *const c_char);
 
-/// `fmi2CallbackFunctions` (FMI 2.0, 2.1.5). The logger is variadic in C; a callee with the fixed
-/// arguments only is called the same way on every ABI we run on, and the arguments after them are
-/// not needed.
+/// `fmi2CallbackFunctions` (FMI 2.0, 2.1.5). The logger is variadic in C. On every ABI of our
+/// platforms, a function with only the fixed arguments is called in the same way; the variadic
+/// arguments are not needed.
 #[repr(C)]
 struct Callbacks {
     logger: Option<Logger>,
@@ -57,7 +57,7 @@ struct Functions {
     get_version: unsafe extern "C" fn() -> *const c_char,
 }
 
-/// Loads a shared library with all its symbols: one that is missing is an error here, not a crash
+/// Loads a shared library with all its symbols. A missing symbol is an error here, and not a crash
 /// at its first call.
 ///
 /// # Safety
@@ -86,7 +86,7 @@ impl Binary {
     /// Loads the shared library.
     ///
     /// # Errors
-    /// [`Error::Load`](crate::Error::Load) when it cannot be loaded or lacks a function.
+    /// [`Error::Load`](crate::Error::Load) if it cannot be loaded or lacks a function.
     pub fn load(path: &Path) -> Result<Self> {
         // SAFETY: loading runs the library's initializers; it is our own Rust cdylib, which has
         // none of its own.
@@ -123,7 +123,7 @@ impl Binary {
     /// `fmi2Instantiate` for co-simulation.
     ///
     /// # Errors
-    /// [`Error::Call`](crate::Error::Call) with the FMU's log when it returns null.
+    /// [`Error::Call`](crate::Error::Call) with the FMU's log if it returns null.
     pub fn instantiate(&self, guid: &str) -> Result<Fmi2Instance<'_>> {
         let log = Box::new(Log::default());
         let callbacks = Box::new(Callbacks {

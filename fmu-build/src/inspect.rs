@@ -1,4 +1,4 @@
-//! Exports and dependencies of a shared library of any platform, read without loading it.
+//! Exports and dependencies of a shared library for any platform, read without loading the library.
 
 use object::read::elf::{Dyn, FileHeader, SectionHeader};
 use object::read::macho::{FatArch, MachOFatFile32};
@@ -11,7 +11,7 @@ pub type Result<T> = std::result::Result<T, object::Error>;
 /// Format and processor of a library.
 ///
 /// # Errors
-/// Where it is none.
+/// An error if the file is not a library.
 pub fn kind(bytes: &[u8]) -> Result<(BinaryFormat, Architecture)> {
     let binary = object::File::parse(bytes)?;
     Ok((binary.format(), binary.architecture()))
@@ -32,10 +32,10 @@ pub fn kind_of_target(target: &str) -> (BinaryFormat, Architecture) {
     (format, architecture)
 }
 
-/// The libraries in a universal Mach-O file; any other file is itself the only one.
+/// The libraries in a universal Mach-O file. Any other file counts as a single library.
 ///
 /// # Errors
-/// Where the file's table points outside it.
+/// An error if the file's table points outside the file.
 pub fn slices(bytes: &[u8]) -> Result<Vec<&[u8]>> {
     match MachOFatFile32::parse(bytes) {
         Ok(fat) => fat.arches().iter().map(|arch| arch.data(bytes)).collect(),
@@ -43,10 +43,10 @@ pub fn slices(bytes: &[u8]) -> Result<Vec<&[u8]>> {
     }
 }
 
-/// Names exported; a library exports by name, not by number.
+/// Exported names. Libraries export by name, not by number.
 ///
 /// # Errors
-/// Where it is none.
+/// An error if the file is not a library.
 pub fn exports(bytes: &[u8]) -> Result<BTreeSet<String>> {
     let binary = object::File::parse(bytes)?;
     if binary.format() == BinaryFormat::MachO {
@@ -64,11 +64,11 @@ pub fn exports(bytes: &[u8]) -> Result<BTreeSet<String>> {
     Ok(names)
 }
 
-/// Shared libraries needed, as the binary names them; for ELF the versions of glibc's symbols as
-/// well.
+/// Names of the required shared libraries, as in the binary; for ELF, also the versions of glibc's
+/// symbols.
 ///
 /// # Errors
-/// Where it is none.
+/// An error if the file is not a library.
 pub fn needs(bytes: &[u8]) -> Result<BTreeSet<String>> {
     match FileKind::parse(bytes)? {
         FileKind::Elf32 => elf_needs::<elf::FileHeader32<Endianness>>(bytes),
@@ -115,7 +115,7 @@ pub fn is_system(library: &str) -> bool {
         || library == "/usr/lib/libSystem.B.dylib"
 }
 
-/// The oldest glibc that is promised, that of CentOS 7.
+/// The oldest supported glibc, which is that of CentOS 7.
 pub const GLIBC: [u32; 2] = [2, 17];
 
 /// A needed version of glibc that is later than [`GLIBC`], if any.

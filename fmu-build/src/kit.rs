@@ -1,6 +1,6 @@
-//! The kit: the library that serves all described machines, and its licences. Making it takes a
-//! compiler and minutes; it is cached under `target/` and reused while its sources and compiler are
-//! unchanged.
+//! The kit: the library that serves all described machines, and its licences. Making a kit needs a
+//! compiler and takes minutes. The kit is cached under `target/` and reused as long as its sources
+//! and compiler are unchanged.
 
 use crate::archive;
 use crate::compile::{Product, target, workspace};
@@ -16,7 +16,7 @@ pub use vibro_pack::{KIT_FILE, Kit};
 /// Entry of a cached kit that holds the digest of its inputs.
 const ORIGIN: &str = "origin.txt";
 
-/// How a kit is made, which its origin covers.
+/// Sources of the code that makes a kit; the digest in its origin includes them.
 const MAKERS: [&[u8]; 4] = [
     include_bytes!("kit.rs"),
     include_bytes!("compile.rs"),
@@ -42,8 +42,8 @@ pub fn at_hand() -> Result<Kit> {
     around(platforms::at_hand_of(Product::Machine)?)
 }
 
-/// Kit for every platform that can be built here, and a list of the others. Cached only if none is
-/// missing.
+/// Kit for every platform that can be built here, and a list of the others. The kit is cached only
+/// if no platform is missing.
 ///
 /// # Errors
 /// As [`own`].
@@ -51,7 +51,8 @@ pub fn all() -> Result<(Kit, Vec<LeftOut>)> {
     Shelf::of("all").kit(|| platforms::all_of(Product::Machine, &[]))
 }
 
-/// Kit for some platforms by their FMI 3.0 tuples, for all if none is named. It is not cached.
+/// Kit for the platforms with the given FMI 3.0 tuples; for all platforms if no tuple is given. The
+/// kit is not cached.
 ///
 /// # Errors
 /// As [`own`].
@@ -87,7 +88,8 @@ impl Shelf {
         if let Some(kit) = self.kept() {
             return Ok((kit, Vec::new()));
         }
-        // Taken before compiling: a change made meanwhile invalidates the cached kit.
+        // The origin is computed before compiling, so that a change during the compilation
+        // invalidates the cached kit.
         let packages = licences::own_packages(Product::Machine)?;
         let origin = self.origin(&packages).map_err(Error::file("reading", &self.workspace))?;
         let (binaries, left_out) = make()?;
@@ -106,7 +108,7 @@ impl Shelf {
         if self.origin(&packages).ok()? != origin {
             return None;
         }
-        // A commit that changes none of its sources changes only the date.
+        // A commit that changes no source of the kit changes only the date.
         Some(Kit { date: date::of_sources(), ..Kit::from_entries(content)? })
     }
 
@@ -136,7 +138,7 @@ fn kept_as(kit: &Kit, origin: String) -> archive::Content {
     content
 }
 
-/// Every file below a folder, in one order on every machine.
+/// Adds every file below a folder, in an order that is equal on every machine.
 fn add_files(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     let mut entries: Vec<_> = fs::read_dir(folder)?.collect::<io::Result<_>>()?;
     entries.sort_by_key(fs::DirEntry::file_name);
@@ -150,7 +152,8 @@ fn add_files(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// Version text of the compiler; empty where it cannot be run, which cargo then reports.
+/// Version text of the compiler. The text is empty if the compiler cannot be run; cargo then
+/// reports the error.
 fn compiler() -> String {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let asked = Command::new(rustc).arg("-vV").current_dir(workspace()).stderr(Stdio::null()).output();

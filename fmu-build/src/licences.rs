@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What is linked in besides crates; the texts of the standard library lie in `place`.
+/// List of linked code other than crates; the texts of the standard library are in `place`.
 fn run_time(place: &str) -> String {
     format!(
         "
@@ -23,8 +23,8 @@ of mingw-w64 (public domain and Zope Public License 2.1).
 }
 
 /// Licence texts of the Rust toolchain (`share/doc/rust`) and their names in an archive. A licence
-/// and its exception stand in one file: the exception makes it a licence of linked code, so a
-/// reader of the licence must see both.
+/// and its exception are in one file: the exception makes it a licence of linked code, so a reader
+/// of the licence must see both.
 const TOOLCHAIN: [(&str, &[&str]); 3] = [
     ("COPYRIGHT-library.html", &["COPYRIGHT-library.html"]),
     ("LLVM-exception.txt", &["licenses/LLVM-exception.txt"]),
@@ -36,12 +36,13 @@ const TOOLCHAIN: [(&str, &[&str]); 3] = [
 
 pub use vibro_pack::LICENCE_LIST as LIST;
 
-/// The texts of an archive by their paths in its folder of licences: our own, those of every crate
-/// linked into the binaries and, where it is packed, into the live page, and a list of them.
+/// The texts of an archive by their paths in its folder of licences: our licence, the licences of
+/// every crate that is linked into the binaries or, if it is packed, into the live page, and a list
+/// of them.
 ///
 /// # Errors
-/// [`Error::Cargo`] when cargo cannot list the dependencies, [`Error::File`] when a text cannot
-/// be read.
+/// [`Error::Cargo`] if cargo cannot list the dependencies; [`Error::File`] if a text cannot be
+/// read.
 pub fn texts(live: bool) -> Result<Content> {
     texts_of(Product::Vibro, live)
 }
@@ -70,15 +71,15 @@ pub fn texts_of(product: Product, live: bool) -> Result<Content> {
     Ok(content)
 }
 
-/// Files of licences that every wheel has beside our own: the list of what is linked, with all
-/// texts.
+/// Files of licences that every wheel has in addition to our licence: the list of linked code, with
+/// all texts.
 pub const OF_WHEEL: [&str; 1] = ["LICENSE-THIRD-PARTY.txt"];
 
 /// The page of the standard library's licences beside them.
 const STANDARD_LIBRARY: &str = "LICENSE-RUST-STANDARD-LIBRARY.html";
 
 /// The texts of the Python package's wheels, in files whose names `license-files` in its
-/// `pyproject.toml` covers. Of equal texts there is one.
+/// `pyproject.toml` covers. Equal texts occur only once.
 ///
 /// # Errors
 /// As [`texts`].
@@ -124,7 +125,7 @@ fn third_party(into: &str, names: &BTreeSet<(String, String)>) -> Result<(String
     Ok((list + "\n", content))
 }
 
-/// The texts of the standard library, where the toolchain has them (rustup's have).
+/// The texts of the standard library, if the toolchain has them, as rustup's toolchains do.
 fn standard_library() -> Result<Content> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let asked = Command::new(rustc).args(["--print", "sysroot"]).stderr(Stdio::null()).output();

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use vibro_figures::canvas;
 use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
 
-/// Path of an archive: `out` itself, under the archive's own name in `out` if that is a folder,
-/// else in the current folder.
+/// Path of an archive: `out` itself; if `out` is a folder, a file with the archive's name in it;
+/// without `out`, a file with that name in the current folder.
 pub fn placed(out: Option<&Path>, name: &str) -> PathBuf {
     let file = PathBuf::from(format!("{name}.fmu"));
     let is_folder = |out: &Path| out.is_dir() || out.to_string_lossy().ends_with(['/', '\\']);
@@ -43,8 +43,8 @@ pub fn icon() -> Result<Vec<u8>> {
     Ok(canvas::png(&icon::Icon)?)
 }
 
-/// Files that are generated and committed: path in the workspace → content. A test fails when one
-/// is stale.
+/// Files that are generated and committed: path in the workspace → content. A test fails if one of
+/// them is out of date.
 ///
 /// # Errors
 /// As [`Version::description`] and [`icon()`].
@@ -55,9 +55,9 @@ pub fn committed() -> Result<Content> {
     Ok(files)
 }
 
-/// Descriptions of the usual archives, generated from the table of variables. They bear no date:
-/// that of the sources is put into the archive. Those of the other editions are checked as they are
-/// generated (`tests/description.rs`) and not committed.
+/// Descriptions of the usual archives, generated from the table of variables. They have no date;
+/// the date of the sources is put into the archive. Descriptions of the other editions are checked
+/// when they are generated (`tests/description.rs`) and are not committed.
 ///
 /// # Errors
 /// As [`Version::description`].
@@ -71,17 +71,17 @@ pub fn described() -> Result<Content> {
     files.into_iter().map(text).collect()
 }
 
-/// Everything the archive of a version holds, around binaries compiled before, with the live page
-/// where there is one.
+/// Content of the archive of a version, with binaries that were compiled before, and with the live
+/// page if there is one.
 ///
 /// # Errors
-/// [`Error::File`](crate::Error::File) when a licence cannot be read, and as
+/// [`Error::File`](crate::Error::File) if a licence cannot be read; the errors of
 /// [`Version::description`] and [`icon()`].
 pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Result<Content> {
     let mut content = Content::from([
         (MODEL_DESCRIPTION.to_owned(), version.description(date::of_sources())?.into_bytes()),
         ("documentation/index.html".to_owned(), page::page(live.is_some()).into_bytes()),
-        // The FMU reads no resources; hosts pass the folder's path all the same.
+        // The FMU reads no resources, but hosts pass the path of the folder.
         ("resources/README.txt".to_owned(), b"This FMU needs no resources.\n".to_vec()),
     ]);
     content.extend(live.map(|page| (explorer::PATH.to_owned(), page.to_vec())));
@@ -125,7 +125,8 @@ const NEEDS: &str = "The library needs the C library of the system and its mathe
 it was built for all platforms, else that of the machine that built it; on Windows the universal C run time (part of Windows 10 \
 and later); on macOS libSystem.\n";
 
-/// Writes the usual archives for this machine, that of FMI 2.0 to `output` and the other beside it.
+/// Writes the usual archives for this machine: that of FMI 2.0 to `output`, and that of FMI 3.0
+/// beside it.
 ///
 /// # Errors
 /// Everything that [`platforms::at_hand`] and [`write()`] return.
@@ -133,10 +134,10 @@ pub fn build(output: &Path) -> Result<()> {
     write(output, &Version::USUAL, &platforms::at_hand()?, None)
 }
 
-/// Writes archives around binaries compiled before.
+/// Writes archives with binaries that were compiled before.
 ///
 /// # Errors
-/// As [`content`], and [`Error::File`](crate::Error::File) where a file cannot be written.
+/// The errors of [`content`]; [`Error::File`](crate::Error::File) if a file cannot be written.
 pub fn write(output: &Path, versions: &[Version], binaries: &Binaries, live: Option<&[u8]>) -> Result<()> {
     for version in versions {
         archive::write(&content(*version, binaries, live)?, &version.beside(output))?;
@@ -145,7 +146,7 @@ pub fn write(output: &Path, versions: &[Version], binaries: &Binaries, live: Opt
 }
 
 /// Compiles the library for every platform that can be built here and writes the archives; returns
-/// the others.
+/// the platforms that cannot be built.
 ///
 /// # Errors
 /// As [`build`].

@@ -1,4 +1,4 @@
-//! `documentation/index.html`: one self-contained page, its variables from the table.
+//! `documentation/index.html`: a self-contained page with the variables of the table.
 
 use crate::recipes::recipes;
 use std::fmt::Write;
@@ -17,7 +17,7 @@ static RESPONSE: &str = include_str!("../../modelDescription/documentation/respo
 const EXPLORER: &str = "<p><a href=\"explorer.html\">The machine, live</a>: move it, hear it hit, see where it settles. It opens in a \
 browser, needs JavaScript and WebAssembly, and loads nothing.</p>";
 
-/// The page, with a link to the live page where that is packed too.
+/// The page, with a link to the live page if that page is packed too.
 pub fn page(explorer: bool) -> String {
     TEMPLATE
         .replace("{{explorer}}", if explorer { EXPLORER } else { "" })
@@ -86,7 +86,7 @@ fn lengths(v: &Variable) -> String {
     }
 }
 
-/// Names the descriptions that have a variable, where not all do.
+/// Names of the descriptions that have a variable; empty if all have it.
 fn edition(edition: Edition) -> &'static str {
     match edition {
         Edition::Every => "",

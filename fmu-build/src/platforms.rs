@@ -1,5 +1,5 @@
-//! The platforms of `--all-platforms`: compiler targets, and what to install where a platform
-//! cannot be built.
+//! The platforms of `--all-platforms`: compiler targets, and advice on what to install if a
+//! platform cannot be built.
 
 use crate::compile::{self, Compiler, PLATFORM, Product};
 use crate::error::{Error, Result};
@@ -105,7 +105,7 @@ pub fn own(product: Product) -> Result<Binaries> {
 /// platform is always included.
 ///
 /// # Errors
-/// Where not even this machine's own can be built.
+/// An error if not even the binary for this machine can be built.
 pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     all_of(Product::Vibro, only)
 }

@@ -1,19 +1,19 @@
-//! The recipes of `docs/recipes.md` in the documentation page: what each is about, and its block
-//! for the FMU. The blocks for the command line and for Rust are left out, since who has the FMU
-//! may have neither.
+//! The recipes of `docs/recipes.md` in the documentation page: the subject of each recipe, and its
+//! block for the FMU. The blocks for the command line and for Rust are left out, since a user of
+//! the FMU may have neither.
 
 use pulldown_cmark::{Event, HeadingLevel, Parser, Tag, TagEnd, html};
 
 static RECIPES: &str = include_str!("../../docs/recipes.md");
 
-/// The third-level heading of what is shown.
+/// Third-level heading of the blocks that are shown.
 const SHOWN: &str = "FMU";
 
-/// The recipes as HTML, a heading of the third level each.
+/// The recipes as HTML, each with a heading of the third level.
 pub fn recipes() -> String {
     // The page's own introduction, before the first recipe, is about the command line.
     let start = RECIPES.find("\n## ").map_or(0, |i| i + 1);
-    // Beside the archive, not in the folder of the build.
+    // Paths are relative to the archive, not to the folder of the build.
     let text = RECIPES[start..].replace("\"target/", "\"");
     let mut shown: Vec<Event<'_>> = Vec::new();
     let mut hidden = false;
@@ -33,7 +33,7 @@ pub fn recipes() -> String {
             Event::Text(words) | Event::Code(words) if heading.is_some() => {
                 heading = heading.take().map(|(level, before)| (level, before + &words));
             }
-            // Their targets are not in the archive.
+            // The targets of links are not in the archive.
             Event::Start(Tag::Link { .. }) | Event::End(TagEnd::Link) => {}
             event if !hidden => shown.push(event),
             _ => {}

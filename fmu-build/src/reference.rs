@@ -31,7 +31,7 @@ pub const SETTLED: [f64; 6] =
 /// The files by their names in the folder.
 ///
 /// # Errors
-/// [`Error::Native`](crate::Error::Native) for a set of parameters that is not possible.
+/// [`Error::Native`](crate::Error::Native) if a set of parameters is not possible.
 pub fn files() -> Result<Content> {
     let mut content = Content::from([
         ("default.csv".to_owned(), DEFAULT.as_bytes().to_vec()),
@@ -95,8 +95,8 @@ fn parameters(p: &Parameters) -> Vec<(&'static str, f64)> {
     FIELDS.iter().map(|field| (field.name, (field.get)(p))).collect()
 }
 
-/// The set of a machine, which starts at rest in the middle but for the block, which moves towards
-/// the upper stop with the speed L ω10: the start of the studies.
+/// The set of a machine with the start values of the studies: all bodies are in the middle, the
+/// block moves towards the upper stop with the speed L ω10, and the other bodies are at rest.
 fn set(name: String, description: String, groups: &Groups) -> Result<Set> {
     let p = groups.to_parameters(Scales::default())?;
     let start = [0.0, 0.0, 0.0, 0.0, p.stop_gap * p.box_frequency(), 0.0];
@@ -168,15 +168,15 @@ fn own_manifest(sets: &[Set]) -> String {
     manifest(results.into_iter().chain(ALWAYS).chain(sets))
 }
 
-/// The default experiment, by the steps that are reported.
+/// The default experiment as a smoke test, with the reported steps.
 fn own_smoke_test() -> String {
     let experiment = default_experiment();
     let step_size = f64::from(REPORTED) * experiment.step_size;
     smoke_test(Experiment { step_size, ..experiment }, "1e-8 m")
 }
 
-/// A serialized instance that was initialized with [`SETTLED`]. It holds no digit that a processor
-/// could have rounded otherwise.
+/// A serialized instance that was initialized with [`SETTLED`]. None of its digits depends on the
+/// rounding of a processor.
 fn settled_state() -> Vec<u8> {
     let mut instance = Instance::new(Interface::CoSimulation);
     let references = structure::STATES.map(reference);
@@ -195,7 +195,7 @@ fn settled_state() -> Vec<u8> {
 /// Recomputes the results by the native library: path in the workspace → content.
 ///
 /// # Errors
-/// [`Error::Native`](crate::Error::Native): only by a defect of this crate.
+/// [`Error::Native`](crate::Error::Native): only in case of a defect in this crate.
 pub fn results() -> Result<Content> {
     let file = |name: &str| format!("modelDescription/reference/{name}");
     Ok(Content::from([
@@ -229,7 +229,7 @@ fn default_result() -> Result<String> {
     Ok(text)
 }
 
-/// Two rows for each impact: before and after its law.
+/// Two rows for each impact: the states before and after it.
 fn impact_result() -> Result<String> {
     let mut simulator = simulator()?;
     let mut text = String::from("time,box.s,block.s,secondary.s,box.v,block.v,secondary.v\n");

@@ -34,10 +34,10 @@ pub const SUMS: &str = "SHA256SUMS";
 pub const NOTES: &str = "RELEASE_NOTES.md";
 /// Name of the documentation page.
 pub const PAGE: &str = "documentation.html";
-/// Name of the live page, to which the other one links.
+/// Name of the live page, to which the documentation page links.
 pub const LIVE: &str = "explorer.html";
 
-/// Drive periods for which the archives run beside the native library.
+/// Drive periods over which the archives are compared with the native library.
 const PERIODS: u32 = 200;
 
 /// A release that is being assembled.
@@ -50,12 +50,12 @@ struct Assembly<'a> {
     left_out: Vec<String>,
 }
 
-/// Assembles a release into a folder, which it replaces; returns its files and the parts left out.
-/// `platforms` selects by FMI 3.0 tuples; empty selects all.
+/// Assembles a release and replaces a folder by it; returns the files of the release and the parts
+/// that were left out. `platforms` selects platforms by FMI 3.0 tuples; an empty list selects all.
 ///
 /// # Errors
-/// [`Error::Release`] where the sources disagree, where what was built does, and where a tag is
-/// released and a part is missing; before the end nothing is put into the folder.
+/// [`Error::Release`] if the sources disagree, if the built files disagree, or if a tag is released
+/// and a part is missing. On these errors the folder is unchanged.
 pub fn assemble(
     workspace: &Path,
     intent: &Intent,
@@ -98,7 +98,7 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// Both archives, which are run; the pages inside them once more beside them.
+    /// Makes and runs both archives, and copies the pages inside them to the folder.
     fn archives_and_pages(&mut self) -> Result<()> {
         let live = explorer::page().map_err(|left_out| self.left_out.push(left_out.to_string())).ok();
         let (binaries, left_out) = platforms::all(self.only)?;
@@ -126,8 +126,8 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// The archives of the example machines, and the command line for each platform; what makes
-    /// archives of other machines.
+    /// The archives of the example machines, and the command line for each platform; returns the
+    /// kit that makes archives of other machines.
     fn machines(&mut self) -> Result<Kit> {
         let (kit, left_out) = kit::of(self.only)?;
         self.left_out.extend(left_out.iter().map(|part| format!("machines of text files: {part}")));
@@ -213,8 +213,8 @@ fn check_replaceable(folder: &Path) -> Result<()> {
     })
 }
 
-/// Replaces a folder by the files of another, which may be on another disk. The sums come last: a
-/// folder with them is whole.
+/// Replaces a folder by the files of another, which may be on another disk. The file of sums is
+/// copied last, so that a folder with this file is complete.
 fn copy(folder: &Path, into: &Path) -> Result<()> {
     clear(into)?;
     let reading = || Error::file("reading the folder", folder);

@@ -1,5 +1,5 @@
-//! Runs the packaged binaries, out of their archives, beside the native library and compares them
-//! bit for bit.
+//! Runs the binaries from their archives and the native library, and compares the results bit for
+//! bit.
 
 use crate::archive;
 use crate::compile::SHARED_LIBRARY;
@@ -33,7 +33,7 @@ pub struct Sample {
     pub impacts: [i32; 2],
 }
 
-/// The motion on both sides of an impact; it falls between communication points.
+/// The motion on both sides of an impact, which is between communication points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactSample {
     /// Time, s.
@@ -65,8 +65,8 @@ pub struct ComparedRun {
 /// `periods` drive periods from the start values, and compares the three.
 ///
 /// # Errors
-/// [`Error::Differs`] when they are not equal bit for bit; [`Error::Binaries`] when the archives
-/// hold different libraries; otherwise whatever loading, calling or comparing returns.
+/// [`Error::Differs`] if they are not equal bit for bit; [`Error::Binaries`] if the archives hold
+/// different libraries; the errors of loading and calling.
 pub fn run(archive: &Path, periods: u32) -> Result<ComparedRun> {
     let folder = tempfile::tempdir().map_err(Error::file("making a folder in", &std::env::temp_dir()))?;
     let beside = Version::Fmi3.beside(archive);
@@ -195,8 +195,8 @@ fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64))
 }
 
 impl ComparedRun {
-    /// Samples of the last `periods` drive periods, in which the default set's transient has died
-    /// away.
+    /// Samples of the last `periods` drive periods. For the default set, the transient has decayed
+    /// by then.
     pub fn tail(&self, periods: u32) -> &[Sample] {
         let count = (periods.min(self.periods) * STEPS_PER_PERIOD) as usize;
         &self.samples[self.samples.len() - 1 - count..]

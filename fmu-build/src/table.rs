@@ -48,7 +48,7 @@ fn row(f: &mut Formatter<'_>, name: &str, [x1, x2, x3]: [f64; 3]) -> fmt::Result
     writeln!(f, "    {name:<28} {x1:<9.5} {x2:<9.5} {x3:.5}")
 }
 
-/// Amplitudes by closed forms; the row says where no such motion exists.
+/// Amplitudes by closed forms. If no such motion exists, the row says so.
 fn predictions(run: &ComparedRun) -> [(&'static str, Prediction); 2] {
     let p = &run.parameters;
     let exact = exact_orbit::solve(p).ok().and_then(|roots| roots.upper);

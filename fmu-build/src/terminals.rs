@@ -22,7 +22,7 @@ const BODIES: [(&str, &str, i32); 3] = [
 /// force on the body.
 const MEMBERS: [(&str, &str); 4] = [("s", "signal"), ("v", "signal"), ("a", "signal"), ("f", "inflow")];
 
-/// Kind of the terminals; kinds of tools begin with an underscore and the tool's name.
+/// Kind of the terminals; a kind that a tool defines begins with an underscore and the tool's name.
 pub const KIND: &str = "_VibroImpact3DOF_TranslationalFlange";
 
 /// The folder's files by their names in it.
@@ -39,8 +39,8 @@ pub fn files() -> Result<Content> {
     ]))
 }
 
-/// `terminalsAndIcons.xml`. The rule is `bus`, since a partner may have displacement and force
-/// alone.
+/// `terminalsAndIcons.xml`. The matching rule is `bus`, since the connected terminal may have only
+/// displacement and force.
 pub fn xml() -> String {
     let mut text = String::from(concat!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n",

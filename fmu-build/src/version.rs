@@ -84,7 +84,7 @@ impl Version {
     /// Checked text of [`MODEL_DESCRIPTION`], with `generationDateAndTime` if a date is given.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with everything that is wrong.
+    /// [`Error::Invalid`] with all problems if the description is not valid.
     pub fn description(self, date: Option<String>) -> Result<String> {
         let described = Description {
             generation_tool: concat!("fmu-build ", env!("CARGO_PKG_VERSION")).into(),

@@ -20,7 +20,7 @@ impl Element {
     /// The root element of a document.
     ///
     /// # Errors
-    /// [`Error::Xml`] when the text is none.
+    /// [`Error::Xml`] if the text is not an XML document.
     pub fn parse(text: &str) -> Result<Self> {
         let mut reader = Reader::from_str(text);
         // Stack of open elements, the root's parent first.
@@ -64,7 +64,7 @@ impl Element {
         self.children.iter().filter(move |child| child.name == name)
     }
 
-    /// The elements in the first of that name; none where there is none.
+    /// The children of the first child of that name; empty if there is no such child.
     pub fn within(&self, name: &str) -> &[Self] {
         self.children.iter().find(|child| child.name == name).map_or(&[], |list| &list.children)
     }

@@ -39,7 +39,7 @@ pub enum Value {
 
 #[pymethods]
 impl Described {
-    /// From the text of a file, or from a file, in whose folder its records are.
+    /// From the text of a file, or from a file. A file's records are in its folder.
     #[new]
     fn new(text: Option<&str>, path: Option<&str>) -> PyResult<Self> {
         let read = match (text, path) {
@@ -113,8 +113,8 @@ impl Described {
         Ok(Motion::new(Arc::new(Assembly::new((*self.description).clone())?))?)
     }
 
-    /// The motion from the start, with its derivatives by parameters where there are such; `observer` is
-    /// told of the impacts that are there.
+    /// The motion from the start, with its derivatives if `parameters` is not empty. `observer` is
+    /// called with the impacts at the start.
     fn follower(&self, parameters: &[String], observer: &mut VariedObserver) -> Result<Follower, Failure> {
         let assembly = Arc::new(Assembly::new((*self.description).clone())?);
         if parameters.is_empty() {
@@ -157,15 +157,16 @@ pub struct AssemblyRun<'py> {
     value: Array1<'py, f64>,
     stops: Array1<'py, i32>,
     energy: Array2<'py, f64>,
-    /// By sample, column and parameter: the derivative, and whether there is one.
+    /// Derivatives by sample, column and parameter, and whether each exists.
     derivatives: Varied<'py>,
-    /// By event and parameter those of its time.
+    /// Derivatives of the times of events, by event and parameter.
     event_derivatives: Varied<'py>,
-    /// By parameter why there is none from some time on, or an empty text.
+    /// For each parameter the reason why derivatives do not exist from some time on, or an empty
+    /// text.
     lost: Vec<String>,
 }
 
-/// Numbers, and which of them there are.
+/// Numbers, and for each whether it exists.
 type Varied<'py> = (Array2<'py, f64>, Array2<'py, bool>);
 
 fn varied<'py>(py: Python<'py>, rows: &[Vec<Option<f64>>], columns: usize) -> PyResult<Varied<'py>> {

@@ -18,7 +18,7 @@ const POLL: Duration = Duration::from_millis(30);
 pub struct Control {
     cancelled: AtomicBool,
     done: AtomicUsize,
-    /// Number of parts; 0 where the caller knows it.
+    /// Number of parts; 0 if the caller knows the number.
     total: AtomicUsize,
 }
 
@@ -26,7 +26,7 @@ impl Control {
     /// Ends a computation whose caller has stopped waiting.
     ///
     /// # Errors
-    /// [`Failure::Cancelled`] then.
+    /// [`Failure::Cancelled`] if the caller has stopped waiting.
     pub fn check(&self) -> Result<(), Failure> {
         if self.is_cancelled() { Err(Failure::Cancelled) } else { Ok(()) }
     }
@@ -47,10 +47,10 @@ impl Control {
     }
 }
 
-/// Computes in another thread without Python's lock and waits for the result. A signal's exception,
-/// and one of `progress`, which is called with the numbers of parts done and in all (0 where it
-/// knows), ends the wait at once; the thread ends where it next looks at its [`Control`], and what
-/// it computes is dropped.
+/// Computes in another thread without Python's lock and waits for the result. `progress` is called
+/// with the number of finished parts and the total (0 if the caller knows the total). An exception
+/// from a signal or from `progress` ends the wait at once. The thread ends when it next checks its
+/// [`Control`], and its result is dropped.
 pub fn compute<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -137,8 +137,8 @@ pub fn with_partial<T: for<'py> IntoPyObject<'py>>(
     }
 }
 
-/// The threads of this process for work in parallel. A process made by fork has none of its
-/// parent's threads, and would wait for them without end: it gets its own.
+/// The threads of this process for work in parallel. A process made by fork does not have its
+/// parent's threads and would wait for them forever, so it gets new threads.
 pub fn pool() -> Result<Arc<ThreadPool>, Failure> {
     static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
@@ -150,7 +150,7 @@ pub fn pool() -> Result<Arc<ThreadPool>, Failure> {
     }
     let made = ThreadPoolBuilder::new().build().map_err(|error| Failure::Threads(error.to_string()))?;
     let made = Arc::new(made);
-    // The parent's threads cannot be told to end from here.
+    // This process cannot end its parent's threads.
     std::mem::forget(pool.replace((process, Arc::clone(&made))));
     Ok(made)
 }

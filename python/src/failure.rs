@@ -25,11 +25,11 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Reason why one motion has no result, where the motion is to blame; otherwise the failure of
+    /// Reason why one motion has no result, if the motion is the cause; otherwise the failure of
     /// the whole call.
     ///
     /// # Errors
-    /// The failure then.
+    /// The failure of the whole call.
     pub fn reason(self) -> Result<String, Self> {
         match self {
             Self::Library(error) => Ok(words(&error)),
@@ -37,7 +37,7 @@ impl Failure {
         }
     }
 
-    /// The failure as that of one of several motions, by its index.
+    /// The failure of one of several motions, with the motion's index.
     pub fn of_motion(self, index: usize) -> Self {
         match self {
             Self::Library(error) => Self::Motion(index, error),
@@ -141,8 +141,8 @@ fn exception(no_answer: bool, message: &str) -> PyErr {
     }
 }
 
-/// A message with parameters, coordinates and loads under the names of Python's arguments: `box_m`
-/// for `box.m`.
+/// A message in which parameters, coordinates and loads have the names of Python's arguments:
+/// `box_m` for `box.m`.
 pub fn in_python(message: &str) -> String {
     const OTHERS: [&str; 9] = [
         "box.s",
@@ -155,8 +155,8 @@ pub fn in_python(message: &str) -> String {
         "block.f",
         "secondary.f",
     ];
-    // The longest first: `box.c` begins no other name, but `stop.restitution` must not become that
-    // of a shorter one.
+    // The longest names are replaced first, so that a name that begins with a shorter name is not
+    // replaced in part.
     let mut names: Vec<&str> = physical_parameters().map(|f| f.name).chain(OTHERS).collect();
     names.sort_by_key(|name| std::cmp::Reverse(name.len()));
     names.iter().fold(message.to_owned(), |text, name| text.replace(name, &name.replace('.', "_")))

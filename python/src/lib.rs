@@ -1,9 +1,9 @@
 //! The native part of the Python package `vibro_impact`: the library's entry points on NumPy
 //! arrays.
 //!
-//! The Python modules beside it check arguments, make arrays of what they are given and results of
-//! what comes back; here computations run. Each runs in a thread of its own, so that Python's other
-//! threads go on and Ctrl-C is heard (`background.rs`).
+//! The Python modules of the package check arguments, convert them to arrays, and make results from
+//! the returned arrays. This crate does the computations. Each computation runs in a separate
+//! thread, so that Python's other threads continue and Ctrl-C is handled (`background.rs`).
 //!
 //! | file | what it holds |
 //! |---|---|

@@ -109,8 +109,8 @@ pub fn simulate<'py>(
     })
 }
 
-/// Samples a motion at ascending times, advancing to each in turn: bit-identical to a host that
-/// steps so.
+/// Samples a motion at ascending times, advancing to each in turn: bit-identical to a host with
+/// these communication points.
 fn sampled(
     control: &Control,
     p: &Parameters,
@@ -163,7 +163,7 @@ pub fn simulate_many<'py>(
     states(py, &ends)
 }
 
-/// Adds the ends of motions in their order.
+/// Appends the final states of motions in the order of the motions.
 fn together(
     control: &Control,
     starts: &[Start],

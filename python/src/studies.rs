@@ -19,7 +19,7 @@ use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::start::{Coordinate, StartRule};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// A store that keeps nothing and ends the study once the caller has stopped waiting.
+/// A store that keeps no parts and ends the study after the caller has stopped waiting.
 struct Cancelling<'a>(&'a Control);
 
 /// Error that ends a cancelled study.
@@ -319,14 +319,14 @@ fn one(
     Ok(measured(&mut simulator, measures, periods)?)
 }
 
-/// What is measured of one of many motions: numbers, class, and why there are none where that is
-/// told in its row.
+/// Measures of one of many motions: numbers, class, and the reason if they are missing and the row
+/// gives reasons.
 pub type MeasureRow = (Vec<Option<f64>>, Option<String>, Option<String>);
 
-/// A motion's row. A failure of its own is told there if `in_rows`.
+/// A motion's row. If `in_rows` is set, a failure of this motion alone is given in its row.
 ///
 /// # Errors
-/// The other failures.
+/// All other failures.
 pub fn row(found: Result<Measured, Failure>, in_rows: bool) -> Result<MeasureRow, Failure> {
     match found {
         Ok(found) => Ok((found.numbers, found.class.map(MotionClass::name), None)),

@@ -16,9 +16,9 @@ use vibro_impact::parameters::{FIELDS, Field};
 #[derive(Clone, Debug)]
 pub struct System {
     parameters: Parameters,
-    /// None without a spring between box and ground, since ω10 scales time.
+    /// `None` without a spring between box and ground, since time is scaled by ω10.
     set: Option<ParameterSet>,
-    /// Physical parameters that were not given although others were.
+    /// Physical parameters that were not given, if others were given.
     missing: Vec<Name>,
 }
 
@@ -42,7 +42,8 @@ impl System {
 
 /// Why a machine has no groups.
 fn no_groups(p: &Parameters) -> vibro_impact::Error {
-    // Without the spring the groups are refused; a machine with it is never asked.
+    // Without the spring, `groups` returns an error. This function is not called for a machine with
+    // the spring.
     p.groups().err().unwrap_or(vibro_impact::Error::Undefined {
         name: "box.k",
         value: p.box_stiffness,

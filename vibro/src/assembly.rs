@@ -23,19 +23,19 @@ use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
 use vibro_impact::quantities::{self, Unit};
 
-/// What is wrong with a parameter file where a machine's file is expected.
+/// Error text for a parameter file in place of a machine's file.
 const PARAMETER_FILE: &str =
     "is a parameter file of the paper's machine: allowed is a machine's file, or this one after --config";
 
-/// Largest number of samples of a motion. They make a table of a few gigabytes.
+/// Largest number of samples of a motion; this many make a table of a few gigabytes.
 const MOST: usize = 10_000_000;
 
 /// Reads a machine's file and replaces parameters, each as `NAME=VALUE`. A value without a unit is
-/// in the unit in which the file or an earlier value wrote the parameter; `note` is called where
-/// this is not SI.
+/// in the unit that the file or an earlier value used for the parameter; `note` is called if that
+/// unit is not SI.
 ///
 /// # Errors
-/// [`Error::Refusal`], with every problem of the file, or of the new values.
+/// [`Error::Refusal`] with all problems if the file or the new values are not valid.
 pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result<Machine> {
     let mut machine = Machine::read(path).map_err(|error| match parameter_file::is_at(path) {
         true => Error::Config { path: path.into(), problem: PARAMETER_FILE.into() },
@@ -71,7 +71,7 @@ pub fn note_of_unit(typed: &str, unit: &Unit) -> String {
 /// The instants 0, end/count, …, end.
 ///
 /// # Errors
-/// [`Error::Refused`] for more than ten million of them.
+/// [`Error::Refused`] if there are more than ten million instants.
 pub fn even_times(end: f64, count: usize) -> Result<Vec<f64>> {
     check_count(count)?;
     Ok((0..=count).map(|k| if k == count { end } else { end * k as f64 / count as f64 }).collect())
@@ -84,11 +84,12 @@ fn check_count(count: usize) -> Result<()> {
     Err(Error::Refused { what: format!("{count} samples"), problem: format!("allowed are up to {MOST}") })
 }
 
-/// Instants from a file: one number in s per line, from 0 on and not falling. Empty lines and those
-/// that begin with `#` are skipped.
+/// Instants from a file: one number in s per line, none negative and none smaller than the one
+/// before. Empty lines and lines that begin with `#` are skipped.
 ///
 /// # Errors
-/// [`Error::File`]; [`Error::Config`] with the line.
+/// [`Error::File`] if the file cannot be read; [`Error::Config`] with the line if a line is not
+/// valid.
 pub fn times_of(path: &Path) -> Result<Vec<f64>> {
     let text = std::fs::read_to_string(path).map_err(Error::file("reading", path))?;
     let mut times: Vec<f64> = Vec::new();
@@ -119,8 +120,8 @@ pub fn times_of(path: &Path) -> Result<Vec<f64>> {
 pub struct MotionRecord {
     /// The machine.
     pub assembly: Arc<Assembly>,
-    /// Names of the columns of `rows`, after `time`: of each body `.s`, `.v`, `.a`, of each element
-    /// `.e`, `.rate`, `.f`.
+    /// Names of the columns of `rows` after `time`: `.s`, `.v`, `.a` of each body, then `.e`,
+    /// `.rate`, `.f` of each element.
     pub columns: Vec<String>,
     /// Time and values.
     pub rows: Vec<Vec<f64>>,
@@ -132,11 +133,11 @@ pub struct MotionRecord {
     pub motion: Motion,
     /// Kinetic and stored energy at the start, J.
     pub start: f64,
-    /// Reason for an end before the last instant.
+    /// Reason why the record ended before the last instant, if it did.
     pub ended: Option<Ended>,
 }
 
-/// Reason why a record ended early; it has everything computed until then.
+/// Reason why a record ended early. The record holds everything computed until then.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ended {
     /// The motion cannot go on.
@@ -145,12 +146,12 @@ pub enum Ended {
     Stopped,
 }
 
-/// Follows a machine to each of the instants, or until `asked` is set. At each instant and event
-/// `done` gets the elapsed fraction of the time. If coordinates overflow, the record ends with the
-/// instant before.
+/// Follows a machine to each of the instants, or until `asked` is set. `done` is called at each
+/// instant and event with the elapsed fraction of the time. If coordinates overflow, the record
+/// ends at the previous instant.
 ///
 /// # Errors
-/// [`Error::Assembly`] for a machine without a motion from its start.
+/// [`Error::Assembly`] if the machine has no motion from its start.
 pub fn record(
     machine: Description,
     times: &[f64],
@@ -186,7 +187,7 @@ pub fn record(
     Ok(record)
 }
 
-/// The quantities whose extremes are told or drawn: coordinates of bodies, forces of stops and
+/// The quantities whose extremes are printed or drawn: coordinates of bodies, forces of stops and
 /// friction, rates of bodies.
 fn watched(d: &Description) -> Vec<Quantity> {
     let bodies = |what| (0..d.bodies.len()).map(move |i| Quantity::of_body(i, what));
@@ -195,7 +196,7 @@ fn watched(d: &Description) -> Vec<Quantity> {
     bodies(What::S).chain(forces).chain(bodies(What::V)).collect()
 }
 
-/// Whether an element is a stop or a friction, which acts at some times only.
+/// Whether an element is a contact, that is, a stop or a friction.
 pub(crate) fn is_contact(element: Element) -> bool {
     matches!(element.action(), Action::Hitting | Action::Switching | Action::Rubbing)
 }
@@ -208,7 +209,7 @@ pub fn event_in_words(assembly: &Assembly, kind: &EventKind) -> [String; 4] {
 }
 
 impl MotionRecord {
-    /// Advances to an instant; returns the reason for an earlier end.
+    /// Advances to an instant; returns the reason if the motion ended before it.
     fn advance(&mut self, time: f64, met: &mut dyn FnMut(f64)) -> Option<Ended> {
         let (before, told) = (self.motion.save(), self.events.len());
         let events = &mut self.events;
@@ -268,7 +269,7 @@ impl MotionRecord {
         csv.text()
     }
 
-    /// The text of `events.csv`, with the knots of signals or without.
+    /// The text of `events.csv`; `knots` tells whether it includes the knots of signals.
     ///
     /// # Errors
     /// [`Error::Output`].
@@ -282,7 +283,7 @@ impl MotionRecord {
     }
 
     /// Extents, contacts, events and energies, line by line; `knots` tells whether
-    /// [`events`](Self::events) has the knots.
+    /// [`events`](Self::events) includes the knots.
     pub fn account(&self, knots: bool) -> Vec<String> {
         summary::account(self, knots)
     }

@@ -7,9 +7,10 @@
 //! 0.8,0.012,0.75
 //! ```
 //!
-//! A cell is a number with a unit, or one without in the unit in which the machine's file or
-//! `--set` wrote that parameter, else in SI. A number out of its parameter's range is no error
-//! here: the sweep gives that design a row with the reason.
+//! A cell is a number with or without a unit. A number without a unit is in the unit that the
+//! machine's file or `--set` used for the parameter, otherwise in SI. A number outside its
+//! parameter's range is accepted here; in the sweep's table, the row of that design gives the
+//! reason.
 
 use crate::{Error, Result};
 use std::path::Path;
@@ -17,15 +18,15 @@ use vibro_analysis::design_sweep::Designs;
 use vibro_analysis::{Name, ParameterSet};
 use vibro_impact::numerics::digest::fnv1a;
 
-/// Most designs in a file; the manifest of the parts holds them all.
+/// Largest number of designs in a file. The manifest of the parts holds all designs.
 const MOST: usize = 100_000;
 
 /// Reads designs of a machine.
 ///
 /// # Errors
-/// [`Error::File`]; [`Error::Config`] with the line for names that are none, cells that are no
-/// finite numbers, rows of another length than the header, and files without a design or with too
-/// many.
+/// [`Error::File`] if the file cannot be read; [`Error::Config`] with the line if a name is
+/// unknown, a cell is not a finite number, a row and the header have different lengths, or the file
+/// has no design or too many.
 pub fn read(path: &Path, set: &ParameterSet) -> Result<Designs> {
     let text = std::fs::read(path).map_err(Error::file("reading", path))?;
     parse(&text, set).map_err(|problem| Error::Config { path: path.into(), problem })
@@ -58,7 +59,7 @@ fn parse(text: &[u8], set: &ParameterSet) -> std::result::Result<Designs, String
     Ok(Designs::Rows { names, rows })
 }
 
-/// Description of the designs for manifests; it depends on names and values alone.
+/// Description of the designs for manifests; it depends only on names and values.
 pub fn in_words(names: &[Name], rows: &[Vec<f64>]) -> String {
     let names: Vec<_> = names.iter().map(|n| n.name()).collect();
     let bytes: Vec<u8> = rows.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();

@@ -7,8 +7,9 @@
 //! 0.001;12.5
 //! ```
 //!
-//! Columns are separated by commas or semicolons, with a decimal point. A header is allowed, and if
-//! it names units these are s and N. Empty lines and lines that begin with # are skipped.
+//! Columns are separated by commas or semicolons; numbers have a decimal point. A header is
+//! allowed; the only units that it may name are s and N. Empty lines and lines that begin with #
+//! are skipped.
 
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -20,8 +21,8 @@ use vibro_impact::parameters::LOADS;
 const EXPECTED: &str =
     "two numbers, time (s) and force (N), separated by a comma or a semicolon, with a decimal point";
 
-/// Load of the command line: `box=record.csv` or `block=-3.4N`. What reads as a force is a force; a
-/// file of such a name is `./5N`.
+/// Load of the command line: `box=record.csv` or `block=-3.4N`. A text that can be read as a force
+/// is a force; a file with the name `5N` is written `./5N`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoadArgument {
     /// From a file.
@@ -79,7 +80,7 @@ pub fn files(loads: &[LoadArgument]) -> impl Iterator<Item = &LoadFile> {
 /// Adds the constant loads to those of a parameter set.
 ///
 /// # Errors
-/// A sum that is not finite.
+/// An error if a sum of loads is not finite.
 pub fn apply_constant(set: &mut ParameterSet, loads: &[LoadArgument]) -> Result<()> {
     for load in loads {
         if let LoadArgument::Constant(body, force) = load {
@@ -94,7 +95,8 @@ impl LoadFile {
     /// Reads the file.
     ///
     /// # Errors
-    /// [`Error::File`], and [`Error::Config`] with the file, the line and what is allowed.
+    /// [`Error::File`] if the file cannot be read; [`Error::Config`] with the file, the line and
+    /// what is allowed if a line is not valid.
     pub fn read(&self, interpolation: Interpolation) -> Result<Load> {
         let bytes = std::fs::read(&self.path).map_err(Error::file("reading", &self.path))?;
         let text = String::from_utf8(bytes).map_err(|e| {
@@ -105,8 +107,9 @@ impl LoadFile {
         parse(&text, self.body, interpolation).map_err(|words| problem(&self.path, words))
     }
 
-    /// Body and digest of the file's contents, for manifests: a changed record makes another
-    /// result, a moved one does not. `None` for what cannot be read twice, such as a pipe.
+    /// Body and digest of the file's contents, for manifests. Results of different contents are
+    /// distinct; moving the file changes nothing. `None` for a file that cannot be read twice, such
+    /// as a pipe.
     pub fn contents_in_words(&self) -> Option<String> {
         let bytes = self.path.is_file().then(|| std::fs::read(&self.path).ok()).flatten()?;
         Some(format!("{}=file of {} bytes, digest {:016x}", self.body.name(), bytes.len(), fnv1a(&bytes)))

@@ -1,10 +1,10 @@
 //! Long studies as plain data. The manifest of a folder of parts holds one, so that parts of
 //! different studies are never mixed and several computers can share a study.
 //!
-//! A study is written to disk and read by other builds, so that two things hold:
+//! A study is written to disk and may be read by another build. Two rules follow:
 //!
-//! * Variants and fields keep their names and meaning. A new field has a default and is left out
-//!   where it has it, so that older manifests are read.
+//! * Variants and fields keep their names and meaning. A new field has a default and is not written
+//!   if it has that value, so that older manifests can be read.
 //! * [`FORMAT`] is incremented with any change of how a study is divided or of what a part holds;
 //!   `part_folder` then refuses older parts by name. Tests with `second_method_shards_…` compare
 //!   the bytes of a study in one run, in shards, and after an interruption.
@@ -95,7 +95,8 @@ pub enum StudyKind {
         sweep: Sweep,
         /// Values at which spectra are listed and running exponents shown.
         at: Vec<f64>,
-        /// How the branches of periodic orbits over it are followed, if they are.
+        /// Options for following the branches of periodic orbits over the diagram; `None` if they
+        /// are not followed.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         orbits: Option<TreeOptions>,
     },
@@ -109,7 +110,7 @@ pub enum StudyKind {
     Orbits {
         /// The parameter and its range.
         span: Span,
-        /// What is traced.
+        /// Options of the search for branches.
         options: TreeOptions,
     },
 }
@@ -146,7 +147,7 @@ impl LongStudy {
         names
     }
 
-    /// Number of parts; 0 where it is not known beforehand.
+    /// Number of parts; 0 if it is not known beforehand.
     pub fn count(&self) -> usize {
         let kind = match &self.work {
             StudyOfMachine::ThreeDof { kind, .. } => kind,
@@ -188,7 +189,8 @@ impl LongStudy {
         }
     }
 
-    /// The diagram of a sweep; `None` for another kind, or where parts belong to other shards.
+    /// The diagram of a sweep; `None` for another kind of study, or if some parts belong to other
+    /// shards.
     ///
     /// # Errors
     /// As [`bifurcation::diagram`].
@@ -199,7 +201,8 @@ impl LongStudy {
         Ok(bifurcation::diagram(set, sweep, task)?.map(|d| (*sweep, d)))
     }
 
-    /// Computes the parts of the shard; where all parts are finished, the tables and pictures too.
+    /// Computes the parts of the shard; if all parts are finished, makes the tables and pictures
+    /// too.
     ///
     /// # Errors
     /// As [`check`](Self::check), [`bifurcation::diagram`], [`basin::basin`],
@@ -208,8 +211,8 @@ impl LongStudy {
         self.run_telling(task, &|_, _| ())
     }
 
-    /// Does the work of [`run`](Self::run) and calls `tell` with the parts done and the total known
-    /// so far, where the number of parts is not known beforehand.
+    /// Does the work of [`run`](Self::run) and if the number of parts is not known beforehand,
+    /// calls `tell` with the number of finished parts and the total known so far.
     ///
     /// # Errors
     /// As [`run`](Self::run).

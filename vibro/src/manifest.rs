@@ -1,5 +1,5 @@
 //! Manifests: program, command and parameters from which a finished result, or a folder of finished
-//! parts, was computed. They keep results of different parameters apart.
+//! parts, was computed. A manifest shows whether two results have the same parameters.
 
 use crate::long_study::{FORMAT, LongStudy};
 use crate::subject::Subject;
@@ -17,7 +17,7 @@ const PROGRAM: &str = "vibro";
 pub struct Invocation {
     /// The command, e.g. `basin`.
     pub command: String,
-    /// Command line without folder, threads and shard, on which results do not depend.
+    /// Command line without the options on which results do not depend: folder, threads and shard.
     pub command_line: String,
     /// The options of the command on which its results depend, with their values or defaults.
     pub options: BTreeMap<String, String>,
@@ -69,7 +69,8 @@ impl Manifest {
     /// Reads a manifest.
     ///
     /// # Errors
-    /// [`Error::File`]; [`Error::Config`] for a file that is not a manifest of this program.
+    /// [`Error::File`] if the file cannot be read; [`Error::Config`] if it is not a manifest of
+    /// this program.
     pub fn read(path: &Path) -> Result<Self> {
         let problem = |problem: String| Error::Config { path: path.into(), problem };
         let text = std::fs::read(path).map_err(Error::file("reading", path))?;
@@ -104,8 +105,8 @@ impl Manifest {
         toml::to_string(self).map_err(Error::output("a manifest"))
     }
 
-    /// Whether both describe one result: study, options and parameters are equal, whatever version
-    /// and command line. For parts the version must be equal too, since parts are combined.
+    /// Whether both describe one result: study, options and parameters are equal. Version and
+    /// command line may differ; for parts the version must be equal, since parts are combined.
     pub fn describes_same(&self, other: &Self) -> bool {
         self.long_study == other.long_study && self.differences(other).is_empty()
     }
@@ -131,7 +132,7 @@ impl Manifest {
         found
     }
 
-    /// [`Self::differences`] in a line.
+    /// [`Self::differences`] in one line.
     pub fn differences_in_words(&self, other: &Self) -> String {
         match self.differences(other).as_slice() {
             // Only the captions differ: they name the parameters that were given.
@@ -140,7 +141,7 @@ impl Manifest {
         }
     }
 
-    /// [`Self::differences`], a line each, for refusals.
+    /// [`Self::differences`], one line for each, for error messages.
     pub fn differences_in_lines(&self, other: &Self) -> String {
         match self.differences(other).as_slice() {
             [] => format!("    {}", self.differences_in_words(other)),
@@ -184,7 +185,7 @@ fn without_numbers(text: &str) -> String {
     text.chars().filter(|c| !(c.is_ascii_digit() || "+-.e".contains(*c))).collect()
 }
 
-/// Lines that only one of two texts has.
+/// Lines that occur in only one of two texts.
 fn lines_apart(name: &str, there: &str, here: &str) -> Vec<String> {
     let alone = |a: &str, b: &str, whose: &str| {
         let lines: Vec<String> = a
@@ -199,8 +200,8 @@ fn lines_apart(name: &str, there: &str, here: &str) -> Vec<String> {
     [alone(there, here, "there"), alone(here, there, "here")].concat()
 }
 
-/// Form of parts named by a manifest that this program cannot read; `None` where it is this
-/// program's form, or where the text is no manifest of parts.
+/// Form of parts named by a manifest that this program cannot read; `None` if it is this program's
+/// form, or if the text is not a manifest of parts.
 fn other_form(text: &str) -> Option<i64> {
     let manifest: toml::Table = toml::from_str(text).ok()?;
     let study = manifest.get("long_study")?.as_table()?;

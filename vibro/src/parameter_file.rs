@@ -21,7 +21,8 @@ const TABLES: [&str; 2] = ["si", "groups"];
 /// Applies a parameter file to a parameter set: first `[si]`, then `[groups]`.
 ///
 /// # Errors
-/// [`Error::File`] and [`Error::Config`]; both name the file. Nothing is changed then.
+/// [`Error::File`] if the file cannot be read; [`Error::Config`] with the file if its content is
+/// not valid. After an error the parameter set is unchanged.
 pub fn read(set: &mut ParameterSet, path: &Path) -> Result<()> {
     let text = std::fs::read_to_string(path).map_err(Error::file("reading", path))?;
     apply(set, &text)
@@ -38,8 +39,8 @@ pub fn is_at(path: &Path) -> bool {
 /// Applies the text of a parameter file.
 ///
 /// # Errors
-/// [`Error::Output`] for what is not TOML, [`vibro_analysis::Error::Form`] for other tables, and as
-/// [`ParameterSet::assign`].
+/// [`Error::Output`] if the text is not TOML; [`vibro_analysis::Error::Form`] if it has other
+/// tables; the errors of [`ParameterSet::assign`].
 pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
     let table: toml::Table = text.parse().map_err(|error| explained(text, &error))?;
     if let Some(key) = table.keys().find(|k| !TABLES.contains(&k.as_str())) {
@@ -100,8 +101,9 @@ fn misplaced(name: &str, what: &str) -> vibro_analysis::Error {
     vibro_analysis::Error::UnknownName { name: name.into(), advice: format!("in this table: it is {what}") }
 }
 
-/// Error for a text that is not TOML. The commonest case, a number with a unit without quotation
-/// marks, names the parameter; the parser's own error would take `t…` for the beginning of `true`.
+/// Error for a text that is not TOML. In the commonest case, a number with a unit but without
+/// quotation marks, the error names the parameter; the parser's own error would take a unit that
+/// begins with `t` for the beginning of `true`.
 fn explained(text: &str, error: &toml::de::Error) -> Error {
     let explain = || -> Option<Error> {
         let before = text.get(..error.span()?.start)?;

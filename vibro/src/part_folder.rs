@@ -2,9 +2,9 @@
 //! several machines can share one.
 //!
 //! The folder holds `manifest.toml`, which says what is computed, a file for each finished part,
-//! and `lock`, which the program at work holds. A file is written under another name and then
-//! renamed, so that a part is complete or absent. Parts of another study are kept unless the user
-//! asks to discard them; other files are never removed.
+//! and `lock`, which the program at work holds. A file is written under a temporary name and then
+//! renamed, so that a part is either complete or absent. Parts of another study are kept unless the
+//! user asks to discard them; other files are never removed.
 
 use crate::long_study::FORMAT;
 use crate::manifest::Manifest;
@@ -22,14 +22,14 @@ const PART: &str = "part";
 /// Ending of a file that is being written.
 const WRITING: &str = "writing";
 
-/// What a folder holds for a study.
+/// Content of a folder with respect to a study.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Occupancy {
     /// Nothing.
     Free,
     /// Parts of this study.
     Own,
-    /// Parts of another one, which the manifest describes.
+    /// Parts of another study, which the manifest describes.
     Foreign(Box<Manifest>),
 }
 
@@ -37,7 +37,7 @@ pub enum Occupancy {
 #[derive(Debug)]
 pub struct PartFolder {
     folder: PathBuf,
-    /// The lock ends when the file is closed, by the system too if the program is killed.
+    /// The lock ends when the file is closed. The system closes the file if the program is killed.
     _lock: File,
 }
 
@@ -46,10 +46,10 @@ impl PartFolder {
     /// of another study are refused, or removed if `discard` says so.
     ///
     /// # Errors
-    /// [`Error::Config`] where another program works in the folder, where it holds parts of another
-    /// study or of another [form](FORMAT) and `discard` is false, for a study whose parts are of
-    /// another form, and where its manifest is damaged or is missing beside other files;
-    /// [`Error::File`], [`Error::Output`].
+    /// [`Error::Config`] if another program works in the folder, if `discard` is false and the
+    /// folder holds parts of another study or of another [form](FORMAT), if the parts of `manifest`
+    /// have another form, or if the folder's manifest is damaged, or missing although there are
+    /// other files; [`Error::File`] and [`Error::Output`] if a file cannot be read or written.
     pub fn open(folder: &Path, manifest: &Manifest, discard: bool) -> Result<Self> {
         // A study read from shards may have parts of another form.
         if let Some(format) = format_of(manifest).filter(|format| *format != FORMAT) {
@@ -74,11 +74,11 @@ impl PartFolder {
         Ok(opened)
     }
 
-    /// What a folder holds for the study that `manifest` describes.
+    /// Content of a folder with respect to the study that `manifest` describes.
     ///
     /// # Errors
-    /// [`Error::Config`] where the manifest is damaged or no manifest of parts, and where there are
-    /// files but no manifest; [`Error::File`].
+    /// [`Error::Config`] if the manifest is damaged or is not a manifest of parts, or if the folder
+    /// has files but no manifest; [`Error::File`] if the folder cannot be read.
     pub fn occupancy(folder: &Path, manifest: &Manifest) -> Result<Occupancy> {
         let path = folder.join(MANIFEST);
         if path.exists() {
@@ -102,7 +102,8 @@ impl PartFolder {
     /// Reads the manifest of a folder of parts.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Config`] for what is no manifest of parts.
+    /// [`Error::File`] if the manifest cannot be read; [`Error::Config`] if it is not a manifest of
+    /// parts.
     pub fn manifest(folder: &Path) -> Result<Manifest> {
         let path = folder.join(MANIFEST);
         let found = Manifest::read(&path)?;
@@ -148,7 +149,7 @@ impl PartFolder {
             let path = self.folder.join(name);
             std::fs::remove_file(&path).map_err(Error::file("writing", &path))?;
         }
-        // Files of others stay.
+        // Files of other programs are kept.
         let _ = std::fs::remove_dir(&self.folder);
         Ok(())
     }
@@ -164,8 +165,8 @@ impl PartFolder {
 /// Read lock: a part is being written. Write lock: no further part may be completed.
 static SAVING: RwLock<()> = RwLock::new(());
 
-/// Completes no further part while the returned guard lives: for a program that counts its parts
-/// and exits.
+/// Prevents the completion of further parts while the returned guard lives, so that a program can
+/// count its parts and exit.
 pub fn stop_saving() -> impl Drop {
     SAVING.write().unwrap_or_else(PoisonError::into_inner)
 }
@@ -185,7 +186,7 @@ impl PartStore for PartFolder {
     }
 }
 
-/// The files in a folder; none where there is no folder.
+/// The files in a folder; an empty list if the folder does not exist.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let all = match std::fs::read_dir(folder) {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -212,12 +213,13 @@ fn lock(folder: &Path) -> Result<File> {
                     .into();
             Err(Error::Config { path: folder.into(), problem })
         }
-        // File system without locks: parts are still complete, and equal whoever computes them.
+        // The file system has no locks. Parts are still complete, and two programs compute equal
+        // parts.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
     }
 }
 
-/// `3 of 8 parts`; without the total where that is not known (`count` is 0).
+/// `3 of 8 parts`; without the total if it is unknown (`count` is 0).
 pub fn parts_in_words(kept: usize, count: usize, parts: &str) -> String {
     if count == 0 { format!("{kept} {parts}") } else { format!("{kept} of {count} {parts}") }
 }
@@ -245,7 +247,7 @@ fn format_of(manifest: &Manifest) -> Option<u32> {
     manifest.long_study.as_ref().map(|study| study.format)
 }
 
-/// Error for parts of a build with another [form](FORMAT).
+/// Error for parts that were made by a build with another [form](FORMAT).
 fn other_format(folder: &Path, format: u32) -> Error {
     let problem = format!(
         "holds {} finished parts in form {format}, and this vibro reads and writes form {FORMAT}\n  allowed: another --out; to finish \
@@ -255,7 +257,7 @@ fn other_format(folder: &Path, format: u32) -> Error {
     Error::Config { path: folder.into(), problem }
 }
 
-/// Writes a file atomically: complete or absent, also after a power failure.
+/// Writes a file atomically: even after a power failure it is either complete or absent.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -266,7 +268,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 /// Writes a file atomically, as [`write_whole`], from pieces that `fill` writes.
 ///
 /// # Errors
-/// [`Error::File`]; what `fill` returns.
+/// [`Error::File`] if the file cannot be written; the errors of `fill`.
 pub fn write_whole_by(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
     // The whole name is kept: files that differ only in their ending may be written at the same
     // time.

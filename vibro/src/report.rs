@@ -23,13 +23,14 @@ use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, ParameterSet, find_group};
 use vibro_orbits::TreeOptions;
 
-/// Values of table 2: one of each window and band of the diagrams.
+/// Values of f10 in table 2: one in each periodic window and each chaotic band of the diagrams.
 const TABLE: [f64; 14] = [0.6, 0.9, 1.0, 1.5, 2.1, 2.3, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
-/// Values of figure 15, all over 2 as in the paper.
+/// Values of f10 in figure 15, all above 2 as in the paper.
 const PORTRAITS: [f64; 9] = [2.2, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];
 /// f10 of the modulated motion of figure 13.
 const MODULATED: f64 = 0.6;
-/// f10 at which basins are shown: two pairs of attractors coexist there in the default set.
+/// Value of f10 for which basins are shown: there, two pairs of attractors coexist in the default
+/// set.
 const COEXISTING: f64 = 2.5;
 /// Values of f10 in figure 9.
 const FORCES: [f64; 4] = [0.6, 1.2, 1.5, 2.5];
@@ -89,7 +90,8 @@ pub struct Report {
 }
 
 impl Plan {
-    /// A plan with the paper's numbers of values and periods, or with `quick` fewer of both.
+    /// A plan with the paper's numbers of values and periods; with `quick`, with fewer values and
+    /// periods.
     ///
     /// # Errors
     /// None for the ranges used.
@@ -151,7 +153,7 @@ impl Plan {
     /// Computes all studies; the parts of long studies are kept in `folders` and read from there.
     ///
     /// # Errors
-    /// What the studies refuse, and what the disk does.
+    /// The errors of the studies, and of reading and writing the parts.
     pub fn run(&self, folders: &[PartFolder; 3], done: &(dyn Fn(bool) + Sync)) -> Result<Report> {
         let (set, [coarse, fine, basin]) = (&self.set, folders);
         let mut all = self.theory(done)?;
@@ -182,7 +184,7 @@ impl Plan {
         Ok(Report { studies: all, statements, html })
     }
 
-    /// The figures without simulation over a parameter: 2, 5 to 12.
+    /// The figures that need no simulation over a parameter: 2 and 5 to 12.
     fn theory(&self, done: &(dyn Fn(bool) + Sync)) -> Result<Vec<Study>> {
         let set = &self.set;
         let mut all = Vec::new();
@@ -243,7 +245,7 @@ impl Plan {
     }
 }
 
-/// Options of branches for the quick report: no long words.
+/// Options of branches for the quick report, in which long words are left out.
 fn quick_orbits() -> TreeOptions {
     TreeOptions {
         seeds: 46,

@@ -15,7 +15,7 @@ use std::str::FromStr;
 use vibro_analysis::{Name, number};
 use vibro_orbits::{Label, LocusStart, OrbitWord};
 
-/// Half of the last digit of a value, and a little more for ties.
+/// Tolerance of a value in units of its last digit: one half, and a little more for ties.
 const LAST_DIGIT: f64 = 0.51;
 
 /// Rows of a table of special points, as `FILE`, `FILE:ROW`, `FILE:LABEL` or `FILE:LABEL@VALUE`.
@@ -81,9 +81,9 @@ impl Selection {
     /// The chosen points of the table, with the machine's value `held` of the second parameter.
     ///
     /// # Errors
-    /// [`Error::Config`] for a file that is not such a table, for a row that the table does not
-    /// have, for a row from which no curve starts, and for a choice that no row meets. If rows have
-    /// the chosen label but not the chosen value, the error names the nearest row.
+    /// [`Error::Config`] if the file is not such a table, if the table does not have the row, if no
+    /// curve starts from the row, or if no row meets the choice. If rows have the chosen label but
+    /// not the chosen value, the error names the nearest row.
     pub fn points(&self, along: Name, held: f64) -> Result<Vec<SpecialPoint>> {
         let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
         let unread =
@@ -188,8 +188,8 @@ impl PointRow<'_> {
         Ok(Name::find(self.cell("parameter")?)?)
     }
 
-    /// The point; `None` for a row from which no curve starts: an end of the range, a path not
-    /// followed further, a marked value.
+    /// The point; `None` for a row from which no curve starts: an end of the range, a branch that
+    /// was not followed further, or a marked value.
     fn point(&self, along: Name, held: f64) -> Result<Option<SpecialPoint>> {
         let name = self.cell("label")?;
         let Some(label) = Label::STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };

@@ -62,7 +62,7 @@ pub struct Study {
     pub files: Vec<String>,
     /// Table printed to the screen, if any.
     pub shown: Option<TextTable>,
-    /// The picture; `None` where there is nothing to draw, and `what` gives the reason.
+    /// The picture. `None` if there is nothing to draw; `what` then gives the reason.
     pub figure: Option<Figure>,
     /// Lines printed below the first line and listed in the report.
     pub remarks: Vec<String>,
@@ -82,7 +82,7 @@ impl Study {
         Ok(Self { tables, figure: Some(figure), ..Self::without_figure(name, what) })
     }
 
-    /// A study without a table and a figure; `what` says why there is none.
+    /// A study without table and figure; `what` gives the reason.
     pub(crate) fn without_figure(name: &str, what: impl Into<String>) -> Self {
         let (tables, files, remarks) = (Vec::new(), Vec::new(), Vec::new());
         Self {

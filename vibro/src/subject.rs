@@ -6,19 +6,20 @@ use vibro_analysis::assembly::{self, Section, SectionRule};
 use vibro_analysis::{GROUPS, Name, ParameterSet, Unit, physical_parameters, significant};
 use vibro_impact::parameters::{FIELDS, LOADS};
 
-/// What manifests, tables and captions need to know of a machine.
+/// Properties of a machine that manifests, tables and captions state.
 pub trait Subject: Sync {
     /// Parameters in SI by name, and dimensionless groups by name.
     fn numbers(&self) -> (BTreeMap<String, f64>, BTreeMap<String, f64>);
 
-    /// Everything but numbers on which results depend, by option name: structure and section.
+    /// Properties other than numbers on which results depend, by option name: structure and
+    /// section.
     fn structure(&self) -> BTreeMap<String, String>;
 
     /// Parameters in one line.
     fn caption(&self) -> String;
 
-    /// Unit other than SI in which the parameter of this column was written; the table then has a
-    /// second column in it.
+    /// Unit other than SI in which the parameter of this column was written. The table then has a
+    /// second column in this unit.
     fn unit_of_column(&self, column: &str) -> Option<&'static Unit>;
 }
 
@@ -81,7 +82,7 @@ impl Subject for assembly::Machine {
     }
 }
 
-/// The rule of a section in the words of the options that set it.
+/// The rule of a section, written as the options that set it.
 fn in_words(rule: &SectionRule) -> String {
     match rule {
         SectionRule::Auto => "by the drive or the first stop".into(),

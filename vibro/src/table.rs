@@ -24,7 +24,7 @@ impl TextTable {
     /// As CSV text.
     ///
     /// # Errors
-    /// [`Error::Output`] when a row has another length than the header.
+    /// [`Error::Output`] if a row and the header have different lengths.
     pub fn csv(&self) -> Result<Vec<u8>> {
         let mut csv = CsvRows::new(&self.header)?;
         self.rows.iter().try_for_each(|row| csv.push(row))?;
@@ -50,7 +50,7 @@ impl CsvRows {
     /// Appends a row.
     ///
     /// # Errors
-    /// [`Error::Output`] when it has another length than the header.
+    /// [`Error::Output`] if the row and the header have different lengths.
     pub fn push<T: AsRef<[u8]>>(&mut self, cells: impl IntoIterator<Item = T>) -> Result<()> {
         self.0.write_record(cells).map_err(Error::output("a table"))
     }
@@ -68,13 +68,14 @@ impl CsvRows {
 /// formatted on all threads.
 ///
 /// # Errors
-/// [`Error::Output`]; what `fill` returns.
+/// [`Error::Output`] if a row and the header have different lengths; the errors of `fill`.
 pub fn csv_in_groups(
     header: &[&str],
     count: usize,
     fill: impl Fn(&mut CsvRows, usize) -> Result<()> + Sync,
 ) -> Result<Vec<u8>> {
-    /// Groups formatted at a time: their text is in memory beside the whole.
+    /// Number of groups that are formatted at a time. Their text is in memory in addition to the
+    /// whole text.
     const TOGETHER: usize = 64;
     let mut text = CsvRows::new(header)?.text()?;
     let head = text.len();
@@ -98,11 +99,11 @@ pub fn column_in(column: &str, unit: &Unit) -> String {
     format!("{column} [{}]", unit.plain())
 }
 
-/// The table with one more column at its end for each parameter that was written in another unit
-/// than SI: its values in that unit, which is in the column's name.
+/// The table with an additional column at its end for each parameter that was written in another
+/// unit than SI. The column has the values in that unit, and its name contains the unit.
 ///
 /// # Errors
-/// [`Error::Output`] for what is no table.
+/// [`Error::Output`] if the text is not a table.
 pub fn in_written_units<'t>(subject: &dyn Subject, csv: &'t [u8]) -> Result<Cow<'t, [u8]>> {
     let problem = Error::output("a table");
     let mut reader = csv::Reader::from_reader(csv);

@@ -17,7 +17,8 @@ pub(super) enum VariableType {
 /// A variable of either version.
 pub(super) struct Variable<'a> {
     pub(super) element: &'a Element,
-    /// Attributes that depend on the type; in FMI 2.0 they are a child's.
+    /// Element with the attributes that depend on the type; in FMI 2.0 it is a child of the
+    /// variable's element.
     pub(super) of_type: &'a Element,
     pub(super) kind: VariableType,
     pub(super) place: u32,
@@ -68,7 +69,7 @@ pub(super) struct Model<'a> {
     pub(super) root: &'a Element,
     pub(super) version: Version,
     pub(super) units: &'a [Element],
-    /// Declared types, each with its type specific part.
+    /// Declared types, each with the element of its type-specific attributes.
     pub(super) types: Vec<(&'a str, &'a Element)>,
     pub(super) variables: Vec<Variable<'a>>,
 }

@@ -14,7 +14,7 @@ pub(super) fn check(model: &Model, found: &mut Vec<String>) {
     let calculated = |v: &Variable| v.get("initial") == Some("calculated");
     let outputs = model.keys(|v| v.causality == "output");
     let derivatives = model.keys(|v| v.derivative().is_some());
-    // During initialization only the first two dependency kinds exist.
+    // During initialization only the first two kinds of dependencies are allowed.
     let first = &KINDS[..2];
     if !model.is_fmi3() {
         let all = model.keys(|_| true);

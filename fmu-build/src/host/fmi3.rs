@@ -54,7 +54,7 @@ impl Binary {
     /// Loads the shared library.
     ///
     /// # Errors
-    /// [`Error::Load`](crate::Error::Load) when it cannot be loaded or lacks a function.
+    /// [`Error::Load`](crate::Error::Load) if it cannot be loaded or lacks a function.
     pub fn load(path: &Path) -> Result<Self> {
         // SAFETY: loading runs the library's initializers; it is our own Rust cdylib, which has
         // none of its own.
@@ -89,7 +89,7 @@ impl Binary {
     /// `fmi3InstantiateCoSimulation`, with neither event mode nor early return.
     ///
     /// # Errors
-    /// [`Error::Call`](crate::Error::Call) with the FMU's log when it returns null.
+    /// [`Error::Call`](crate::Error::Call) with the FMU's log if it returns null.
     pub fn instantiate(&self, token: &str) -> Result<Fmi3Instance<'_>> {
         let log = Box::new(Log::default());
         let token = CString::new(token).unwrap_or_default();

@@ -4,7 +4,7 @@ use crate::error::Error;
 use std::ffi::{CStr, c_char, c_int};
 use std::sync::{Mutex, PoisonError};
 
-/// The lines so far. The FMU holds its address; it outlives the instance.
+/// The lines so far. The FMU holds the address of the log; the log outlives the instance.
 #[derive(Default)]
 pub(super) struct Log(Mutex<Vec<String>>);
 

@@ -1,5 +1,5 @@
-//! What must agree before a release is built: versions, instantiation tokens, the changelog, the
-//! tag, the work tree.
+//! Items that must agree before a release is built: versions, instantiation tokens, the changelog,
+//! the tag, the work tree.
 
 use super::changelog::{self, ChangelogSection};
 use crate::error::{Error, Result};
@@ -16,8 +16,8 @@ use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
 pub struct Intent {
     /// The tag that is released, e.g. `v0.1.0`.
     pub tag: Option<String>,
-    /// Whether this only shows what a release would be: the changes are those under "Unreleased",
-    /// and the work tree may have changes that are not committed.
+    /// Whether this is a preview: the changes are those under "Unreleased", and the work tree may
+    /// have uncommitted changes.
     pub preview: bool,
 }
 
@@ -33,7 +33,7 @@ pub struct Agreed {
 /// Compares all versions, instantiation tokens and changelog entries in the workspace at `folder`.
 ///
 /// # Errors
-/// [`Error::Release`] with all that disagrees, [`Error::File`] where a file cannot be read.
+/// [`Error::Release`] with all disagreements; [`Error::File`] if a file cannot be read.
 pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
     let manifest = toml(folder, "Cargo.toml")?;
     let workspace = &manifest["workspace"];
@@ -77,7 +77,7 @@ fn tokens() -> [(&'static str, String); 2] {
     ]
 }
 
-/// What is wrong with version and token of a model description, of FMI 2.0 or 3.0.
+/// Errors in version and token of a model description, of FMI 2.0 or 3.0.
 pub(super) fn description(place: &str, xml: &str, token: String, version: &str) -> Vec<String> {
     const REMEDY: &str = "write it anew by `cargo run --bin fmu-build -- refresh --description`";
     let root = Element::parse(xml).unwrap_or_default();
@@ -106,7 +106,8 @@ fn packages(folder: &Path, workspace: &Value) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-/// The Python package's version: the workspace's, by way of its crate.
+/// Checks that the Python package has the workspace's version: taken from its crate, or as an equal
+/// text.
 fn python(folder: &Path, version: &str) -> Result<Option<String>> {
     const NAME: &str = "python/pyproject.toml";
     let manifest = toml(folder, NAME)?;
@@ -131,7 +132,7 @@ fn citation(folder: &Path, version: &str) -> Result<Option<String>> {
         .then(|| format!("CITATION.cff: version {cited}, where Cargo.toml has {version}")))
 }
 
-/// Changes of the work tree that no commit holds, where it is a git repository.
+/// Uncommitted changes of the work tree, if it is a git repository.
 fn uncommitted(folder: &Path) -> Option<String> {
     let mut git = Command::new("git");
     git.args(["status", "--porcelain"]).current_dir(folder).stderr(Stdio::null());

@@ -14,12 +14,11 @@ pub struct ChangelogSection {
 
 const UNRELEASED: &str = "Unreleased";
 
-/// The section of a version; for a preview that of what is not released yet, where there is no
-/// section of the version.
+/// The section of a version. For a preview, the section "Unreleased" if the version has no section.
 ///
 /// # Errors
-/// In words: no such section, one without a day or without a text, one below another version's;
-/// changes that nobody assigned to the version.
+/// A sentence if there is no such section, if it has no day or no text, if it is below the section
+/// of another version, or if there are changes that are not assigned to the version.
 pub fn of(changelog: &str, version: &str, preview: bool) -> Result<ChangelogSection, String> {
     let sections = sections(changelog);
     let find = |name: &str| sections.iter().find(|s| s.name == name).filter(|s| !s.text.is_empty());

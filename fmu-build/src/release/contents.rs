@@ -1,5 +1,5 @@
-//! What must agree in the files of a release: names, versions, tokens, archives inside wheels,
-//! libraries and licences.
+//! Items that must agree in the files of a release: names, versions, tokens, archives inside
+//! wheels, libraries and licences.
 
 use super::agreement::description;
 use super::wheels::{ENTRY, FMU_FOLDER, WHEELS, WheelPlatform, python_version, sdist_file};
@@ -27,7 +27,7 @@ pub fn archive_of(dist: &Path, version: Version) -> PathBuf {
 /// that are present.
 ///
 /// # Errors
-/// Where a file cannot be read or is no archive.
+/// An error if a file cannot be read or is not an archive.
 pub fn disagreements(dist: &Path, version: &str) -> Result<Vec<String>> {
     let mut wrong = archives(dist, version)?;
     let sdist = dist.join(sdist_file(version));
@@ -59,7 +59,7 @@ pub fn disagreements(dist: &Path, version: &str) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-/// Whether all packages hold one kit, with a library for each platform that the archives are for.
+/// Checks that all packages have the same kit, with a library for each platform of the archives.
 fn same_kits(dist: &Path, kits: &[(Option<Vec<u8>>, String)]) -> Result<Vec<String>> {
     let archive = archive::read_all(&archive_of(dist, Version::Fmi3))?;
     let packed: Vec<&str> = PLATFORMS
@@ -120,7 +120,7 @@ fn archives(dist: &Path, version: &str) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-/// Problems of a wheel, the archives inside apart. Its metadata must equal the source
+/// Problems of a wheel, except those of the archives inside it. Its metadata must equal the source
 /// distribution's, if that is present.
 fn wheel(platform: &WheelPlatform, content: &Content, version: &str, described: Option<&str>) -> Vec<String> {
     let information = format!("vibro_impact-{}.dist-info", python_version(version));
@@ -152,8 +152,8 @@ fn wheel(platform: &WheelPlatform, content: &Content, version: &str, described: 
     wrong
 }
 
-/// Whether a native module is one for the platform: its format and processor, its function, what it
-/// needs.
+/// Checks that a native module is for the platform: its format and processor, its exported
+/// function, and the libraries that it needs.
 fn native(platform: &WheelPlatform, module: &[u8]) -> std::result::Result<(), String> {
     let damaged = |error: object::Error| format!("cannot be read: {error}");
     let kind = inspect::kind(module).map_err(damaged)?;
@@ -174,12 +174,13 @@ fn native(platform: &WheelPlatform, module: &[u8]) -> std::result::Result<(), St
     }
 }
 
-/// Whether a library needed is the interpreter's, or one of Windows that the standard library uses.
+/// Whether a required library belongs to the interpreter, or is a library of Windows that Rust's
+/// standard library uses.
 fn is_beside_python(library: &str) -> bool {
     const WINDOWS: [&str; 6] =
         ["python3.dll", "userenv.dll", "ws2_32.dll", "dbghelp.dll", "advapi32.dll", "bcryptprimitives.dll"];
-    // On macOS the interpreter's names are looked up when the module is loaded: they come from no
-    // library.
+    // On macOS the interpreter's symbols are looked up when the module is loaded, and not in a
+    // named library.
     library.is_empty() || WINDOWS.contains(&&*library.to_lowercase())
 }
 
@@ -191,7 +192,7 @@ fn metadata(about: &str, version: &str) -> Option<String> {
         .then(|| format!("tells {name} {found}, where vibro-impact {expected} is expected"))
 }
 
-/// Whether the archives in a package are those beside it.
+/// Whether the archives in a package equal those beside it.
 fn same_archives(dist: &Path, content: &Content, folder: &str, place: &str) -> Result<Vec<String>> {
     let mut wrong = Vec::new();
     for edition in Version::USUAL {

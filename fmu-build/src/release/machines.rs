@@ -1,5 +1,5 @@
-//! Parts of a release for machines of text files: archives of the examples, and the command line
-//! `vibro`, prebuilt.
+//! Parts of a release for machines that text files describe: archives of the examples, and the
+//! prebuilt command line `vibro`.
 
 use crate::archive::{self, Content};
 use crate::compile::{PLATFORM_TUPLE, PROGRAM, workspace};
@@ -20,7 +20,7 @@ pub const EXAMPLES: &str = "assembly-examples.zip";
 /// would make hundreds of megabytes.
 const PLATFORMS: [&str; 3] = ["x86_64-linux", "x86_64-windows", "aarch64-darwin"];
 
-/// The files of the example machines, in their order by name.
+/// The files of the example machines, sorted by name.
 fn example_files() -> Result<Vec<PathBuf>> {
     let folder = workspace().join("examples/assembly");
     let reading = || Error::file("reading the folder", &folder);
@@ -32,7 +32,7 @@ fn example_files() -> Result<Vec<PathBuf>> {
 }
 
 /// The archives of all example machines, with the libraries of the commonest platforms that the kit
-/// has, or of this machine's own where it has none of them: name → archive.
+/// has, or the library of this machine's platform if the kit has none of them: name → archive.
 ///
 /// # Errors
 /// As [`assembly::content`].
@@ -84,10 +84,10 @@ pub fn licences_of_programs() -> Result<Content> {
     licences::texts_of(crate::compile::Product::CommandLine, false)
 }
 
-/// Runs this machine's program on an example machine; how it was tried.
+/// Runs the program for this platform on an example machine; returns a description of the trial.
 ///
 /// # Errors
-/// [`Error::Release`] where it fails.
+/// [`Error::Release`] if it fails.
 pub fn tried(program: &[u8]) -> Result<String> {
     let folder = tempfile::tempdir().map_err(Error::file("making a folder in", &std::env::temp_dir()))?;
     let path = folder.path().join(format!("{PROGRAM}{}", std::env::consts::EXE_SUFFIX));

@@ -1,5 +1,5 @@
-//! `RELEASE_NOTES.md`: what is in the folder, how each file was tried, what is left out, what
-//! changed.
+//! `RELEASE_NOTES.md`: the files of the folder, the trial of each file, the parts left out, and the
+//! changes.
 
 use super::agreement::Agreed;
 use std::fmt::Write;
@@ -27,8 +27,8 @@ pub fn table(parts: &[Part]) -> String {
     text
 }
 
-/// Text of the notes. Where the section of changes is not the version's, they say that this is a
-/// preview.
+/// Text of the notes. If the section of changes is not that of the version, the notes say that this
+/// is a preview.
 pub fn notes(agreed: &Agreed, parts: &[Part], left_out: &[String]) -> String {
     let Agreed { version, changes } = agreed;
     let mut text = match &changes.date {

@@ -1,4 +1,4 @@
-//! The wheel as its users meet it: installed in a clean virtual environment, and run.
+//! A trial of the wheel: it is installed in a clean virtual environment and run.
 
 use super::contents::archive_of;
 use super::sum;
@@ -15,11 +15,11 @@ static SCRIPT: &str = include_str!("try_wheel.py");
 /// How many half seconds the script runs.
 const HALF_SECONDS: u32 = 600;
 
-/// Installs a wheel of that folder and compares what it finds with the native library; returns the
-/// interpreter's version, or why there is no environment to install it in.
+/// Installs a wheel of that folder and compares its results with the native library. Returns the
+/// interpreter's version, or the reason why there is no environment for the installation.
 ///
 /// # Errors
-/// [`Error::Release`] where the package cannot be imported or finds something else.
+/// [`Error::Release`] if the package cannot be imported or has other results.
 pub fn installed(dist: &Path, wheel: &str, version: &str) -> Result<std::result::Result<String, String>> {
     let environment = target().join("dist/venv");
     let mut venv = Command::new("python3");

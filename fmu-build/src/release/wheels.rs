@@ -1,5 +1,5 @@
 //! Source distribution and wheels of the Python package, by maturin. The wheels are built from the
-//! source distribution, unpacked: a file that it lacks fails here and not at the user's
+//! unpacked source distribution, so that a missing file is an error here and not at the user's
 //! installation.
 
 use crate::archive::{Content, write_file};
@@ -16,7 +16,7 @@ use std::process::Command;
 /// stable interface, "abi3").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WheelPlatform {
-    /// Name of the platform as FMI 3.0 has it.
+    /// Name of the platform in FMI 3.0.
     pub tuple: &'static str,
     /// Target of the Rust compiler.
     pub target: &'static str,
@@ -30,7 +30,7 @@ pub struct WheelPlatform {
 
 const SO: &str = "vibro_impact/_native.abi3.so";
 
-/// Every platform for which there is a wheel, where it can be built.
+/// Every platform for which a wheel is built, if that is possible.
 pub const WHEELS: [WheelPlatform; 5] = [
     WheelPlatform {
         tuple: "x86_64-linux",
@@ -93,12 +93,13 @@ pub fn sdist_file(version: &str) -> String {
     format!("vibro_impact-{}.tar.gz", python_version(version))
 }
 
-/// Date of the archives' entries, which would otherwise be the build's.
+/// Sets the date of the archives' entries, which would otherwise be the date of the build.
 fn dated(command: &mut Command) -> &mut Command {
     command.env("SOURCE_DATE_EPOCH", EPOCH)
 }
 
-/// Compiler flags: no folder of this machine in the module, as in the archives' libraries.
+/// Compiler flags that keep folders of this machine out of the module, as in the archives'
+/// libraries.
 fn flags(source: &Path) -> Vec<String> {
     let mut flags = vec![remap(source, "/vibro-impact")];
     flags.extend(cargo_home().map(|home| remap(&home, "/cargo")));
@@ -106,11 +107,10 @@ fn flags(source: &Path) -> Vec<String> {
     flags
 }
 
-/// What makes the linker of Windows libraries export the module's function. cargo-zigbuild leaves
-/// out the compiler's own list of exports, and maturin 1.16 gives instead a list with
-/// `PyInit_vibro_impact._native`, of the module's whole name, which no function has. It does so
-/// where it can write that list; here a folder stands in its place, and the linker is given the
-/// right one.
+/// Makes the linker of Windows libraries export the module's function. cargo-zigbuild leaves out
+/// the compiler's list of exports. maturin 1.16 instead writes a list with the module's full name,
+/// `PyInit_vibro_impact._native`, which is not the name of a function. A folder at the path of that
+/// list prevents maturin from writing it, and the linker gets the correct list.
 fn definitions() -> Result<String> {
     let place = built().join("maturin/vibro_impact._native.def");
     fs::create_dir_all(&place).map_err(Error::file("making the folder", &place))?;
@@ -127,7 +127,7 @@ fn built() -> PathBuf {
     target().join("dist/cargo")
 }
 
-/// What is missing for wheels.
+/// Advice on tools that are missing for building wheels; `None` if none is missing.
 pub fn missing_tool() -> Option<String> {
     let there = ["maturin", "cargo-zigbuild"].into_iter().all(|tool| runs(tool, &["--version"]));
     (!there).then(|| TOOLS.to_owned())
@@ -136,18 +136,19 @@ pub fn missing_tool() -> Option<String> {
 /// Folder of the archives in the sources of the package.
 pub const FMU_FOLDER: &str = "package/vibro_impact/fmu";
 
-/// Makes the source distribution, with the archives of that folder, what makes those of other
-/// machines, and these licences inside.
+/// Makes the source distribution. It contains the archives of that folder, the kit for archives of
+/// other machines, and these licences.
 ///
 /// # Errors
-/// [`Error::Cargo`] where Python or maturin fails, [`Error::File`].
+/// [`Error::Cargo`] if Python or maturin fails; [`Error::File`] if a file cannot be read or
+/// written.
 pub fn sdist(archives: &Path, kit: &Kit, licences: &Content, version: &str, into: &Path) -> Result<PathBuf> {
     let package = workspace().join("python");
     for (name, text) in licences {
         write_file(&package.join(name), text)?;
     }
-    // It is no part of a release by itself: the backend takes what lies there where the archives'
-    // folder has none.
+    // The kit is not a separate part of a release. The backend takes the kit from this folder if
+    // the archives' folder has none.
     kit.write(&package.join(FMU_FOLDER).join(KIT_FILE))?;
     let mut python = Command::new("python3");
     // The package's own backend fetches the archives and calls maturin.
@@ -157,8 +158,7 @@ pub fn sdist(archives: &Path, kit: &Kit, licences: &Content, version: &str, into
     Ok(into.join(sdist_file(version)))
 }
 
-/// Unpacks the source distribution into a folder, which it replaces, and returns the place of its
-/// manifest.
+/// Unpacks the source distribution, replaces a folder by it, and returns the path of its manifest.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -168,8 +168,8 @@ pub fn unpack(sdist: &Path, version: &str, folder: &Path) -> Result<PathBuf> {
     }
     let file = fs::File::open(sdist).map_err(Error::file("opening", sdist))?;
     let mut tar = tar::Archive::new(GzDecoder::new(file));
-    // Their dates are all the same: cargo, which goes by dates, would take an earlier build for
-    // that of these sources.
+    // All files have one date. Cargo compares dates and would mistake an earlier build for a build
+    // of these sources.
     tar.set_preserve_mtime(false);
     tar.unpack(folder).map_err(Error::file("unpacking into", folder))?;
     Ok(folder.join(format!("vibro_impact-{}", python_version(version))))
@@ -178,7 +178,7 @@ pub fn unpack(sdist: &Path, version: &str, folder: &Path) -> Result<PathBuf> {
 /// Builds the wheel of a platform from the unpacked source distribution.
 ///
 /// # Errors
-/// What was in the way, and what to do.
+/// The reason of the failure, and what to do.
 pub fn wheel(platform: &WheelPlatform, source: &Path, into: &Path) -> std::result::Result<(), String> {
     if !has_standard_library(platform.target) {
         return Err(format!("run `rustup target add {}`", platform.target));

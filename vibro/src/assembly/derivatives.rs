@@ -12,18 +12,19 @@ use vibro_assembly::{Description, Differentiated};
 /// The derivatives of a record's values and of its events' times.
 pub struct DerivativeRecord {
     parameters: Vec<String>,
-    /// Time, then by column and parameter the derivative.
+    /// Time and the derivatives, by column and then by parameter.
     rows: Vec<(f64, Vec<Option<f64>>)>,
-    /// By event the derivatives of its time.
+    /// For each event its kind and the derivatives of its time, by parameter.
     events: Vec<(EventKind, Vec<Option<f64>>)>,
-    /// Parameters by which there is no derivative from some time on, with the reason.
+    /// Parameters for which derivatives do not exist from some time on, with the reason.
     lost: Vec<String>,
 }
 
-/// Refuses names that are not parameters of a machine, or that stand there twice.
+/// Refuses names that are not parameters of a machine, and names that occur twice.
 ///
 /// # Errors
-/// [`Error::Refusal`] with the nearest name; [`Error::Refused`].
+/// [`Error::Refusal`] with the nearest name if a name is unknown; [`Error::Refused`] if a name
+/// occurs twice.
 pub fn check_parameters(machine: &Description, names: &[String]) -> Result<()> {
     for (i, name) in names.iter().enumerate() {
         machine.parameter(name)?;
@@ -36,8 +37,8 @@ pub fn check_parameters(machine: &Description, names: &[String]) -> Result<()> {
 }
 
 impl DerivativeRecord {
-    /// The derivatives at the instants and events of a record by parameters, or as many as there are
-    /// until `asked` is set.
+    /// Derivatives with respect to parameters at the instants and events of a record. Once `asked`
+    /// is set, the rest is left out.
     ///
     /// # Errors
     /// As [`check_parameters`].
@@ -51,7 +52,7 @@ impl DerivativeRecord {
         let quantities: Vec<_> = record.assembly.description.quantities().collect();
         let mut rows = Vec::new();
         for row in &record.rows {
-            // The record says why it ended; what there is until then is kept.
+            // The record gives the reason why it ended. The derivatives until then are kept.
             if motion.advance_observed(row[0], &mut tell).is_err() {
                 break;
             }
@@ -64,13 +65,13 @@ impl DerivativeRecord {
         Ok(Self { parameters: motion.parameters().to_vec(), rows, events, lost })
     }
 
-    /// Parameters by which there is no derivative from some time on, a line each.
+    /// One line for each parameter for which derivatives do not exist from some time on.
     pub fn lost(&self) -> &[String] {
         &self.lost
     }
 
-    /// The text of `derivatives.csv`: `time`, then `COLUMN/PARAMETER` for each column of `states.csv` and each
-    /// parameter; empty where there is none.
+    /// The text of `derivatives.csv`: `time`, then `COLUMN/PARAMETER` for each column of
+    /// `states.csv` and each parameter. A cell is empty if the derivative does not exist.
     ///
     /// # Errors
     /// [`Error::Output`].
@@ -84,8 +85,9 @@ impl DerivativeRecord {
         csv.text()
     }
 
-    /// The text of `event-derivatives.csv`: the row of `events.csv`, counted from 1, then for each parameter
-    /// the derivative of the event's time; empty where there is none.
+    /// The text of `event-derivatives.csv`: the row of `events.csv`, counted from 1, then for each
+    /// parameter the derivative of the event's time. A cell is empty if the derivative does not
+    /// exist.
     ///
     /// # Errors
     /// [`Error::Output`].

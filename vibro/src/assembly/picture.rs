@@ -11,18 +11,18 @@ use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path,
 
 /// Colours of curves; no panel has more curves.
 const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY];
-/// Most points of a curve.
+/// Largest number of points of a curve.
 const POINTS: usize = 4000;
 /// Size of a panel in units of the drawing.
 const PANEL: (u32, u32) = (2600, 900);
-/// Distance, relative to a curve's size, below which two points are one.
+/// Distance, relative to a curve's size, below which two points count as equal.
 const SAME: f64 = 1e-9;
 /// Lengths up to this, m, are shown in mm.
 const SHORT: f64 = 0.1;
 /// Half the size of the marks of impacts.
 const SMALL: u32 = 8;
 
-/// The picture; `None` where there are fewer than two samples.
+/// The picture; `None` if there are fewer than two samples.
 pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
     if record.rows.len() < 2 {
         return None;
@@ -39,7 +39,7 @@ pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
         let of = |e: &Element| is_contact(*e) && e.dimension(d) == dimension;
         let these = d.elements().enumerate().filter(|(_, element)| of(element));
         let curves = these.filter_map(|(i, e)| curve(record, e.name(), Quantity::of_element(i, What::F)));
-        // A stop that is never closed or pressed has no force to show.
+        // A stop without a force at any time has no curve.
         let curves: Vec<_> = curves.filter(|curve| curve.extreme.largest != 0.0).collect();
         panels.extend(curves_over_time(record, "forces of stops and friction", label, &curves));
     }
@@ -65,7 +65,7 @@ fn curve<'a>(record: &'a MotionRecord, name: &'a str, quantity: Quantity) -> Opt
     Some(MotionCurve { name, column, extreme: record.extreme(quantity)? })
 }
 
-/// A quantity that is drawn: its name, its column of the samples, its extremes between them.
+/// A quantity that is drawn: its name, its column in the samples, and its extremes between samples.
 struct MotionCurve<'a> {
     name: &'a str,
     column: usize,
@@ -79,7 +79,7 @@ impl MotionCurve<'_> {
         let samples = record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + self.column]));
         let mut points: Path = samples.chain(self.extreme.points()).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Samples coincide with ends of flights but for rounding.
+        // Apart from rounding, samples coincide with ends of flights.
         let end = points.last().map_or(0.0, |point| point.0);
         let near = |a: f64, b: f64, size: f64| (a - b).abs() <= SAME * size;
         points.dedup_by(|b, a| near(a.0, b.0, end) && near(a.1, b.1, self.extreme.largest));
@@ -100,7 +100,7 @@ fn curves_over_time(
         Layer::line(curve.name, colour, Dash::Solid, curve.points(record)).stroke(THIN)
     });
     let layers = layers.collect();
-    // Small lengths are in mm, which keeps the axis' numbers short.
+    // Small lengths are shown in mm, so that the numbers on the axis are short.
     let size = curves.iter().map(|curve| curve.extreme.largest).fold(0.0, f64::max);
     let y = match label {
         "s (m)" if size < SHORT => Axis::new("s (mm)").times(1e3),

@@ -14,11 +14,11 @@ use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::Part;
 use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
 
-/// Real part or frequency, relative to the largest, that counts as zero: rounding of eigenvalues,
-/// whose square root is the error of a double one.
+/// Real part or frequency, relative to the largest, below which it counts as zero. A double
+/// eigenvalue has an error of the square root of the rounding error.
 const ZERO: f64 = 1e-7;
 
-/// A number with six digits, for words.
+/// A number with six digits, for sentences.
 fn short(value: f64) -> String {
     let value = value + 0.0; // zero without a sign
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
@@ -41,7 +41,7 @@ fn units(dimension: Dimension) -> [&'static str; 3] {
 /// equilibrium, natural frequencies.
 ///
 /// # Errors
-/// What the machine's matrices or its start refuse.
+/// An error if the machine's matrices or its start are not possible.
 pub fn summary(machine: Description) -> Result<String> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let motion = Motion::new(assembly.clone())?;
@@ -192,7 +192,7 @@ fn contacts(record: &MotionRecord) -> Vec<String> {
     d.stops.iter().enumerate().filter_map(line).collect()
 }
 
-/// How many events of each kind there were, and which are not in the file.
+/// Number of events of each kind, and which of them are not in the file.
 fn events(record: &MotionRecord, knots: bool) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for event in &record.events {

@@ -52,8 +52,8 @@ pub(super) fn figure_nine(found: &Findings) -> Result<Statement> {
 }
 
 /// Relative errors of multiple scales at ε = 0.1, of B, A1, A2 and A3, and their slopes between the
-/// two smallest ε. `None` where one is missing, as where theory and simulation are different
-/// motions.
+/// two smallest ε. `None` if one is missing, for example because theory and simulation give
+/// different motions.
 pub(super) fn errors(csv: &[u8]) -> Result<Option<([f64; 4], [f64; 4])>> {
     let mut rows: Vec<(f64, String, f64)> = Vec::new();
     for row in csv::Reader::from_reader(csv).records() {

@@ -103,7 +103,7 @@ fn exponents(spectra: &TextTable) -> String {
 fn readable(cell: &str) -> String {
     match cell.parse::<f64>() {
         Ok(x) if x == f64::NEG_INFINITY => "−∞".into(),
-        // Rounded first, so that no negative zero is left.
+        // The number is rounded before zero is added, which removes a negative zero.
         Ok(x) => format!("{:.4}", (x * 1e4).round() / 1e4 + 0.0).replace('-', "−"),
         Err(_) => escape(cell),
     }

@@ -14,7 +14,7 @@ use vibro_orbits::{Doubling, Label, doubling_sequences};
 
 /// Tolerance of the ends of windows in f10: the paper gives them to 0.1.
 const END: f64 = 0.1;
-/// Share of regular values from which a window of the paper counts as found.
+/// Least share of regular values at which a window of the paper counts as found.
 const MOSTLY: f64 = 0.85;
 /// Ratio of least to largest amplitude below which a modulation is strong.
 const STRONG: f64 = 0.6;
@@ -85,8 +85,8 @@ fn listed(found: &Findings, holds: impl Fn(&SweepPoint) -> bool) -> Vec<String> 
     words
 }
 
-/// Whether the block meets the stops: at small forces a motion without impacts coexists with those
-/// of the paper.
+/// Whether the block hits the stops: at small forces a motion without impacts coexists with the
+/// paper's motions.
 fn meets(p: &SweepPoint) -> bool {
     p.attractor.impacts.iter().sum::<f64>() > 0.0
 }
@@ -162,7 +162,7 @@ fn chaos_around(found: &Findings) -> Statement {
 
 fn quasi_periodic(found: &Findings) -> Statement {
     let is_quasi = |p: &SweepPoint| p.class == MotionClass::QuasiPeriodic;
-    // A torus exists on a range of values; at a single value there is a bifurcation.
+    // A torus exists on a range of values. A single value is a bifurcation.
     let range = [&found.coarse.up, &found.fine.up].into_iter().any(|points| {
         let quasi: Vec<bool> = points.iter().flatten().map(is_quasi).collect();
         quasi.windows(2).any(|pair| pair[0] && pair[1])
@@ -241,7 +241,7 @@ fn order(points: &[Option<SweepPoint>], from: f64, to: f64) -> Vec<(f64, MotionC
     met
 }
 
-/// The sequence of doublings with which the symmetric motion with two impacts a period ends.
+/// The sequence of period doublings in which the symmetric motion with two impacts per period ends.
 fn doublings(found: &Findings) -> Vec<Doubling> {
     let Some(orbits) = found.orbits else { return Vec::new() };
     let branches = &orbits.tree.branches;

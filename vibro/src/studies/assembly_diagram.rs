@@ -21,7 +21,8 @@ const SMALL: f64 = 0.1;
 /// The study of a diagram, with its tables.
 ///
 /// # Errors
-/// [`Error::Output`](crate::Error::Output); quantities that the machine does not have.
+/// [`Error::Output`](crate::Error::Output) if a table cannot be made; an error if the machine does
+/// not have a quantity.
 pub fn assembly_diagram(
     machine: &Machine,
     request: &DiagramRequest,
@@ -103,11 +104,11 @@ pub fn assembly_diagram(
     })
 }
 
-/// Table of the largest exponent of a machine's motion, over `periods` returns after `discard` of
-/// them.
+/// Table of the largest exponent of a machine's motion, over `periods` returns after `discard`
+/// discarded returns.
 ///
 /// # Errors
-/// What the machine or its motion refuses.
+/// The errors of the machine and of its motion.
 pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &str) -> Result<Study> {
     let (motion, section) = machine.motion(&Start::default())?;
     let mut motion = motion.without_energy_accounts();

@@ -25,8 +25,8 @@ pub const PAIRS: [[Colour; 2]; 8] = [
     [Colour(180, 0, 0), Colour(246, 148, 148)],
     [Colour(0, 137, 137), Colour(0, 251, 251)],
 ];
-/// Colours of other cells: starts outside the stops, motions that have not settled, those on an
-/// undecided one of several chaotic attractors, and all attractors beyond [`PAIRS`].
+/// Colours of other cells: starts outside the stops; motions that have not settled; motions on one
+/// of several chaotic attractors that could not be told apart; all attractors beyond [`PAIRS`].
 pub const OTHERS: [Colour; 4] =
     [Colour(235, 235, 235), Colour(132, 132, 132), Colour(45, 45, 45), Colour(20, 20, 20)];
 const OUTSIDE: Colour = OTHERS[0];
@@ -34,7 +34,7 @@ const NOT_SETTLED: Colour = OTHERS[1];
 const UNDECIDED: Colour = OTHERS[2];
 const FURTHER: Colour = OTHERS[3];
 
-/// Most attractors that are listed.
+/// Largest number of attractors that are listed.
 const SHOWN: usize = 101;
 
 /// Largest size of a row of the table, bytes.
@@ -122,7 +122,7 @@ fn cell_table(request: &BasinRequest, basin: &Basin) -> Result<Vec<u8>> {
 fn remarks(basin: &Basin) -> Vec<String> {
     let remark = |(index, attractor, class): (usize, &Attractor, String)| {
         let [own, mirror] = basin.shares(index as u16);
-        // Without a period it is a mean, known to two or three digits.
+        // For a motion without a period this is a mean, known to two or three digits.
         let impacts = attractor.impacts.map(|x| match attractor.period {
             Some(_) => exact(x),
             None => format!("{x:.2}"),

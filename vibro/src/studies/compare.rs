@@ -21,12 +21,12 @@ use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape, 
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
-/// Drive periods times ε until a transient is below round-off, for dampings of order one: it decays
-/// over a time of order 1/ε.
+/// Product of ε and the number of drive periods after which a transient is below round-off, for
+/// dampings of order one. A transient decays over a time of order 1/ε.
 const SETTLING: f64 = 60.0;
 /// Drive periods of a simulated steady motion that are shown.
 pub(super) const SHOWN: u32 = 2;
-/// Figure 16: periods discarded and kept at each value.
+/// Periods discarded and kept at each value of figure 16.
 const DISCARDED: u32 = 400;
 const KEPT: u32 = 200;
 /// Names of the amplitudes compared.
@@ -42,7 +42,7 @@ pub(super) struct SimulatedMotion {
     motion: Attractor,
 }
 
-/// The simulated steady motion, from a start near the theory's.
+/// The simulated steady motion, from a start near the theory's motion.
 pub(super) fn simulate(parameters: &Parameters, near: &SteadyMotion) -> Result<SimulatedMotion> {
     let p = parameters;
     let start = start(p, near);
@@ -54,8 +54,9 @@ pub(super) fn simulate(parameters: &Parameters, near: &SteadyMotion) -> Result<S
     Ok(SimulatedMotion { amplitudes, samples: simulated(&flights, p), motion: observe(&mut simulator)? })
 }
 
-/// Reason why the errors of a theory's amplitudes have no meaning: its motion is unstable, so that
-/// a simulation leaves it, or the simulated motion is of another kind. `None` where they have one.
+/// Reason why the errors of a theory's amplitudes have no meaning: the theory's motion is unstable,
+/// so that a simulation leaves it, or the simulated motion is of another kind. `None` if the errors
+/// have a meaning.
 pub(super) fn not_compared(theory: &SteadyMotion, simulated: &SimulatedMotion) -> Option<String> {
     let mut reasons = Vec::new();
     if !theory.is_stable() {
@@ -93,8 +94,8 @@ pub(super) fn no_motion(name: &str, theory: &str) -> Study {
     Study::without_figure(name, format!("no picture: {theory} has no motion with two symmetric impacts here"))
 }
 
-/// Amplitudes by theory and simulation with the theory's errors, as a table and in words; the
-/// reason instead of errors where they are not comparable.
+/// Amplitudes by theory and simulation with the theory's errors, as a table and in words. If the
+/// motions are not comparable, the reason replaces the errors.
 pub(super) fn amplitude_table(
     name: &str,
     analytical: [f64; 4],
@@ -123,7 +124,7 @@ pub(super) fn caption_lines(not_compared: Option<&str>) -> Vec<String> {
 /// Figure 8 against the simulation: time histories and phase portraits, and the amplitudes.
 ///
 /// # Errors
-/// What theory or simulator refuse.
+/// The errors of theory and simulator.
 pub fn histories(set: &ParameterSet) -> Result<Study> {
     let p = set.parameters();
     let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else {
@@ -148,7 +149,7 @@ pub fn histories(set: &ParameterSet) -> Result<Study> {
 /// maxima of X2 of a sweep up and down.
 ///
 /// # Errors
-/// Ranges that are not allowed; what theory or simulator refuse.
+/// An error if the range is not allowed; the errors of theory and simulator.
 pub fn force_overlay(
     set: &ParameterSet,
     range: (f64, f64),
@@ -165,7 +166,7 @@ pub fn force_overlay(
         start: StartRule::default(),
     };
     let found = diagram(set, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
-    // All parts are computed here, so the diagram is there.
+    // All parts are computed here, so the diagram is complete.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };
     let mut study = overlay(set, &sweep, &found, "compare-16")?;
     study.tables.push(("compare-16-maxima".into(), maxima_table(&sweep, &found)?));
@@ -183,7 +184,7 @@ struct EpsilonComparison {
 }
 
 impl EpsilonComparison {
-    /// Computes both; `None` where multiple scales has no motion.
+    /// Computes both motions; `None` if multiple scales has no motion.
     fn new(set: &ParameterSet, epsilon: f64) -> Result<Option<Self>> {
         let p = set.parameters();
         let Some(theory) = SteadyMotion::multiple_scales(set.groups())? else { return Ok(None) };
@@ -195,7 +196,7 @@ impl EpsilonComparison {
         Ok(Some(Self { epsilon, theory, simulation, predicted, simulated, not_compared }))
     }
 
-    /// Relative errors of B, A1, A2, A3, where they have a meaning.
+    /// Relative errors of B, A1, A2, A3; `None` if they have no meaning.
     fn errors(&self) -> Option<[f64; 4]> {
         self.not_compared.is_none().then(|| self.relative_errors())
     }
@@ -215,7 +216,7 @@ impl EpsilonComparison {
 /// Figure 17: U and W for some ε, and the errors of the amplitudes over ε with their slopes.
 ///
 /// # Errors
-/// Values of ε that are not allowed; what theory or simulator refuse.
+/// An error if a value of ε is not allowed; the errors of theory and simulator.
 pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     let group = find_group("epsilon")?;
     let run = |&epsilon: &f64| EpsilonComparison::new(&set.with(group, epsilon)?, epsilon);

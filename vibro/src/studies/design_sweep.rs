@@ -23,7 +23,7 @@ pub use words::Labelled;
 /// tables.
 ///
 /// # Errors
-/// What the store refuses.
+/// The errors of the store.
 pub fn design_sweep<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,
@@ -74,7 +74,7 @@ fn designs_in_words<M: Labelled>(request: &SweepRequest<M>) -> String {
     }
 }
 
-/// How the motions were measured, for captions.
+/// Method by which the motions were measured, for captions.
 fn method<M: Labelled>(set: &M, request: &SweepRequest<M>, choice: Option<&Choice>) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",

@@ -1,5 +1,5 @@
-//! Panels, tables and remarks that all bifurcation diagrams share: with exponents, with orbits, of
-//! described machines.
+//! Panels, tables and remarks that are common to all bifurcation diagrams: those with exponents,
+//! those with orbits, and those of described machines.
 
 use super::lengths::Lengths;
 use crate::Result;
@@ -10,25 +10,27 @@ use vibro_analysis::plane::{AxisName, ParameterAxis};
 use vibro_figures::canvas::palette::{BLACK, HERE, SKY};
 use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
 
-/// Rows of cells in a diagram, and most columns: with more values, neighbours share a column.
+/// Number of rows of cells in a diagram, and largest number of columns. If there are more values,
+/// neighbours share a column.
 const ROWS: usize = 380;
 const COLUMNS: usize = 1300;
-/// Limits between the four shades, as parts of the kept periods that fall into a cell.
+/// Limits between the four shades, as fractions of the kept periods that fall into a cell.
 const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
 const SHADES: [Colour; 4] = [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
-/// Colours of rare and of frequent maxima of the falling direction where it ends elsewhere; lighter
-/// than any shade, so that grey separates them too.
+/// Colours of rare and of frequent maxima of the falling direction, at values where it settles on
+/// another motion than the rising direction. They are lighter than any shade, so that they differ
+/// in greyscale too.
 const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
 
 /// Stroke of the curves over which others are drawn.
 pub(super) const WIDE: u32 = 14;
-/// Most windows listed on the screen.
+/// Largest number of windows listed on the screen.
 const MAX_LISTED: usize = 40;
 
 /// The two directions through a range of values.
 pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
 
-/// How a diagram was computed, in words.
+/// Method by which a diagram was computed, in words.
 pub(super) fn method(sweep: &Sweep) -> String {
     let mut text = format!(
         "{} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
@@ -43,7 +45,7 @@ pub(super) fn method(sweep: &Sweep) -> String {
 /// Converts a maximum at a point to units of the set's own gap.
 type Length<'a, P> = &'a dyn Fn(&P, f64) -> f64;
 
-/// Range of all maxima, extended by `air`.
+/// Range of all maxima, extended by the margin `air`.
 pub(super) fn reach<P: DiagramPoint>(diagram: &Diagram<P>, length: Length<'_, P>, air: f64) -> (f64, f64) {
     let points = diagram.up.iter().chain(&diagram.down).flatten();
     let all = points.flat_map(|p| p.maxima().iter().map(|m| length(p, m.0)));
@@ -52,7 +54,7 @@ pub(super) fn reach<P: DiagramPoint>(diagram: &Diagram<P>, length: Length<'_, P>
 }
 
 /// Cells of the maxima: 0 for none, 1 to 4 for the shades of the rising direction, 5 and 6 for the
-/// falling one where it ends elsewhere.
+/// falling direction at values where it settles on another motion.
 fn cells<N: AxisName, P: DiagramPoint>(
     (axis, kept): (&ParameterAxis<N>, u32),
     diagram: &Diagram<P>,
@@ -158,13 +160,13 @@ pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) ->
     table
 }
 
-/// Whether the directions end elsewhere at a value, in words.
+/// Whether the two directions settle on different motions at a value, in words.
 pub(super) fn hysteresis(apart: Option<bool>) -> String {
     apart.map_or_else(|| "undecided".into(), |apart| apart.to_string())
 }
 
-/// Remarks on a diagram: ranges of one class with the value rising, where the directions differ,
-/// what is missing. Without `apart` there is one direction.
+/// Remarks on a diagram: ranges of one class in the rising direction, values at which the
+/// directions differ, and missing values. If `apart` is `None`, there is one direction.
 pub(super) fn remarks<P: DiagramPoint>(
     name: &str,
     diagram: &Diagram<P>,
@@ -195,8 +197,8 @@ pub(super) fn remarks<P: DiagramPoint>(
     lines
 }
 
-/// The panel of all maxima: shaded by frequency, with the falling direction where it ends
-/// elsewhere, and the set's own value.
+/// The panel of all maxima: shaded by frequency, with the falling direction at values where it
+/// settles on another motion, and a mark at the set's own value.
 pub(super) fn maxima_panel(
     set: &ParameterSet,
     sweep: &Sweep,

@@ -1,5 +1,5 @@
-//! The exact branches of periodic orbits over a bifurcation diagram, and which rows of the diagram
-//! lie on them.
+//! The exact branches of periodic orbits over a bifurcation diagram, and the rows of the diagram
+//! that lie on them.
 
 mod drawn;
 
@@ -22,17 +22,17 @@ use vibro_orbits::{
     branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
 };
 
-/// Most values, in each direction, at which settled motions start branches.
+/// Largest number of values, in each direction, at which settled motions start branches.
 const MOST_SEEDS: usize = 1001;
-/// Drive periods after which a row that no branch covers is examined again: the transient of a row
-/// next to a bifurcation has died out by then.
+/// Drive periods after which a row that no branch covers is examined again. By then, the transient
+/// of a row next to a bifurcation has decayed.
 const LATER: u32 = 20_000;
-/// Most sequences of doublings, and most uncovered rows, listed on the screen.
+/// Largest number of sequences of doublings, and of uncovered rows, listed on the screen.
 const MAX_LISTED: usize = 12;
 /// Decimals of a located value in words: ten digits are certain.
 const DECIMALS: usize = 10;
 
-/// The branch on which a periodic row of a diagram lies, or why it has none.
+/// The branch on which a periodic row of a diagram lies, or the reason why the row has none.
 #[derive(Clone, Debug)]
 pub enum Covering {
     /// The motion lies on a stable branch.
@@ -44,9 +44,10 @@ pub enum Covering {
         /// Distance of the motion's states from the orbit's, in units of L and L ω10.
         distance: f64,
     },
-    /// The block rests at a stop during the motion, which impacts alone do not describe.
+    /// The block rests at a stop during the motion. An orbit of impacts alone does not describe
+    /// such a motion.
     Rests,
-    /// The motion had not settled; later it lies on a stable branch.
+    /// The motion had not settled. After further periods it lies on a stable branch.
     Transient,
     /// No followed branch contains it.
     Missing,
@@ -61,7 +62,7 @@ pub struct CoveredRow {
     pub value: f64,
     /// The motion's class.
     pub class: MotionClass,
-    /// The row's branch, or why it has none.
+    /// The row's branch, or the reason why it has none.
     pub covering: Covering,
 }
 
@@ -78,12 +79,13 @@ pub struct DiagramOrbits {
 
 /// The family of a sweep.
 ///
-/// # Errors A parameter that orbits cannot vary, by name.
+/// # Errors
+/// An error that names the parameter if orbits cannot vary it.
 pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
     let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
     let family = Family::new(set, span)?;
-    // Any word serves to refuse a free block and undamped modes; whether this word has an orbit
-    // does not matter.
+    // A free block and undamped modes are refused for any word. Whether this word has an orbit does
+    // not matter.
     let middle = family.system(&[0.5 * (span.from + span.to)])?;
     match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {
         Ok(_) | Err(vibro_analysis::Error::NoOrbit { .. }) => Ok(family),
@@ -96,7 +98,7 @@ impl DiagramOrbits {
     /// a branch.
     ///
     /// # Errors
-    /// What the machines refuse.
+    /// The errors of the machines.
     pub fn new(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, options: &TreeOptions) -> Result<Self> {
         let family = sweep_family(set, sweep)?;
         // Branches start at the diagram's values too, so that a window of a single value is not
@@ -122,7 +124,7 @@ impl DiagramOrbits {
         Ok(Self { family, tree, rows })
     }
 
-    /// Stable range of the branch on which the motion at a value lies; `None` where it is not
+    /// Stable range of the branch on which the motion at a value lies; `None` if the motion is not
     /// periodic or not covered.
     pub fn range_at(&self, direction: usize, value: f64) -> Option<&StableRange> {
         let row = self.rows.iter().find(|row| row.direction == direction && row.value == value)?;
@@ -146,7 +148,7 @@ impl DiagramOrbits {
         Some((first.from, last.to))
     }
 
-    /// Number of settled periodic rows, and of those that lie on a stable branch.
+    /// Number of settled periodic rows, and number of these rows that lie on a stable branch.
     pub fn share(&self) -> (usize, usize) {
         let count =
             |holds: &dyn Fn(&Covering) -> bool| self.rows.iter().filter(|row| holds(&row.covering)).count();
@@ -318,9 +320,9 @@ fn located(set: &ParameterSet, name: Name, value: f64) -> String {
     }
 }
 
-/// Adds the branch of the stable orbit on which a motion of the diagram lies; false where there is
-/// none. A row may have settled on an orbit that no start of the tree has met: narrow windows are
-/// met by chance.
+/// Adds the branch of the stable orbit on which a motion of the diagram lies; returns false if
+/// there is none. A row may have settled on an orbit that no start of the tree has reached, since
+/// narrow windows are found by chance.
 fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bool> {
     let system = family.system(&[point.value])?;
     let Some(state) = point.attractor.states.first() else { return Ok(false) };
@@ -334,7 +336,7 @@ fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bo
     Ok(true)
 }
 
-/// The branch on which a periodic motion lies, or why it has none.
+/// The branch on which a periodic motion lies, or the reason why it has none.
 fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering> {
     let value = point.value;
     if point.attractor.rests {

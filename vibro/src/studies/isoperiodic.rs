@@ -20,7 +20,7 @@ const PALE: Colour = Colour(228, 228, 228);
 const YELLOW: Colour = Colour(240, 228, 66);
 const MINT: Colour = Colour(150, 220, 190);
 
-/// What pictures show of a motion.
+/// Properties of a motion that pictures show.
 #[derive(Clone, Copy, Debug)]
 pub struct ClassifiedMotion {
     class: MotionClass,
@@ -34,7 +34,7 @@ pub struct ClassifiedMotion {
 
 /// A machine whose planes have pictures and tables.
 pub trait ShownPlane: PlaneMachine + Labelled {
-    /// Name of motions with one period other than that of the closed forms.
+    /// Name of motions of period one other than the motion of the closed forms.
     const ONE_PERIOD: &str;
     /// Title of the second panel: what it counts.
     const CONTACTS: &str;
@@ -43,7 +43,7 @@ pub trait ShownPlane: PlaneMachine + Labelled {
 
     /// The motion at a point, if any.
     fn motion(point: &Self::Point) -> Option<ClassifiedMotion>;
-    /// Cells of the [`COLUMNS`](Self::COLUMNS); empty where there is no motion.
+    /// Cells of the [`COLUMNS`](Self::COLUMNS); empty if there is no motion.
     fn cells(point: &Self::Point) -> Vec<Cow<'static, str>>;
     /// How exponents were computed, for captions.
     fn exponents_in_words(periods: u32) -> String;
@@ -55,7 +55,8 @@ pub trait ShownPlane: PlaneMachine + Labelled {
     fn remarks(plane: &Isoperiodic<Self::Point>) -> Vec<String>;
 }
 
-/// Entry of a legend: name, colour, and which motions it covers if no earlier entry does.
+/// Entry of a legend: name, colour, and the motions that it covers unless an earlier entry covers
+/// them.
 type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 
 /// Placeholder for the entry of motions with one period, whose name is the machine's
@@ -89,7 +90,7 @@ const IMPACTS: [Entry<f64>; 8] = [
     ("over 4", Colour(68, 1, 84), |_| true),
 ];
 
-/// Most classes listed on the screen.
+/// Largest number of classes listed on the screen.
 const MAX_LISTED: usize = 8;
 
 /// Checks that a plane and its table fit into memory.

@@ -1,5 +1,5 @@
-//! The unit in which pictures show lengths and speeds: units of L, or SI where the machine was
-//! given in SI.
+//! The unit in which pictures show lengths and speeds: units of L, or SI if the machine was given
+//! in SI.
 
 use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::chart::Axis;
@@ -28,7 +28,7 @@ impl LengthUnit {
         }
     }
 
-    /// The unit of length for rates up to `speed`, m/s: a larger one where the numbers would be
+    /// The unit of length for rates up to `speed`, m/s: a larger unit if the numbers would be
     /// large.
     pub fn of_rates(&self, speed: f64) -> Self {
         let larger =
@@ -53,7 +53,7 @@ pub(super) struct Lengths {
 }
 
 impl Lengths {
-    /// Lengths in SI where the machine was given in SI, else in units of L.
+    /// Lengths in SI if the machine was given in SI, else in units of L.
     pub fn of(set: &ParameterSet) -> Self {
         let p = set.parameters();
         let unit = set.is_si().then(|| LengthUnit::of(set));

@@ -19,7 +19,7 @@ pub struct LocusCurve {
     pub start: LocusStart,
     /// Its points.
     pub points: Vec<LocusPoint>,
-    /// Other rows with the same point, seen from another branch.
+    /// Other rows of the table for this point, found on another branch.
     pub also: Vec<usize>,
 }
 

@@ -1,5 +1,5 @@
-//! The slow invariant manifold: its shape (figure 2), its admissible part (7), its fixed points
-//! (9).
+//! The slow invariant manifold: its shape (figure 2), its admissible part (figure 7), its fixed
+//! points (figure 9).
 
 use super::Study;
 use super::lengths::Lengths;
@@ -60,7 +60,7 @@ fn shown(system: &MultipleScales, roots: &[(&'static str, FixedPoint)]) -> (f64,
 /// Figure 2: the sawtooth, the manifold with its minimum and the fixed points, ρ over κ.
 ///
 /// # Errors
-/// What multiple scales refuses.
+/// The errors of multiple scales.
 pub fn shapes(set: &ParameterSet) -> Result<Study> {
     let (system, lengths) = (MultipleScales::new(set.groups())?, Lengths::of(set));
     let m = system.manifold();
@@ -140,7 +140,7 @@ fn stable_fixed_points(system: &MultipleScales) -> [(f64, f64); 2] {
 /// all.
 ///
 /// # Errors
-/// What multiple scales refuses.
+/// The errors of multiple scales.
 pub fn branches(set: &ParameterSet) -> Result<Study> {
     let (system, lengths) = (MultipleScales::new(set.groups())?, Lengths::of(set));
     let m = system.manifold();
@@ -196,7 +196,7 @@ pub fn branches(set: &ParameterSet) -> Result<Study> {
 }
 
 /// Range of C that passes all three tests, given the range where fixed points on the right branch
-/// are stable; empty where its ends are not in order.
+/// are stable; the range is empty if its ends are not in order.
 fn admissible(m: &Manifold, right: (f64, f64)) -> (f64, f64) {
     (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1))
 }
@@ -236,7 +236,7 @@ fn ascii(name: &str) -> String {
 /// the paper).
 ///
 /// # Errors
-/// Values that are not allowed, and what multiple scales refuses.
+/// An error if a value is not allowed; the errors of multiple scales.
 pub fn families(set: &ParameterSet, name: Name, values: &[f64]) -> Result<Study> {
     let mut table =
         TextTable::new(&[name.name(), "root", "C", "B", "A3", "geometric", "fixed_point", "periodic_motion"]);

@@ -69,7 +69,7 @@ fn modulation(points: &[MotionSample], flights: &[Flight], periods: u32) -> Modu
 /// Figure 13: histories and portraits at the parameter set's own f10 and at `other`.
 ///
 /// # Errors
-/// What the simulator refuses.
+/// The errors of the simulator.
 pub fn histories_of(set: &ParameterSet, name: Name, other: f64) -> Result<(Study, Modulation)> {
     let mut table = TextTable::new(&[name.name(), "time", "W", "X1", "X2", "X3", "dW", "dX1", "dX2", "dX3"]);
     let mut panels = Vec::new();
@@ -162,8 +162,8 @@ impl DrawnMotion<'_> {
     }
 }
 
-/// A state in SI from a stroboscopic one, with the block put between the stops: rounding may place
-/// it beyond by a digit.
+/// A state in SI from a stroboscopic one, with the block moved between the stops, since rounding
+/// may place it slightly beyond.
 fn inside(p: &Parameters, s: &StroboscopicState) -> State {
     let mut state = dimensional(p, s);
     let w = (state.x[1] - state.x[0]).clamp(-p.stop_gap, p.stop_gap);
@@ -175,7 +175,7 @@ fn inside(p: &Parameters, s: &StroboscopicState) -> State {
 /// states of the diagram.
 ///
 /// # Errors
-/// What the simulator refuses.
+/// The errors of the simulator.
 pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f64]) -> Result<Study> {
     let mut table = TextTable::new(&[name.name(), "class", "time", "X2", "dX2"]);
     let (mut panels, lengths) = (Vec::new(), Lengths::of(set));
@@ -219,7 +219,7 @@ fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
 /// The running exponents at some values of a parameter, from the default start (v2 = 1).
 ///
 /// # Errors
-/// What the simulator refuses.
+/// The errors of the simulator.
 pub fn running(
     set: &ParameterSet,
     along: Name,

@@ -15,7 +15,7 @@ use vibro_orbits::Orbit;
 /// Points of a curve in a drive period.
 const SAMPLES: u32 = 400;
 
-/// The study of the first of the orbits found, by its shortest word.
+/// The study of the first orbit in `found`, with its shortest word.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -66,7 +66,7 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
     })
 }
 
-/// Remark that the orbit of a word is one of a shorter word, where it is.
+/// Remark that the orbit of a word is an orbit of a shorter word; `None` if it is not.
 fn shorter(asked: &Orbit, orbit: &Orbit, passages: u32) -> Option<String> {
     if asked.word() == orbit.word() {
         return None;
@@ -86,7 +86,8 @@ fn shorter(asked: &Orbit, orbit: &Orbit, passages: u32) -> Option<String> {
     })
 }
 
-/// The largest multiplier in words; of a symmetric orbit those of half and of the whole period.
+/// The largest multiplier in words; for a symmetric orbit, the largest multipliers of half a period
+/// and of the whole period.
 fn largest_multiplier(orbit: &Orbit) -> String {
     let (radius, period) = (orbit.spectral_radius(), orbit.word().period());
     if orbit.word().closing() < 0 {

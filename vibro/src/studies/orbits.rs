@@ -11,11 +11,12 @@ use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
 use vibro_orbits::{Branch, Family, Label, Searched, Span};
 
-/// Weights of X2.
+/// Weights of X1, X2, X3 in the weighted sum that equals X2.
 const BLOCK: [f64; 3] = [0.0, 1.0, 0.0];
 /// Longest period that has a colour of its own.
 pub(super) const COLOURED: usize = FAMILY.len();
-/// Most special points that are all marked in the picture; more would cover the branches.
+/// Largest number of special points at which the picture marks all of them; more marks would cover
+/// the branches.
 const MARKED: usize = 150;
 
 /// Marks of special points.
@@ -30,8 +31,8 @@ pub(super) const MARKS: [(Label, &str, Mark); 8] = [
     (Label::UserValue, "UZ value asked for", Mark::Diamond),
 ];
 
-/// The study of branches over the one parameter of a family: `branches`, `special-points`, `search`
-/// of a tree, and a picture.
+/// The study of branches over the one parameter of a family: tables of the branches and special
+/// points, for a tree a table of the search, and a picture.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -72,7 +73,7 @@ pub fn orbits(
     Ok(Study { tables, figure: Some(figure), ..Study::without_figure("orbits", what).with_remarks(told) })
 }
 
-/// Where the orbits of a tree were sought, in words.
+/// Description of the search for the orbits of a tree.
 pub(super) fn search_in_words(searched: &Searched) -> String {
     let Searched { values, periods, followed, islands } = searched;
     let settled = values.iter().flat_map(|v| [v.rising, v.falling]).flatten().count();
@@ -102,8 +103,8 @@ fn search_table(span: &Span, searched: &Searched) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// The largest X2 at each point: without loads of the orbit and its mirror image, which is an orbit
-/// too. NaN where there is none; pictures and tables leave it out.
+/// The largest X2 at each point. Without loads, it is the larger one of the orbit and its mirror
+/// image, which is an orbit too. NaN if there is none; pictures and tables leave it out.
 fn largest(family: &Family, branch: &Branch) -> Vec<f64> {
     let own = branch.maxima(family, BLOCK);
     let mirror = if family.is_symmetric() { BLOCK.map(|w| -w) } else { BLOCK };

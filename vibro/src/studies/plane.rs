@@ -20,7 +20,8 @@ const ROW: usize = 64;
 /// Planes of pairs of parameters, classified by one theory; `done` is called for each finished row.
 ///
 /// # Errors
-/// Pairs that are no planes, ranges that are not allowed, planes that do not fit into memory.
+/// An error if a pair is not a plane, if a range is not allowed, or if a plane does not fit into
+/// memory.
 pub fn planes(
     set: &ParameterSet,
     pairs: &[(ParameterAxis, ParameterAxis)],

@@ -13,7 +13,7 @@ use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::canvas::palette::{FAMILY, GREY, HERE};
 use vibro_figures::chart::{Dash, Figure, Layer, Panel, Path, THIN};
 
-/// Nodes per sheet and interval of solutions.
+/// Number of nodes on each sheet in each interval of solutions.
 const NODES: usize = 400;
 /// Stroke of the curves of multiple scales, over which those of the exact orbit are drawn.
 const WIDE: u32 = 14;
@@ -98,8 +98,8 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> Option<f64>) -> [Ve
     for curve in &response.curves {
         let mut state = None;
         for pair in curve.windows(2) {
-            // As in the paper, only the right branch is shown. A solution that passes a stop is no
-            // motion.
+            // As in the paper, only the right branch is shown. A solution in which the block passes
+            // through a stop is not a motion.
             let shown = |p: &ResponsePoint| if p.right && p.clear { y(p) } else { None };
             let (Some(from), Some(to)) = (shown(&pair[0]), shown(&pair[1])) else {
                 state = None;
@@ -149,7 +149,7 @@ impl ShownAmplitude {
     }
 }
 
-/// What all panels of a figure share.
+/// Data that all panels of a figure use.
 struct Panels<'a> {
     set: &'a ParameterSet,
     lengths: Lengths,
@@ -247,7 +247,7 @@ struct ResponseFigure<'a> {
     range: (f64, f64),
     /// The families of curves: the parameter that differs, its description, its values.
     families: &'a [(Name, &'a str, &'a [f64])],
-    /// The coordinate whose amplitude is shown; the paper's C and A3 where there is none.
+    /// The coordinate whose amplitude is shown; the paper's C and A3 if it is `None`.
     of: Option<Displacement>,
 }
 

@@ -24,10 +24,10 @@ use vibro_impact::simulator::{Contact, Simulator, State};
 const DISCARD: u32 = 400;
 /// Drive periods recorded by default.
 const PERIODS: u32 = 20;
-/// Least steps in a drive period: cubic interpolation between them is exact to about 1e-8 of the
-/// amplitudes.
+/// Smallest number of steps in a drive period: cubic interpolation between them is exact to about
+/// 1e-8 of the amplitudes.
 const LEAST: u32 = 128;
-/// Most steps of a run, a few hundred megabytes.
+/// Largest number of steps of a run; they take a few hundred megabytes.
 const MOST: u32 = 3_000_000;
 /// Names of the displacements, of which the fourth is x2 - x1.
 const NAMES: [&str; 4] = ["x1", "x2", "x3", "w"];
@@ -108,7 +108,7 @@ impl RunRequest {
 /// Runs the machine of a parameter set.
 ///
 /// # Errors
-/// What the simulator refuses, and a run that is too long for its samples.
+/// The errors of the simulator; an error if the run is too long for its samples.
 pub fn run(set: &ParameterSet, request: &RunRequest) -> Result<Study> {
     let p = set.parameters();
     let duration = request.duration(p)?;
@@ -133,7 +133,7 @@ pub fn run(set: &ParameterSet, request: &RunRequest) -> Result<Study> {
     Ok(Study { tables, figure, ..Study::without_figure("run", what).with_remarks(remarks) })
 }
 
-/// A number with six digits, for words.
+/// A number with six digits, for sentences.
 fn short(value: f64) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
         let digits = 5 - value.abs().max(1e-300).log10().floor().clamp(-3.0, 5.0) as i32;

@@ -33,8 +33,8 @@ fn steps(from: f64, to: f64, count: u32) -> Vec<f64> {
     (0..=count).map(|i| from + (to - from) * f64::from(i) / f64::from(count)).collect()
 }
 
-/// The least and largest C (A2 in its units) of stable exact orbits along the force. `None` where
-/// there is none.
+/// The least and largest C (A2 in units of C) of stable exact orbits along the force. `None` if
+/// there is no such orbit.
 fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     let along = find_group("f10")?;
     let found = response(set, along, FORCES, Method::ExactOrbit, NODES)?;
@@ -44,8 +44,8 @@ fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     Ok((least < most).then_some([least, most]))
 }
 
-/// Motions of multiple scales for the force that was set; none without one, since the regions hold
-/// for all forces.
+/// Motions of multiple scales for the force that was set. Empty if no force was set, since the
+/// regions hold for all forces.
 fn own_motions(set: &ParameterSet) -> Result<Vec<FixedPoint>> {
     if !set.is_set(find_group("f10")?.into()) {
         return Ok(Vec::new());
@@ -55,11 +55,11 @@ fn own_motions(set: &ParameterSet) -> Result<Vec<FixedPoint>> {
     Ok(roots.filter(|p| p.admissibility.geometric).collect())
 }
 
-/// What figure 5 shows.
+/// Data of figure 5.
 struct Regions {
-    /// Multiple scales over κ, from 0 to 1.
+    /// Manifolds of multiple scales for κ from 0 to 1.
     manifolds: Vec<Manifold>,
-    /// Multiple scales at the set's own κ.
+    /// Manifold of multiple scales at the set's own κ.
     own: Manifold,
     /// On the planes (κ, C) and (ε, C): the value of κ or ε, and the least and largest stable C of
     /// the exact orbit.
@@ -81,7 +81,7 @@ impl Regions {
             Ok(found.into_iter().flatten().collect())
         };
         let (epsilon, motions) = (set.groups().epsilon, own_motions(set)?);
-        // Marks are kept off the panel's edge.
+        // The range is extended, so that marks are not at the panel's edge.
         let largest =
             if motions.is_empty() { LARGEST_EPSILON } else { LARGEST_EPSILON.max((1.2 * epsilon).min(1.0)) };
         Ok(Self {
@@ -188,7 +188,7 @@ fn region_layers(
 /// of the exact orbit. They hold for all forces; the motions of a force that was set are marked.
 ///
 /// # Errors
-/// What the theories refuse.
+/// The errors of the theories.
 pub fn regions(set: &ParameterSet) -> Result<Study> {
     let regions = Regions::new(set)?;
     let figure = Figure {
@@ -225,7 +225,7 @@ fn row(plane: &str, value: f64, theory: &str, numbers: &[f64]) -> Vec<String> {
 /// A value of κ with the least and largest ξ of stable motions.
 type MasriLimits = (f64, f64, f64);
 
-/// The set of figure 6: ε, ζ, σ̂1 and m3 are the paper's where they were not set.
+/// The set of figure 6: ε, ζ, σ̂1 and m3 have the paper's values unless they were set.
 fn masri_set(set: &ParameterSet) -> Result<ParameterSet> {
     let paper =
         [("epsilon", MASRI_EPSILON), ("sigma1", 0.0), ("gamma1", 2.0 * MASRI_ZETA / own_epsilon(set)?)];
@@ -248,10 +248,10 @@ fn own_epsilon(set: &ParameterSet) -> Result<f64> {
 }
 
 /// Figure 6: Masri's plane, ξ = k1 L/F10 over κ (docs/theory.md (57)), at σ̂1 = 0, ε = 0.05, ζ =
-/// 0.01 and m3 = m2, as far as these were not set. The scale of ξ is this program's choice.
+/// 0.01 and m3 = m2, except for those that were set. The scale of ξ is this program's choice.
 ///
 /// # Errors
-/// What the theories refuse.
+/// The errors of the theories.
 pub fn masri(set: &ParameterSet) -> Result<Study> {
     let given = masri_set(set)?;
     let base = *given.groups();
@@ -259,7 +259,8 @@ pub fn masri(set: &ParameterSet) -> Result<Study> {
     let xi = |f10: f64| 1.0 / (base.epsilon * f10);
     let mut scales = Vec::new();
     for kappa in steps(0.0, 1.0, POINTS) {
-        // κ = 1 is only neutrally stable: its limits are those from below.
+        // At κ = 1 motions are only neutrally stable. The limits there are those for κ → 1 from
+        // below.
         let system = MultipleScales::new(&groups(kappa.min(1.0 - 1e-9)))?;
         scales.extend(system.force_range()?.admissible.map(|(low, high)| (kappa, xi(high), xi(low))));
     }

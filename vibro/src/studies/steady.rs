@@ -55,8 +55,8 @@ impl SteadyRows {
     }
 }
 
-/// The table for the screen: it has the names of bifurcations, and the file their identifiers, for
-/// programs.
+/// The table for the screen. It has the names of bifurcations; the file has their identifiers,
+/// which programs read.
 fn readable(mut table: TextTable) -> TextTable {
     use Bifurcation::{NeimarkSacker, PeriodDoubling, SaddleNode, SymmetryBreaking};
     for row in table.rows.iter_mut().filter(|row| row[0] == HEADS_FOR) {
@@ -79,8 +79,8 @@ fn root_name(sheet: Sheet) -> &'static str {
 /// orbit over it.
 ///
 /// # Errors
-/// What multiple scales or the exact orbit refuse. Where strong coupling is singular it is left out
-/// with a remark.
+/// The errors of multiple scales and of the exact orbit. If strong coupling is singular, it is left
+/// out with a remark.
 pub fn steady(set: &ParameterSet) -> Result<Study> {
     let mut rows = SteadyRows(TextTable::new(&["quantity", "unit", "theory", "root", "value"]));
     let mut remarks = Vec::new();
@@ -275,7 +275,8 @@ pub(super) fn comparison_panel(
         layers.push(Layer::lines("stops ±L", BLACK, Dash::Dotted, stops).stroke(THIN).labelled("stop"));
     }
     let path = |points: &[MotionSample], q: usize| {
-        // A portrait closes after one period; a second one would fill its dashes.
+        // A portrait closes after one period. A second period would fill the gaps between the
+        // dashes.
         let shown = points.iter().filter(|p| !portrait || p.time <= 1.0 + 1e-9);
         shown.map(|p| if portrait { (p.x[q], p.v[q]) } else { (p.time, p.x[q]) }).collect::<Vec<_>>()
     };

@@ -10,7 +10,8 @@ use vibro_impact::steady::strong_coupling::{self, StrongPoint};
 
 /// Samples per period of a curve.
 const SAMPLES: usize = 240;
-/// Phase between an impact and the sample before it, rad: far above rounding, far below a pixel.
+/// Phase between an impact and the sample before it, rad. It is far above rounding and far below a
+/// pixel.
 const JUST_BEFORE: f64 = 1e-7;
 
 /// A motion at one time: displacements in units of L, velocities in units of L ω10, with U and W
@@ -25,8 +26,8 @@ pub struct MotionSample {
     pub v: [f64; 5],
 }
 
-/// The steady state of figures: the upper root if it is admissible, else the lower one if that is,
-/// else the upper.
+/// The steady state that figures show: the upper root if it is admissible, else the lower root if
+/// it is admissible, else the upper root.
 #[derive(Clone, Copy, Debug)]
 pub enum SteadyMotion {
     /// Multiple scales: paper, section 3.
@@ -38,7 +39,7 @@ pub enum SteadyMotion {
 }
 
 impl SteadyMotion {
-    /// The steady state of multiple scales; `None` where it has no motion with impacts.
+    /// The steady state of multiple scales; `None` if it has no motion with impacts.
     ///
     /// # Errors
     /// As [`multiple_scales::fixed_points`].
@@ -48,7 +49,7 @@ impl SteadyMotion {
         Ok(best(positive, |p| p.admissibility.all()).map(Self::MultipleScales))
     }
 
-    /// The steady state of strong coupling; `None` where there is none.
+    /// The steady state of strong coupling; `None` if there is none.
     ///
     /// # Errors
     /// As [`strong_coupling::solve`].
@@ -57,7 +58,7 @@ impl SteadyMotion {
         Ok(best(roots.into_iter().flatten(), |p| p.admissibility.all()).map(Self::Strong))
     }
 
-    /// The exact orbit; `None` where there is none.
+    /// The exact orbit; `None` if there is none.
     ///
     /// # Errors
     /// As [`exact_orbit::solve`].

@@ -15,7 +15,7 @@ use vibro_impact::steady::strong_coupling::modified_sawtooth;
 /// Figures 18 and 19: Z*, and section 5's closed form against the simulation.
 ///
 /// # Errors
-/// What theory or simulator refuse, e.g. a coupling at which the closed form is singular.
+/// The errors of theory and simulator, e.g. for a coupling at which the closed form is singular.
 pub fn strong_case(set: &ParameterSet) -> Result<Study> {
     let p = set.parameters();
     let Some(theory) = SteadyMotion::strong(set.groups())? else {

@@ -129,8 +129,8 @@ fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) 
     table
 }
 
-/// Table 2: spectra at the sweep's values nearest to `values`, value rising; with the ends of the
-/// stable range of each motion's branch where branches were followed.
+/// Table 2: spectra at the sweep's values nearest to `values`, value rising; if branches were
+/// followed, with the ends of the stable range of each motion's branch.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -150,7 +150,7 @@ pub fn spectra(
         page.header.push("stable orbit between".into());
     }
     let mut remarks = Vec::new();
-    // In a coarse sweep several values may share a nearest point, which is listed once.
+    // In a coarse sweep, several values may have one nearest point, which is listed once.
     let mut points: Vec<_> = values.iter().filter_map(|value| diagram.nearest(*value)).collect();
     points.dedup_by_key(|point| point.value);
     for point in points {
@@ -185,7 +185,7 @@ pub fn spectra(
 /// f10. The maxima are in the sweep's own table.
 ///
 /// # Errors
-/// What the theories refuse, [`Error::Output`](crate::Error::Output).
+/// The errors of the theories; [`Error::Output`](crate::Error::Output) if a table cannot be made.
 pub fn overlay(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
     let axis = &sweep.axis;
     let apart = diagram.apart();
@@ -235,7 +235,8 @@ pub fn periodic_ranges(points: &[Option<SweepPoint>]) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut open = false;
     for point in points.iter().flatten() {
-        // Quasi-periodic and settling motion between periodic values is a torus or a bifurcation.
+        // Quasi-periodic or settling motion between periodic values belongs to a torus or a
+        // bifurcation.
         let regular = point.class != MotionClass::Chaotic && point.class != MotionClass::NotSettled;
         match found.last_mut().filter(|_| open && regular) {
             Some(range) => range.1 = point.value,

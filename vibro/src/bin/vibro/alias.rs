@@ -1,5 +1,5 @@
-//! `vibro assembly COMMAND FILE`, the alias of `vibro COMMAND FILE` of version 0.2. Its help speaks
-//! of machines' files alone.
+//! `vibro assembly COMMAND FILE`, the alias of `vibro COMMAND FILE` of version 0.2. Its help
+//! describes only commands with a machine's file.
 
 use crate::common_arguments::{FILE, NUMBERS, WITHOUT_FILE, has_file, with_notes};
 use crate::sweep_arguments::{EXAMPLES, TABLE};
@@ -9,8 +9,8 @@ use clap::{ArgMatches, Command};
 /// Name of the alias.
 const ALIAS: &str = "assembly";
 
-/// Parts of help texts that tell of both machines, and what they are with a FILE. A default is
-/// written `[default: A; with FILE B]`.
+/// Parts of help texts that describe both machines, and their replacements for a command with a
+/// FILE. A default is written `[default: A; with FILE B]`.
 const WORDS: [(&str, &str); 12] = [
     (". Without it the paper's machine", ""),
     (", e.g. kappa=0.6, box.k=48kN/m, or of a machine's FILE ", ", e.g. "),
@@ -40,7 +40,7 @@ pub fn alias(all: &Command) -> Command {
         .subcommands(commands.map(of_file))
 }
 
-/// A command as its help tells of it where a FILE is named.
+/// A command whose help describes it only with a FILE.
 fn of_file(command: Command) -> Command {
     let (about, long) = (words(command.get_about()), words(command.get_long_about()));
     let notes: &[&str] = if command.get_name() == "sweep" { &[EXAMPLES, TABLE, NUMBERS] } else { &[NUMBERS] };
@@ -56,7 +56,7 @@ fn of_file(command: Command) -> Command {
     with_notes(command.about(about).long_about(long).after_help(Resettable::Reset), notes)
 }
 
-/// A help text without what it says of the paper's machine.
+/// A help text without its statements on the paper's machine.
 fn words(text: Option<&StyledStr>) -> Resettable<StyledStr> {
     let Some(text) = text else { return Resettable::Reset };
     let mut text = text.to_string();

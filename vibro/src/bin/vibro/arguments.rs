@@ -5,12 +5,14 @@
 //!
 //! * An option of both is in the command's struct. Where the defaults differ, the second one is a
 //!   `default_value_if` on `file`, and the help text states both.
-//! * An option of one machine is in the struct `…OfFile` or `…OfPaper`, whose heading help shows
-//!   and by which [`check_options`] refuses it for the other machine.
+//! * An option of one machine is in the struct `…OfFile` or `…OfPaper`. The help shows the heading
+//!   of this struct, and by this heading [`check_options`] refuses the option for the other
+//!   machine.
 //! * An axis, quantity or measure is text to clap; [`Command::read_axes`] and `assembly_studies`
 //!   parse it, since its form depends on the machine.
 //!
-//! Identifiers of options are keys of manifests: they stay, and a new word is an alias.
+//! Identifiers of options are keys of manifests and are never changed; a new name is added as an
+//! alias.
 
 use crate::alias;
 use crate::common_arguments::{Common, FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
@@ -72,15 +74,15 @@ EXAMPLES
   vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
   vibro merge one two";
 
-/// What the paper's machine does not have.
+/// Limits of the paper's machine.
 const LIMITS: &str = "\
 LIMITS of the paper's machine, which is meant where no FILE is named; a FILE describes machines of any bodies, with friction, links
 and compliant stops
   Three bodies on one line: box, block, secondary oscillator. Both stops are rigid and have one coefficient of restitution.
   No friction; springs and dampers are linear.";
 
-/// The command line as clap has it. The help of every command names what that command takes, and
-/// ends with the limits of the paper's machine where it takes that one.
+/// The command line as clap's command. The help of each command names the options of that command.
+/// It ends with the limits of the paper's machine if the command takes that machine.
 pub fn command() -> clap::Command {
     let all = with_negative_numbers(with_notes(Arguments::command(), &[LIMITS]));
     let shared: Vec<Arg> = all.get_arguments().cloned().collect();
@@ -98,7 +100,7 @@ pub fn command() -> clap::Command {
 }
 
 /// Shared options that a command has no use for: its help leaves them out, and [`check_options`]
-/// refuses them. Only a study of parts has unfinished ones.
+/// refuses them. Only a study that is computed in parts can have unfinished parts.
 fn unused(command: &str) -> &'static [&'static str] {
     match command {
         "check" => &["config", "out", "replace", "discard_unfinished", "threads"],
@@ -111,9 +113,9 @@ fn unused(command: &str) -> &'static [&'static str] {
     }
 }
 
-/// A command with the shared options as it takes them: hidden where it has no use for them, and
-/// under the heading of the paper's machine where that one alone has. One motion of a machine's
-/// file has no use for threads.
+/// A command with its shared options. An option without use for the command is hidden; an option
+/// that only the paper's machine has is under the heading of that machine. One motion of a
+/// machine's file has no use for threads.
 fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
     let (name, of_file) = (command.get_name().to_owned(), has_file(&command));
     let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
@@ -128,7 +130,7 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
     own.fold(command, clap::Command::arg)
 }
 
-/// Help of `--set` where a machine's file is meant, and where the paper's machine is.
+/// Help of `--set` for a machine's file, and for the paper's machine.
 const SET_OF_FILE: &str = "Set one parameter, e.g. stop.upper.gap=5mm. May be repeated";
 const SET_OF_PAPER: &str = "Set one parameter, e.g. kappa=0.6, box.k=48kN/m. May be repeated";
 
@@ -137,11 +139,11 @@ pub fn file(matches: &ArgMatches) -> Option<&Path> {
     matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
 }
 
-/// Refuses a shared option for which the command has no use, an option of the paper's machine where
-/// a FILE is named, and one of a FILE where none is.
+/// Refuses a shared option for which the command has no use, an option of the paper's machine if a
+/// FILE is named, and an option of a FILE if none is named.
 ///
 /// # Errors
-/// [`Error::Refused`] with the option and those that are allowed.
+/// [`Error::Refused`] with the option and the allowed options.
 pub fn check_options(matches: &ArgMatches) -> Result<()> {
     let (all, file) = (command(), file(matches));
     let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
@@ -173,7 +175,8 @@ pub fn check_options(matches: &ArgMatches) -> Result<()> {
     Err(Error::Refused { what: option(given), problem })
 }
 
-/// Reads numbers below zero as values, so that an option which refuses them says what it allows.
+/// Reads numbers below zero as values, so that the error of an option that refuses them states what
+/// is allowed.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let taken = |arg: clap::Arg| {
         let takes = arg.get_action().takes_values() && !arg.is_positional();
@@ -280,7 +283,7 @@ impl Command {
     /// Parses the axes of a command without a file as parameters of the paper's machine.
     ///
     /// # Errors
-    /// What is wrong with an axis.
+    /// An error if an axis is not valid.
     pub fn read_axes(&mut self) -> Result<()> {
         match self {
             Self::Sweep(a) => {

@@ -21,11 +21,12 @@ use vibro_sketch::Sketch;
 /// Stem of the manifest of a motion.
 const RESULT: &str = "assembly-run";
 
-/// Carries out a command for the machine of a file. `false` where a motion was interrupted;
+/// Carries out a command for the machine of a file. Returns `false` if a motion was interrupted;
 /// everything computed until then is written.
 ///
 /// # Errors
-/// What is wrong with the file, its parameters or its motion; [`Error::File`].
+/// An error if the file, its parameters or its motion is not valid; [`Error::File`] if a file
+/// cannot be read or written.
 pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
     match command {
         Command::Draw { .. } => sketch(file, common)?,
@@ -44,7 +45,7 @@ fn read(file: &Path, common: &Common) -> Result<Machine> {
     assembly::read(file, &common.set, &mut |words| crate::note(&words))
 }
 
-/// Writes NAME.svg and NAME.png, whatever else the folder holds.
+/// Writes NAME.svg and NAME.png, regardless of the folder's other content.
 fn sketch(file: &Path, common: &Common) -> Result<()> {
     let machine = read(file, common)?.description;
     let (svg, png) = canvas::svg_and_png(&Sketch::new(&machine))?;
@@ -60,7 +61,7 @@ fn follow(
     RunArguments { samples, of_file: a, .. }: &RunArguments,
     common: &Common,
 ) -> Result<bool> {
-    // First, since a file of another kind wants other options.
+    // The machine is read first, since a file of another kind needs other options.
     let machine = read(file, common)?;
     let times = match (&a.times, a.until) {
         (Some(path), _) => assembly::times_of(path)?,
@@ -76,7 +77,7 @@ fn follow(
     invocation.options.insert("knots".into(), a.knots.to_string());
     let destination = Destination::new(common, &invocation, &machine);
     assembly::check_parameters(&machine.description, &a.derivatives)?;
-    // Refused before work begins.
+    // The folder is checked before work begins.
     let out = destination.place(&[destination.result(RESULT)])?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();

@@ -18,9 +18,9 @@ use vibro_analysis::assembly::{FileStart, Machine, Measure, QuantityName, Sectio
 use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
 
-/// Most values on an axis of a plane.
+/// Largest number of values on an axis of a plane.
 const MOST_OF_PLANE: usize = 3_000;
-/// Periods over which an exponent can be counted.
+/// Allowed numbers of periods over which an exponent is computed.
 const EXPONENT_PERIODS: std::ops::RangeInclusive<u32> = 8..=1_000_000;
 
 /// Reads the machine, with the changes of `--set`.
@@ -34,8 +34,8 @@ fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Result<M
     Ok(machine)
 }
 
-/// Parses a range or list of a parameter. All its numbers have units, or none has; without units
-/// they are in the unit in which the parameter was written.
+/// Parses a range or list of a parameter. Either all its numbers have units or none has. Numbers
+/// without units are in the unit in which the parameter was written.
 fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<String>> {
     let form = || {
         Error::form(text, "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.upper.gap=1mm:8mm:200")
@@ -145,7 +145,7 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
     perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, a.share.shard)
 }
 
-/// The planes of the pairs, each a study of its own.
+/// Draws the planes of the pairs, each as a separate study.
 fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents: Option<u32>) -> Result<()> {
     let axes = a.vary.iter().map(|text| axis(&mut machine, text, a.resolution, MOST_OF_PLANE));
     let axes: Vec<ParameterAxis<String>> = axes.collect::<Result<_>>()?;
@@ -201,7 +201,7 @@ pub fn lyapunov(file: &Path, common: &Common, Lyapunov { sweep: a, periods, .. }
     let options = [("discard", a.discard.to_string()), ("periods", periods.to_string())];
     let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &machine);
-    // Refused before work begins.
+    // The folder is checked before work begins.
     destination.place(&[destination.result(&invocation.command)])?;
     let study = assembly_exponent(&machine, a.discard, *periods, &invocation.command)?;
     let held = destination::hold(&common.out);
@@ -223,7 +223,7 @@ pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
     measures.iter().try_for_each(|measure| measure.check(&machine.description))?;
     let request = request::<Machine>(a, &vary, &over, measures)?;
     request.check()?;
-    // No design can do without a section.
+    // Every design needs a section.
     Section::of(&machine.description, &machine.section)?;
     let options = [
         ("vary", in_words(&vary)),

@@ -1,10 +1,11 @@
-//! Where results go. A run never destroys what another one has written.
+//! Destination of results. A run never destroys results of another run.
 //!
-//! Every result has a manifest beside it, and so has every folder of parts. A run overwrites
-//! results of the same command with the same parameters, and nothing else. In a folder that the
-//! user names, anything else is refused before work begins: a script finds there what it asked for,
-//! or gets an exit code. In the default folder, a run that meets results or parts of another one
-//! gets a subfolder of its own, named by a digest of its options and parameters.
+//! Every result has a manifest beside it, and every folder of parts has a manifest. A run
+//! overwrites only results of the same command with the same parameters. If a folder that the user
+//! names holds other results or parts, the run is refused before work begins: a script either finds
+//! the requested results there or gets an exit code. In the default folder, a run that finds
+//! results or parts of another run gets a separate subfolder, named by a digest of its options and
+//! parameters.
 
 use crate::common_arguments::{Common, DEFAULT_OUT};
 use std::fs::File;
@@ -49,8 +50,8 @@ impl<'a> Destination<'a> {
     /// The folder where everything claimed can be written.
     ///
     /// # Errors
-    /// [`Error::Config`] where a folder that the user named holds results or parts of another run,
-    /// and where a manifest is damaged; [`Error::File`].
+    /// [`Error::Config`] if a folder that the user named holds results or parts of another run, or
+    /// if a manifest is damaged; [`Error::File`] if a file cannot be read.
     pub fn place(&self, claims: &[Claim]) -> Result<PathBuf> {
         let out = &self.common.out;
         let (own, foreign) = self.occupancy(out, claims)?;
@@ -147,7 +148,7 @@ impl<'a> Destination<'a> {
         Manifest::of_result(&study.name, self.invocation, self.subject_of(study))
     }
 
-    /// The machine of a study: its own where it has one.
+    /// The machine of a study: its own if it has one, else that of the command.
     fn subject_of<'s>(&'s self, study: &'s Study) -> &'s dyn Subject {
         study.set.as_deref().map_or(self.subject, |set| set)
     }
@@ -173,7 +174,7 @@ pub fn write_manifest(out: &Path, manifest: &Manifest) -> Result<()> {
     write_whole(&manifest_path(out, &manifest.study), manifest.text()?.as_bytes())
 }
 
-/// The refusal to overwrite the result of another run, where there is one.
+/// The refusal to overwrite the result of another run; `None` if there is no such result.
 fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
     let (name, path) = (&here.study, manifest_path(out, &here.study));
     let allowed = "allowed: another --out, or --replace, which overwrites it";
@@ -198,7 +199,7 @@ fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
     Ok(Some(Error::Config { path: out.into(), problem }))
 }
 
-/// Locks the folder while it is examined and written; `None` where the system cannot lock a folder.
+/// Locks the folder while it is examined and written; `None` if the system cannot lock a folder.
 pub fn hold(out: &Path) -> Option<File> {
     std::fs::create_dir_all(out).ok()?;
     let folder = File::open(out).ok()?;

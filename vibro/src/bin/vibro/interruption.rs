@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, Once};
 use vibro::part_folder::{PartFolder, parts_in_words, stop_saving};
 
-/// Exit code of a program that Ctrl-C has ended, as shells have it: 128 + SIGINT.
+/// Exit code of a program that Ctrl-C has ended, by the convention of shells: 128 + SIGINT.
 pub const INTERRUPTED: i32 = 130;
 
 /// The long study in progress.
@@ -22,7 +22,7 @@ static HANDLER: Once = Once::new();
 
 /// From now on Ctrl-C ends the program and prints how many of `count` parts are kept; 0 stands for
 /// an unknown count. Parts are in `folders`, each of which is `home` or lies in it. Finished parts
-/// are complete files, so nothing has to be saved then.
+/// are complete files, so nothing has to be saved at that time.
 pub fn announce(name: &str, home: PathBuf, folders: Vec<PathBuf>, count: usize) {
     if let Ok(mut work) = WORK.lock() {
         *work = Some(InterruptedStudy { name: name.into(), home, folders, count });

@@ -13,7 +13,7 @@ use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, number};
 
 /// Options on which the numbers of a result do not depend. `figure` and `kind` choose which results
-/// are made, and `folders` are those of `merge`; `list` only tells names.
+/// are made, `folders` are the folders of `merge`, and `list` only prints names.
 const APART: [&str; 5] = ["shard", "figure", "kind", "folders", "list"];
 /// Options that a manifest's command line leaves out: destination, threads, share.
 const LEFT_OUT: [&str; 3] = ["--out", "--threads", "--shard"];

@@ -8,7 +8,8 @@ use vibro_analysis::{Name, ParameterSet};
 
 /// The loads of a command's `--load`. Only `vibro run` takes loads from files.
 ///
-/// # Errors A load from a file.
+/// # Errors
+/// An error if a load is from a file.
 pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
     let ConstantLoads { load } = match command {
         Command::Run(a) => return Ok(a.of_paper.load.clone()),
@@ -31,9 +32,11 @@ pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
     }
 }
 
-/// Refuses constant loads for the commands of the theories, which hold for the symmetric machine.
+/// Refuses constant loads for the commands of the theories, which hold only for the symmetric
+/// machine.
 ///
-/// # Errors The load, by name.
+/// # Errors
+/// An error that names the load.
 pub fn check_theory(set: &ParameterSet, command: &Command) -> Result<()> {
     let varied: Vec<Name> = match command {
         Command::Response(a) => {

@@ -22,7 +22,7 @@ use vibro_analysis::plane::ParameterAxis;
 use vibro_analysis::{ParameterSet, find_group, numbers};
 use vibro_orbits::TreeOptions;
 
-/// Forces f10 whose spectra are listed by default.
+/// Values of f10 whose spectra are listed by default.
 const SPECTRA: [f64; 4] = [0.6, 1.5, 2.45, 3.6];
 
 /// Ending of the folders of parts.
@@ -49,8 +49,8 @@ fn displacement(a: &Bifurcation) -> Result<Displacement> {
     a.of.as_ref().map_or(Ok(Displacement::X2), |of| of.parse().map_err(in_option("--of")))
 }
 
-/// Values at which spectra are listed: those given, else the one that was set, else defaults of the
-/// axis.
+/// Values at which spectra are listed: the given values, else the value that was set, else the
+/// defaults of the axis.
 fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<Vec<f64>> {
     if !given.is_empty() {
         let texts: Vec<&str> = given.iter().map(String::as_str).collect();
@@ -68,7 +68,7 @@ fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<
     })
 }
 
-/// The study's name; another displacement than the paper's X2 is appended.
+/// The study's name; a displacement other than the paper's X2 is appended to it.
 fn name(study: &str, of: Displacement) -> String {
     if of == Displacement::X2 { study.into() } else { format!("{study}-{of}") }
 }
@@ -283,7 +283,7 @@ pub fn reproduce(set: &ParameterSet, common: &Common, a: &Reproduce) -> Result<(
     destination.write_into(&report.studies, &out)?;
     let page = destination.write_page("report", &report.html, &out)?;
     folders.into_iter().try_for_each(PartFolder::remove)?;
-    // Files of others stay.
+    // Files of other programs are kept.
     let _ = std::fs::remove_dir(out.join(&home));
     output::say(&format!("{}{}", output::apart(&out, common), report.summary(&page)))
 }

@@ -31,7 +31,7 @@ use std::process::ExitCode;
 use vibro::{Error, Result, load_file, parameter_file, studies};
 use vibro_analysis::{Name, ParameterSet, number, typed_unit};
 
-/// Exit code for refused input, as clap's.
+/// Exit code for refused input, equal to clap's.
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Carries out the command. `false` where a motion was interrupted.
+/// Carries out the command. Returns `false` if a motion was interrupted.
 fn run(arguments: &mut Arguments, file: Option<&Path>) -> Result<bool> {
     if let Some(threads) = arguments.common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
@@ -90,7 +90,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
     let common = &arguments.common;
     loads::check_theory(&set, &arguments.command)?;
     short::units(&arguments.command).into_iter().for_each(|(name, unit)| set.show_in(name, unit));
-    // Refused before work begins.
+    // The folder is checked before work begins.
     let destination = Destination::new(common, &common.invocation, &set);
     let names = short::names(&arguments.command);
     destination.place(&names.iter().map(|name| destination.result(name)).collect::<Vec<_>>())?;
@@ -131,7 +131,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
     output::print(&studies, &set, &out, common)
 }
 
-/// A parameter set with the changes of the parameter file, then those of `--set`.
+/// A parameter set with the changes of the parameter file and then the changes of `--set`.
 fn configured(mut set: ParameterSet, common: &Common) -> Result<ParameterSet> {
     if let Some(path) = &common.config {
         parameter_file::read(&mut set, path)?;

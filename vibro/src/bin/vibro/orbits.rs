@@ -15,7 +15,7 @@ use vibro_orbits::{
     search, settle,
 };
 
-/// Guesses of the phases from which the orbits of a word are sought.
+/// Number of guesses of the phases from which the orbits of a word are sought.
 const TRIES: u32 = 400;
 /// Drive periods discarded before the orbit of a settled motion is sought.
 const SETTLE: u32 = 2000;

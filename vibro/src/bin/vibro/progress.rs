@@ -30,7 +30,7 @@ pub struct Progress {
 impl Progress {
     /// A bar over `total` steps.
     pub fn new(total: usize, unit: &'static str) -> Self {
-        // The bar is hidden where standard error is no terminal.
+        // The bar is hidden if standard error is not a terminal.
         Self::onto(ProgressDrawTarget::stderr(), PATIENCE, total, unit)
     }
 
@@ -63,7 +63,7 @@ impl Progress {
         }
     }
 
-    /// Sets the share done, from 0 to 1, of work that is a length of time.
+    /// Sets the completed fraction, from 0 to 1, of work that is a length of time.
     pub fn part(&self, part: f64) {
         if self.begin.elapsed() > self.patience {
             let bar = self.bar.get_or_init(|| self.bar());

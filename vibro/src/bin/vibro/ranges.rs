@@ -40,8 +40,8 @@ pub struct ParameterRange<N = Name> {
 pub struct ParameterValues<N = Name> {
     /// The parameter.
     pub name: N,
-    /// The values in its SI unit, as given; all are allowed. Those without a unit are as typed, as
-    /// in a range.
+    /// The values in its SI unit, as given; all are allowed. Values without a unit are as typed
+    /// until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit) converts them.
     pub values: Vec<f64>,
     /// The unit in which they were written.
     pub unit: Option<&'static Unit>,
@@ -78,7 +78,8 @@ pub fn in_option<E: fmt::Display>(option: &'static str) -> impl FnOnce(E) -> Err
 
 /// Parses the texts of an option whose form depends on the machine.
 ///
-/// # Errors The first text that cannot be parsed, with the option.
+/// # Errors
+/// [`Error::Refused`] with the option if a text cannot be parsed.
 pub fn texts<T: FromStr<Err: fmt::Display>>(option: &'static str, given: &[String]) -> Result<Vec<T>> {
     given.iter().map(|text| text.parse().map_err(in_option(option))).collect()
 }
@@ -141,8 +142,8 @@ impl FromStr for ParameterPair {
     }
 }
 
-// In SI and by the parameter's own name, so that the same range has the same words however it was
-// typed.
+// The text is in SI and has the parameter's own name, so that equal ranges have equal texts even if
+// they were typed in different forms.
 impl<N: AxisName> fmt::Display for ParameterRange<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}={}:{}", self.name.text(), self.ends.0, self.ends.1)?;
@@ -169,8 +170,8 @@ pub fn shown(set: &ParameterSet, name: Name, default: (f64, f64)) -> ParameterRa
     ParameterRange { name, ends: (default.0.min(own), default.1.max(own)), count: None, unit: None }
 }
 
-/// Values of a parameter on an axis. A number without a unit is in the unit in which that parameter
-/// was written, by the machine's file or `--set`, which is known only once these are read.
+/// Values of a parameter on an axis. A number without a unit is in the unit that the machine's file
+/// or `--set` used for that parameter. This unit is known only after these are read.
 pub trait InWrittenUnit: fmt::Display {
     /// The parameter.
     fn name(&self) -> Name;
@@ -182,9 +183,10 @@ pub trait InWrittenUnit: fmt::Display {
     fn values(&mut self) -> Vec<&mut f64>;
 
     /// Converts values without a unit from the unit in which the parameter was written; returns a
-    /// note where this is not SI.
+    /// note if this unit is not SI.
     ///
-    /// # Errors A value out of its parameter's range.
+    /// # Errors
+    /// An error if a value is outside its parameter's range.
     fn read_in_written_unit(&mut self, set: &ParameterSet) -> Result<Option<String>> {
         let (name, typed) = (self.name(), self.to_string());
         let written = set.unit(name).filter(|unit| self.unit().is_none() && !unit.is_si());
@@ -235,10 +237,10 @@ fn check_if_certain(name: Name, unit: Option<&Unit>, values: &[f64]) -> Result<(
 }
 
 impl<N: AxisName> ParameterRange<N> {
-    /// The axis over this range, of the given resolution unless the range has its own count.
+    /// The axis over this range, with `resolution` values unless the range has its own count.
     ///
     /// # Errors
-    /// A count outside `allowed`.
+    /// [`Error::Refused`] if the count is outside `allowed`.
     pub fn axis(&self, resolution: usize, allowed: RangeInclusive<usize>) -> Result<ParameterAxis<N>> {
         let count = self.count.unwrap_or(resolution);
         if !allowed.contains(&count) {

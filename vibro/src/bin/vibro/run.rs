@@ -1,4 +1,4 @@
-//! `vibro run`: its arguments, and from those of the paper's machine to the library's study.
+//! `vibro run`: its arguments, and their conversion for the paper's machine to the library's study.
 
 use crate::common_arguments::{WITH_FILE, WITHOUT_FILE, time};
 use crate::ranges::{in_option, whole};
@@ -14,7 +14,7 @@ use vibro_analysis::start::StartRule;
 use vibro_analysis::{ParameterSet, quantity_in};
 use vibro_impact::load::Interpolation;
 
-/// Most rows of the table in a drive period.
+/// Largest number of rows of the table in a drive period.
 const MOST_SAMPLES: u32 = 10_000;
 
 /// Arguments of `run`.

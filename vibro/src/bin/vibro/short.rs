@@ -1,4 +1,4 @@
-//! Short studies, without parts on disk: from arguments to the library's studies.
+//! Short studies, without parts on disk: conversion of arguments to the library's studies.
 
 use crate::arguments::Command;
 use crate::progress::Progress;
@@ -11,18 +11,18 @@ use vibro::{Error, Result};
 use vibro_analysis::plane::{PAIRS, ParameterAxis};
 use vibro_analysis::{Name, ParameterSet, Unit};
 
-/// Values on an axis of a plane.
+/// Allowed numbers of values on an axis of a plane.
 const PLANE: RangeInclusive<usize> = 2..=10_000;
 
-/// The last given range of a parameter, else the default range, widened to contain the value that
-/// was set.
+/// The last given range of a parameter; without one, the default range, widened to contain the
+/// value that was set.
 fn range_of(set: &ParameterSet, given: &[ParameterRange], name: Name, default: (f64, f64)) -> ParameterRange {
     let found = given.iter().rev().find(|range| range.name == name);
     found.copied().unwrap_or_else(|| shown(set, name, default))
 }
 
-/// Values of a family of curves: the one that was set, and those listed; the default without
-/// either.
+/// Values of a family of curves: the value that was set and the listed values; the default if there
+/// are neither.
 fn members<'a>(
     set: &ParameterSet,
     name: Name,
@@ -42,7 +42,7 @@ fn members<'a>(
     values
 }
 
-/// Refuses the first parameter that is none of the useful ones.
+/// Refuses the first parameter that is not one of the useful parameters.
 fn check_useful(
     option: &str,
     given: impl IntoIterator<Item = Name>,
@@ -66,7 +66,7 @@ pub fn check_used(set: &ParameterSet, figure: &str, unused: &[&str], instead: &s
     }
 }
 
-/// Whether a figure was asked for; without names all are.
+/// Whether a figure was requested; an empty list requests all figures.
 fn wants(figures: &[String], figure: &str) -> bool {
     figures.is_empty() || figures.iter().any(|f| f == figure)
 }
@@ -101,7 +101,7 @@ pub fn names(command: &Command) -> Vec<String> {
 }
 
 /// Parameters of the command's ranges and lists with the units in which these were written, for
-/// labels; the last of several holds.
+/// labels; the last of several applies.
 pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
     let (ranges, values): (&[ParameterRange], &[ParameterValues]) = match command {
         Command::Response(a) => (&a.range, &a.values),
@@ -246,7 +246,7 @@ pub fn compare(
         let given: Vec<_> = a.range.into_iter().collect();
         let range = range_of(set, &given, Name::find("f10")?, (0.5, 3.0));
         let axis = range.axis(a.resolution.into(), PLANE)?;
-        // A part has eight values of one direction.
+        // A part has eight values in one direction.
         let progress = Progress::new(2 * axis.count.div_ceil(8), "parts of the simulated maxima");
         let done = || progress.step();
         found.push(studies::force_overlay(set, range.ends, axis.count, &done)?);

@@ -1,4 +1,4 @@
-//! `vibro sweep`: from its arguments to the library's study, for either machine.
+//! `vibro sweep`: conversion of its arguments to the library's study, for either machine.
 
 use crate::common_arguments::Common;
 use crate::long::perform_as;
@@ -31,10 +31,11 @@ fn designs<N: AxisName>(a: &Sweep, vary: &[AxisArgument<N>]) -> Result<Designs<N
     }
 }
 
-/// The request of either machine, with the default start and each measure once; not yet checked.
+/// The request for either machine, with the default start and without repeated measures. It is not
+/// yet checked.
 ///
 /// # Errors
-/// A range that is none, or of too many values.
+/// An error if a range is not valid or has too many values.
 pub fn request<M: DesignMachine>(
     a: &Sweep,
     vary: &[AxisArgument<M::Name>],
@@ -69,7 +70,7 @@ pub fn in_words<T: Display>(axes: &[T]) -> String {
 /// The sweep of the paper's machine.
 ///
 /// # Errors
-/// Designs, measures and starts that are not allowed; what [`perform_as`] refuses.
+/// An error if a design, measure or start is not allowed; the errors of [`perform_as`].
 pub fn sweep(set: &ParameterSet, common: &Common, a: &Sweep) -> Result<()> {
     let own = &a.of_paper;
     let measures: Vec<Measure> = texts("--output", &a.output)?;

@@ -194,7 +194,8 @@ impl<N: AxisName> AxisArgument<N> {
 
     /// Its values.
     ///
-    /// # Errors A count out of range.
+    /// # Errors
+    /// An error if the number of values is not allowed.
     pub fn sampled(&self, resolution: u32) -> Result<SampledAxis<N>> {
         Ok(match self {
             Self::Range(range) => {
@@ -207,7 +208,8 @@ impl<N: AxisName> AxisArgument<N> {
 
     /// Its ends, for a Sobol sequence.
     ///
-    /// # Errors A list, and a range with a count.
+    /// # Errors
+    /// An error if the axis is a list, or a range with a count.
     pub fn interval(&self) -> Result<ParameterInterval<N>> {
         const EXPECTED: &str = "name=from:to without a count: --sobol decides on the number of points";
         match self {

@@ -19,7 +19,8 @@ pub struct Words {
 /// Converts the numbers without a unit on a command's axes from the units in which its machine was
 /// written.
 ///
-/// # Errors A value out of its parameter's range.
+/// # Errors
+/// An error if a value is outside its parameter's range.
 pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> {
     let mut found = Vec::new();
     let axes: Vec<(&'static str, Vec<&mut dyn InWrittenUnit>)> = match command {
@@ -67,7 +68,7 @@ fn dynamic<'a, T: InWrittenUnit + 'a>(
     axes.into_iter().map(|axis| axis as &mut dyn InWrittenUnit).collect()
 }
 
-/// Appends the axis' unit to the numbers of a list that is parsed later, where none of them has a
+/// Appends the axis' unit to the numbers of a list that is parsed later, if none of them has a
 /// unit.
 fn read_list(
     option: &'static str,

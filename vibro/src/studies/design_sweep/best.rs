@@ -7,7 +7,7 @@ use vibro_analysis::design_sweep::{Choice, DesignRow, SweepRequest, row};
 /// Maximum number of designs listed one by one.
 const MAX_LISTED: usize = 8;
 
-/// The best design, or the designs that error bars do not separate, and how it was sought.
+/// The best design, or the designs that error bars do not separate, and the method of the search.
 pub(super) fn best_in_words<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,
@@ -50,7 +50,7 @@ pub(super) fn told(choice: &Choice) -> &[usize] {
     &choice.possible[..choice.possible.len().min(MAX_LISTED)]
 }
 
-/// How many designs were measured again, and how.
+/// Number of designs that were measured again, and the method.
 fn what_was_done<M: Labelled>(request: &SweepRequest<M>, choice: &Choice) -> Vec<String> {
     let again = || choice.rows.values().filter_map(|row| row.again.as_ref());
     let mut lines = Vec::new();
@@ -78,7 +78,7 @@ fn what_was_done<M: Labelled>(request: &SweepRequest<M>, choice: &Choice) -> Vec
     lines
 }
 
-/// The best design's measure from other starts, where that is larger.
+/// The best design's measure from other starts, if it is larger.
 fn from_more_starts<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,

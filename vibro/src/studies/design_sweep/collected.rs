@@ -8,7 +8,7 @@ use vibro_analysis::significant;
 /// Largest number of designs in a picture.
 const MOST_DRAWN: usize = 100_000;
 
-/// Least and largest value of a measure over the motions of a design; `None` where it has no value.
+/// Least and largest value of a measure over the motions of a design; `None` if it has no value.
 pub(super) type Reach = Option<(f64, f64)>;
 
 /// One measure of all designs.
@@ -39,7 +39,8 @@ struct Extremum {
     design: Vec<f64>,
 }
 
-/// Relative spread up to which a value is shown without its spread: the spread is rounding.
+/// Relative spread up to which a value is shown without its spread, since the spread is then due to
+/// rounding.
 const REGULAR: f64 = 1e-6;
 
 /// Summary of a sweep.
@@ -161,7 +162,7 @@ impl<M: Labelled> Collected<M> {
                 1 => record.measure.to_string(),
                 n => format!("{}, largest of {n} motions", record.measure),
             };
-            // Equal but for rounding.
+            // The values are equal apart from rounding.
             if significant(least.value) == significant(largest.value) {
                 lines.push(format!("{what}: {}", told(least)));
             } else {
@@ -213,7 +214,7 @@ fn with_spread(value: f64, spread: f64) -> String {
     if spread <= REGULAR * value.abs() {
         return significant(value);
     }
-    // The spread has one digit, two where it begins with 1.
+    // The spread has one digit, or two digits if it begins with 1.
     let power = spread.log10().floor();
     let digits = if spread / 10f64.powf(power) < 2.0 { 1 } else { 0 };
     let decimals = (digits - power as i32).max(0) as usize;

@@ -37,7 +37,8 @@ fn steps(least: f64, largest: f64) -> Vec<f64> {
         let limits = || (0..=count as u32).map(|k| (from + f64::from(k)) * step).collect();
         (count <= SCALE.len() as f64).then(limits)
     };
-    // 20 times the power is at least two eighths of the range: enough wherever the range lies.
+    // 20 times the power is at least two eighths of the range, which is enough for any position of
+    // the range.
     let found = [1.0, 2.0, 5.0, 10.0, 20.0].into_iter().find_map(|times| enclosing(times * power));
     found.unwrap_or_else(|| vec![least, largest])
 }
@@ -117,7 +118,7 @@ pub(in crate::studies) fn map<M: Labelled>(
     }
     let least_at =
         (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j))).find(|&(i, j)| value(i, j) == Some(least));
-    // Of equal values none is marked as the least.
+    // If all values are equal, none is marked as the least.
     if let (Some((i, j)), true) = (least_at, limits.len() > 1) {
         let name = format!("{LEAST}{}{unit}", significant(least));
         layers.push(Layer::marks(&name, VERMILLION, Mark::Disc, vec![(x_places[i], y_places[j])]));

@@ -1,5 +1,5 @@
-//! The picture of a sweep: lines over one parameter, maps over two, for more parameters maps of the
-//! best over the others; marks over each parameter for designs that are not a grid.
+//! The picture of a sweep: lines over one parameter; maps over two; for more parameters, maps of
+//! the least value over all others; for designs that are not a grid, marks over each parameter.
 
 use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{LEAST, limits, map};
@@ -9,7 +9,7 @@ use vibro_analysis::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 use vibro_figures::canvas::palette::BLACK;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
 
-/// Most panels of a picture.
+/// Largest number of panels of a picture.
 const PANELS: usize = 6;
 /// Relative difference below which values are equal.
 const SAME: f64 = 1e-9;
@@ -71,7 +71,7 @@ fn title<M: Labelled>(measure: &M::Measure, request: &SweepRequest<M>) -> String
     }
 }
 
-/// The value of a measure that is equal at all designs; `None` where a design has another value or
+/// The value of a measure if it is equal for all designs; `None` if a design has another value or
 /// none.
 fn constant<M: Labelled>(record: &MeasureRecord<M>) -> Option<f64> {
     let all: Option<Vec<(f64, f64)>> = record.reaches.iter().copied().collect();
@@ -106,8 +106,8 @@ fn unbounded_axis<M: Labelled>(set: &M, name: &M::Name) -> Axis {
     Axis { range: None, ..set.axis(name) }
 }
 
-/// Panels over one parameter, one for each kind of measure. Of several motions the largest value is
-/// a curve, over a pale area down to the least.
+/// Panels over one parameter, one for each kind of measure. For several motions, the largest value
+/// is a curve, with a pale area between it and the least value.
 fn lines<M: Labelled>(
     set: &M,
     axis: &SampledAxis<M::Name>,
@@ -175,7 +175,8 @@ fn curve<M: Labelled>(
     pieces.retain(|piece| !piece.is_empty());
     let (name, colour) = (M::words(&record.measure), set.colour(&record.measure));
     let dash = if M::is_closed_form(&record.measure) { Dash::Dashed } else { Dash::Solid };
-    // A design between two without values is a mark: a line would not show.
+    // A design between two designs without values is drawn as a mark, since a line of one point is
+    // not visible.
     let lonely: Path = pieces.iter().filter(|p| p.len() == 1).flatten().copied().collect();
     let mut layers = Vec::new();
     if several && pieces.len() == 1 {

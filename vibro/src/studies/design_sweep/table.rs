@@ -18,7 +18,7 @@ use vibro_analysis::Unit;
 use vibro_analysis::design_sweep::{Again, Choice, DesignRow, SweepRequest, choice, each_final_row};
 use vibro_analysis::parts::Task;
 
-/// Rows of a Parquet row group, which are in memory together.
+/// Number of rows of a Parquet row group. These rows are in memory at the same time.
 const ROW_GROUP: usize = 65_536;
 
 /// Column of the table.
@@ -37,7 +37,7 @@ enum Cell {
 
 impl Cell {
     fn number(value: Option<f64>) -> Self {
-        // -inf is a value (an exponent); NaN is none.
+        // -inf is a valid value of an exponent; NaN stands for a missing value.
         value.filter(|v| !v.is_nan()).map_or(Self::Empty, Self::Number)
     }
 
@@ -47,8 +47,8 @@ impl Cell {
 }
 
 /// Columns: parameters; outputs; reason; spreads of the outputs; periods of the window; number of
-/// values between those of `over`. With several motions a design an output has its least, mean and
-/// largest value, and where the largest is.
+/// values between those of `over`. If there are several motions for each design, an output has its
+/// least, mean and largest value, and the place of the largest.
 fn columns<M: Labelled>(set: &M, request: &SweepRequest<M>) -> Vec<SweepColumn> {
     let number = |name: String, unit: &str| SweepColumn { name, unit: Some(unit.into()) };
     let text = |name: String| SweepColumn { name, unit: None };
@@ -138,7 +138,7 @@ fn cells<M: Labelled>(
 /// # Errors
 /// [`Error::File`], [`Error::Output`].
 pub fn write_tables<M: Labelled>(set: &M, request: &SweepRequest<M>, task: &Task, stem: &Path) -> Result<()> {
-    // Endings are appended: a stem may contain a point.
+    // Endings are appended, since a stem may contain a point.
     let path = |ending: &str| {
         let name = stem.file_name().unwrap_or_default().to_string_lossy();
         stem.with_file_name(format!("{name}.{ending}"))

@@ -10,7 +10,7 @@ use vibro_figures::canvas::palette::{
 };
 use vibro_figures::chart::{Axis, Colour};
 
-/// A machine whose parameters and measures have names, units and colours in tables and pictures.
+/// A machine with names, units and colours of its parameters and measures for tables and pictures.
 pub trait Labelled: DesignMachine + Subject {
     /// A parameter's symbol in pictures.
     fn symbol(&self, name: &Self::Name) -> String;
@@ -29,7 +29,7 @@ pub trait Labelled: DesignMachine + Subject {
     fn caption_of_all(&self, names: &[Self::Name]) -> Option<String>;
     /// A measure in words.
     fn words(measure: &Self::Measure) -> String;
-    /// A measure's SI unit; `1` where it has none.
+    /// A measure's SI unit; `1` if it has none.
     fn measure_unit(&self, measure: &Self::Measure) -> &'static str;
     /// The unit in which pictures show a measure.
     fn measure_shown(&self, measure: &Self::Measure) -> MeasureUnit;
@@ -235,8 +235,8 @@ pub struct MeasureUnit {
 }
 
 impl MeasureUnit {
-    /// Lengths in the unit of the machine's lengths, speeds in that of its speeds, all others in
-    /// SI.
+    /// The unit of the machine's lengths for a length, the unit of its speeds for a speed, and SI
+    /// for all other measures.
     fn of(set: &ParameterSet, measure: Measure) -> Self {
         let (p, lengths) = (set.parameters(), LengthUnit::of(set));
         match measure.unit() {

@@ -14,12 +14,13 @@ use vibro_figures::canvas::palette::{BLACK, WHITE};
 use vibro_figures::chart::{Colour, Dash, LINE, Layer, Mark, Panel, Path, Shape, THIN};
 use vibro_orbits::{Branch, Family};
 
-/// Part of white mixed into the diagram's points, so that the branches stand out.
+/// Fraction of white that is mixed into the diagram's points, so that the branches are clearly
+/// visible.
 const PALE: f64 = 0.55;
-/// Longest period of an orbit that is drawn where it is unstable: the hundreds of longer ones would
-/// hide everything.
+/// Longest period of an orbit whose unstable pieces are drawn. Hundreds of orbits with longer
+/// periods would cover the picture.
 pub(super) const UNSTABLE: u32 = 2;
-/// Longest period of an orbit that is drawn if its branch is stable nowhere.
+/// Longest period of an orbit that is drawn if its branch has no stable range.
 pub(super) const NEVER_STABLE: u32 = 1;
 
 /// A curve of a local maximum along a piece of a branch.
@@ -32,7 +33,7 @@ struct BranchCurve {
 /// A mark of a change of stability: index into [`MARKS`] and position.
 type StabilityMark = (usize, (f64, f64));
 
-/// What is drawn of the branches.
+/// The drawn parts of the branches.
 pub(super) struct Drawn {
     curves: Vec<BranchCurve>,
     /// Places where stability changes.
@@ -55,7 +56,8 @@ impl Drawn {
             .par_iter()
             .map(|branch| {
                 // The mirror image of an unsymmetric orbit is another orbit; its maxima are the
-                // minima of this one with the opposite sign. Under constant loads there is none.
+                // minima of this one with the opposite sign. Under constant loads there is no
+                // mirror image.
                 let mut sides = vec![scaled(branch, weights)];
                 if branch.word.closing() > 0 && family.is_symmetric() {
                     sides.push(scaled(branch, weights.map(|w| -w)));

@@ -31,7 +31,7 @@ impl ShownPlane for Machine {
         format!(" Exponents over {periods} periods.")
     }
 
-    /// Mark at the file's own values, where these lie in the plane.
+    /// Mark at the file's own values, if these are in the plane.
     fn over(&self, request: &IsoperiodicRequest<Self>, _: &Isoperiodic<Option<PlanePoint>>) -> Vec<Layer> {
         let own = |axis: &ParameterAxis<String>| {
             let value = self.description.parameter(&axis.name).ok()?.value;
@@ -42,7 +42,7 @@ impl ShownPlane for Machine {
         vec![mark("", WHITE).stroke(MARK + 5), mark("the machine as it is", HERE)]
     }
 
-    /// Panel of the exponents, where those of all motions were asked for.
+    /// Panel of the exponents, if the exponents of all motions were requested.
     fn more(
         &self,
         request: &IsoperiodicRequest<Self>,
@@ -53,7 +53,7 @@ impl ShownPlane for Machine {
         }
         let (x, y) = (&request.x, &request.y);
         let exponent = |i: usize, j: usize| plane.points[j * x.count + i]?.exponent.map(|e| e[0]);
-        // Numbered as designs of a sweep are: the second axis fastest.
+        // Points are numbered like the designs of a sweep: the second axis changes fastest.
         let places = (0..x.count).flat_map(|i| (0..y.count).map(move |j| (i, j)));
         let values: Vec<Option<f64>> =
             places.map(|(i, j)| exponent(i, j).filter(|value| value.is_finite())).collect();

@@ -3,9 +3,9 @@
 
 use vibro_figures::chart::Path;
 
-/// Most windows of an envelope; a panel has about as many pixels.
+/// Largest number of windows of an envelope; a panel has about as many pixels.
 const WINDOWS: f64 = 400.0;
-/// Most columns into which a curve is thinned; a panel has fewer pixels.
+/// Largest number of columns into which a curve is thinned; a panel has fewer pixels.
 pub(super) const COLUMNS: usize = 1500;
 /// Relative change below which a quantity counts as constant: a panel has fewer pixels.
 const CHANGE: f64 = 1e-3;
@@ -38,7 +38,7 @@ pub(super) fn envelope(
     let mut windows: Vec<Option<(f64, f64)>> = vec![None; (end / width - 1e-9).ceil().max(1.0) as usize];
     let last = windows.len() - 1;
     for (time, value) in points {
-        // An instant at a window's beginning, but for rounding, belongs to that window.
+        // An instant that equals a window's beginning apart from rounding belongs to that window.
         let window = &mut windows[((time / width + 1e-9) as usize).min(last)];
         let (low, high) = window.unwrap_or((value, value));
         *window = Some((low.min(value), high.max(value)));
@@ -75,8 +75,8 @@ pub(super) fn thinned(path: Path) -> Path {
     found
 }
 
-/// The value of a quantity that changes by less than a picture of that scale can show; `None` where
-/// it changes more, and without a value.
+/// The value of a quantity that changes by less than a picture of that scale can show. `None` if it
+/// changes more or has no value.
 pub(super) fn constant(values: impl Iterator<Item = f64>, scale: f64) -> Option<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     (low <= high && high - low <= CHANGE * scale.abs()).then_some(0.5 * (low + high))

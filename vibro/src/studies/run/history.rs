@@ -43,7 +43,7 @@ pub struct RunImpact {
     pub impulse: f64,
 }
 
-/// What happened in a run.
+/// Motion, impacts and energies of a run.
 #[derive(Clone, Debug)]
 pub struct History {
     /// The motion between events (impacts and releases), each with its first and last instant.
@@ -69,7 +69,7 @@ pub struct Extent {
     pub rms: f64,
 }
 
-/// How finely a run is recorded.
+/// Resolution of the record of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
     /// Steps over the whole run.
@@ -85,7 +85,7 @@ fn instant(simulator: &Simulator, row: bool) -> RunInstant {
     RunInstant { time: simulator.time(), x: [x1, x2, x3, w], v: [v1, v2, v3, rate], contact, row }
 }
 
-/// Records a simulator, at time 0, over a duration (s) under loads.
+/// Records the motion of a simulator that is at time 0, over a duration (s) under loads.
 ///
 /// # Errors
 /// As [`Simulator::advance_under`].
@@ -124,7 +124,7 @@ fn at([c0, c1, c2, c3]: [f64; 4], u: f64) -> f64 {
     c0 + u * (c1 + u * (c2 + u * c3))
 }
 
-/// The largest |x| of a cubic on [0, 1], which is at an end or where its slope is zero.
+/// The largest |x| of a cubic on [0, 1]. It is at an end or at a point with slope zero.
 fn largest(c: [f64; 4]) -> f64 {
     let ends = c[0].abs().max(at(c, 1.0).abs());
     let (a, b) = (3.0 * c[3], c[2]);
@@ -174,7 +174,7 @@ impl History {
 /// The grid with `samples` rows and at least `least` steps in a drive period.
 ///
 /// # Errors
-/// More steps than are allowed in memory.
+/// [`Error::Refused`](crate::Error::Refused) if there are more than `most` steps.
 pub fn grid(p: &Parameters, duration: f64, samples: u32, least: u32, most: u32) -> Result<Grid> {
     let every = least.div_ceil(samples);
     let rows = (duration / p.period() * f64::from(samples) - 1e-6).ceil().max(1.0);

@@ -1,6 +1,6 @@
 //! The picture of a run: histories with impacts marked, the phase portrait between the stops,
-//! impact speeds, loads. A long run is drawn by envelopes, and its end in detail. What does not
-//! change is stated in the caption.
+//! impact speeds, loads. A long run is drawn by envelopes, and its end is drawn in detail. The
+//! caption states quantities that do not change.
 
 use super::envelope::{Extremes, constant, envelope, thinned};
 use super::history::{History, RunImpact, RunInstant};
@@ -13,17 +13,18 @@ use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, MARK, Mark, Panel,
 use vibro_impact::load::Load;
 use vibro_impact::simulator::Contact;
 
-/// Drive periods up to which a run is drawn in detail as a whole; more would be one black bar.
+/// Largest number of drive periods of a run that is drawn in detail as a whole. Curves of a longer
+/// run would fill the panel.
 const DRAWN: f64 = 40.0;
 /// Drive periods at the end of a longer run that are drawn in detail.
 const DETAIL: f64 = 10.0;
 /// Drive periods at the end of a longer run that are in its phase portrait.
 const PORTRAIT: f64 = 60.0;
-/// Most instants of a portrait.
+/// Largest number of instants of a portrait.
 const INSTANTS: usize = 12_000;
-/// Most marks of a panel; more impacts are drawn by their least and largest speeds.
+/// Largest number of marks of a panel. More impacts are drawn by their least and largest speeds.
 const MARKS: usize = 1500;
-/// Most marks of the usual size; more are drawn smaller.
+/// Largest number of marks of the usual size. More marks are drawn smaller.
 const MANY: usize = 200;
 /// Half the size of the marks of impacts.
 const SMALL: u32 = 8;
@@ -45,7 +46,7 @@ struct RunPicture<'a> {
     period: f64,
     /// Indices of the bodies that move.
     moving: Vec<usize>,
-    /// What is not drawn because it does not change, in words.
+    /// Sentences on the quantities that are not drawn because they do not change.
     left_out: Vec<String>,
 }
 
@@ -174,7 +175,7 @@ impl<'a> RunPicture<'a> {
         if self.is_long() { format!(", the last {periods} drive periods") } else { String::new() }
     }
 
-    /// Panels of the block in the box; none where it does not move there, which the caption then
+    /// Panels of the block in the box; empty if it does not move there, which the caption then
     /// states.
     fn relative(&mut self) -> Vec<Titled> {
         if let Some(w) = constant(self.instants(0.0).map(|i| i.x[3]), self.gap) {
@@ -239,8 +240,8 @@ impl<'a> RunPicture<'a> {
         self.history.impacts.iter().filter(at).map(point).collect()
     }
 
-    /// Panel of the impact speeds; none where those at each stop are equal, which the caption then
-    /// states.
+    /// Panel of the impact speeds. `None` if the speeds at each stop are equal, which the caption
+    /// then states.
     fn speeds(&mut self) -> Option<Titled> {
         let sides = [1, -1].map(|side| self.speeds_at(side));
         let top = sides.iter().flatten().map(|p| p.1).fold(0.0, f64::max);
@@ -317,7 +318,7 @@ impl<'a> RunPicture<'a> {
         (!layers.is_empty()).then(|| titled(title, self.time(0.0), Axis::new("force (N)"), layers))
     }
 
-    /// Sentence on what is not drawn.
+    /// Sentence on the quantities that are not drawn.
     fn told_left_out(&self) -> Option<String> {
         let words = self.left_out.join("; ");
         (!words.is_empty()).then(|| format!("Not drawn, since it does not change: {words}."))
