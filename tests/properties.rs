@@ -81,21 +81,25 @@ fn cases() -> ProptestConfig {
     ProptestConfig { cases, max_global_rejects: 10 * cases, ..ProptestConfig::default() }
 }
 
-/// Growth of a small change of the start's velocities until `end`.
+/// Largest growth until `end` of a small change of one of the start's velocities. Changes of several
+/// at once may cancel: in a case of thirteen elastic impacts they grew by less than 1e4 together and
+/// by 3e6 each.
 fn growth(p: &Parameters, start: &State, load: &Loads, end: f64) -> f64 {
     const CHANGE: f64 = 1e-9;
-    let mut changed = *start;
-    for (v, sign) in changed.v.iter_mut().zip([1.0, -1.0, 1.0]) {
-        *v += sign * CHANGE;
-    }
-    let [a, b] = [start, &changed].map(|start| {
+    let state_at_end = |start: &State| -> Result<State, Error> {
         let mut simulator = Simulator::new(p, start, 0.0)?;
         simulator.set_loads(load)?;
         simulator.advance_to(end).map(|()| simulator.state())
-    });
-    let (Ok(a), Ok(b)) = (a, b) else { return f64::INFINITY };
-    let differences = a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v)).map(|(x, y)| (x - y).abs());
-    differences.fold(0.0, f64::max) / CHANGE
+    };
+    let Ok(a) = state_at_end(start) else { return f64::INFINITY };
+    let of_velocity = |i: usize| {
+        let mut changed = *start;
+        changed.v[i] += CHANGE;
+        let Ok(b) = state_at_end(&changed) else { return f64::INFINITY };
+        let differences = a.x.iter().chain(&a.v).zip(b.x.iter().chain(&b.v)).map(|(x, y)| (x - y).abs());
+        differences.fold(0.0, f64::max) / CHANGE
+    };
+    (0..3).map(of_velocity).fold(0.0, f64::max)
 }
 
 /// Largest growth of small differences with which two computations of a motion are compared.

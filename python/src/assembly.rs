@@ -211,8 +211,8 @@ impl Follower {
     }
 }
 
-/// The motion at ascending times (s), with what happened up to the last, and with its derivatives by
-/// parameters.
+/// The motion at ascending times (s), with what happened up to the last, and with its derivatives
+/// by parameters.
 #[pyfunction]
 #[pyo3(signature = (machine, t, parameters, progress = None))]
 pub fn simulate_assembly<'py>(

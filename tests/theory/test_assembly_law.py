@@ -29,6 +29,10 @@ def setup_function() -> None:
     mp.dps = 40
 
 
+def teardown_function() -> None:
+    mp.dps = 40  # the equations of derivatives want more, other files' tests less
+
+
 def number(r: random.Random) -> mpf:
     return mpf(r.randint(-999, 999)) / 500
 

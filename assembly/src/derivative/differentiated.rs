@@ -25,8 +25,8 @@ const INSTANT: f64 = 1e-13;
 /// A motion from the machine's start with the derivatives of its values and of its events' times by
 /// parameters of the machine, exact through impacts, contacts and sticking.
 ///
-/// A parameter is any number of [`Description::parameters`](crate::Description::parameters). Where a
-/// motion has no derivative, its [`derivative`](Self::derivative) is `None` from then on, and
+/// A parameter is any number of [`Description::parameters`](crate::Description::parameters). Where
+/// a motion has no derivative, its [`derivative`](Self::derivative) is `None` from then on, and
 /// [`lost`](Self::lost) says why.
 ///
 /// A ball that falls from rest on a floor at the depth h meets it at √(2h/g):
@@ -144,8 +144,8 @@ impl Differentiated {
         &self.parameters
     }
 
-    /// The derivative of a quantity at the present time by the parameter with an index; `None` where
-    /// there is none.
+    /// The derivative of a quantity at the present time by the parameter with an index; `None`
+    /// where there is none.
     pub fn derivative(&self, quantity: Quantity, parameter: usize) -> Option<f64> {
         let delta = self.deltas.get(parameter)?.as_ref()?;
         let z = self.state();
@@ -158,7 +158,8 @@ impl Differentiated {
             delta,
             scale: delta,
         };
-        Some(point.quantity(quantity)).filter(|value| value.is_finite())
+        // No value is -0.
+        Some(point.quantity(quantity) + 0.0).filter(|value| value.is_finite())
     }
 
     /// Why there is no derivative by the parameter with an index any more.
@@ -174,7 +175,8 @@ impl Differentiated {
         self.advance_observed(end, &mut |_, _| ())
     }
 
-    /// Advances to a time and reports all events, each with the derivatives of its time by parameter.
+    /// Advances to a time and reports all events, each with the derivatives of its time by
+    /// parameter.
     ///
     /// # Errors
     /// As [`Motion::advance_to`].
@@ -279,7 +281,7 @@ impl Differentiated {
         }
         for event in &events {
             let time_of = |p: usize| crossing.time_of(p, event, later[p].as_ref()?, before[p].as_ref()?);
-            let times: Vec<Option<f64>> = (0..before.len()).map(time_of).collect();
+            let times: Vec<Option<f64>> = (0..before.len()).map(|p| Some(time_of(p)? + 0.0)).collect();
             observer(event, &times);
         }
         let later = later.iter().map(|later| later.as_ref().map(|later| later.event)).collect();

@@ -12,11 +12,11 @@ const REMAINDER: f64 = 1e-18;
 const MORE: usize = 2;
 /// Shortest flight by matrices, as a part of the length of a series.
 const PART: f64 = 0.125;
-/// Most coordinates with which every flight from [`PART`] on is one by matrices: modes recur, and each
-/// matrix is made once.
+/// Most coordinates with which every flight from [`PART`] on is one by matrices: modes recur, and
+/// each matrix is made once.
 const SMALL: usize = 20;
-/// With more coordinates, a flight is one by matrices where it has more lengths of a series than the
-/// square of their number over this: making a matrix takes the cube.
+/// With more coordinates, a flight is one by matrices where it has more lengths of a series than
+/// the square of their number over this: making a matrix takes the cube.
 const DEAR: f64 = 15.0;
 
 /// The flow over 2^k parts of a length: exp(A t) - 1, and by parameter its derivative.

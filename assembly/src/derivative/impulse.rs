@@ -110,8 +110,8 @@ impl Impulse {
         }
     }
 
-    /// The stop that was hit with restitution 0 although this parameter varies it: the derivative is
-    /// one-sided there.
+    /// The stop that was hit with restitution 0 although this parameter varies it: the derivative
+    /// is one-sided there.
     pub fn at_limit(&self, system: &System, tangent: &Tangent) -> Option<usize> {
         let at_zero = |stop: usize| system.stops[stop].restitution() == Some(0.0);
         self.stops.iter().copied().find(|&stop| at_zero(stop) && tangent.stops[stop].restitution != 0.0)

@@ -35,8 +35,8 @@ pub(super) fn jumped(system: &System, before: &DVector<f64>, after: &DVector<f64
     z
 }
 
-/// Changes a derivative by that of the share, M Δq = -Bᵀ m D Δp and so for rates. `jump` and `step` are
-/// the change of the state and of its derivative, at the event's own time; their signals count.
+/// Changes a derivative by that of the share, M Δq = -Bᵀ m D Δp and so for rates. `jump` and `step`
+/// are the change of the state and of its derivative, at the event's own time; their signals count.
 pub(super) fn share(
     system: &System,
     tangent: &Tangent,

@@ -119,8 +119,8 @@ impl Machine {
         response
     }
 
-    /// Whether what one of two elements does at an instant changes how the other comes to its limit:
-    /// an impulse of one moves the other, or the rate of one exerts a force on the other.
+    /// Whether what one of two elements does at an instant changes how the other comes to its
+    /// limit: an impulse of one moves the other, or the rate of one exerts a force on the other.
     pub fn are_coupled(&self, mode: &VariedMode, a: &Elongation, b: &Elongation) -> bool {
         let n = self.system.coordinates;
         let couples = |a: &Elongation, b: &Elongation| {
@@ -165,8 +165,8 @@ impl Machine {
         at.mode.watched.iter().filter(|(_, row)| self.is_zero(row, at) && comes(row)).collect()
     }
 
-    /// The watched functionals that are zero throughout the mode. With `begins`, those that leave zero
-    /// count as well.
+    /// The watched functionals that are zero throughout the mode. With `begins`, those that leave
+    /// zero count as well.
     pub fn still<'a>(&self, at: &Instant<'a>, begins: bool) -> Vec<&'a (Watch, StateRow)> {
         let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);
         let counts = |watch: Watch, row: &StateRow| match begins {
@@ -211,8 +211,8 @@ impl Machine {
         Ok(())
     }
 
-    /// Whether a contact that depends on a basis is varied in its direction otherwise than these, so
-    /// that it does not depend on them in the changed machine.
+    /// Whether a contact that depends on a basis is varied in its direction otherwise than these,
+    /// so that it does not depend on them in the changed machine.
     fn turns_away(&self, p: usize, basis: &[Contact], contact: Contact) -> bool {
         let r = triangle(&self.system.columns(basis));
         let (own, by) = self.contact(contact, p);

@@ -9,14 +9,15 @@ use nalgebra::{DMatrix, DVector};
 /// Relative singular value under which nothing acts in a direction.
 const LOOSE: f64 = 1e-12;
 
-/// The derivative of the coordinates q in equilibrium by parameter `p`: with the stiffness K of the mode
-/// and the closed stops' directions W,
+/// The derivative of the coordinates q in equilibrium by parameter `p`: with the stiffness K of the
+/// mode and the closed stops' directions W,
 ///
 /// ```text
 /// K dq + W dλ = dF z + F dz - dW λ,    Wᵀ dq = -(dh z + h dz),
 /// ```
 ///
-/// where dz are the signals' derivatives, which `delta` has. In directions in which nothing acts dq is zero.
+/// where dz are the signals' derivatives, which `delta` has. In directions in which nothing acts dq
+/// is zero.
 pub(super) fn equilibrium(
     machine: &Machine,
     p: usize,
@@ -75,8 +76,8 @@ pub(super) fn equilibrium(
 }
 
 /// The contacts that keep their place at rest, with their places in the basis: closed stops, which
-/// must press, and resting friction where friction is needed. It then keeps the place w·q = 0 of the
-/// machine without displacements, and must stay below its level.
+/// must press, and resting friction where friction is needed. It then keeps the place w·q = 0 of
+/// the machine without displacements, and must stay below its level.
 fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact)>, Lost> {
     let (mode, n) = (&at.mode.mode, machine.system.coordinates);
     let force = |k: usize| {

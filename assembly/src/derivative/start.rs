@@ -7,8 +7,8 @@ use super::rest::equilibrium;
 use crate::motion::Event;
 use nalgebra::DVector;
 
-/// The derivative by parameter `p` after the law at the start, which has had `events`; `begun` is the
-/// state before it.
+/// The derivative by parameter `p` after the law at the start, which has had `events`; `begun` is
+/// the state before it.
 pub(super) fn start(
     machine: &Machine,
     p: usize,

@@ -209,8 +209,8 @@ impl Ahead {
             if k + 1 == TERMS {
                 break;
             }
-            // What is left is at most the last term times q/(1 - q); it is looked at where it may be
-            // small.
+            // What is left is at most the last term times q/(1 - q); it is looked at where it may
+            // be small.
             if ratio < 0.9
                 && bound < 1e-8
                 && norm(series, k, z.len()) * ratio / (1.0 - ratio) <= REMAINDER * size

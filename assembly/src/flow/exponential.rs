@@ -67,9 +67,9 @@ pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
     weighted(a, one).0
 }
 
-/// A bound of the norm of A with its weights: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j / w_i. The
-/// weights of the machine's coordinates balance rows and columns; those of signals are so small
-/// that they add at most a quarter.
+/// A bound of the norm of A with its weights: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j
+/// / w_i. The weights of the machine's coordinates balance rows and columns; those of signals are
+/// so small that they add at most a quarter.
 fn weighted(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
     let size = a.len();
     let mut w = vec![1.0f64; size];

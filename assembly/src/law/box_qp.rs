@@ -326,10 +326,10 @@ impl BoxProblem {
         groups
     }
 
-    /// Solves the problem of one group by an active-set method: the free contacts have zero residual,
-    /// the others are at a bound. In each turn the most violated contact becomes free, and contacts
-    /// that meet a bound on the way cease to be. Each turn lowers the value, so that no set recurs;
-    /// Bland's rule takes over where rounding could let one recur.
+    /// Solves the problem of one group by an active-set method: the free contacts have zero
+    /// residual, the others are at a bound. In each turn the most violated contact becomes free,
+    /// and contacts that meet a bound on the way cease to be. Each turn lowers the value, so that
+    /// no set recurs; Bland's rule takes over where rounding could let one recur.
     fn solve_coupled(&self) -> Result<Solution, Jam> {
         let m = self.b.len();
         // `clamp` would panic for NaN bounds, which overflowing friction levels cause.

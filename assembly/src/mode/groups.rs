@@ -1,6 +1,6 @@
 //! Groups of contacts that share coordinates. Contacts of different groups do not act on each
-//! other: their compliance matrix G = WᵀM⁻¹W has a block for each group (docs/assembly-law.md (A5)),
-//! so that work grows with the sizes of the groups and not with the number of all contacts.
+//! other: their compliance matrix G = WᵀM⁻¹W has a block for each group (docs/assembly-law.md
+//! (A5)), so that work grows with the sizes of the groups and not with the number of all contacts.
 
 use super::Contact;
 use crate::law::box_qp::{independent, triangle};

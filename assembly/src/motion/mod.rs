@@ -303,7 +303,7 @@ impl Motion {
 
     /// Limits the memory for the tables of modes, in bytes, approximately; beyond it, tables are
     /// made again when needed. The default is 128 MB, of more than 20
-    /// augmented coordinates 8 MB.
+    /// augmented coordinates 16 MB.
     #[must_use]
     pub fn with_table_memory(mut self, bytes: usize) -> Self {
         self.tables.most = bytes;

@@ -406,8 +406,8 @@ fn shortened<const N: usize>(c: &[f64; N], part: f64) -> [f64; N] {
     c
 }
 
-/// The first root of a series in [0, `hi`]. One early in the span is found anew in a shorter one, of
-/// which the coefficients' rounding is smaller.
+/// The first root of a series in [0, `hi`]. One early in the span is found anew in a shorter one,
+/// of which the coefficients' rounding is smaller.
 fn passage_of<const N: usize>(c: &[f64; N], hi: f64) -> Option<f64> {
     let u = crossing_after_start(c, hi, &mut 0)?;
     if !(u > 0.0 && u < 0.25) {

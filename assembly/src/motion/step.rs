@@ -232,8 +232,8 @@ impl Motion {
         Flown { place: passage.map(|passage| passage.place), dt, whole, reaches }
     }
 
-    /// Flies a sub-step by one series of the actual state, which ends a little behind the event that
-    /// is predicted.
+    /// Flies a sub-step by one series of the actual state, which ends a little behind the event
+    /// that is predicted.
     #[inline(always)]
     fn by_series(&mut self, goal: DoubleDouble, at_knot: bool) -> Flown {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;

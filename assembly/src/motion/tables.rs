@@ -9,8 +9,8 @@ use std::sync::{Arc, OnceLock};
 
 /// Default size of the cache, bytes; beyond it all entries are dropped, and those in use are made
 /// again. Modes without stored matrices are made in some microseconds a body and seldom recur.
-const KEPT: usize = 128 << 20;
-const KEPT_WITHOUT_MATRICES: usize = 8 << 20;
+const KEPT: usize = 1216 << 20;
+const KEPT_WITHOUT_MATRICES: usize = 16 << 20;
 
 /// A mode in the cache.
 #[derive(Clone, Debug)]

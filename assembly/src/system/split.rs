@@ -40,8 +40,8 @@ pub struct Split {
 /// A watched functional; with entries on velocities its slope depends on the mode.
 pub type Known = (Arc<WatchTable>, bool);
 
-/// The norm of (A6) of a machine's modes: weights d of coordinates and Ω d of velocities, where d² are
-/// the entries of M⁻¹ on its diagonal, with which stiffness is symmetric.
+/// The norm of (A6) of a machine's modes: weights d of coordinates and Ω d of velocities, where d²
+/// are the entries of M⁻¹ on its diagonal, with which stiffness is symmetric.
 #[derive(Clone, Debug)]
 struct Norm {
     scales: Vec<f64>,

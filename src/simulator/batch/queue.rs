@@ -105,7 +105,7 @@ impl LaneUse {
     }
 
     /// Fraction of all lanes in all rounds that moved a motion. The other lanes were empty or their
-    /// motions were handed over.
+    /// motions were passed.
     pub fn utilisation(&self) -> f64 {
         self.substeps as f64 / (self.rounds.max(1) * super::TOGETHER as u64) as f64
     }

@@ -57,7 +57,7 @@ impl DerivativeRecord {
                 break;
             }
             let values = quantities.iter().flat_map(|&q| (0..names.len()).map(move |p| (q, p)));
-            rows.push((row[0], values.map(|(q, p)| motion.derivative(q, p).map(|x| x + 0.0)).collect()));
+            rows.push((row[0], values.map(|(q, p)| motion.derivative(q, p)).collect()));
         }
         events.truncate(record.events.len());
         let lost = (0..names.len()).filter_map(|p| Some(format!("by {}: {}", names[p], motion.lost(p)?)));
